@@ -1,0 +1,170 @@
+//! Scattered contacts, one entry per touch in every column (structure of arrays).
+
+use super::ContactError;
+
+/// How the surface is turned at each contact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Orientation {
+    /// Positions only.
+    #[default]
+    None,
+    /// Outward normals of any length but zero, towards the free side.
+    Normals {
+        /// x component.
+        nx: Vec<f64>,
+        /// y component.
+        ny: Vec<f64>,
+        /// z component.
+        nz: Vec<f64>,
+    },
+    /// Slopes `zx = dz/dx`, `zy = dz/dy`.
+    Slopes {
+        /// dz/dx.
+        zx: Vec<f64>,
+        /// dz/dy.
+        zy: Vec<f64>,
+    },
+}
+
+/// Per-contact weights that multiply the weights of their blocks (residuals, not squares). `None` is all ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowWeights {
+    /// Of the height rows. All zero: slopes only.
+    pub z: Option<Vec<f64>>,
+    /// Of the x-slope rows (with normals: of the normal's rows, where `x` and `y` must be equal or one absent).
+    pub x: Option<Vec<f64>>,
+    /// Of the y-slope rows.
+    pub y: Option<Vec<f64>>,
+}
+
+/// Contacts wherever the fingers fell: `g` entries in every column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// Positions, input units.
+    pub x: Vec<f64>,
+    /// Positions, input units.
+    pub y: Vec<f64>,
+    /// Heights, input units (ignored where the weight of the height row is zero).
+    pub z: Vec<f64>,
+    /// Normals, slopes, or neither.
+    pub orientation: Orientation,
+    /// Which finger made the contact.
+    pub finger: Option<Vec<u32>>,
+    /// Which stop of the sweep it was.
+    pub station: Option<Vec<u32>>,
+    /// Per-contact weights.
+    pub weights: RowWeights,
+}
+
+impl Contacts {
+    /// Contacts with positions only; add normals or slopes with [`Contacts::with_normals`], [`Contacts::with_slopes`].
+    pub fn from_positions(x: Vec<f64>, y: Vec<f64>, z: Vec<f64>) -> Contacts {
+        Contacts { x, y, z, ..Contacts::default() }
+    }
+
+    /// The same contacts with outward normals (any length but zero).
+    pub fn with_normals(mut self, nx: Vec<f64>, ny: Vec<f64>, nz: Vec<f64>) -> Contacts {
+        self.orientation = Orientation::Normals { nx, ny, nz };
+        self
+    }
+
+    /// The same contacts with slopes dz/dx, dz/dy.
+    pub fn with_slopes(mut self, zx: Vec<f64>, zy: Vec<f64>) -> Contacts {
+        self.orientation = Orientation::Slopes { zx, zy };
+        self
+    }
+
+    /// Number of contacts g.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// No contacts at all.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Checks lengths, finiteness, normals and weights; every other room relies on it.
+    ///
+    /// # Errors
+    /// The first fault found, column by column.
+    pub fn check(&self) -> Result<(), ContactError> {
+        if self.x.is_empty() {
+            return Err(ContactError::Empty);
+        }
+        let mut columns: Vec<(&'static str, &[f64])> = vec![("x", &self.x), ("y", &self.y), ("z", &self.z)];
+        match &self.orientation {
+            Orientation::None => {}
+            Orientation::Normals { nx, ny, nz } => columns.extend([("nx", &nx[..]), ("ny", ny), ("nz", nz)]),
+            Orientation::Slopes { zx, zy } => columns.extend([("zx", &zx[..]), ("zy", zy)]),
+        }
+        for (column, values) in columns {
+            self.check_length(column, values.len())?;
+            if let Some(index) = values.iter().position(|v| !v.is_finite()) {
+                return Err(ContactError::NotFinite { column, index, value: values[index] });
+            }
+        }
+        self.check_normals()?;
+        self.check_labels_and_weights()
+    }
+
+    fn check_length(&self, column: &'static str, found: usize) -> Result<(), ContactError> {
+        let expected = self.x.len();
+        if found == expected { Ok(()) } else { Err(ContactError::Length { column, found, expected }) }
+    }
+
+    fn check_normals(&self) -> Result<(), ContactError> {
+        if let Orientation::Normals { nx, ny, nz } = &self.orientation {
+            for index in 0..nx.len() {
+                if nx[index] == 0.0 && ny[index] == 0.0 && nz[index] == 0.0 {
+                    return Err(ContactError::ZeroNormal { index });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_labels_and_weights(&self) -> Result<(), ContactError> {
+        for (column, labels) in [("finger", &self.finger), ("station", &self.station)] {
+            if let Some(labels) = labels {
+                self.check_length(column, labels.len())?;
+            }
+        }
+        for (column, weights) in [("wz", &self.weights.z), ("wx", &self.weights.x), ("wy", &self.weights.y)] {
+            if let Some(weights) = weights {
+                self.check_length(column, weights.len())?;
+                if let Some(index) = weights.iter().position(|w| !w.is_finite() || *w < 0.0) {
+                    return Err(ContactError::Weight { column, index, value: weights[index] });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Unit normal of contact `r`, whatever its orientation was given as; `None` for positions only.
+    pub fn unit_normal(&self, r: usize) -> Option<[f64; 3]> {
+        match &self.orientation {
+            Orientation::None => None,
+            Orientation::Normals { nx, ny, nz } => Some(unit([nx[r], ny[r], nz[r]])),
+            Orientation::Slopes { zx, zy } => Some(unit([-zx[r], -zy[r], 1.0])),
+        }
+    }
+
+    /// The same contacts with every normal reversed; slopes and positions stay.
+    pub fn with_flipped_normals(mut self) -> Contacts {
+        if let Orientation::Normals { nx, ny, nz } = &mut self.orientation {
+            for column in [nx, ny, nz] {
+                column.iter_mut().for_each(|v| *v = -*v);
+            }
+        }
+        self
+    }
+}
+
+/// `v / |v|`, scaled first so that neither tiny nor huge components overflow.
+pub(crate) fn unit(v: [f64; 3]) -> [f64; 3] {
+    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    let w = [v[0] / largest, v[1] / largest, v[2] / largest];
+    let length = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
+    [w[0] / length, w[1] / length, w[2] / length]
+}

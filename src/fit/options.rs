@@ -1,0 +1,141 @@
+//! What a user may choose about a fit; the same words on the command line, in a scene's `[fit]` and here.
+
+/// Weights of the slope rows (paper Eq. 14). They multiply residuals, not their squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SlopeWeights {
+    /// Two variance components, heights and slopes, estimated with the fit.
+    Auto,
+    /// 1, 10, 10 with the height residual in units of half the domain's larger side.
+    #[default]
+    Tangent,
+    /// 10, 1, 1 in the same unit.
+    Position,
+    /// 1, 1, 1 in the same unit.
+    Equal,
+    /// Applied to heights and slopes as they are.
+    Explicit([f64; 3]),
+}
+
+/// Noise level of the normal rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum NormalSigma {
+    /// Two variance components, heights and normals, estimated with the fit.
+    #[default]
+    Auto,
+    /// Known levels.
+    Known {
+        /// Sd of z at exact x, y, input units.
+        z: f64,
+        /// Sd of the normal per tangent axis, degrees.
+        normal_deg: f64,
+    },
+}
+
+/// Which of the two objectives is minimised; never mixed in one fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Objective {
+    /// `Normals(Auto)` with normals, `Slopes(Auto)` with slopes, heights alone without either.
+    #[default]
+    Auto,
+    /// Slope rows, linear (the paper).
+    Slopes(SlopeWeights),
+    /// Normal rows, maximum likelihood by Gauss-Newton.
+    Normals(NormalSigma),
+}
+
+/// How the least squares problem is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Cheapest first, moving on when its own estimate calls for it; every move is reported.
+    #[default]
+    Auto,
+    /// Cholesky of the normal matrix.
+    Cholesky,
+    /// QR of the rows.
+    Qr,
+    /// Fast diagonalisation of a complete grid.
+    Kronecker,
+    /// Conjugate gradients preconditioned by fast diagonalisation.
+    Pcg,
+}
+
+/// Thin-plate roughness penalty.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Smooth {
+    /// No penalty.
+    #[default]
+    None,
+    /// Chosen by the data.
+    Auto,
+    /// `lambda * integral (S_xx^2 + 2 S_xy^2 + S_yy^2)` added to the weighted sum of squares.
+    Lambda(f64),
+}
+
+/// Robust loss, by iterative reweighting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Robust {
+    /// Plain least squares.
+    #[default]
+    None,
+    /// Huber's loss.
+    Huber,
+    /// Tukey's biweight.
+    Tukey,
+}
+
+/// Which axes the patch has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameChoice {
+    /// Those of the input.
+    Keep,
+    /// Those of the input when all nz > 0 or without normals, else from the mean normal and the sweep.
+    Auto,
+}
+
+/// Everything that decides a fit, with the design's defaults.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Degrees p (x) and q (y), 1 to 9. Default 2.
+    pub degree: [usize; 2],
+    /// Uniform segments per direction. Default 1.
+    pub segments: [usize; 2],
+    /// Full clamped knot vectors in input units, instead of `segments`.
+    pub knots: Option<[Vec<f64>; 2]>,
+    /// `[x0, x1, y0, y1]`, input units. Default: bounding box of the contacts.
+    pub domain: Option<[f64; 4]>,
+    /// What is minimised.
+    pub objective: Objective,
+    /// How it is solved.
+    pub method: Method,
+    /// Roughness penalty.
+    pub smooth: Smooth,
+    /// Loss.
+    pub robust: Robust,
+    /// Points of the shape grid per direction. Default 8 x 8.
+    pub grid: [usize; 2],
+    /// Fraction of each side cut at every edge of the shape grid, 0 to below 1/2. Default 0.
+    pub inset: f64,
+    /// Axes of the patch. `None`: as `Auto`, but normals that all point down are refused as inward.
+    pub frame: Option<FrameChoice>,
+    /// Level of the intervals. Default 0.95.
+    pub level: f64,
+}
+
+impl Default for FitOptions {
+    fn default() -> FitOptions {
+        FitOptions {
+            degree: [2, 2],
+            segments: [1, 1],
+            knots: None,
+            domain: None,
+            objective: Objective::default(),
+            method: Method::default(),
+            smooth: Smooth::default(),
+            robust: Robust::default(),
+            grid: [8, 8],
+            inset: 0.0,
+            frame: None,
+            level: 0.95,
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! `palpate` tells the shape of a curved surface from a few touches, and says how far to trust the answer.
+//!
+//! A tensor-product B-spline `S(x, y) = sum_ij c_ij N_i(x) M_j(y)` is fitted to contact positions and surface
+//! normals at once, by weighted least squares on the stacked observation matrix
+//!
+//! ```text
+//! E = [ N  o M  ]   heights      z  = S          g rows
+//!     [ N' o M  ]   slopes in x  zx = S_x        g rows      E c = b,  c = vec(c_ij), n m unknowns
+//!     [ N  o M' ]   slopes in y  zy = S_y        g rows
+//! ```
+//!
+//! and from the surface come the principal curvatures `k1 >= k2`, Koenderink's shape index `S` and curvedness `R`.
+//!
+//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/floors.rs`):
+//! [`contact`], [`bspline`], [`linalg`], [`curvature`], [`draws`]; [`scene`], [`observation`], [`solve`],
+//! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
+#![warn(missing_docs)]
+
+pub mod contact;
+pub mod curvature;
+pub mod fit;
