@@ -19,3 +19,5 @@
 pub mod contact;
 pub mod curvature;
 pub mod fit;
+#[cfg(feature = "cli")]
+pub mod io;
