@@ -16,6 +16,7 @@ mod npy;
 mod npz;
 mod place;
 mod ply;
+mod surface_file;
 mod write;
 
 use std::io::Read;
@@ -28,6 +29,7 @@ use columns::Need;
 pub use atomic::{remove_unfinished, write_atomically};
 pub use error::IoError;
 pub use place::{Place, Places};
+pub use surface_file::{FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes};
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
