@@ -18,4 +18,9 @@
 
 pub mod contact;
 pub mod curvature;
+pub mod draws;
 pub mod fit;
+#[cfg(feature = "cli")]
+pub mod io;
+pub mod montecarlo;
+pub mod scene;
