@@ -143,7 +143,9 @@ mod tests {
         let mut out = vec![0.0; count];
         EffectDraws::new(3, "moments").normals(0, 0, 1, &mut out);
         // (power, mean, variance of the power)
-        for (power, mean, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)] {
+        for (power, mean, variance) in
+            [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)]
+        {
             let sum: f64 = out.iter().map(|v| v.powi(power)).sum();
             let sigmas = (sum / count as f64 - mean) / (variance / count as f64 as f64).sqrt();
             assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");

@@ -62,7 +62,9 @@ pub enum SceneError {
         total: usize,
     },
     /// An indentation would pass the tip's centre.
-    #[error("indentation {depth} at force {force} exceeds sweep.tip_radius = {tip_radius}; raise effects.indentation.modulus = {modulus} or lower the force")]
+    #[error(
+        "indentation {depth} at force {force} exceeds sweep.tip_radius = {tip_radius}; raise effects.indentation.modulus = {modulus} or lower the force"
+    )]
     Indentation {
         /// Depth at the largest force.
         depth: f64,
@@ -74,7 +76,9 @@ pub enum SceneError {
         modulus: f64,
     },
     /// The arm does not reach a site.
-    #[error("the arm of effects.encoder cannot reach finger {finger}, station {station}: it ends {miss} away; its links span {span}, the site is {distance} from its base")]
+    #[error(
+        "the arm of effects.encoder cannot reach finger {finger}, station {station}: it ends {miss} away; its links span {span}, the site is {distance} from its base"
+    )]
     Arm {
         /// Finger, counted from 0.
         finger: u32,

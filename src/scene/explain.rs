@@ -46,7 +46,8 @@ impl Simulator {
 /// A plain table of the stages; `nanoseconds` per contact where they were measured, in the same order.
 pub fn table(simulator: &Simulator, nanoseconds: &[f64]) -> String {
     let (reachable, total) = simulator.reach();
-    let mut text = format!("surface  {}, {reachable} of {total} sites within reach\n", simulator.truth().surface().body.kind());
+    let mut text =
+        format!("surface  {}, {reachable} of {total} sites within reach\n", simulator.truth().surface().body.kind());
     if let Some(label) = simulator.truth().inverse_crime() {
         text.push_str(&format!("inverse crime: the surface is itself a fit ({label})\n"));
     }
@@ -58,7 +59,10 @@ pub fn table(simulator: &Simulator, nanoseconds: &[f64]) -> String {
     for (index, line) in simulator.explain().iter().enumerate() {
         let time = nanoseconds.get(index).map_or("-".into(), |ns| format!("{ns:.1}"));
         let sites = if line.keeps_sites { "kept" } else { "moved" };
-        text.push_str(&format!("{:<18} {:>5} {:>12} {:>6}  {}\n", line.name, line.draws_per_contact, time, sites, line.changes));
+        text.push_str(&format!(
+            "{:<18} {:>5} {:>12} {:>6}  {}\n",
+            line.name, line.draws_per_contact, time, sites, line.changes
+        ));
     }
     text
 }

@@ -195,11 +195,8 @@ impl Simulator {
     pub fn noise_free(&self) -> Contacts {
         let point = |axis: usize| self.touched.iter().map(|touch| touch.point[axis]).collect();
         let normal = |axis: usize| self.touched.iter().map(|touch| touch.local.normal[axis]).collect();
-        let mut contacts = Contacts::from_positions(point(0), point(1), point(2)).with_normals(
-            normal(0),
-            normal(1),
-            normal(2),
-        );
+        let mut contacts =
+            Contacts::from_positions(point(0), point(1), point(2)).with_normals(normal(0), normal(1), normal(2));
         contacts.finger = Some(self.fingers.clone());
         contacts.station = Some(self.stations.clone());
         contacts

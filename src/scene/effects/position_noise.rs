@@ -66,7 +66,11 @@ fn factored(a: &[[f64; 3]; 3]) -> Result<[f64; 6], SceneError> {
         // a pivot this small is the rounding of a zero one
         let rounding = 8.0 * f64::EPSILON * largest;
         if pivot < -rounding {
-            return Err(SceneError::range(KEY, pivot, "a covariance has no negative eigenvalue (this pivot is negative)"));
+            return Err(SceneError::range(
+                KEY,
+                pivot,
+                "a covariance has no negative eigenvalue (this pivot is negative)",
+            ));
         }
         l[j][j] = if pivot <= rounding { 0.0 } else { pivot.sqrt() };
         for i in j + 1..3 {

@@ -146,7 +146,8 @@ impl Body {
                 first_below(low, high, |t| above(&|x, y| Some(bump.height(x, y)), t))
             }
             Body::Sinusoid(waves) => {
-                let (low, high) = widened(through_slab(o, d, -4.0 * waves.amplitude.abs(), 4.0 * waves.amplitude.abs())?);
+                let (low, high) =
+                    widened(through_slab(o, d, -4.0 * waves.amplitude.abs(), 4.0 * waves.amplitude.abs())?);
                 first_below(low, high, |t| above(&|x, y| Some(waves.height(x, y)), t))
             }
             Body::MonkeySaddle(saddle) => {

@@ -43,7 +43,8 @@ impl Surface {
                 all_positive("surface.semi_axes", &superquadric.semi_axes)?;
                 for exponent in superquadric.exponents {
                     if !(exponent > 0.0 && exponent <= 1.0) {
-                        let expected = "an exponent above 0, at most 1, is needed (beyond 1 there are edges without normals)";
+                        let expected =
+                            "an exponent above 0, at most 1, is needed (beyond 1 there are edges without normals)";
                         return Err(SceneError::range("surface.exponents", exponent, expected));
                     }
                 }
@@ -51,7 +52,10 @@ impl Surface {
             }
             Body::Union(union) => {
                 if union.parts.is_empty() {
-                    return Err(SceneError::List { key: "surface.parts".into(), expected: "at least one part is needed" });
+                    return Err(SceneError::List {
+                        key: "surface.parts".into(),
+                        expected: "at least one part is needed",
+                    });
                 }
                 union.parts.iter().try_for_each(Surface::check)
             }

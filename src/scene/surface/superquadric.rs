@@ -61,14 +61,8 @@ impl Superquadric {
         };
         let (gx, gy) = (fx1 / a, fy1 / b);
         let gradient = [s1 * gx, s1 * gy, fz1 / c];
-        let hessian = [
-            s1 * fx2 / a / a + s2 * gx * gx,
-            s1 * fy2 / b / b + s2 * gy * gy,
-            fz2 / c / c,
-            s2 * gx * gy,
-            0.0,
-            0.0,
-        ];
+        let hessian =
+            [s1 * fx2 / a / a + s2 * gx * gx, s1 * fy2 / b / b + s2 * gy * gy, fz2 / c / c, s2 * gx * gy, 0.0, 0.0];
         Local::implicit(gradient, hessian)
     }
 
