@@ -8,9 +8,9 @@
 //! no branch. Replicates are made one at a time or as a [`Block`], contact-major, so that each contact's draws are one
 //! run of the generator; the bits are the same.
 
-use super::effects::{Context, Stage};
+use super::effects::{Context, Effect, Stage};
 use super::surface::{Surface, SurfacePoint};
-use super::sweep::{Site, contact};
+use super::sweep::Site;
 use super::truth::Truth;
 use super::{SceneError, World};
 use crate::contact::Contacts;
@@ -67,17 +67,44 @@ impl Block {
         }
     }
 
+    /// Marks a reading as lost.
+    pub(crate) fn lose(&mut self, entry: usize) {
+        if self.lost.is_empty() {
+            self.lost.resize(self.points.len(), false);
+        }
+        self.lost[entry] = true;
+    }
+
     /// Calls `change(point, normal, draws)` for every entry with `N` standard normals each.
     #[inline]
     pub(crate) fn for_each_with_normals<const N: usize>(
         &mut self,
         draws: &EffectDraws,
+        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
+    ) {
+        self.for_each(|contact, first, out| draws.normals(contact, first, N, out), change);
+    }
+
+    /// The same with uniforms in (0, 1).
+    #[inline]
+    pub(crate) fn for_each_with_uniforms<const N: usize>(
+        &mut self,
+        draws: &EffectDraws,
+        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
+    ) {
+        self.for_each(|contact, first, out| draws.uniforms(contact, first, N, out), change);
+    }
+
+    #[inline]
+    fn for_each<const N: usize>(
+        &mut self,
+        draw: impl Fn(u64, u64, &mut [f64]),
         mut change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
     ) {
         let mut drawn = std::mem::take(&mut self.drawn);
         drawn.resize(self.lanes * N, 0.0);
         for contact in 0..self.contacts() {
-            draws.normals(contact as u64, self.first_replicate, N, &mut drawn);
+            draw(contact as u64, self.first_replicate, &mut drawn);
             let entries = contact * self.lanes..(contact + 1) * self.lanes;
             let rows = self.points[entries.clone()].iter_mut().zip(&mut self.normals[entries]);
             for ((point, normal), values) in rows.zip(drawn.chunks_exact(N)) {
@@ -142,7 +169,22 @@ impl World {
             return Err(SceneError::Twice { effect: twice[0].name() });
         }
         let tip_radius = self.sweeps[0].tip_radius;
-        let context = Context { sites, surface: &self.surface, tip_radius, believed_radius: tip_radius };
+        if let Some(other) = self.sweeps.iter().find(|sweep| sweep.tip_radius != tip_radius) {
+            return Err(SceneError::Clash {
+                first: format!("sweep.tip_radius = {tip_radius}"),
+                second: format!("sweep.second.tip_radius = {}", other.tip_radius),
+                why: "both sweeps are made with the same hand".into(),
+            });
+        }
+        let mut context =
+            Context { sites, surface: &self.surface, tip_radius, believed_radius: tip_radius, load: None };
+        for effect in &effects {
+            match effect {
+                Effect::TipRadiusError(calibration) => context.believed_radius += calibration.error,
+                Effect::Indentation(indentation) => context.load = Some(indentation.threshold),
+                _ => {}
+            }
+        }
         let mut stages = Vec::new();
         for effect in effects {
             stages.extend(effect.prepare(&context)?);

@@ -12,11 +12,35 @@
 //! An effect whose strengths are all zero is not compiled in: zero is absence by construction. Each has random numbers
 //! of its own (see [`crate::draws`]), addressed by seed, replicate, its name and the contact.
 
+mod arm;
+mod dropout;
+mod encoder;
+mod force_noise;
+mod friction;
+mod indentation;
+mod lane_noise;
+mod latency;
+mod misalignment;
+mod normal_noise;
 mod position_noise;
 mod row_noise;
+mod slip;
+mod tip_radius_error;
 
+pub use arm::{Arm, Link};
+pub use dropout::Dropout;
+pub use encoder::Encoder;
+pub use force_noise::ForceNoise;
+pub use friction::Friction;
+pub use indentation::Indentation;
+pub use lane_noise::LaneNoise;
+pub use latency::Latency;
+pub use misalignment::Misalignment;
+pub use normal_noise::NormalNoise;
 pub use position_noise::PositionNoise;
 pub use row_noise::RowNoise;
+pub use slip::Slip;
+pub use tip_radius_error::TipRadiusError;
 
 use super::SceneError;
 use super::simulate::Block;
@@ -31,6 +55,24 @@ pub(crate) struct Context<'a> {
     /// Radius that the robot believes its tips to have.
     pub believed_radius: f64,
     pub tip_radius: f64,
+    /// Force at which a reading is triggered, where indentation sets one.
+    pub load: Option<f64>,
+}
+
+impl Context<'_> {
+    /// Whether the contact before each contact lies on the same lane.
+    pub fn continues(&self) -> Vec<bool> {
+        let same = |i: usize| i > 0 && self.sites[i - 1].finger == self.sites[i].finger;
+        (0..self.sites.len()).map(same).collect()
+    }
+}
+
+/// Replaces the sensed normal; the contact swings about the tip's centre with the believed radius.
+pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3], radius: f64) {
+    for k in 0..3 {
+        point[k] -= radius * (sensed[k] - normal[k]);
+    }
+    *normal = sensed;
 }
 
 /// One prepared effect: constants worked out, ready for blocks of replicates.
@@ -77,8 +119,30 @@ macro_rules! effects {
 }
 
 effects! {
+    /// Wrong calibration of the tip's radius.
+    TipRadiusError => "tip_radius_error",
+    /// Elastic tips sinking in, force threshold, approach overshoot.
+    Indentation => "indentation",
+    /// Sliding friction tilting the sensed force.
+    Friction => "friction",
+    /// Noise, bias, drift and quantisation of the force that the normal is estimated from.
+    ForceNoise => "force_noise",
     /// Independent errors of the measured position.
     PositionNoise => "position_noise",
+    /// Isotropic errors of the normal.
+    NormalNoise => "normal_noise",
+    /// Joint encoders through the arm's kinematics.
+    Encoder => "encoder",
+    /// Wrong frame.
+    Misalignment => "misalignment",
+    /// Positions older than the forces.
+    Latency => "latency",
+    /// Correlated errors along a lane.
+    LaneNoise => "lane_noise",
+    /// Gross outliers.
+    Slip => "slip",
+    /// Lost readings.
+    Dropout => "dropout",
     /// Independent errors of z, zx, zy: the law of a paper study.
     RowNoise => "row_noise",
 }

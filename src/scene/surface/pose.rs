@@ -54,10 +54,6 @@ impl Pose {
         turned_back(&self.matrix, v)
     }
 
-    /// The world's z direction in body coordinates.
-    pub(crate) fn up_in_body(self) -> Vector {
-        turned_back(&self.matrix, UP)
-    }
 
     /// Height of the body's origin above the world's z = 0.
     pub(crate) fn lift(self) -> f64 {
