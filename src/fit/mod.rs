@@ -35,6 +35,7 @@ mod describe;
 mod equations;
 mod error;
 mod gaps;
+mod grid;
 mod noise;
 mod normals;
 mod observed;
