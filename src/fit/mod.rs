@@ -40,7 +40,9 @@ mod noise;
 mod normals;
 mod observed;
 mod options;
+mod robust;
 mod rows;
+mod smoothing;
 mod solver;
 mod uncertainty;
 
