@@ -16,6 +16,7 @@ mod npy;
 mod npz;
 mod place;
 mod ply;
+pub mod scene_file;
 mod surface_file;
 mod write;
 

@@ -172,3 +172,48 @@ fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
     let channel = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
     RGBColor(channel(from.0, to.0), channel(from.1, to.1), channel(from.2, to.2))
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::*;
+    use crate::bspline::Knots;
+    use crate::shape::{ShapeGrid, shape_maps};
+    use crate::surface::HeightField;
+
+    /// A groove along y: z = x^2, with one unsupported corner.
+    fn groove(points: [usize; 2]) -> ShapeMaps {
+        let knots = [Knots::uniform(2, 1, -2.0, 2.0).unwrap(), Knots::uniform(1, 1, 0.0, 3.0).unwrap()];
+        let coefficients = Array2::from_shape_vec((3, 2), vec![4.0, 4.0, -4.0, -4.0, 4.0, 4.0]).unwrap();
+        let surface = HeightField::new(knots, coefficients).unwrap();
+        let mut maps = shape_maps(&surface, ShapeGrid::over([[-2.0, 2.0], [0.0, 3.0]], points, 0.0), &[]);
+        maps.supported[[0, 0]] = false;
+        maps
+    }
+
+    #[test]
+    fn every_cell_is_painted_twice_and_every_contact_dotted_twice() {
+        let mut svg = Vec::new();
+        let contacts = ([0.0, 1.0, 99.0], [1.0, 2.0, 1.0]);
+        let options = PictureOptions { title: "a groove", contacts: Some((&contacts.0, &contacts.1)) };
+        write_picture(&groove([9, 7]), &options, &mut svg).unwrap();
+        let text = String::from_utf8(svg).unwrap();
+        for word in ["a groove", "S, shape index", "R, curvedness"] {
+            assert!(text.contains(word), "{word}");
+        }
+        assert_eq!(text.matches("<circle").count(), 4);
+        // background, two panels of cells, two bars of 32 steps
+        assert_eq!(text.matches("<rect").count(), 1 + 2 * 63 + 2 * 32);
+    }
+
+    #[test]
+    fn one_point_and_flat_ground_have_pictures_too() {
+        let mut flat = groove([1, 5]);
+        flat.curvedness.fill(0.0);
+        flat.shape_index.fill(f64::NAN);
+        write_picture(&flat, &PictureOptions::default(), &mut Vec::new()).unwrap();
+        flat.supported.fill(false);
+        write_picture(&flat, &PictureOptions::default(), &mut Vec::new()).unwrap();
+    }
+}
