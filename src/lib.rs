@@ -34,3 +34,6 @@ pub mod scene;
 pub mod shape;
 pub mod solve;
 pub mod surface;
+
+pub use contact::{Contacts, Grid};
+pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
