@@ -6,15 +6,15 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
-//mod describe;
+mod describe;
 mod failure;
-//mod fit;
+mod fit;
 mod options;
 mod output;
-//mod run;
+mod run;
 mod scene;
 mod scenes;
-//mod show;
+mod show;
 mod simulate;
 mod values;
 
@@ -34,16 +34,16 @@ struct Line {
 
 #[derive(Subcommand)]
 enum Verb {
-    //// Sweep, fit and describe one scene
-    //Run(run::RunArgs),
+    /// Sweep, fit and describe one scene
+    Run(run::RunArgs),
     /// Write the contacts of a scene and nothing else
     Simulate(simulate::SimulateArgs),
-    //// Fit a surface to contacts or a grid and describe its shape
-    //Fit(fit::FitArgs),
+    /// Fit a surface to contacts or a grid and describe its shape
+    Fit(fit::FitArgs),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
-    //// Describe a saved surface, or evaluate it at given points
-    //Show(show::ShowArgs),
+    /// Describe a saved surface, or evaluate it at given points
+    Show(show::ShowArgs),
 }
 
 /// Runs the command line of this process.
@@ -62,11 +62,11 @@ pub fn main() -> ExitCode {
         std::process::exit(130)
     });
     let outcome = match line.verb {
-        //Verb::Run(args) => run::run(&args),
+        Verb::Run(args) => run::run(&args),
         Verb::Simulate(args) => simulate::simulate(&args),
-        //Verb::Fit(args) => fit::fit(&args),
+        Verb::Fit(args) => fit::fit(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
-        //Verb::Show(args) => show::show(&args),
+        Verb::Show(args) => show::show(&args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

@@ -36,9 +36,8 @@ pub fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<
 pub fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
     let mut npz = NpzWriter::new_compressed(Cursor::new(Vec::new()));
     let size = (maps.grid.x.len(), maps.grid.y.len());
-    let map = |at: &dyn Fn(usize, usize) -> Option<f64>| {
-        Array2::from_shape_fn(size, |(i, j)| at(i, j).unwrap_or(f64::NAN))
-    };
+    let map =
+        |at: &dyn Fn(usize, usize) -> Option<f64>| Array2::from_shape_fn(size, |(i, j)| at(i, j).unwrap_or(f64::NAN));
     let supported = |i, j, value: f64| maps.supported[[i, j]].then_some(value);
     let axes = [("x", &maps.grid.x), ("y", &maps.grid.y)];
     let arrays = [

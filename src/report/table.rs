@@ -83,7 +83,8 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
             Some(value) => format!("{name} {}{unit}  ", significant(value, 3)),
             None => String::new(),
         };
-        let levels = [level("z", sigma.z, ""), level("normals", sigma.normal_deg, " deg"), level("slopes", sigma.slope, "")];
+        let levels =
+            [level("z", sigma.z, ""), level("normals", sigma.normal_deg, " deg"), level("slopes", sigma.slope, "")];
         lines.add("sigma", levels.concat());
     }
     if fit.smooth != 0.0 {
@@ -140,7 +141,8 @@ mod tests {
 
     #[test]
     fn digits_are_significant_ones() {
-        let cases = [(96.8512, "96.85"), (0.0073012, "0.007301"), (1.2e-16, "1.200e-16"), (0.0, "0"), (12345.6, "12346")];
+        let cases =
+            [(96.8512, "96.85"), (0.0073012, "0.007301"), (1.2e-16, "1.200e-16"), (0.0, "0"), (12345.6, "12346")];
         for (value, text) in cases {
             assert_eq!(significant(value, 4), text);
         }

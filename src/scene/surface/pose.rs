@@ -54,7 +54,6 @@ impl Pose {
         turned_back(&self.matrix, v)
     }
 
-
     /// Height of the body's origin above the world's z = 0.
     pub(crate) fn lift(self) -> f64 {
         self.offset[2]
