@@ -57,7 +57,7 @@ pub(super) fn describe(fit: &Fit, subject: &Subject, to: &Destination) -> Result
         shape: clock.elapsed().as_secs_f64(),
         total: subject.began.elapsed().as_secs_f64(),
     };
-    let surface = fit.input_surface().map_err(|e| Failure::Other(format!("{}: {e}", subject.name)))?;
+    let surface = fit.input_surface().map_err(|e| Failure::Input(format!("{}: {e}", subject.name)))?;
     let document = document(fit, &surface, subject, seconds);
     if let Some(path) = to.save {
         write_atomically(path, &mut |out| write_json(&document, out))?;
@@ -145,6 +145,7 @@ fn measured_pixels(grid: &Grid) -> usize {
 fn fit_part(fit: &Fit, surface: &HeightField, reader_notes: &[String]) -> FitPart {
     let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
     let sigma = SigmaPart { z: noise.sigma_z, normal_deg: noise.sigma_normal_deg, slope: noise.sigma_slope };
+    let finite = |v: f64| v.is_finite().then_some(v);
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
         degree: [0, 1].map(|k| surface.knots()[k].degree()),
@@ -159,8 +160,8 @@ fn fit_part(fit: &Fit, surface: &HeightField, reader_notes: &[String]) -> FitPar
         equations: certificate.equations,
         unknowns: certificate.unknowns,
         rank: certificate.rank,
-        condition: Some(certificate.condition),
-        backward_error: Some(certificate.backward_error),
+        condition: finite(certificate.condition),
+        backward_error: finite(certificate.backward_error),
         smooth: fit.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| *lambda),
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy },
         notes: reader_notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),

@@ -1,4 +1,4 @@
-//! How a verb ends: 0 done, 2 bad usage or bad input, 1 anything else; a closed pipe ends quietly.
+//! How a verb ends: 0 done, 2 bad usage or bad input (a panic, which is a fault of ours, exits 101); a closed pipe ends quietly.
 
 use std::process::ExitCode;
 
@@ -9,8 +9,6 @@ use crate::io::IoError;
 pub(super) enum Failure {
     /// The user can put it right: exit 2.
     Input(String),
-    /// He cannot: exit 1.
-    Other(String),
     /// Who read our output has gone: no message, exit 0.
     ClosedPipe,
 }
@@ -18,14 +16,10 @@ pub(super) enum Failure {
 impl Failure {
     /// Says what happened on standard error and gives the exit code.
     pub(super) fn report(self) -> ExitCode {
-        let (message, code) = match self {
-            Failure::Input(message) => (message, 2),
-            Failure::Other(message) => (message, 1),
-            Failure::ClosedPipe => return ExitCode::SUCCESS,
-        };
+        let Failure::Input(message) = self else { return ExitCode::SUCCESS };
         // standard error may be closed too; there is nobody left to tell
         let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("palpate: {message}\n").as_bytes());
-        ExitCode::from(code)
+        ExitCode::from(2)
     }
 }
 

@@ -39,7 +39,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
     args.output.prepare()?;
-    let _spinner = args.output.spinner(format!("fitting {}", args.input.display()));
+    let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
     let mut reading = read_input(&args.input, &ReadOptions { skip_invalid: args.skip_invalid })?;
     if args.flip_normals {
         reading.input = match reading.input {
@@ -54,6 +54,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let fitted = clock.elapsed().as_secs_f64();
     let notes = notes(&reading);
     let subject = Subject { name: &reading.file, input: &reading.input, truth: None, notes, began, read, fitted };
+    drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
 }
 

@@ -34,7 +34,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let scene = scene::load(&args.scene)?;
     args.output.prepare()?;
-    let _spinner = args.output.spinner(format!("running {}", scene.name));
+    let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
     let (contacts, truth) = simulator.simulate(scene.seed, 0);
@@ -52,5 +52,6 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         notes.push(format!("inverse crime: the surface is imported from {label}, of the same kind as the fit"));
     }
     let subject = Subject { name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
+    drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
 }

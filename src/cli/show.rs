@@ -96,6 +96,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
         .map_err(|e| Failure::Input(format!("{}: no whole palpate.fit/1 document: {e}", saved.file)))?;
     let mut options = FitOptions { grid: document.shape.grid, ..FitOptions::default() };
     args.grid.apply(&mut options);
+    options.check().map_err(|e| Failure::Input(e.to_string()))?;
     let domain = [0, 1].map(|k| saved.surface.knots()[k].domain());
     let grid = ShapeGrid::over(domain, options.grid, options.inset);
     let maps = shape_maps(&saved.surface, grid, &saved.unsupported);
