@@ -1,6 +1,6 @@
 //! A finished fit put into words, numbers and pictures: what `run` and `fit` have in common.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::contact::{Contacts, Frame, Grid};
@@ -9,7 +9,7 @@ use crate::fit::{Declared, Fit, Statistic};
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
 use crate::report::{
     FitDocument, FitPart, MeasurePart, PictureOptions, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart,
-    TruthPart, write_json, write_maps_csv, write_maps_npz, write_picture, write_table,
+    TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture, write_table,
 };
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps};
@@ -108,7 +108,9 @@ pub(super) fn picture_maps(surface: &HeightField, grid: [usize; 2], unsupported:
 /// One line for the top of a picture.
 pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     let shape = &document.shape;
-    let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), |v| format!("{v:.4}"));
+    let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), |v| significant(v, 4));
+    // of a path, what the user would call it
+    let name = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let class = shape.class.as_deref().unwrap_or("undefined");
     format!("{name}: {class}, S = {}, R = {}", mean(&shape.shape_index), mean(&shape.curvedness))
 }

@@ -127,7 +127,7 @@ fn decimals(value: f64, digits: i32) -> usize {
 }
 
 /// `value` with `digits` significant digits, in scientific form where it is very small or very large.
-pub(super) fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".into();
     }
