@@ -16,11 +16,20 @@
 //! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
 #![warn(missing_docs)]
 
+pub mod bspline;
 pub mod contact;
 pub mod curvature;
 pub mod draws;
 pub mod fit;
 #[cfg(feature = "cli")]
 pub mod io;
+pub mod linalg;
 pub mod montecarlo;
+pub mod observation;
 pub mod scene;
+pub mod shape;
+pub mod solve;
+pub mod surface;
+
+pub use contact::{Contacts, Grid};
+pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};

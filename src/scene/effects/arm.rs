@@ -123,9 +123,8 @@ impl Arm {
 
 /// `(J J' + lambda I)^-1 e` by Cramer's rule; `None` when singular.
 fn damped(columns: &[Vector], error: Vector, lambda: f64) -> Option<Vector> {
-    let entry = |i: usize, j: usize| {
-        columns.iter().map(|c| c[i] * c[j]).sum::<f64>() + if i == j { lambda } else { 0.0 }
-    };
+    let entry =
+        |i: usize, j: usize| columns.iter().map(|c| c[i] * c[j]).sum::<f64>() + if i == j { lambda } else { 0.0 };
     let rows = [0, 1, 2].map(|i| [entry(i, 0), entry(i, 1), entry(i, 2)]);
     let (m, n, o) = (cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1]));
     let determinant = crate::scene::vector::dot(rows[0], m);

@@ -59,7 +59,9 @@ impl ForceNoise {
         if self.sigma == 0.0 && self.bias == [0.0; 3] && self.drift == 0.0 && self.quantum == 0.0 {
             return Ok(None);
         }
-        let (key, load) = context.load.map_or(("effects.force_noise.load", self.load), |load| ("effects.indentation.threshold", load));
+        let (key, load) = context
+            .load
+            .map_or(("effects.force_noise.load", self.load), |load| ("effects.indentation.threshold", load));
         if self.quantum > load {
             return Err(SceneError::Clash {
                 first: format!("effects.force_noise.quantum = {}", self.quantum),

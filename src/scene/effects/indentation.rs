@@ -87,7 +87,11 @@ impl Stage for Prepared {
     fn changes(&self) -> String {
         let mean = self.unit_depth.iter().sum::<f64>() / self.unit_depth.len() as f64;
         let (least, most) = (self.threshold, self.threshold + self.overshoot);
-        format!("position by {:.3e} to {:.3e} into the surface, force {least} to {most}", mean * power(least), mean * power(most))
+        format!(
+            "position by {:.3e} to {:.3e} into the surface, force {least} to {most}",
+            mean * power(least),
+            mean * power(most)
+        )
     }
 
     fn draws_per_contact(&self) -> usize {

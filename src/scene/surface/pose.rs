@@ -3,7 +3,7 @@
 //! `axis_deg` turns the body about its own z axis before anything else (a cylinder's generators from +x towards +y).
 //! When rx = ry = 0 the body stands upright: its closed-form height is used with an exact plane rotation.
 
-use crate::scene::vector::{Matrix, UP, Vector, product, rotation, turned, turned_back};
+use crate::scene::vector::{Matrix, Vector, product, rotation, turned, turned_back};
 
 /// Rotation and offset of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,6 @@ impl Pose {
     pub(crate) fn direction_to_body(self, v: Vector) -> Vector {
         turned_back(&self.matrix, v)
     }
-
 
     /// Height of the body's origin above the world's z = 0.
     pub(crate) fn lift(self) -> f64 {
