@@ -17,6 +17,8 @@
 #![warn(missing_docs)]
 
 pub mod bspline;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod contact;
 pub mod curvature;
 pub mod draws;
@@ -26,6 +28,8 @@ pub mod io;
 pub mod linalg;
 pub mod montecarlo;
 pub mod observation;
+#[cfg(feature = "cli")]
+pub mod report;
 pub mod scene;
 pub mod shape;
 pub mod solve;
