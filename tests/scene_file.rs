@@ -1,6 +1,7 @@
 //! Scene files: what is wrong is said with its line and column, the nearest known word, and the numbers that clash.
 #![cfg(feature = "cli")]
 
+use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 use palpate::io::scene_file::{builtin, builtin_scenes, read_scene};
 use palpate::scene::Effect;
@@ -164,4 +165,69 @@ fn imported_surfaces_are_labelled() {
     let missing = text.replace("parabola.json", "other.json");
     let message = palpate::io::scene_file::read_scene_with(&missing, &importer).err().unwrap().to_string();
     assert!(message.contains("line 3, column 8: surface file other.json: no such file"), "{message}");
+}
+
+#[test]
+fn every_built_in_scene_runs() {
+    for listed in builtin_scenes() {
+        let scene = builtin(&listed.name).unwrap();
+        let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
+        let fit = fit_contacts(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
+        let shape = fit.shape();
+        assert!(shape.curvedness.mean.is_some_and(f64::is_finite), "{}", listed.name);
+        assert!(truth.points.len() == contacts.len() && listed.line.len() > 20, "{}", listed.name);
+    }
+}
+
+/// The scenes that the table search found, beside the paper's printed numbers: R mean and sd, S mean and sd.
+#[test]
+fn tables_1_and_2_come_out_of_their_scenes() {
+    let run = |name: &str, weights: SlopeWeights| {
+        let scene = builtin(name).unwrap();
+        let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
+        let options = palpate::FitOptions { objective: Objective::Slopes(weights), ..scene.fit };
+        let shape = fit_contacts(&contacts, &options).unwrap().shape().clone();
+        println!("{name} {weights:?}: S {:?} R {:?}", shape.shape_index, shape.curvedness);
+        shape
+    };
+    let near = |found: Option<f64>, paper: f64, allowed: f64| {
+        let found = found.unwrap();
+        assert!((found - paper).abs() <= allowed, "{found} for the paper's {paper}");
+    };
+    for (weights, s, s_sd, r, r_sd) in [
+        (SlopeWeights::Tangent, 0.4980, 0.009639, 0.080290, 0.024210),
+        (SlopeWeights::Position, 0.5014, 0.015773, 0.073446, 0.016892),
+    ] {
+        let shape = run("paper-table2", weights);
+        near(shape.shape_index.mean, s, 0.003);
+        near(shape.shape_index.sd, s_sd, 0.001);
+        near(shape.curvedness.mean, r, 0.0015);
+        near(shape.curvedness.sd, r_sd, 0.001);
+    }
+    for (weights, r, r_sd) in
+        [(SlopeWeights::Tangent, 0.004114, 0.0006562), (SlopeWeights::Position, 0.003026, 0.0009828)]
+    {
+        let shape = run("paper-table1", weights);
+        assert_eq!(shape.class.name(), "plane");
+        near(shape.curvedness.mean, r, 0.0002);
+        near(shape.curvedness.sd, r_sd, 0.0002);
+    }
+}
+
+#[test]
+fn explain_lists_what_is_there_and_nothing_else() {
+    let explain = |name: &str| {
+        let simulator = builtin(name).unwrap().world.compile().unwrap();
+        palpate::scene::explain::table(&simulator, &vec![1.5; simulator.stage_names().len()])
+    };
+    assert_eq!(
+        explain("paper-cylinder"),
+        "surface  cylinder, 18 of 18 sites within reach\nno effects: the contacts are the touched points\n"
+    );
+    let table = explain("paper-table2");
+    let order: Vec<&str> = table.lines().skip(2).map(|line| line.split_whitespace().next().unwrap()).collect();
+    assert_eq!(order, ["tip_radius_error", "friction", "force_noise", "encoder"]);
+    let poor = explain("poor-normals");
+    assert!(poor.contains("lane_noise") && poor.contains("position_noise") && !poor.contains("slip"), "{poor}");
+    assert!(poor.lines().skip(2).all(|line| line.contains(" kept ") && line.contains("1.5")), "{poor}");
 }

@@ -208,10 +208,15 @@ impl Simulator {
 
     /// Replicates `first .. first + lanes` at once, into a block whose memory is used again.
     pub fn simulate_block(&self, seed: u64, first_replicate: u64, lanes: usize, block: &mut Block) {
-        block.start(&self.touched, first_replicate, lanes);
+        self.untouched_block(first_replicate, lanes, block);
         for stage in &self.stages {
             stage.apply(block, &EffectDraws::new(seed, stage.name()));
         }
+    }
+
+    /// The same replicates before any stage, for a caller who runs stages one by one.
+    pub fn untouched_block(&self, first_replicate: u64, lanes: usize, block: &mut Block) {
+        block.start(&self.touched, first_replicate, lanes);
     }
 
     /// The contacts and truth of one replicate of a block.

@@ -33,7 +33,10 @@ const FILES: &[(&str, &str)] = files![
     "paper-concave-cylinder",
     "paper-plane",
     "paper-plane-tilted",
-    "paper-plane-oblique"
+    "paper-plane-oblique",
+    "paper-table1",
+    "paper-table2",
+    "poor-normals",
 ];
 
 /// Radii of the paper's Figures 5 and 6: the range 5.7 to 1000.
