@@ -20,3 +20,4 @@ pub mod bspline;
 pub mod contact;
 pub mod curvature;
 pub mod fit;
+pub mod simd;
