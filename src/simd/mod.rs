@@ -13,6 +13,8 @@
 //! On other machines than x86-64 the portable lanes are the only ones.
 
 mod arctangent;
+mod bilinear;
+mod block_columns;
 mod chacha8;
 mod curvature_row;
 mod lanes;
@@ -22,6 +24,8 @@ mod normals;
 mod shape_maps;
 mod contract_rows;
 
+pub use bilinear::{BilinearTerm, bilinear};
+pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
