@@ -70,13 +70,20 @@ fn accumulate<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     }
 }
 
-/// One tile of `target` at `[row, column]`, updated by `sources`: whole block columns (the nearest last), or with
-/// `own = Some(first)` the columns of the block itself that stand left of column `first`, where `target` begins.
+/// Which columns update a tile.
+#[derive(Clone, Copy)]
+enum Sources<'a> {
+    /// Whole block columns, the nearest last, `gap` blocks short of the target's neighbour.
+    Before { blocks: &'a [f64], gap: usize },
+    /// The columns of the block itself that stand left of column `first`, where the target begins.
+    Own { columns: &'a [f64], first: usize },
+}
+
+/// One tile of `target` at `[row, column]`.
 #[inline(always)]
 fn tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     shape: BlockShape,
-    sources: &[f64],
-    own: Option<usize>,
+    sources: Sources<'_>,
     target: &mut [f64],
     [row, column]: [usize; 2],
 ) {
@@ -88,11 +95,11 @@ fn tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
             c[v][j] = V::load(&from[v * V::N..]);
         }
     }
-    match own {
-        Some(first) => accumulate(&mut c, sources, stride, row, first + column),
-        None => {
-            let count = sources.len() / shape.len();
-            for (b, block) in sources.chunks_exact(shape.len()).enumerate() {
+    match sources {
+        Sources::Own { columns, first } => accumulate(&mut c, columns, stride, row, first + column),
+        Sources::Before { blocks, gap } => {
+            let count = blocks.len() / shape.len() + gap;
+            for (b, block) in blocks.chunks_exact(shape.len()).enumerate() {
                 let offset = (count - b) * shape.width;
                 if offset + row.max(column) < shape.height {
                     accumulate(&mut c, block, stride, offset + row, offset + column);
@@ -110,15 +117,16 @@ fn tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
 
 /// All tiles of the first `columns` columns of `target`, from the diagonal downwards.
 #[inline(always)]
-fn tiles<V: Lanes>(shape: BlockShape, sources: &[f64], own: Option<usize>, target: &mut [f64], columns: usize) {
+fn tiles<V: Lanes>(shape: BlockShape, sources: Sources<'_>, target: &mut [f64], columns: usize) {
+    let left_of_target = if let Sources::Own { first, .. } = sources { first } else { 0 };
     // eight lanes leave room for 24 sums in registers, four lanes for 12
     macro_rules! sized {
         ($rows:literal, $columns:literal) => {
             for column in (0..columns).step_by($columns) {
-                let diagonal = own.unwrap_or(0) + column;
+                let diagonal = left_of_target + column;
                 let mut row = diagonal - diagonal % GRAIN;
                 while row < shape.height {
-                    tile::<V, $rows, $columns>(shape, sources, own, target, [row, column]);
+                    tile::<V, $rows, $columns>(shape, sources, target, [row, column]);
                     row += $rows * V::N;
                 }
             }
@@ -176,8 +184,8 @@ fn factor_eight<V: Lanes>(shape: BlockShape, block: &mut [f64], at: usize) -> Re
 }
 
 #[inline(always)]
-fn update<V: Lanes>(shape: BlockShape, done: &[f64], target: &mut [f64]) {
-    tiles::<V>(shape, done, None, target, shape.width);
+fn update<V: Lanes>(shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
+    tiles::<V>(shape, Sources::Before { blocks, gap }, target, shape.width);
 }
 
 #[inline(always)]
@@ -186,16 +194,16 @@ fn factor<V: Lanes>(shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> 
     for at in (0..shape.width).step_by(GRAIN) {
         let (done, rest) = block.split_at_mut(at * shape.stride());
         if at > 0 {
-            tiles::<V>(shape, done, Some(at), rest, GRAIN);
+            tiles::<V>(shape, Sources::Own { columns: done, first: at }, rest, GRAIN);
         }
         smallest = smallest.min(factor_eight::<V>(shape, block, at)?);
     }
     Ok(smallest)
 }
 
-/// `target -= sum A_r B_r'` over the block columns `done` (the nearest last), all of one shape.
-pub fn update_block(level: Level, shape: BlockShape, done: &[f64], target: &mut [f64]) {
-    dispatch!(level, update [](shape: BlockShape, done: &[f64], target: &mut [f64]));
+/// `target -= sum A_r B_r'` over `blocks`, all of one shape, of which the last is `gap + 1` blocks left of the target.
+pub fn update_block(level: Level, shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
+    dispatch!(level, update [](shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]));
 }
 
 /// Factors an updated block column in place; its smallest squared pivot, or the column whose pivot is not positive.
@@ -291,7 +299,7 @@ mod tests {
                     }
                 }
                 // beyond the matrix: ones on the diagonal never occur, rows there stay zero
-                update_block(level, shape, &done[b.saturating_sub(3) * shape.len()..], block);
+                update_block(level, shape, &done[b.saturating_sub(3) * shape.len()..], 0, block);
                 factor_block(level, shape, block).unwrap();
                 forward_block(level, shape, block, &mut v[b * 16..b * 16 + 48]);
             }

@@ -8,6 +8,7 @@
 //!
 //! Every factor works on the column-equilibrated matrix, solves with `E'E` and estimates the condition of `E D`.
 
+mod band;
 mod cholesky;
 mod householder;
 mod ordering;
@@ -15,6 +16,7 @@ mod pivoted;
 mod small;
 mod triangular;
 
+pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
