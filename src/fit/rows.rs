@@ -48,6 +48,8 @@ pub enum Note {
     SlopesOnly,
     /// Noise-free to rounding: equal weights.
     NoNoise,
+    /// One block of rows is met exactly, so its noise level has no estimate.
+    LevelVanished,
     /// Axes of the patch differ from the input's.
     Turned,
     /// Gauss-Newton steps.
@@ -72,6 +74,12 @@ impl std::fmt::Display for Note {
         match self {
             Note::SlopesOnly => write!(f, "no heights: the mean height is fixed to zero"),
             Note::NoNoise => write!(f, "residuals are rounding: equal weights"),
+            Note::LevelVanished => {
+                write!(
+                    f,
+                    "one of the two noise levels vanished: the surface meets those rows exactly, declare --sigma or --weights"
+                )
+            }
             Note::Turned => write!(f, "the patch has its own axes, z along the mean normal"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
@@ -202,10 +210,8 @@ fn fit_slopes(
     let mut notes = Vec::new();
     let block = block_weights(weights, scale);
     let (trial, levels) = if weights == SlopeWeights::Auto && data.has_orientation() {
-        let (levels, trial, noisy) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
-        if !noisy {
-            notes.push(Note::NoNoise);
-        }
+        let (levels, trial, note) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
+        notes.extend(note);
         (trial, Some(levels))
     } else {
         (trial_at(block)?, None)
@@ -258,14 +264,12 @@ fn fit_normals(
         let squares = problem.squares(&settled.solution.coefficients);
         Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
     };
-    too_few(
-        &problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
+    too_few(&problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
             0.0;
             sites
                 .shape()
                 .unknowns()
-        ]),
-    )?;
+        ]))?;
     let mut notes = Vec::new();
     let (levels, trial, declared) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
@@ -273,10 +277,8 @@ fn fit_normals(
             (levels, trial_at(levels, None)?, Declared::Sigma)
         }
         NormalSigma::Auto => {
-            let (levels, trial, noisy) = variance_components(trial_at)?;
-            if !noisy {
-                notes.push(Note::NoNoise);
-            }
+            let (levels, trial, note) = variance_components(trial_at)?;
+            notes.extend(note);
             (levels, trial, Declared::Estimated)
         }
     };
