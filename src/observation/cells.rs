@@ -38,7 +38,8 @@ pub struct CellDatum {
 #[derive(Debug)]
 pub struct CellAssembly {
     shape: TensorShape,
-    axes: [AxisTables; 2],
+    x: Axis<XTables>,
+    y: Axis<YTables>,
     knots: [Knots; 2],
     stripe_of: Vec<u32>,
     stripe_starts: Vec<usize>,
@@ -62,6 +63,7 @@ struct Scratch {
     order: Vec<u32>,
     local: Vec<f64>,
     block: Vec<[f64; 16]>,
+    combined: Combined,
 }
 
 /// Products of the basis functions of every segment of one axis, as polynomials of the local coordinate.
@@ -73,6 +75,13 @@ struct AxisTables {
     /// `values[segment][a]`, `slopes[segment][a]`: the functions themselves.
     values: Vec<Vec<[f64; 8]>>,
     slopes: Vec<Vec<[f64; 8]>>,
+}
+
+/// Tables of one axis, segment by segment.
+#[derive(Debug)]
+struct Axis<T> {
+    basis: AxisTables,
+    products: Vec<T>,
 }
 
 impl AxisTables {
@@ -124,11 +133,13 @@ fn product(a: &[f64; 8], b: &[f64; 8]) -> [f64; 8] {
 }
 
 /// `left[pair]` of one x segment: N N, N'N', N'N, N N' for the pairs (a, k <= a).
+#[derive(Debug)]
 struct XTables {
     kinds: [Vec<[f64; 8]>; 4],
 }
 
 /// `right[power][b (q + 1) + l]` of every y segment: M M, M'M', M M', M'M.
+#[derive(Debug)]
 struct YTables {
     kinds: [[[f64; 16]; 8]; 4],
 }
@@ -179,7 +190,9 @@ impl CellAssembly {
             basis: [knots[0].n_basis(), knots[1].n_basis()],
             degree: [knots[0].degree(), knots[1].degree()],
         };
-        let axes = [AxisTables::new(&knots[0]), AxisTables::new(&knots[1])];
+        let [x, y] = [AxisTables::new(&knots[0]), AxisTables::new(&knots[1])];
+        let x_products = (0..knots[0].n_segments()).map(|s| XTables::of(&x, s)).collect();
+        let y_products = (0..knots[1].n_segments()).map(|s| YTables::of(&y, s)).collect();
         let stripes = knots[0].n_segments();
         let count = PANELS.min(stripes);
         let panels = (0..=count).map(|k| k * stripes / count).collect();
@@ -192,7 +205,8 @@ impl CellAssembly {
             .collect();
         Some(CellAssembly {
             shape,
-            axes,
+            x: Axis { basis: x, products: x_products },
+            y: Axis { basis: y, products: y_products },
             knots,
             stripe_of: Vec::new(),
             stripe_starts: Vec::new(),
@@ -287,7 +301,7 @@ impl CellAssembly {
         let count = overlaps.len();
         self.panel_range::<RECORD>(0..count, squares, matrix.values_mut(), right, &mut overlaps);
         for (panel, overlap) in overlaps[..count - 1].iter().enumerate() {
-            let start = self.axes[0].first[self.panels[panel + 1]];
+            let start = self.x.basis.first[self.panels[panel + 1]];
             let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
             add(&mut matrix.values_mut()[start * line..], &overlap.values);
             add(&mut right[start * self.shape.basis[1]..], &overlap.right);
@@ -309,7 +323,7 @@ impl CellAssembly {
             return;
         }
         let middle = range.start + range.len() / 2;
-        let lines = self.axes[0].first[self.panels[middle]] - self.axes[0].first[self.panels[range.start]];
+        let lines = self.x.basis.first[self.panels[middle]] - self.x.basis.first[self.panels[range.start]];
         let unknowns = lines * self.shape.basis[1];
         let (values_a, values_b) = values.split_at_mut(unknowns * self.shape.stencil_width());
         let (right_a, right_b) = right.split_at_mut(unknowns);
@@ -332,7 +346,7 @@ impl CellAssembly {
         overlap.right.fill(0.0);
         let mut scratch = self.scratch.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default();
         let stripes = self.panels[panel]..self.panels[panel + 1];
-        let origin = self.axes[0].first[stripes.start];
+        let origin = self.x.basis.first[stripes.start];
         for stripe in stripes {
             let mut target = Target { shape: self.shape, origin, values, right, overlap };
             self.one_stripe::<RECORD>(stripe, squares, &mut scratch, &mut target);
@@ -354,22 +368,25 @@ impl CellAssembly {
             return;
         }
         self.sort_cells::<RECORD>(records, scratch);
-        let x_tables = XTables::of(&self.axes[0], stripe);
-        let combined = squares.map(|s| combine(&x_tables, s));
+        let x_tables = &self.x.products[stripe];
+        if let Some(squares) = squares {
+            scratch.combined.take_in(x_tables, squares);
+        }
         for cell in 0..self.knots[1].n_segments() {
             let range = scratch.counts[cell] as usize..scratch.counts[cell + 1] as usize;
             if range.is_empty() {
                 continue;
             }
-            let y_tables = YTables::of(&self.axes[1], cell);
-            let Scratch { order, local, block, .. } = scratch;
+            let y_tables = &self.y.products[cell];
+            let Scratch { order, local, block, combined, .. } = scratch;
             let sums = self.sum_cell::<RECORD>(stripe, cell, records, &order[range], local, squares.is_some());
             block.fill([0.0; 16]);
-            match &combined {
-                Some(combined) => self.uniform_block(combined, &sums[0], &y_tables, block),
-                None => self.weighted_block(&x_tables, &sums, &y_tables, block),
+            if squares.is_some() {
+                self.uniform_block(combined, &sums[0], y_tables, block);
+            } else {
+                self.weighted_block(x_tables, &sums, y_tables, block);
             }
-            let first = [self.axes[0].first[stripe], self.axes[1].first[cell]];
+            let first = [self.x.basis.first[stripe], self.y.basis.first[cell]];
             target.add_block(first, block);
             self.add_loads([stripe, cell], &sums[0], target);
         }
@@ -416,8 +433,8 @@ impl CellAssembly {
         let level = Level::active();
         let degree = self.shape.degree[0].max(self.shape.degree[1]);
         let mut sums = [CellMoments::ZERO; 4];
-        let (cx, hx) = (self.axes[0].centre[stripe], self.axes[0].inverse_half[stripe]);
-        let (cy, hy) = (self.axes[1].centre[cell], self.axes[1].inverse_half[cell]);
+        let (cx, hx) = (self.x.basis.centre[stripe], self.x.basis.inverse_half[stripe]);
+        let (cy, hy) = (self.y.basis.centre[cell], self.y.basis.inverse_half[cell]);
         let columns: &mut [[f64; BATCH]] = local.as_chunks_mut::<BATCH>().0;
         for batch in order.chunks(BATCH) {
             for (k, &r) in batch.iter().enumerate() {
@@ -447,9 +464,11 @@ impl CellAssembly {
         let powers = self.shape.degree.map(|d| 2 * d + 1);
         let term = |left, kind: usize| BilinearTerm { left, middle: &sums.weights, right: &y.kinds[kind], powers };
         let [mm, dd] = [term(&combined.values[..], 0), term(&combined.across[..], 1)];
-        match &combined.coupling {
-            None => bilinear(Level::active(), &[mm, dd], block),
-            Some([left, right]) => bilinear(Level::active(), &[mm, dd, term(left, 2), term(right, 3)], block),
+        if combined.coupled {
+            let [left, right] = [&combined.coupling[0][..], &combined.coupling[1][..]];
+            bilinear(Level::active(), &[mm, dd, term(left, 2), term(right, 3)], block);
+        } else {
+            bilinear(Level::active(), &[mm, dd], block);
         }
     }
 
@@ -467,7 +486,7 @@ impl CellAssembly {
 
     /// `right += N' F_z M + N'' F_x M + N' F_y M'` of one cell.
     fn add_loads(&self, [stripe, cell]: [usize; 2], sums: &CellMoments, target: &mut Target<'_>) {
-        let (x, y) = (&self.axes[0], &self.axes[1]);
+        let (x, y) = (&self.x.basis, &self.y.basis);
         let [p, q] = self.shape.degree;
         let functions = [
             (&x.values[stripe], &y.values[cell]),
@@ -497,19 +516,30 @@ fn squares_of(m: RowMetric) -> [f64; 4] {
 }
 
 /// The x tables of one stripe with a uniform metric taken in.
+#[derive(Debug, Default)]
 struct Combined {
     values: Vec<[f64; 8]>,
     across: Vec<[f64; 8]>,
-    coupling: Option<[Vec<[f64; 8]>; 2]>,
+    coupling: [Vec<[f64; 8]>; 2],
+    coupled: bool,
 }
 
-fn combine(x: &XTables, [zz, aa, ab, dd]: [f64; 4]) -> Combined {
-    let scaled = |table: &[[f64; 8]], w: f64| -> Vec<[f64; 8]> { table.iter().map(|row| row.map(|v| w * v)).collect() };
-    let values = x.kinds[0].iter().zip(&x.kinds[1]).map(|(n, d)| std::array::from_fn(|i| zz * n[i] + aa * d[i]));
-    Combined {
-        values: values.collect(),
-        across: scaled(&x.kinds[0], dd),
-        coupling: (ab != 0.0).then(|| [scaled(&x.kinds[2], ab), scaled(&x.kinds[3], ab)]),
+impl Combined {
+    fn take_in(&mut self, x: &XTables, [zz, aa, ab, dd]: [f64; 4]) {
+        let set = |target: &mut Vec<[f64; 8]>, table: &[[f64; 8]], w: f64| {
+            target.clear();
+            target.extend(table.iter().map(|row| row.map(|v| w * v)));
+        };
+        set(&mut self.values, &x.kinds[0], zz);
+        for (row, slopes) in self.values.iter_mut().zip(&x.kinds[1]) {
+            row.iter_mut().zip(slopes).for_each(|(v, d)| *v += aa * d);
+        }
+        set(&mut self.across, &x.kinds[0], dd);
+        self.coupled = ab != 0.0;
+        if self.coupled {
+            set(&mut self.coupling[0], &x.kinds[2], ab);
+            set(&mut self.coupling[1], &x.kinds[3], ab);
+        }
     }
 }
 
