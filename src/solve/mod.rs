@@ -9,6 +9,7 @@
 //!
 //! Every factor works on the column-equilibrated matrix, solves with `E'E` and estimates the condition of `E D`.
 
+mod band;
 mod cholesky;
 mod householder;
 mod kronecker;
@@ -17,6 +18,7 @@ mod pivoted;
 mod small;
 mod triangular;
 
+pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
 pub use kronecker::{AxisGrams, Bands, FastDiagonalisation, GridSolver};
 pub use ordering::nested_dissection;
