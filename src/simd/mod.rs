@@ -16,13 +16,13 @@ mod arctangent;
 mod bilinear;
 mod block_columns;
 mod chacha8;
+mod contract_rows;
 mod curvature_row;
 mod lanes;
 mod level;
 mod moments;
 mod normals;
 mod shape_maps;
-mod contract_rows;
 
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};

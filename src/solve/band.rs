@@ -108,13 +108,7 @@ impl BandCholesky {
         self.factor_and_solve(matrix, scale, &mut nothing)
     }
 
-    fn eliminate_ends(
-        &mut self,
-        level: Level,
-        matrix: &StencilMatrix,
-        scale: &[f64],
-        v: &[f64],
-    ) -> Result<f64, usize> {
+    fn eliminate_ends(&mut self, level: Level, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) -> Result<f64, usize> {
         if self.end == 0 {
             return Ok(f64::INFINITY);
         }
@@ -368,7 +362,9 @@ mod tests {
 
     #[test]
     fn solves_what_the_matrix_says_at_every_size() {
-        for (basis, degree) in [([4, 4], [3, 3]), ([9, 9], [2, 2]), ([67, 9], [3, 3]), ([80, 31], [3, 2]), ([31, 12], [1, 4])] {
+        for (basis, degree) in
+            [([4, 4], [3, 3]), ([9, 9], [2, 2]), ([67, 9], [3, 3]), ([80, 31], [3, 2]), ([31, 12], [1, 4])]
+        {
             let shape = TensorShape { basis, degree };
             let a = matrix(shape);
             let scale: Vec<f64> = a.diagonal().iter().map(|d| 1.0 / d.sqrt()).collect();
