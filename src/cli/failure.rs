@@ -36,11 +36,7 @@ impl From<std::io::Error> for Failure {
 impl From<IoError> for Failure {
     fn from(error: IoError) -> Failure {
         match error {
-            IoError::Write { path, source }
-                if path.as_os_str() == "-" && source.kind() == std::io::ErrorKind::BrokenPipe =>
-            {
-                Failure::ClosedPipe
-            }
+            IoError::Write { path, source } if path.as_os_str() == "-" => source.into(),
             other => Failure::Input(other.to_string()),
         }
     }

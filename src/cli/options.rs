@@ -55,6 +55,11 @@ pub(super) struct GridFlags {
 }
 
 impl GridFlags {
+    /// Something was typed.
+    pub(super) fn any(&self) -> bool {
+        self.grid.is_some() || self.inset.is_some()
+    }
+
     pub(super) fn apply(&self, options: &mut FitOptions) {
         set(&mut options.grid, self.grid);
         set(&mut options.inset, self.inset);

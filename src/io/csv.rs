@@ -82,12 +82,12 @@ fn read_row(
     let mut push = |field: &str| {
         if let Some(&Some(slot)) = slots.get(found) {
             let (column, values) = &mut targets[slot];
-            let text = field.trim();
-            let value = text.parse().map_err(|_| IoError::NotANumber {
+            // most fields have no blanks to trim
+            let value = field.parse().or_else(|_| field.trim().parse()).map_err(|_| IoError::NotANumber {
                 file: file.into(),
                 place: Place::Line(line),
                 column: column.name(),
-                text: text.into(),
+                text: field.trim().into(),
             })?;
             values.push(value);
         }

@@ -2,7 +2,7 @@
 //!
 //! Where the frame's axes are those of the input, `knots` and `coefficients` are in the input's own coordinates, so
 //! that SciPy's `bisplev` reproduces z(x, y) without a thought for the frame. Where they are not, the surface is a
-//! height field over the patch's axes, in units of `frame.scale`: `P = origin + scale A' (u, v, S(u, v))`.
+//! height field along the frame's axes A, in input units from the input's origin: `P = A' (u, v, S(u, v))`.
 
 use std::path::Path;
 
@@ -37,6 +37,9 @@ pub struct SavedSurface {
     pub knots: [Vec<f64>; 2],
     /// `coefficients[i][j]` of `N_i(x) M_j(y)`.
     pub coefficients: Vec<Vec<f64>>,
+    /// Coefficients (number `i m + j`) that no data hold; where they matter, S and R are masked.
+    #[serde(default)]
+    pub unsupported: Vec<usize>,
 }
 
 /// The part of a document that a surface is made from; what else stands in it is left alone.
@@ -57,8 +60,10 @@ pub struct Saved {
     pub file: String,
     /// The patch frame it was fitted in.
     pub frame: Frame,
-    /// In the input's coordinates where the frame keeps the axes, else in the patch's.
+    /// Input units, along the frame's axes.
     pub surface: HeightField,
+    /// Coefficients that no data hold.
+    pub unsupported: Vec<usize>,
 }
 
 impl SavedFrame {
@@ -70,13 +75,14 @@ impl SavedFrame {
 
 impl SavedSurface {
     /// As it is written.
-    pub fn of(surface: &HeightField) -> SavedSurface {
+    pub fn of(surface: &HeightField, unsupported: &[usize]) -> SavedSurface {
         let [x, y] = surface.knots();
         SavedSurface {
             kind: "height".into(),
             degree: [x.degree(), y.degree()],
             knots: [x.as_slice().to_vec(), y.as_slice().to_vec()],
             coefficients: surface.coefficients().rows().into_iter().map(|row| row.to_vec()).collect(),
+            unsupported: unsupported.to_vec(),
         }
     }
 
@@ -131,8 +137,12 @@ pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
         return Err(wrong(format!("schema is {:?}, not {FIT_SCHEMA:?}", document.schema)));
     }
     let frame = document.frame.frame().map_err(wrong)?;
+    let unsupported = document.surface.unsupported.clone();
     let surface = document.surface.height_field().map_err(wrong)?;
-    Ok(Saved { file: file.into(), frame, surface })
+    match unsupported.iter().find(|u| **u >= surface.coefficients().len()) {
+        Some(u) => Err(wrong(format!("surface.unsupported names coefficient {u} of {}", surface.coefficients().len()))),
+        None => Ok(Saved { file: file.into(), frame, surface, unsupported }),
+    }
 }
 
 #[cfg(test)]
@@ -155,7 +165,7 @@ mod tests {
     fn a_surface_comes_back_to_the_bit() {
         let saved = document(|_| ()).unwrap();
         assert_eq!(saved.surface.coefficients()[[2, 1]], 8.0);
-        let again = SavedSurface::of(&saved.surface);
+        let again = SavedSurface::of(&saved.surface, &[]);
         let text = serde_json::to_string(&again).unwrap();
         assert_eq!(serde_json::from_str::<SavedSurface>(&text).unwrap().height_field().unwrap(), saved.surface);
     }
@@ -163,12 +173,13 @@ mod tests {
     #[test]
     fn every_broken_surface_is_refused_with_a_reason() {
         type Change = fn(&mut serde_json::Value);
-        let cases: [(Change, &str); 7] = [
+        let cases: [(Change, &str); 8] = [
             (|v| v["schema"] = "palpate.fit/2".into(), "palpate.fit/1"),
             (|v| v["surface"]["kind"] = "parametric".into(), "height"),
             (|v| v["surface"]["degree"][0] = 12.into(), "knots in x"),
             (|v| v["surface"]["knots"][1][2] = (-1.0).into(), "knots in y"),
             (|v| v["surface"]["coefficients"][1] = serde_json::json!([1.0]), "row 1"),
+            (|v| v["surface"]["unsupported"] = serde_json::json!([9]), "coefficient 9 of 9"),
             (|v| v["frame"]["scale"] = 0.0.into(), "scale"),
             (|v| v["surface"] = serde_json::Value::Null, "surface"),
         ];

@@ -1,16 +1,19 @@
 //! `palpate.fit/1`: the keys of the JSON that others rely on. Lengths in input units, angles in degrees, `null` where
 //! undefined. New keys may come to stand beside these; none is taken away without a new version.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::io::{SavedFrame, SavedSurface};
 
 /// One fit, described.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FitDocument {
     /// `palpate.fit/1`.
-    pub schema: &'static str,
+    pub schema: String,
     /// Number of contacts, or of pixels that hold a measurement.
     pub contacts: usize,
     /// The patch frame.
@@ -20,7 +23,7 @@ pub struct FitDocument {
     /// What the patch looks like.
     pub shape: ShapePart,
     /// What is true, where it is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TruthPart>,
     /// The surface itself.
     pub surface: SavedSurface,
@@ -29,7 +32,7 @@ pub struct FitDocument {
 }
 
 /// How the surface was found, with the certificate of the numbers.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FitPart {
     /// Degrees in x and y.
     pub degree: [usize; 2],
@@ -62,20 +65,20 @@ pub struct FitPart {
 }
 
 /// Noise levels.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SigmaPart {
     /// Of z, input units.
     pub z: Option<f64>,
     /// Of the normal per tangent axis, degrees (normal rows).
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_deg: Option<f64>,
     /// Of the slopes (slope rows).
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slope: Option<f64>,
 }
 
 /// Root mean square residuals, unweighted.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RmsPart {
     /// Heights, input units.
     pub z: Option<f64>,
@@ -86,7 +89,7 @@ pub struct RmsPart {
 }
 
 /// Shape over the grid.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ShapePart {
     /// Points in x and y.
     pub grid: [usize; 2],
@@ -115,7 +118,7 @@ pub struct ShapePart {
 }
 
 /// Mean and spread over the patch, and the uncertainty of the mean.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MeasurePart {
     /// Mean over the patch.
     pub mean: Option<f64>,
@@ -128,7 +131,7 @@ pub struct MeasurePart {
 }
 
 /// Mean and spread over the patch.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SpreadPart {
     /// Mean over the patch.
     pub mean: Option<f64>,
@@ -150,8 +153,30 @@ impl Serialize for Shares {
     }
 }
 
+impl<'de> Deserialize<'de> for Shares {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Shares, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Shares;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("an object of shares")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Shares, A::Error> {
+                let mut shares = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    shares.push(entry);
+                }
+                Ok(Shares(shares))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
 /// The truth over the same points.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct TruthPart {
     /// Mean true shape index.
     #[serde(rename = "S")]
@@ -168,7 +193,7 @@ pub struct TruthPart {
 }
 
 /// Wall-clock seconds.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Seconds {
     /// Reading, or simulating, the contacts.
     pub read: f64,

@@ -21,4 +21,4 @@ pub use maps::{write_maps_csv, write_maps_npz};
 pub use picture::{PictureOptions, write_picture};
 pub use points::{PointShape, write_points_csv};
 pub use schema::fit_schema;
-pub use table::write_table;
+pub use table::{significant, write_table};

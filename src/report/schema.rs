@@ -63,7 +63,7 @@ fn full() -> FitDocument {
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
     let shares = ShapeClass::CURVED.iter().map(|class| (class.name().to_string(), 0.5)).collect();
     FitDocument {
-        schema: FIT_SCHEMA,
+        schema: FIT_SCHEMA.into(),
         contacts: 1,
         frame: SavedFrame { origin: [0.5; 3], axes: [[0.5; 3]; 3], scale: 0.5 },
         fit: FitPart {
@@ -106,6 +106,7 @@ fn full() -> FitDocument {
             degree: [2, 2],
             knots: [vec![0.5], vec![0.5]],
             coefficients: vec![vec![0.5]],
+            unsupported: vec![1],
         },
         seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
     }

@@ -74,9 +74,12 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
     let ([p, q], [n, m]) = (fit.degree, fit.segments);
     let size = format!("{} equations, {} unknowns, rank {}", fit.equations, fit.unknowns, fit.rank);
     lines.add("fit", format!("degree {p} x {q}, segments {n} x {m}: {size}"));
+    let rms = [("z", fit.rms.z), ("zx", fit.rms.zx), ("zy", fit.rms.zy)];
     if let Some(weights) = fit.weights {
-        let [z, x, y] = weights.map(|w| significant(w, DIGITS));
-        lines.add("weights", format!("z {z}  zx {x}  zy {y}"));
+        // a weight of rows that are not there means nothing
+        let used = rms.iter().zip(weights).filter(|((_, value), _)| value.is_some());
+        let used = used.map(|((name, _), weight)| format!("{name} {}", significant(weight, DIGITS)));
+        lines.add("weights", used.collect::<Vec<_>>().join("  "));
     }
     if let Some(sigma) = &fit.sigma {
         let level = |name, value: Option<f64>, unit| match value {
@@ -94,7 +97,6 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
     let certificate = |value: Option<f64>| value.map_or("unknown".to_string(), |v| significant(v, 2));
     let (condition, backward) = (certificate(fit.condition), certificate(fit.backward_error));
     lines.add("numbers", format!("condition {condition}, backward error {backward}"));
-    let rms = [("z", fit.rms.z), ("zx", fit.rms.zx), ("zy", fit.rms.zy)];
     let rms = rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3))));
     lines.add("rms", rms.collect::<Vec<_>>().join("  "));
 }
@@ -125,7 +127,7 @@ fn decimals(value: f64, digits: i32) -> usize {
 }
 
 /// `value` with `digits` significant digits, in scientific form where it is very small or very large.
-pub(super) fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".into();
     }
