@@ -32,6 +32,7 @@ pub mod observation;
 pub mod report;
 pub mod scene;
 pub mod shape;
+pub mod simd;
 pub mod solve;
 pub mod surface;
 

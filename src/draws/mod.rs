@@ -147,7 +147,7 @@ mod tests {
             [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)]
         {
             let sum: f64 = out.iter().map(|v| v.powi(power)).sum();
-            let sigmas = (sum / count as f64 - mean) / (variance / count as f64 as f64).sqrt();
+            let sigmas = (sum / count as f64 - mean) / (variance / count as f64).sqrt();
             assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");
         }
         let lag: f64 = out.windows(2).map(|w| w[0] * w[1]).sum();

@@ -35,11 +35,14 @@ mod describe;
 mod equations;
 mod error;
 mod gaps;
+mod grid;
 mod noise;
 mod normals;
 mod observed;
 mod options;
+mod robust;
 mod rows;
+mod smoothing;
 mod solver;
 mod uncertainty;
 

@@ -8,7 +8,7 @@ use super::equations::{Equations, block_squares};
 use super::noise::{Trial, hat_traces, variance_components};
 use super::normals::{Levels, NormalProblem};
 use super::solver::{self, Solution};
-use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, SlopeWeights, Smooth};
+use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
 use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::{angular_residual_squared, roughness_matrix};
 
@@ -67,6 +67,13 @@ pub enum Note {
         /// lambda.
         lambda: f64,
     },
+    /// Robust loss: contacts whose rows lost more than half their weight.
+    Outliers {
+        /// How many.
+        sites: usize,
+        /// Reweightings until the weights stood.
+        steps: usize,
+    },
 }
 
 impl std::fmt::Display for Note {
@@ -85,7 +92,13 @@ impl std::fmt::Display for Note {
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")
             }
-            Note::Smoothed { lambda } => write!(f, "smoothing parameter {lambda:e} chosen by the data"),
+            Note::Outliers { sites, steps } => {
+                write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")
+            }
+            Note::Smoothed { lambda } => write!(
+                f,
+                "smoothing parameter {lambda:.3e} chosen by generalised cross-validation, which assumes independent rows"
+            ),
         }
     }
 }
@@ -125,8 +138,19 @@ fn resolve(data: &Data, options: &FitOptions) -> Result<Objective, FitError> {
     Ok(resolved)
 }
 
-/// Forms and solves the rows.
+/// Forms and solves the rows, with the loss and the smoothing that the options ask for.
 pub fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+    if options.smooth == Smooth::Auto {
+        return super::smoothing::fit_smoothed(patch, data, options);
+    }
+    match options.robust {
+        Robust::None => fit_plain(patch, data, options),
+        loss => super::robust::fit_robust(patch, data, options, loss),
+    }
+}
+
+/// One plain least squares fit.
+pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     check_method(data, options)?;
     let sites = data.sites(patch);
     let roughness = roughness(patch, options);

@@ -23,7 +23,7 @@ pub enum SceneFileError {
         line: usize,
         /// Column.
         column: usize,
-        /// Key of [section], effect, surface, ...
+        /// Key of `[section]`, effect, surface, ...
         what: String,
         /// What stands there.
         name: String,

@@ -71,7 +71,7 @@ impl Superquadric {
         let [a, b, c] = self.semi_axes;
         match self.exponents {
             [e1, _] if e1 < 1.0 => Some(Local::known([0.0, 0.0, 1.0], 0.0, 0.0)),
-            [_, e2] if e2 == 1.0 => Some(Local::known([0.0, 0.0, 1.0], -c / a / a, -c / b / b)),
+            [1.0, 1.0] => Some(Local::known([0.0, 0.0, 1.0], -c / a / a, -c / b / b)),
             _ => None,
         }
     }
