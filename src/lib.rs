@@ -16,6 +16,7 @@
 //! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
 #![warn(missing_docs)]
 
+pub mod bspline;
 pub mod cases;
 pub mod contact;
 pub mod curvature;

@@ -5,8 +5,8 @@
 //! ```
 
 use palpate::contact::{Contacts, Orientation};
+use palpate::linalg::DoubleDouble as Dd;
 
-use super::double_double::Dd;
 
 /// A slope-row problem on given knots, explicit weights.
 pub struct Problem<'a> {

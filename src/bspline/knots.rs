@@ -1,0 +1,201 @@
+//! Clamped knot vectors: `t_0 = .. = t_p < .. < t_n = .. = t_n+p`, n basis functions.
+
+use super::{KnotError, MAX_DEGREE};
+
+/// Largest number of segments per direction: 2^20 keeps every index product below 2^53 and refuses typing errors.
+const MAX_SEGMENTS: usize = 1 << 20;
+
+/// A clamped knot vector with its degree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knots {
+    degree: usize,
+    knots: Vec<f64>,
+    /// Index in `knots` of the left end of every segment of positive length.
+    segment_starts: Vec<usize>,
+    /// 1 / segment length when all interior knots are simple and equally spaced.
+    inverse_step: Option<f64>,
+}
+
+/// `n` points from `lo` to `hi`, both ends included: `lo + i * ((hi - lo) / (n - 1))`, the last one `hi` exactly.
+///
+/// The one expression that places uniform knots, stations and shape grids (`n = 1` gives the middle).
+pub fn linspace(lo: f64, hi: f64, n: usize) -> Vec<f64> {
+    if n == 1 {
+        return vec![0.5 * (lo + hi)];
+    }
+    let step = (hi - lo) / (n as f64 - 1.0);
+    (0..n).map(|i| if i + 1 == n { hi } else { lo + i as f64 * step }).collect()
+}
+
+impl Knots {
+    /// Uniform knots: `segments` equal pieces over `[lo, hi]`.
+    ///
+    /// # Errors
+    /// Degree or segment count out of range, or an empty domain.
+    pub fn uniform(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, KnotError> {
+        check_degree(degree)?;
+        if segments == 0 || segments > MAX_SEGMENTS {
+            return Err(KnotError::Segments { segments, max: MAX_SEGMENTS });
+        }
+        if !(lo.is_finite() && hi.is_finite() && lo < hi && (hi - lo).is_finite()) {
+            return Err(KnotError::Domain { lo, hi });
+        }
+        let mut knots = vec![lo; degree];
+        knots.extend(linspace(lo, hi, segments + 1));
+        knots.extend(std::iter::repeat_n(hi, degree));
+        let mut made = Knots::new(degree, knots)?;
+        if made.segment_starts.len() == segments {
+            made.inverse_step = Some(segments as f64 / (hi - lo));
+        }
+        Ok(made)
+    }
+
+    /// A given clamped knot vector; interior knots may be repeated up to `degree` times.
+    ///
+    /// # Errors
+    /// Everything that [`KnotError`] names.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Knots, KnotError> {
+        check_degree(degree)?;
+        let needed = 2 * (degree + 1);
+        if knots.len() < needed {
+            return Err(KnotError::TooFew { found: knots.len(), needed, degree });
+        }
+        let out_of_order = |i: &usize| !knots[*i].is_finite() || (*i > 0 && knots[*i] < knots[*i - 1]);
+        if let Some(index) = (0..knots.len()).find(out_of_order) {
+            return Err(KnotError::Order { index, value: knots[index] });
+        }
+        let (lo, hi) = (knots[0], knots[knots.len() - 1]);
+        if lo >= hi || !(hi - lo).is_finite() {
+            return Err(KnotError::Domain { lo, hi });
+        }
+        if knots[degree] != lo || knots[knots.len() - 1 - degree] != hi {
+            return Err(KnotError::NotClamped { needed: degree + 1 });
+        }
+        check_multiplicity(degree, &knots)?;
+        let segment_starts = (degree..knots.len() - degree - 1).filter(|&i| knots[i] < knots[i + 1]).collect();
+        Ok(Knots { degree, knots, segment_starts, inverse_step: None })
+    }
+
+    /// The same knots under `t -> (t - origin) / scale`.
+    ///
+    /// # Errors
+    /// When the map makes distinct ends equal or leaves the finite numbers.
+    pub fn mapped(&self, origin: f64, scale: f64) -> Result<Knots, KnotError> {
+        let mut made = Knots::new(self.degree, self.knots.iter().map(|t| (t - origin) / scale).collect())?;
+        if made.segment_starts.len() == self.segment_starts.len() {
+            made.inverse_step = self.inverse_step.map(|w| w * scale);
+        }
+        Ok(made)
+    }
+
+    /// Degree p.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The whole vector, n + p + 1 entries.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// Number of basis functions n.
+    pub fn n_basis(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// Number of segments of positive length.
+    pub fn n_segments(&self) -> usize {
+        self.segment_starts.len()
+    }
+
+    /// Both ends of the domain.
+    pub fn domain(&self) -> [f64; 2] {
+        [self.knots[0], self.knots[self.knots.len() - 1]]
+    }
+
+    /// Both ends of segment `s`.
+    pub fn segment(&self, s: usize) -> [f64; 2] {
+        let start = self.segment_starts[s];
+        [self.knots[start], self.knots[start + 1]]
+    }
+
+    /// The first of the p + 1 basis functions that do not vanish on segment `s`.
+    pub fn first_basis(&self, s: usize) -> usize {
+        self.segment_starts[s] - self.degree
+    }
+
+    /// The segment that holds `x`: right-continuous at knots, the last one at the upper end, the end ones outside.
+    pub fn segment_of(&self, x: f64) -> usize {
+        let last = self.segment_starts.len() - 1;
+        if let Some(inverse_step) = self.inverse_step {
+            // `as` saturates, so values outside and NaN land on an end segment
+            let mut s = (((x - self.knots[0]) * inverse_step) as usize).min(last);
+            // rounding may be off by one at a knot: the knots themselves decide
+            while s < last && x >= self.knots[self.degree + s + 1] {
+                s += 1;
+            }
+            while s > 0 && x < self.knots[self.degree + s] {
+                s -= 1;
+            }
+            return s;
+        }
+        let upper = self.segment_starts.partition_point(|&start| self.knots[start] <= x);
+        upper.saturating_sub(1)
+    }
+
+    /// Greville abscissae `(t_i+1 + .. + t_i+p) / p`: where coefficient i acts; their spline is x itself.
+    pub fn greville(&self) -> Vec<f64> {
+        let p = self.degree;
+        (0..self.n_basis()).map(|i| self.knots[i + 1..=i + p].iter().map(|t| t / p as f64).sum()).collect()
+    }
+}
+
+fn check_degree(degree: usize) -> Result<(), KnotError> {
+    if (1..=MAX_DEGREE).contains(&degree) { Ok(()) } else { Err(KnotError::Degree { degree }) }
+}
+
+fn check_multiplicity(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
+    let (lo, hi) = (knots[0], knots[knots.len() - 1]);
+    for run in knots.chunk_by(|a, b| a == b) {
+        let max = if run[0] == lo || run[0] == hi { degree + 1 } else { degree };
+        if run.len() > max {
+            return Err(KnotError::Multiplicity { value: run[0], found: run.len(), max });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_are_right_continuous_and_closed_at_the_top() {
+        for segments in [1, 3, 7, 10, 64] {
+            let knots = Knots::uniform(3, segments, 0.1, 0.7).unwrap();
+            let general = Knots::new(3, knots.as_slice().to_vec()).unwrap();
+            for s in 0..segments {
+                let [lo, hi] = knots.segment(s);
+                for x in [lo, 0.5 * (lo + hi), hi.next_down()] {
+                    assert_eq!((knots.segment_of(x), general.segment_of(x)), (s, s));
+                }
+            }
+            assert_eq!(knots.segment_of(0.7), segments - 1);
+            assert_eq!((knots.segment_of(-5.0), general.segment_of(-5.0)), (0, 0));
+            assert_eq!((knots.segment_of(5.0), general.segment_of(5.0)), (segments - 1, segments - 1));
+        }
+    }
+
+    #[test]
+    fn bad_vectors_are_refused_by_name() {
+        assert_eq!(Knots::uniform(0, 1, 0.0, 1.0), Err(KnotError::Degree { degree: 0 }));
+        assert_eq!(Knots::uniform(10, 1, 0.0, 1.0), Err(KnotError::Degree { degree: 10 }));
+        assert!(matches!(Knots::uniform(2, 0, 0.0, 1.0), Err(KnotError::Segments { .. })));
+        assert!(matches!(Knots::uniform(2, 1, 1.0, 1.0), Err(KnotError::Domain { .. })));
+        assert!(matches!(Knots::new(2, vec![0.0; 5]), Err(KnotError::TooFew { .. })));
+        assert!(matches!(Knots::new(1, vec![0.0, 0.0, 2.0, 1.0, 3.0, 3.0]), Err(KnotError::Order { index: 3, .. })));
+        assert!(matches!(Knots::new(1, vec![0.0, 0.5, 1.0, 1.0]), Err(KnotError::NotClamped { .. })));
+        let torn = vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0];
+        assert!(matches!(Knots::new(1, torn), Err(KnotError::Multiplicity { found: 2, .. })));
+    }
+}

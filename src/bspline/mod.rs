@@ -1,0 +1,80 @@
+//! B-splines in one dimension: `S(x) = sum_i c_i N_i(x)`, n basis functions of degree p on a clamped knot vector.
+//!
+//! ```text
+//! N_i,0 = 1 on [t_i, t_i+1)      N_i,p = (x - t_i)/(t_i+p - t_i) N_i,p-1 + (t_i+p+1 - x)/(t_i+p+1 - t_i+1) N_i+1,p-1
+//! ```
+//!
+//! At a knot the right limit is taken, at the upper end the left one; outside the domain the end polynomial goes on.
+//! Paper section 3.1 (its "order k" is degree + 1); L. Piegl and W. Tiller, *The NURBS Book*, A2.1 to A2.3.
+
+mod basis;
+mod coverage;
+mod gram;
+mod knots;
+
+pub use basis::{BasisRow, MAX_DEGREE};
+pub use coverage::{Coverage, coverage};
+pub use gram::gram;
+pub use knots::{Knots, linspace};
+
+/// What is wrong with a degree or a knot vector.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum KnotError {
+    /// Degrees run from 1 to 9.
+    #[error("degree {degree} is out of range: 1 to {MAX_DEGREE}")]
+    Degree {
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// At least one segment, and not more than memory allows.
+    #[error("{segments} segments are out of range: 1 to {max}")]
+    Segments {
+        /// The number asked for.
+        segments: usize,
+        /// The largest number taken.
+        max: usize,
+    },
+    /// The domain is empty, reversed or not finite.
+    #[error("the domain [{lo}, {hi}] is empty, reversed or not finite")]
+    Domain {
+        /// Lower end.
+        lo: f64,
+        /// Upper end.
+        hi: f64,
+    },
+    /// Fewer than 2 (degree + 1) knots.
+    #[error("{found} knots are too few for degree {degree}: at least {needed}")]
+    TooFew {
+        /// Knots given.
+        found: usize,
+        /// Knots needed.
+        needed: usize,
+        /// Degree.
+        degree: usize,
+    },
+    /// A knot is smaller than the one before it, or not finite.
+    #[error("knot {index} is {value}, which is not finite or below the knot before it")]
+    Order {
+        /// Position in the vector.
+        index: usize,
+        /// The offending knot.
+        value: f64,
+    },
+    /// The first and last degree + 1 knots must be equal.
+    #[error("the knot vector is not clamped: its first and last {needed} knots must be equal")]
+    NotClamped {
+        /// degree + 1.
+        needed: usize,
+    },
+    /// An interior knot repeated more than degree times would tear the surface.
+    #[error("interior knot {value} stands {found} times; at most {max} for a continuous surface")]
+    Multiplicity {
+        /// The knot.
+        value: f64,
+        /// Its multiplicity.
+        found: usize,
+        /// The degree.
+        max: usize,
+    },
+}
