@@ -21,3 +21,11 @@ pub mod cases;
 pub mod contact;
 pub mod curvature;
 pub mod fit;
+pub mod linalg;
+pub mod observation;
+pub mod shape;
+pub mod solve;
+pub mod surface;
+
+pub use contact::{Contacts, Grid};
+pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};

@@ -1,5 +1,10 @@
 //! What a user may choose about a fit; the same words on the command line, in a scene's `[fit]` and here.
 
+use super::FitError;
+
+/// Shape grids beyond this many points are typing errors: their maps alone would take gigabytes.
+const MAX_GRID_POINTS: usize = 100_000_000;
+
 /// Weights of the slope rows (paper Eq. 14). They multiply residuals, not their squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SlopeWeights {
@@ -138,4 +143,42 @@ impl Default for FitOptions {
             level: 0.95,
         }
     }
+}
+
+impl FitOptions {
+    /// Checks what the data cannot: grid, inset, level, sigmas, weights, smoothing.
+    ///
+    /// # Errors
+    /// [`FitError::Option`] with what would be right.
+    pub fn check(&self) -> Result<(), FitError> {
+        let fault = |option, value: String, expected| Err(FitError::Option { option, value, expected });
+        if self.grid.contains(&0) || self.grid[0].saturating_mul(self.grid[1]) > MAX_GRID_POINTS {
+            let value = format!("{}x{}", self.grid[0], self.grid[1]);
+            return fault("grid", value, "at least 1x1 and at most 10^8 points");
+        }
+        if !(0.0..0.5).contains(&self.inset) {
+            return fault("inset", self.inset.to_string(), "a fraction from 0 to below 0.5");
+        }
+        if !(self.level > 0.0 && self.level < 1.0) {
+            return fault("level", self.level.to_string(), "a probability between 0 and 1");
+        }
+        match self.objective {
+            Objective::Normals(NormalSigma::Known { z, normal_deg }) if !is_positive(z) || !is_positive(normal_deg) => {
+                fault("sigma", format!("{z},{normal_deg}"), "two positive numbers: a length, degrees")
+            }
+            Objective::Slopes(SlopeWeights::Explicit(w)) if w.iter().any(|v| !v.is_finite() || *v < 0.0) => {
+                fault("weights", format!("{},{},{}", w[0], w[1], w[2]), "three finite numbers, none negative")
+            }
+            _ => match self.smooth {
+                Smooth::Lambda(lambda) if !lambda.is_finite() || lambda < 0.0 => {
+                    fault("smooth", lambda.to_string(), "a finite number, not negative")
+                }
+                _ => Ok(()),
+            },
+        }
+    }
+}
+
+fn is_positive(v: f64) -> bool {
+    v.is_finite() && v > 0.0
 }

@@ -1,0 +1,151 @@
+//! The measured numbers in the patch frame, site by site, whichever kind of data they came as.
+
+use super::{FitError, Observed, Patch};
+use crate::contact::{Contacts, Grid, Orientation};
+use crate::linalg::{Metric, RowMetric, Targets};
+use crate::observation::{GridSites, ScatteredSites, grid_slope_rows, slope_rows};
+
+/// Contacts or a grid in patch coordinates.
+#[derive(Clone, Debug)]
+pub enum Data {
+    /// Scattered contacts, moved into the patch.
+    Scattered(Contacts),
+    /// A grid in input units, with the patch's height origin and length.
+    Gridded {
+        /// The grid.
+        grid: Grid,
+        /// Height origin.
+        origin: f64,
+        /// Length.
+        scale: f64,
+    },
+}
+
+/// Heights and unit normals with their row weights; weight zero means missing.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// Heights in the patch.
+    pub z: Vec<f64>,
+    /// Weights of the height rows.
+    pub z_weight: Vec<f64>,
+    /// Unit normals.
+    pub normals: Vec<[f64; 3]>,
+    /// Weights of the normals.
+    pub normal_weight: Vec<f64>,
+}
+
+impl Data {
+    /// Where the data lie under the patch's knots.
+    pub fn sites(&self, patch: &Patch) -> Observed {
+        match self {
+            Data::Scattered(contacts) => {
+                let points = contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect();
+                Observed::Scattered(ScatteredSites::new(patch.knots.clone(), points))
+            }
+            Data::Gridded { grid, .. } => {
+                let [ox, oy, _] = patch.frame.origin;
+                let local =
+                    |axis: &[f64], o: f64| -> Vec<f64> { axis.iter().map(|v| (v - o) / patch.frame.scale).collect() };
+                Observed::Gridded(GridSites::new(patch.knots.clone(), &local(&grid.x, ox), &local(&grid.y, oy)))
+            }
+        }
+    }
+
+    /// Slopes or normals are there.
+    pub fn has_orientation(&self) -> bool {
+        match self {
+            Data::Scattered(contacts) => contacts.orientation != Orientation::None,
+            Data::Gridded { grid, .. } => grid.zx.is_some(),
+        }
+    }
+
+    /// Normals are there, not only slopes.
+    pub fn has_normals(&self) -> bool {
+        matches!(self, Data::Scattered(Contacts { orientation: Orientation::Normals { .. }, .. }))
+    }
+
+    /// Slope rows with block weights in patch units.
+    pub fn slope_rows(&self, block: [f64; 3]) -> (Metric, Targets) {
+        match self {
+            Data::Scattered(contacts) => slope_rows(contacts, block),
+            Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
+        }
+    }
+
+    /// Every normal must have a slope: nz > 0, and finite after division.
+    ///
+    /// # Errors
+    /// [`FitError::NormalDown`], [`FitError::Steep`].
+    pub fn check_slopes(&self) -> Result<(), FitError> {
+        if let Data::Scattered(Contacts { orientation: Orientation::Normals { nx, ny, nz }, .. }) = self {
+            for index in 0..nz.len() {
+                if nz[index] < 0.0 {
+                    return Err(FitError::NormalDown { index, nz: nz[index] });
+                }
+                let slopes = [nx[index] / nz[index], ny[index] / nz[index]];
+                // 1e8: beyond it the square of a slope drowns every other row's last digit
+                if !slopes.iter().all(|s| s.is_finite() && s.abs() < 1e8) {
+                    return Err(FitError::Steep { index, nz: nz[index] });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Every normal must belong to a height field's free side: nz >= 0.
+    ///
+    /// # Errors
+    /// [`FitError::NormalDown`].
+    pub fn check_normals(&self) -> Result<(), FitError> {
+        if let Data::Scattered(Contacts { orientation: Orientation::Normals { nz, .. }, .. }) = self
+            && let Some(index) = nz.iter().position(|n| *n < 0.0)
+        {
+            return Err(FitError::NormalDown { index, nz: nz[index] });
+        }
+        Ok(())
+    }
+
+    /// Heights and unit normals for normal rows.
+    pub fn measured(&self) -> Measured {
+        let (metric, targets) = self.slope_rows([1.0, 1.0, 1.0]);
+        let mut measured = Measured::default();
+        for (r, target) in targets.iter().enumerate() {
+            let m = metric.at(r);
+            measured.z.push(if m.z == 0.0 { 0.0 } else { target[0] / m.z });
+            measured.z_weight.push(m.z);
+            let (normal, weight) = self.normal_and_weight(r, &m, target);
+            measured.normals.push(normal);
+            measured.normal_weight.push(weight);
+        }
+        measured
+    }
+
+    fn normal_and_weight(&self, r: usize, m: &RowMetric, target: &[f64; 3]) -> ([f64; 3], f64) {
+        let weight = m.a.min(m.d);
+        if weight == 0.0 {
+            return ([0.0, 0.0, 1.0], 0.0);
+        }
+        let normal = match self {
+            Data::Scattered(contacts) => contacts.unit_normal(r),
+            Data::Gridded { .. } => {
+                let (p, q) = (target[1] / m.a, target[2] / m.d);
+                let w = p.hypot(q).hypot(1.0);
+                Some([-p / w, -q / w, 1.0 / w])
+            }
+        };
+        normal.map_or(([0.0, 0.0, 1.0], 0.0), |n| (n, weight))
+    }
+
+    /// Largest magnitude of a height as the user gave it (input units): what the data's own rounding scales with.
+    pub fn largest_height(&self, patch: &Patch) -> f64 {
+        let largest =
+            |v: &mut dyn Iterator<Item = f64>| v.filter(|z| z.is_finite()).fold(0.0_f64, |m, z| m.max(z.abs()));
+        match self {
+            Data::Scattered(contacts) => {
+                let origin = if patch.frame.keeps_axes() { patch.frame.origin[2] } else { 0.0 };
+                largest(&mut contacts.z.iter().map(|z| origin + z * patch.frame.scale))
+            }
+            Data::Gridded { grid, .. } => largest(&mut grid.z.iter().copied()),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Why contacts give no fit. Every variant says what would be right.
+
+use crate::bspline::KnotError;
+use crate::contact::ContactError;
+use crate::solve::SolveError;
+use crate::surface::SurfaceError;
+
+/// A fit that cannot be had from this input with these options.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// The data themselves are faulty.
+    #[error(transparent)]
+    Contacts(#[from] ContactError),
+    /// Degree, segments or knots are out of range.
+    #[error("{axis}: {source}")]
+    Knots {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// What is wrong.
+        source: KnotError,
+    },
+    /// An option is out of range.
+    #[error("{option} is {value}: {expected}")]
+    Option {
+        /// Its name on the command line, without dashes.
+        option: &'static str,
+        /// What was given.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// Fewer equations than unknowns.
+    #[error(
+        "{contacts} contacts give {equations} equations, too few for {unknowns} unknowns: add contacts or normals, or lower degree or segments"
+    )]
+    TooFew {
+        /// Contacts (pixels) with data.
+        contacts: usize,
+        /// Equations they give.
+        equations: usize,
+        /// Unknowns n m.
+        unknowns: usize,
+    },
+    /// All contacts lie on one line (or one point): they span no patch.
+    #[error("all {contacts} contacts lie on one line in x, y: a surface needs contacts beside it")]
+    Collinear {
+        /// Number of contacts.
+        contacts: usize,
+    },
+    /// The domain has no area.
+    #[error("the domain [{}, {}] x [{}, {}] has no area: every end must be finite and the upper above the lower", domain[0], domain[1], domain[2], domain[3])]
+    Domain {
+        /// x0, x1, y0, y1.
+        domain: [f64; 4],
+    },
+    /// A contact lies outside a given domain.
+    #[error("contact {index} at ({x}, {y}) lies outside the given domain [{}, {}] x [{}, {}]", domain[0], domain[1], domain[2], domain[3])]
+    Outside {
+        /// Contact, counted from 0.
+        index: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// x0, x1, y0, y1.
+        domain: [f64; 4],
+    },
+    /// A normal that a height field cannot have.
+    #[error(
+        "the normal of contact {index} has nz = {nz}: a height field over x, y needs nz > 0 (nz = 0 only with --sigma); try --frame auto"
+    )]
+    NormalDown {
+        /// Contact, counted from 0.
+        index: usize,
+        /// Its unit normal's z component in the patch frame.
+        nz: f64,
+    },
+    /// A normal too flat for a slope row.
+    #[error(
+        "the normal of contact {index} has nz = {nz}, so its slope is not finite: use normal rows (--sigma Z,DEG or --sigma auto)"
+    )]
+    Steep {
+        /// Contact, counted from 0.
+        index: usize,
+        /// Its unit normal's z component.
+        nz: f64,
+    },
+    /// Every normal points down.
+    #[error(
+        "all {contacts} normals point down (nz < 0), as if into the body: give --flip-normals if they point inward, or --frame auto if the surface really faces down"
+    )]
+    Inward {
+        /// Number of contacts.
+        contacts: usize,
+    },
+    /// The objective needs what the data do not have.
+    #[error("{objective} needs {needed}, which the input does not have")]
+    Objective {
+        /// What was asked for.
+        objective: &'static str,
+        /// What it needs.
+        needed: &'static str,
+    },
+    /// The method does not apply to these data.
+    #[error("--method {method} {why}")]
+    Method {
+        /// Name on the command line.
+        method: &'static str,
+        /// Why not.
+        why: &'static str,
+    },
+    /// No height rows and no slopes: nothing holds the surface.
+    #[error("every weight is zero: nothing is left to fit")]
+    NoWeight,
+    /// The factorisation failed and no further method is allowed by the options.
+    #[error("{source}; --method auto may answer with a reduced rank")]
+    Solve {
+        /// What failed.
+        source: SolveError,
+    },
+    /// The data determine too little of the surface even for a reduced answer.
+    #[error(
+        "the certificate's rank failed: {rank} of {unknowns} unknowns are determined and the rest do not lie in gaps; lower degree or segments, or use --smooth"
+    )]
+    Rank {
+        /// Numerical rank.
+        rank: usize,
+        /// Unknowns.
+        unknowns: usize,
+    },
+    /// Gauss-Newton did not settle.
+    #[error(
+        "normal rows did not settle in {steps} steps: the last one moved a coefficient by {moved:e} of the largest"
+    )]
+    NotSettled {
+        /// Steps taken.
+        steps: usize,
+        /// Last relative move.
+        moved: f64,
+    },
+    /// The result is not a finite surface.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}

@@ -1,0 +1,116 @@
+//! Unknown noise: heights and slopes (or normals) are two variance components, estimated with the fit.
+//!
+//! ```text
+//! sigma_b^2 = |residuals of block b|^2 / (rows_b - trace H_b),    H_b = E_b (E'WE)^-1 E_b' W_b
+//! ```
+//!
+//! iterated until both move by less than 1e-6 of themselves. H. D. Patterson and R. Thompson, Biometrika 58 (1971);
+//! normals count two rows each.
+
+use super::FitError;
+use super::equations::{Block, Equations, data_normal_matrix, only};
+use super::normals::Levels;
+use super::solver::{Factor, Solution};
+use crate::linalg::{Sites, StencilMatrix};
+
+/// Relative move below which the levels stand.
+const STANDS: f64 = 1e-6;
+/// The iteration contracts by the blocks' overlap, at worst slowly; 300 steps reach 1e-6 from a contraction of 0.95.
+const MAX_STEPS: usize = 300;
+/// Up to this many unknowns the trace is exact, one solve per unknown; beyond, probes do (error below sqrt(2 n / 64)).
+const EXACT_TRACE: usize = 400;
+/// Probes of Hutchinson's estimator: its sd is then 18 % of sqrt(n), against rows that outnumber n.
+const PROBES: usize = 64;
+/// Residuals below this in the patch frame (where data are of size 1) are rounding, not noise.
+const NO_NOISE: f64 = 1e-13;
+
+/// One solve at given levels: the problem, its solution, and the squares of its weighted residuals per block.
+pub struct Trial {
+    /// Linear (or linearised) problem.
+    pub equations: Equations,
+    /// Solution.
+    pub solution: Solution,
+    /// `[heights, slopes]`, weighted.
+    pub squares: [f64; 2],
+}
+
+/// Traces of both blocks' hat matrices.
+pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
+    let heights = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Heights));
+    let of_heights = trace(&solution.factor, &heights, &solution.unsupported);
+    if equations.roughness.is_none() {
+        return [of_heights, solution.rank as f64 - of_heights];
+    }
+    let slopes = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Slopes));
+    [of_heights, trace(&solution.factor, &slopes, &solution.unsupported)]
+}
+
+/// `trace(A^-1 B)`.
+fn trace(factor: &Factor, b: &StencilMatrix, unsupported: &[usize]) -> f64 {
+    let order = b.order();
+    let mut product = vec![0.0; order];
+    let mut probe = vec![0.0; order];
+    if order <= EXACT_TRACE {
+        let mut sum = 0.0;
+        for u in 0..order {
+            if unsupported.binary_search(&u).is_ok() {
+                continue;
+            }
+            probe.fill(0.0);
+            probe[u] = 1.0;
+            b.multiply(&probe, &mut product);
+            unsupported.iter().for_each(|&f| product[f] = 0.0);
+            factor.solve(&mut product);
+            sum += product[u];
+        }
+        return sum;
+    }
+    // signs from Knuth's MMIX generator: any fixed +-1 sequence will do, and the result must not depend on a seed
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut sum = 0.0;
+    for _ in 0..PROBES {
+        for (u, p) in probe.iter_mut().enumerate() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let sign = if state >> 63 == 0 { 1.0 } else { -1.0 };
+            *p = if unsupported.binary_search(&u).is_ok() { 0.0 } else { sign };
+        }
+        b.multiply(&probe, &mut product);
+        unsupported.iter().for_each(|&f| product[f] = 0.0);
+        factor.solve(&mut product);
+        sum += probe.iter().zip(&product).map(|(p, v)| p * v).sum::<f64>();
+    }
+    sum / PROBES as f64
+}
+
+/// Estimates both levels; `solve_at` fits at given levels, starting from the coefficients of the fit before.
+///
+/// Returns the levels, the last trial and whether there was any noise to speak of.
+pub fn variance_components(
+    mut solve_at: impl FnMut(Levels, Option<&[f64]>) -> Result<Trial, FitError>,
+) -> Result<(Levels, Trial, bool), FitError> {
+    let mut levels = Levels { z: 1.0, slope: 1.0 };
+    let mut trial = solve_at(levels, None)?;
+    let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
+    let rms = [0, 1].map(|b| if rows[b] > 0.0 { (trial.squares[b] / rows[b]).sqrt() } else { 0.0 });
+    if rms[0] <= NO_NOISE && rms[1] <= NO_NOISE {
+        return Ok((levels, trial, false));
+    }
+    for _ in 0..MAX_STEPS {
+        let traces = hat_traces(&trial.equations, &trial.solution);
+        let update = |level: f64, b: usize| {
+            let freedom = rows[b] - traces[b];
+            if rows[b] == 0.0 || freedom <= 1e-9 * rows[b] {
+                return level;
+            }
+            (level * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
+        };
+        let next = Levels { z: update(levels.z, 0), slope: update(levels.slope, 1) };
+        let moved = (next.z / levels.z - 1.0).abs().max((next.slope / levels.slope - 1.0).abs());
+        levels = next;
+        trial = solve_at(levels, Some(&trial.solution.coefficients))?;
+        if moved < STANDS {
+            break;
+        }
+    }
+    Ok((levels, trial, true))
+}

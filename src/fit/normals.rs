@@ -1,0 +1,186 @@
+//! Normal rows: Gauss-Newton on `sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2`, with step control.
+//!
+//! Each step is the same sparse least squares with new rows. It starts from the heights alone (from slope rows where
+//! they are too few) and stops when no coefficient moves by more than 1e-10 of the largest.
+
+use super::data::Measured;
+use super::equations::Equations;
+use super::solver::{self, Solution};
+use super::{FitError, Method, Observed};
+use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix, Targets, site_rows};
+use crate::observation::{angular_residual_squared, linearise_normals};
+
+/// A move below this share of the largest coefficient ends the iteration (design, section 1).
+const SETTLED: f64 = 1e-10;
+/// Poor normals contract by a third a step, so 1e-10 takes some 25 steps; 200 means there is no minimum nearby.
+const MAX_STEPS: usize = 200;
+/// Halvings of one step; 2^-30 of a Gauss-Newton step that does not go down is a stationary point to rounding.
+const MAX_HALVINGS: usize = 30;
+/// The start takes slopes from normals no flatter than this, so that nz = 0 does not divide.
+const START_NZ: f64 = 0.05;
+
+/// Noise levels in the patch frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// Sd of a height.
+    pub z: f64,
+    /// Sd of a normal per tangent axis (radians), or of a slope.
+    pub slope: f64,
+}
+
+/// What Gauss-Newton came to.
+#[derive(Debug)]
+pub struct Settled {
+    /// The last linearised problem.
+    pub equations: Equations,
+    /// Its solution.
+    pub solution: Solution,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+/// The nonlinear problem at fixed levels.
+pub struct NormalProblem<'a> {
+    /// Where.
+    pub sites: &'a Observed,
+    /// What was measured.
+    pub measured: &'a Measured,
+    /// Noise levels.
+    pub levels: Levels,
+    /// `lambda` and P.
+    pub roughness: Option<(f64, StencilMatrix)>,
+    /// Linear solver.
+    pub method: Method,
+}
+
+impl NormalProblem<'_> {
+    /// Minimises from `start`, or from heights alone.
+    pub fn minimise(&self, start: Option<&[f64]>) -> Result<Settled, FitError> {
+        let mut current = match start {
+            Some(c) => c.to_vec(),
+            None => self.start()?,
+        };
+        let mut value = self.objective(&current);
+        let mut moved = f64::INFINITY;
+        for steps in 1..=MAX_STEPS {
+            let equations = self.linearised(&current);
+            let solution = solver::solve(&equations, self.method)?;
+            let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
+            let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            moved /= largest.max(f64::MIN_POSITIVE);
+            (current, value) = (next, next_value);
+            if moved <= SETTLED {
+                let equations = self.linearised(&current);
+                let mut solution = solver::solve(&equations, self.method)?;
+                solution.coefficients = current;
+                return Ok(Settled { equations, solution, steps });
+            }
+        }
+        Err(FitError::NotSettled { steps: MAX_STEPS, moved })
+    }
+
+    fn line_search(&self, from: &[f64], value: f64, to: &[f64]) -> (Vec<f64>, f64) {
+        let mut share = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            let next: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+            let next_value = self.objective(&next);
+            // equality to rounding is progress enough near the minimum
+            if next_value <= value * (1.0 + 1e-14) {
+                return (next, next_value);
+            }
+            share *= 0.5;
+        }
+        (from.to_vec(), value)
+    }
+
+    fn start(&self) -> Result<Vec<f64>, FitError> {
+        let heights = Metric::PerSite(
+            self.measured.z_weight.iter().map(|w| RowMetric { z: *w, ..RowMetric::default() }).collect(),
+        );
+        let targets: Targets =
+            self.measured.z.iter().zip(&self.measured.z_weight).map(|(z, w)| [w * z, 0.0, 0.0]).collect();
+        let equations =
+            Equations { sites: self.sites.clone(), metric: heights, targets, roughness: self.roughness.clone() };
+        if equations.count() >= equations.unknowns() {
+            match solver::solve(&equations, Method::Cholesky) {
+                Ok(solution) if solution.rank == equations.unknowns() => return Ok(solution.coefficients),
+                _ => {}
+            }
+        }
+        Ok(solver::solve(&self.slope_start(), Method::Auto)?.coefficients)
+    }
+
+    fn slope_start(&self) -> Equations {
+        let (mut metrics, mut targets) = (Vec::new(), Targets::new());
+        for r in 0..self.measured.z.len() {
+            let [nx, ny, nz] = self.measured.normals[r];
+            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
+            let nz = nz.max(START_NZ);
+            metrics.push(RowMetric { z: wz, a: w, b: 0.0, d: w });
+            targets.push([wz * self.measured.z[r], -w * nx / nz, -w * ny / nz]);
+        }
+        Equations {
+            sites: self.sites.clone(),
+            metric: Metric::PerSite(metrics),
+            targets,
+            roughness: self.roughness.clone(),
+        }
+    }
+
+    /// The rows of one Gauss-Newton step about `c`.
+    pub fn linearised(&self, c: &[f64]) -> Equations {
+        let columns = self.sites.shape().basis[1];
+        let mut metrics = vec![RowMetric::default(); self.sites.len()];
+        let mut targets = vec![[0.0; 3]; self.sites.len()];
+        self.sites.visit(|site| {
+            let r = site.index;
+            let z = self.measured.z_weight[r] / self.levels.z;
+            let w = self.measured.normal_weight[r] / self.levels.slope;
+            metrics[r].z = z;
+            targets[r][0] = z * self.measured.z[r];
+            if w != 0.0 {
+                let [_, p, q] = site_rows(site, &RowMetric { z: 0.0, a: 1.0, b: 0.0, d: 1.0 }, c, columns);
+                let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
+                metrics[r] = RowMetric { z, a: w * u.a, b: w * u.b, d: w * u.d };
+                (targets[r][1], targets[r][2]) = (w * first, w * second);
+            }
+        });
+        Equations {
+            sites: self.sites.clone(),
+            metric: Metric::PerSite(metrics),
+            targets,
+            roughness: self.roughness.clone(),
+        }
+    }
+
+    /// Weighted squares of heights and normals (true chords) at `c`.
+    pub fn squares(&self, c: &[f64]) -> [f64; 2] {
+        let columns = self.sites.shape().basis[1];
+        let mut sums = [0.0, 0.0];
+        self.sites.visit(|site| {
+            let r = site.index;
+            let [s, p, q] = site_rows(site, &RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 }, c, columns);
+            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
+            if wz != 0.0 {
+                let residual = wz * (self.measured.z[r] - s) / self.levels.z;
+                sums[0] += residual * residual;
+            }
+            if w != 0.0 {
+                let chord = angular_residual_squared(self.measured.normals[r], p, q);
+                sums[1] += w * w * chord / (self.levels.slope * self.levels.slope);
+            }
+        });
+        sums
+    }
+
+    fn objective(&self, c: &[f64]) -> f64 {
+        let [heights, normals] = self.squares(c);
+        let rough = self.roughness.as_ref().map_or(0.0, |(lambda, penalty)| {
+            let mut bent = vec![0.0; c.len()];
+            penalty.multiply(c, &mut bent);
+            lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
+        });
+        heights + normals + rough
+    }
+}

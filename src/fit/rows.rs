@@ -1,0 +1,342 @@
+//! Step 3: which rows with which weights, solved; what the noise levels were.
+//!
+//! Presets hold in patch units, where the height residual is in units of half the domain's larger side; explicit
+//! weights and sigmas apply to input units, so a length takes the patch's scale.
+
+use super::data::{Data, Measured};
+use super::equations::{Equations, block_squares};
+use super::noise::{Trial, hat_traces, variance_components};
+use super::normals::{Levels, NormalProblem};
+use super::solver::{self, Solution};
+use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, SlopeWeights, Smooth};
+use crate::linalg::{Sites, StencilMatrix};
+use crate::observation::{angular_residual_squared, roughness_matrix};
+
+/// What the rows were weighted by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Declared {
+    /// Block weights of slope rows `[wz, wx, wy]`, input units.
+    Weights([f64; 3]),
+    /// Levels that the user declared.
+    Sigma,
+    /// Levels estimated with the fit.
+    Estimated,
+}
+
+/// Noise levels and where they come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseLevels {
+    /// Weights given, sigmas given, or both estimated.
+    pub declared: Declared,
+    /// The weights' word: `tangent`, `position`, `equal`, `auto` or `explicit`; `None` with normal rows.
+    pub weights: Option<SlopeWeights>,
+    /// Sd of a height, input units.
+    pub sigma_z: Option<f64>,
+    /// Sd of a normal per tangent axis, degrees.
+    pub sigma_normal_deg: Option<f64>,
+    /// Sd of a slope.
+    pub sigma_slope: Option<f64>,
+    /// Variances of the weighted rows per block, `[heights, slopes]`: 1 for whitened rows.
+    pub block_variance: [f64; 2],
+}
+
+/// Remarks that belong to the answer.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Note {
+    /// No height rows: the mean height is fixed to zero.
+    SlopesOnly,
+    /// Noise-free to rounding: equal weights.
+    NoNoise,
+    /// Axes of the patch differ from the input's.
+    Turned,
+    /// Gauss-Newton steps.
+    GaussNewton {
+        /// Steps taken.
+        steps: usize,
+    },
+    /// Coefficients without data.
+    Unsupported {
+        /// How many.
+        coefficients: usize,
+    },
+    /// Smoothing parameter chosen by the data.
+    Smoothed {
+        /// lambda.
+        lambda: f64,
+    },
+}
+
+impl std::fmt::Display for Note {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Note::SlopesOnly => write!(f, "no heights: the mean height is fixed to zero"),
+            Note::NoNoise => write!(f, "residuals are rounding: equal weights"),
+            Note::Turned => write!(f, "the patch has its own axes, z along the mean normal"),
+            Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
+            Note::Unsupported { coefficients } => {
+                write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")
+            }
+            Note::Smoothed { lambda } => write!(f, "smoothing parameter {lambda:e} chosen by the data"),
+        }
+    }
+}
+
+/// Root mean square residuals of the rows that count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rms {
+    /// Heights, input units.
+    pub z: Option<f64>,
+    /// Slopes in x; `None` also where a normal has no slope.
+    pub zx: Option<f64>,
+    /// Slopes in y.
+    pub zy: Option<f64>,
+    /// Normals: rms angle, degrees.
+    pub normal_deg: Option<f64>,
+}
+
+/// Equations, solution, levels.
+#[derive(Debug)]
+pub struct Fitted {
+    pub equations: Equations,
+    pub solution: Solution,
+    pub noise: NoiseLevels,
+    pub notes: Vec<Note>,
+}
+
+/// Which objective the data and options call for.
+fn resolve(data: &Data, options: &FitOptions) -> Result<Objective, FitError> {
+    let resolved = match options.objective {
+        Objective::Auto if data.has_normals() => Objective::Normals(NormalSigma::Auto),
+        Objective::Auto => Objective::Slopes(SlopeWeights::Auto),
+        other => other,
+    };
+    if matches!(resolved, Objective::Normals(_)) && !data.has_orientation() {
+        return Err(FitError::Objective { objective: "--sigma", needed: "normals or slopes" });
+    }
+    Ok(resolved)
+}
+
+/// Forms and solves the rows.
+pub fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+    check_method(data, options)?;
+    let sites = data.sites(patch);
+    let roughness = roughness(patch, options);
+    let mut fitted = match resolve(data, options)? {
+        Objective::Normals(sigma) => fit_normals(patch, data, &sites, sigma, options.method, roughness)?,
+        Objective::Slopes(weights) => {
+            data.check_slopes()?;
+            fit_slopes(patch, data, &sites, weights, options.method, roughness)?
+        }
+        Objective::Auto => return Err(FitError::NoWeight),
+    };
+    if !patch.frame.keeps_axes() {
+        fitted.notes.push(Note::Turned);
+    }
+    if !fitted.solution.unsupported.is_empty() {
+        fitted.notes.push(Note::Unsupported { coefficients: fitted.solution.unsupported.len() });
+    }
+    Ok(fitted)
+}
+
+fn check_method(data: &Data, options: &FitOptions) -> Result<(), FitError> {
+    match (options.method, data) {
+        (Method::Kronecker, Data::Scattered(_)) => {
+            Err(FitError::Method { method: "kronecker", why: "needs a complete grid" })
+        }
+        (Method::Pcg, Data::Scattered(_)) => Err(FitError::Method { method: "pcg", why: "needs a grid" }),
+        _ => Ok(()),
+    }
+}
+
+/// The penalty is the same number in patch and input units: S_xx scales by 1/L, squared, times the area L^2.
+fn roughness(patch: &Patch, options: &FitOptions) -> Option<(f64, StencilMatrix)> {
+    match options.smooth {
+        Smooth::Lambda(lambda) if lambda > 0.0 => Some((lambda, roughness_matrix(&patch.knots))),
+        _ => None,
+    }
+}
+
+fn too_few(equations: &Equations) -> Result<(), FitError> {
+    let [z, slopes] = equations.metric.row_counts(equations.sites.len());
+    if z + slopes == 0 {
+        return Err(FitError::NoWeight);
+    }
+    if z + slopes < equations.unknowns() && equations.roughness.is_none() {
+        return Err(FitError::TooFew {
+            contacts: equations.sites.len(),
+            equations: z + slopes,
+            unknowns: equations.unknowns(),
+        });
+    }
+    Ok(())
+}
+
+/// Block weights in patch units: presets as they are, explicit ones with the height's length.
+fn block_weights(weights: SlopeWeights, scale: f64) -> [f64; 3] {
+    match weights {
+        SlopeWeights::Auto | SlopeWeights::Equal => [1.0, 1.0, 1.0],
+        SlopeWeights::Tangent => [1.0, 10.0, 10.0],
+        SlopeWeights::Position => [10.0, 1.0, 1.0],
+        SlopeWeights::Explicit([z, x, y]) => [z * scale, x, y],
+    }
+}
+
+fn fit_slopes(
+    patch: &Patch,
+    data: &Data,
+    sites: &Observed,
+    weights: SlopeWeights,
+    method: Method,
+    roughness: Option<(f64, StencilMatrix)>,
+) -> Result<Fitted, FitError> {
+    let scale = patch.frame.scale;
+    let trial_at = |block: [f64; 3]| -> Result<Trial, FitError> {
+        let (metric, targets) = data.slope_rows(block);
+        let equations = Equations { sites: sites.clone(), metric, targets, roughness: roughness.clone() };
+        too_few(&equations)?;
+        let solution = solver::solve(&equations, method)?;
+        let squares = block_squares(&equations.residuals(&solution.coefficients));
+        Ok(Trial { equations, solution, squares })
+    };
+    let mut notes = Vec::new();
+    let block = block_weights(weights, scale);
+    let (trial, levels) = if weights == SlopeWeights::Auto && data.has_orientation() {
+        let (levels, trial, noisy) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
+        if !noisy {
+            notes.push(Note::NoNoise);
+        }
+        (trial, Some(levels))
+    } else {
+        (trial_at(block)?, None)
+    };
+    let block_variance = if levels.is_some() { [1.0, 1.0] } else { residual_variances(&trial) };
+    let weights_used =
+        levels.map_or([block[0] / scale, block[1], block[2]], |l| [1.0 / (l.z * scale), 1.0 / l.slope, 1.0 / l.slope]);
+    let [heights, slopes] = trial.equations.metric.row_counts(sites.len());
+    let sd = |variance: f64, weight: f64, rows: usize| (rows > 0 && weight > 0.0).then(|| variance.sqrt() / weight);
+    if heights == 0 {
+        notes.push(Note::SlopesOnly);
+    }
+    let noise = NoiseLevels {
+        declared: if levels.is_some() { Declared::Estimated } else { Declared::Weights(weights_used) },
+        weights: Some(weights),
+        sigma_z: sd(block_variance[0], weights_used[0], heights),
+        sigma_normal_deg: None,
+        sigma_slope: sd(block_variance[1], weights_used[1], slopes),
+        block_variance,
+    };
+    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes })
+}
+
+/// Variance of the weighted rows of each block, from its residuals and its share of the unknowns.
+fn residual_variances(trial: &Trial) -> [f64; 2] {
+    let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
+    let traces = hat_traces(&trial.equations, &trial.solution);
+    [0, 1].map(|b| {
+        let freedom = rows[b] - traces[b];
+        if freedom > 1e-9 * rows[b].max(1.0) { trial.squares[b] / freedom } else { 0.0 }
+    })
+}
+
+fn fit_normals(
+    patch: &Patch,
+    data: &Data,
+    sites: &Observed,
+    sigma: NormalSigma,
+    method: Method,
+    roughness: Option<(f64, StencilMatrix)>,
+) -> Result<Fitted, FitError> {
+    data.check_normals()?;
+    let measured = data.measured();
+    let scale = patch.frame.scale;
+    let steps = std::cell::Cell::new(0);
+    let trial_at = |levels: Levels, start: Option<&[f64]>| -> Result<Trial, FitError> {
+        let problem = problem(sites, &measured, levels, &roughness, method);
+        let settled = problem.minimise(start)?;
+        steps.set(settled.steps);
+        let squares = problem.squares(&settled.solution.coefficients);
+        Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
+    };
+    too_few(
+        &problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
+            0.0;
+            sites
+                .shape()
+                .unknowns()
+        ]),
+    )?;
+    let mut notes = Vec::new();
+    let (levels, trial, declared) = match sigma {
+        NormalSigma::Known { z, normal_deg } => {
+            let levels = Levels { z: z / scale, slope: normal_deg.to_radians() };
+            (levels, trial_at(levels, None)?, Declared::Sigma)
+        }
+        NormalSigma::Auto => {
+            let (levels, trial, noisy) = variance_components(trial_at)?;
+            if !noisy {
+                notes.push(Note::NoNoise);
+            }
+            (levels, trial, Declared::Estimated)
+        }
+    };
+    if measured.z_weight.iter().all(|w| *w == 0.0) {
+        notes.push(Note::SlopesOnly);
+    }
+    notes.push(Note::GaussNewton { steps: steps.get() });
+    let noise = NoiseLevels {
+        declared,
+        weights: None,
+        sigma_z: Some(levels.z * scale),
+        sigma_normal_deg: Some(levels.slope.to_degrees()),
+        sigma_slope: None,
+        block_variance: [1.0, 1.0],
+    };
+    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes })
+}
+
+fn problem<'a>(
+    sites: &'a Observed,
+    measured: &'a Measured,
+    levels: Levels,
+    roughness: &Option<(f64, StencilMatrix)>,
+    method: Method,
+) -> NormalProblem<'a> {
+    NormalProblem { sites, measured, levels, roughness: roughness.clone(), method }
+}
+
+/// Unweighted residuals of the final surface.
+pub fn rms(fit: &Fit) -> Rms {
+    let sites = &fit.fitted.equations.sites;
+    let columns = sites.shape().basis[1];
+    let measured = fit.data.measured();
+    let one = crate::linalg::RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+    let (mut sums, mut counts) = ([0.0; 4], [0usize; 4]);
+    sites.visit(|site| {
+        let r = site.index;
+        let [s, p, q] = crate::linalg::site_rows(site, &one, &fit.fitted.solution.coefficients, columns);
+        let mut add = |k: usize, square: f64| {
+            sums[k] += square;
+            counts[k] += 1;
+        };
+        if measured.z_weight[r] != 0.0 {
+            add(0, (measured.z[r] - s).powi(2));
+        }
+        if measured.normal_weight[r] != 0.0 {
+            let n = measured.normals[r];
+            add(1, (-n[0] / n[2] - p).powi(2));
+            add(2, (-n[1] / n[2] - q).powi(2));
+            add(3, angular_residual_squared(n, p, q));
+        }
+    });
+    let root = |k: usize| {
+        let mean = sums[k] / counts[k] as f64;
+        (counts[k] > 0 && mean.is_finite()).then(|| mean.sqrt())
+    };
+    Rms {
+        z: root(0).map(|v| v * fit.patch.frame.scale),
+        zx: root(1),
+        zy: root(2),
+        normal_deg: root(3).map(f64::to_degrees),
+    }
+}

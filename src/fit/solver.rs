@@ -1,0 +1,370 @@
+//! Step 3b: one linear problem to coefficients, the cheapest safe way first, every move on record.
+//!
+//! ```text
+//! Cholesky of D(E'E)D  ->  refined from the rows  ->  QR of the rows, refined (corrected semi-normal equations)
+//!                      ->  rank-revealing QR, the undetermined part of least roughness
+//! ```
+
+use super::equations::Equations;
+use super::gaps::{self, Free};
+use super::{FitError, Method};
+use crate::linalg::{Sites, StencilMatrix};
+use crate::observation::{roughness_matrix, to_csr};
+use crate::solve::{Cholesky, PivotedQr, SolveError, TriangularFactor};
+
+/// Squared pivots of the equilibrated Cholesky factor below this call for its condition; above it fewer than 4 of 16
+/// digits can be gone, and a hot loop pays for nothing more.
+const PIVOT_IN_DOUBT: f64 = 1e-4;
+/// The condition of the normal matrix beyond which Cholesky loses more than half the digits: 1/sqrt(2^-53), rounded.
+const HALF_THE_DIGITS: f64 = 1e8;
+/// Refinement from the rows stops here; each step gains about -log10(condition^2 u) digits, two are nearly always enough.
+const MAX_REFINEMENTS: usize = 4;
+/// Most entries of E that are written out for the dense rank-revealing factor (32 MB).
+const DENSE_ENTRIES: usize = 1 << 22;
+
+/// How the coefficients were had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MethodUsed {
+    /// Cholesky of the normal matrix.
+    Cholesky,
+    /// QR of the rows.
+    Qr,
+    /// Rank-revealing QR with rows sorted and columns pivoted.
+    PivotedQr,
+    /// Fast diagonalisation of a complete grid.
+    Kronecker,
+    /// Preconditioned conjugate gradients.
+    Pcg,
+}
+
+impl MethodUsed {
+    /// The word used in every output.
+    pub fn name(self) -> &'static str {
+        match self {
+            MethodUsed::Cholesky => "cholesky",
+            MethodUsed::Qr => "qr",
+            MethodUsed::PivotedQr => "pivoted qr",
+            MethodUsed::Kronecker => "kronecker",
+            MethodUsed::Pcg => "pcg",
+        }
+    }
+}
+
+/// Why that method, move by move.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The user asked for it.
+    Requested,
+    /// All pivots well away from zero.
+    PivotsSound,
+    /// The condition estimate allows Cholesky.
+    ConditionSound {
+        /// Condition of the equilibrated rows.
+        condition: f64,
+    },
+    /// Cholesky would lose more than half the digits.
+    ConditionPoor {
+        /// Condition of the equilibrated rows.
+        condition: f64,
+    },
+    /// Cholesky broke down.
+    CholeskyBroke {
+        /// At this unknown.
+        unknown: usize,
+    },
+    /// QR found columns that depend on others.
+    RankDeficient {
+        /// Rank found.
+        rank: usize,
+    },
+    /// Row weights differ by so much that rows are sorted and columns pivoted.
+    WeightsDiffer {
+        /// Largest over smallest row weight.
+        ratio: f64,
+    },
+    /// Coefficients without data, or held by a thread, take least-roughness values.
+    Gap {
+        /// How many.
+        coefficients: usize,
+    },
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Reason::Requested => write!(f, "requested"),
+            Reason::PivotsSound => write!(f, "all pivots sound"),
+            Reason::ConditionSound { condition } => {
+                write!(f, "condition {condition:.1e} leaves more than half the digits")
+            }
+            Reason::ConditionPoor { condition } => {
+                write!(f, "condition {condition:.1e} would cost Cholesky more than half the digits")
+            }
+            Reason::CholeskyBroke { unknown } => write!(f, "Cholesky broke down at unknown {unknown}"),
+            Reason::RankDeficient { rank } => write!(f, "rank {rank}: the rest takes least roughness"),
+            Reason::WeightsDiffer { ratio } => {
+                write!(f, "row weights differ by {ratio:.1e}: rows sorted, columns pivoted")
+            }
+            Reason::Gap { coefficients } => {
+                write!(f, "{coefficients} coefficients without enough data take least roughness")
+            }
+        }
+    }
+}
+
+/// A factor of the final problem, kept for covariance, condition and further right-hand sides.
+#[derive(Debug)]
+pub enum Factor {
+    /// Cholesky of the (masked) normal matrix.
+    Cholesky(Box<Cholesky>),
+    /// R of the rows.
+    Triangular(Box<TriangularFactor>),
+    /// Rank-revealing R.
+    Pivoted(Box<PivotedQr>),
+}
+
+impl Factor {
+    /// `v <- (E'E)^-1 v` over the determined unknowns.
+    pub fn solve(&self, v: &mut [f64]) {
+        match self {
+            Factor::Cholesky(factor) => factor.solve(v),
+            Factor::Triangular(factor) => factor.solve(v),
+            Factor::Pivoted(factor) => factor.solve(v),
+        }
+    }
+
+    /// 1-norm condition estimate of the equilibrated rows.
+    pub fn condition(&self) -> f64 {
+        match self {
+            Factor::Cholesky(factor) => factor.condition(),
+            Factor::Triangular(factor) => factor.condition(),
+            Factor::Pivoted(factor) => factor.condition(),
+        }
+    }
+}
+
+/// Coefficients with the factor and the record of how they came about.
+#[derive(Debug)]
+pub struct Solution {
+    /// Coefficients in the patch frame, number `i m + j`.
+    pub coefficients: Vec<f64>,
+    /// Factor of the problem solved.
+    pub factor: Factor,
+    /// Method that gave the answer.
+    pub method: MethodUsed,
+    /// Every decision on the way.
+    pub reasons: Vec<Reason>,
+    /// Numerical rank.
+    pub rank: usize,
+    /// Coefficients that the data leave free or hold by a thread.
+    pub unsupported: Vec<usize>,
+    /// Refinement steps taken.
+    pub refinements: usize,
+    /// Last step's move over the first's: what refinement gained.
+    pub refinement_gain: f64,
+}
+
+/// Solves the problem by the method asked for.
+pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError> {
+    let matrix = equations.normal_matrix();
+    let free = gaps::find(&matrix, equations.roughness.is_some());
+    match method {
+        Method::Qr => by_qr(equations, &matrix, free, vec![Reason::Requested]),
+        Method::Cholesky => by_cholesky(equations, &matrix, &free, true).map_err(|broken| match broken {
+            Broken::Solve(source) => FitError::Solve { source },
+            Broken::Poor(_) => FitError::Rank { rank: 0, unknowns: equations.unknowns() },
+        }),
+        _ => match by_cholesky(equations, &matrix, &free, false) {
+            Ok(solution) => Ok(solution),
+            Err(Broken::Solve(SolveError::NotPositiveDefinite { unknown })) => {
+                by_qr(equations, &matrix, free, vec![Reason::CholeskyBroke { unknown }])
+            }
+            Err(Broken::Solve(source)) => Err(FitError::Solve { source }),
+            Err(Broken::Poor(condition)) => by_qr(equations, &matrix, free, vec![Reason::ConditionPoor { condition }]),
+        },
+    }
+}
+
+enum Broken {
+    Solve(SolveError),
+    Poor(f64),
+}
+
+fn by_cholesky(
+    equations: &Equations,
+    matrix: &StencilMatrix,
+    free: &Free,
+    requested: bool,
+) -> Result<Solution, Broken> {
+    let mut factor = Cholesky::plan(matrix.shape()).map_err(Broken::Solve)?;
+    let masked = free.mask(matrix);
+    factor.factor(masked.as_ref().unwrap_or(matrix)).map_err(Broken::Solve)?;
+    let mut reasons = if requested { vec![Reason::Requested] } else { Vec::new() };
+    let in_doubt = factor.smallest_pivot() < PIVOT_IN_DOUBT;
+    if in_doubt {
+        let condition = factor.condition();
+        if !requested && condition * condition > HALF_THE_DIGITS {
+            return Err(Broken::Poor(condition));
+        }
+        reasons.push(Reason::ConditionSound { condition });
+    } else if !requested {
+        reasons.push(Reason::PivotsSound);
+    }
+    let factor = Factor::Cholesky(Box::new(factor));
+    let start = vec![0.0; matrix.order()];
+    let mut solution = Solution {
+        coefficients: start,
+        factor,
+        method: MethodUsed::Cholesky,
+        reasons,
+        rank: matrix.order() - free.len(),
+        unsupported: free.list(),
+        refinements: 0,
+        refinement_gain: 1.0,
+    };
+    gaps::complete_by_turns(equations, &mut solution, free);
+    if in_doubt || requested {
+        refine(equations, &mut solution, free);
+    }
+    Ok(solution)
+}
+
+fn by_qr(
+    equations: &Equations,
+    matrix: &StencilMatrix,
+    free: Free,
+    mut reasons: Vec<Reason>,
+) -> Result<Solution, FitError> {
+    let dense = equations.count() * equations.unknowns() <= DENSE_ENTRIES && equations.roughness.is_none();
+    let ratio = weight_ratio(equations);
+    if dense && ratio > 1e6 {
+        reasons.push(Reason::WeightsDiffer { ratio });
+        return by_pivoted_qr(equations, reasons, free);
+    }
+    if !free.is_empty() || equations.roughness.is_some() {
+        return by_masked_cholesky(equations, matrix, free, reasons, dense);
+    }
+    let factor = TriangularFactor::of_rows(&equations.sites, &equations.metric, &equations.targets, &matrix.diagonal())
+        .map_err(|source| FitError::Solve { source })?;
+    if factor.rank() < equations.unknowns() {
+        reasons.push(Reason::RankDeficient { rank: factor.rank() });
+        if dense {
+            return by_pivoted_qr(equations, reasons, free);
+        }
+        return Err(FitError::Rank { rank: factor.rank(), unknowns: equations.unknowns() });
+    }
+    let mut solution = Solution {
+        coefficients: factor.coefficients(),
+        rank: factor.rank(),
+        factor: Factor::Triangular(Box::new(factor)),
+        method: MethodUsed::Qr,
+        reasons,
+        unsupported: Vec::new(),
+        refinements: 0,
+        refinement_gain: 1.0,
+    };
+    refine(equations, &mut solution, &free);
+    Ok(solution)
+}
+
+/// With gaps or roughness the normal matrix is what is factored; QR's place is taken by refinement from the rows.
+fn by_masked_cholesky(
+    equations: &Equations,
+    matrix: &StencilMatrix,
+    free: Free,
+    reasons: Vec<Reason>,
+    dense: bool,
+) -> Result<Solution, FitError> {
+    match by_cholesky(equations, matrix, &free, true) {
+        Ok(mut solution) => {
+            solution.reasons = reasons.into_iter().chain(solution.reasons.into_iter().skip(1)).collect();
+            Ok(solution)
+        }
+        Err(_) if dense => by_pivoted_qr(equations, reasons, free),
+        Err(Broken::Solve(source)) => Err(FitError::Solve { source }),
+        Err(Broken::Poor(_)) => Err(FitError::Rank { rank: 0, unknowns: equations.unknowns() }),
+    }
+}
+
+fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) -> Result<Solution, FitError> {
+    let e = to_csr(&equations.sites, &equations.metric);
+    let unknowns = equations.unknowns();
+    let live: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
+    let rows = live.len();
+    let mut values = vec![0.0; rows * unknowns];
+    let mut rhs = vec![0.0; rows];
+    for (k, &r) in live.iter().enumerate() {
+        let row = e.row(r);
+        for (column, value) in row.col_indices().iter().zip(row.values()) {
+            values[column * rows + k] = *value;
+        }
+        rhs[k] = equations.targets[r / 3][r % 3];
+    }
+    let factor = PivotedQr::of_dense(rows, unknowns, &values, &rhs).map_err(|source| FitError::Solve { source })?;
+    let mut coefficients = factor.coefficients();
+    let mut unsupported = free.list();
+    let rank = factor.rank();
+    if rank < unknowns {
+        if !reasons.iter().any(|r| matches!(r, Reason::RankDeficient { .. })) {
+            reasons.push(Reason::RankDeficient { rank });
+        }
+        let knots = equations.sites.knots();
+        let free_directions = factor.null_space();
+        unsupported.extend(gaps::touched(&free_directions));
+        gaps::smooth_along(&roughness_matrix(&knots), &free_directions, &mut coefficients);
+    }
+    unsupported.sort_unstable();
+    unsupported.dedup();
+    Ok(Solution {
+        coefficients,
+        rank,
+        factor: Factor::Pivoted(Box::new(factor)),
+        method: MethodUsed::PivotedQr,
+        reasons,
+        unsupported,
+        refinements: 0,
+        refinement_gain: 1.0,
+    })
+}
+
+/// Corrections `(E'E)^-1 (E'(b - E c) - lambda P c)` until they stop shrinking.
+fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
+    let (mut first, mut last) = (0.0, f64::INFINITY);
+    for step in 0..MAX_REFINEMENTS {
+        let mut correction = equations.descent(&solution.coefficients);
+        free.clear(&mut correction);
+        solution.factor.solve(&mut correction);
+        let size = correction.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if !size.is_finite() || size >= 0.5 * last {
+            break;
+        }
+        solution.coefficients.iter_mut().zip(&correction).for_each(|(c, d)| *c += d);
+        solution.refinements = step + 1;
+        if step == 0 {
+            first = size;
+        }
+        last = size;
+        if size == 0.0 {
+            break;
+        }
+    }
+    if solution.refinements > 1 && first > 0.0 {
+        solution.refinement_gain = last / first;
+    }
+}
+
+/// Largest over smallest weight among the rows that count.
+fn weight_ratio(equations: &Equations) -> f64 {
+    let (mut lo, mut hi) = (f64::INFINITY, 0.0_f64);
+    let mut take = |w: f64| {
+        if w != 0.0 {
+            (lo, hi) = (lo.min(w.abs()), hi.max(w.abs()));
+        }
+    };
+    for r in 0..equations.sites.len() {
+        let m = equations.metric.at(r);
+        [m.z, m.a, m.d].into_iter().for_each(&mut take);
+    }
+    if hi == 0.0 { 1.0 } else { hi / lo }
+}

@@ -1,0 +1,25 @@
+//! Uncertainty of a linear functional `g'c` by the delta method, from the rows themselves:
+//!
+//! ```text
+//! v = (E'E + lambda P)^-1 g        u^2 = sum_b s_b^2 |E_b v|^2       b = heights, slopes
+//! ```
+//!
+//! With rows of unit variance this is `g'(E'E)^-1 g`; with presets, whose weights are no noise levels, the blocks'
+//! residual variances `s_b^2` stand in (a sandwich), so the answer does not believe the weights.
+
+use super::Fit;
+use super::equations::block_squares;
+use crate::linalg::{Targets, apply_rows};
+
+/// Standard uncertainty of `g'c`.
+pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
+    let fitted = &fit.fitted;
+    let mut v = gradient.to_vec();
+    fitted.solution.unsupported.iter().for_each(|&u| v[u] = 0.0);
+    fitted.solution.factor.solve(&mut v);
+    let mut rows = Targets::new();
+    apply_rows(&fitted.equations.sites, &fitted.equations.metric, &v, &mut rows);
+    let squares = block_squares(&rows);
+    let [heights, slopes] = fitted.noise.block_variance;
+    (heights * squares[0] + slopes * squares[1]).sqrt()
+}

@@ -1,0 +1,22 @@
+//! The structured system: `minimise |W (E c - b)|^2`, E made of tensor-product rows, never held in full.
+//!
+//! ```text
+//! one site:   rows   wz  (N  o M )                      value row
+//!                    a (N' o M) + b (N o M')            slope rows: a 2 x 2 upper triangle [a b; 0 d] times (S_x, S_y)
+//!                    d (N  o M')
+//! all sites:  A = E'E (stencil of a tensor spline),  E'b,  b - E c
+//! ```
+//!
+//! [`Sites`] says where the data lie (scattered or gridded: two implementations that never meet), [`Metric`] how the
+//! rows are weighted, [`Targets`] what they should be. Everything else is written once over the three.
+
+mod condition;
+mod sites;
+mod stencil;
+
+pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
+pub use sites::{
+    Metric, RowMetric, Site, Sites, Targets, apply_rows, assemble, column_norms_squared, magnitudes, normal_rhs,
+    residuals, site_rows,
+};
+pub use stencil::{StencilMatrix, TensorShape};

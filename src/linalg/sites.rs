@@ -1,0 +1,280 @@
+//! Where data lie, how their rows are weighted, what they should be; and the four products built on that.
+//!
+//! For a site with x values `N, N'` and y values `M, M'` (p + 1 and q + 1 of each, coefficients `c_ab` of the patch)
+//!
+//! ```text
+//! S = sum N_a c_ab M_b     S_x = sum N'_a c_ab M_b     S_y = sum N_a c_ab M'_b
+//! A_(ab)(kl) += (wz^2 N_a N_k + a^2 N'_a N'_k) M_b M_l + a b (N'_a N_k M_b M'_l + N_a N'_k M'_b M_l)
+//!               + (b^2 + d^2) N_a N_k M'_b M'_l
+//! ```
+
+use super::stencil::{StencilMatrix, TensorShape};
+
+/// One data site: which basis functions live there, and their values and slopes.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<'a> {
+    /// Number of the datum in the user's order (gridded: `i m + j`).
+    pub index: usize,
+    /// First basis function in x and in y.
+    pub first: [usize; 2],
+    /// N, p + 1 values.
+    pub x: &'a [f64],
+    /// N'.
+    pub dx: &'a [f64],
+    /// M, q + 1 values.
+    pub y: &'a [f64],
+    /// M'.
+    pub dy: &'a [f64],
+}
+
+/// Sites of data under a tensor spline. Scattered and gridded data implement it, each in its own way.
+pub trait Sites: Sync {
+    /// Shape of the spline.
+    fn shape(&self) -> TensorShape;
+    /// Number of sites.
+    fn len(&self) -> usize;
+    /// No sites.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Visits every site, knot cell by knot cell (x segment major): all sites of a cell come together.
+    fn visit(&self, f: impl FnMut(&Site));
+}
+
+/// Weights of one site's rows: `wz` and the upper triangle `[a b; 0 d]`. Residuals are multiplied, not squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RowMetric {
+    /// Weight of the value row.
+    pub z: f64,
+    /// Entry a: slope in x.
+    pub a: f64,
+    /// Entry b: coupling of the slopes (normal rows only).
+    pub b: f64,
+    /// Entry d: slope in y.
+    pub d: f64,
+}
+
+/// Weights of all rows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Metric {
+    /// The same everywhere.
+    Uniform(RowMetric),
+    /// One per site.
+    PerSite(Vec<RowMetric>),
+}
+
+impl Metric {
+    /// Weights of site `index`.
+    #[inline]
+    pub fn at(&self, index: usize) -> RowMetric {
+        match self {
+            Metric::Uniform(metric) => *metric,
+            Metric::PerSite(metrics) => metrics[index],
+        }
+    }
+
+    /// Number of rows with a weight that is not zero, among `sites` sites: `[values, slopes]`.
+    pub fn row_counts(&self, sites: usize) -> [usize; 2] {
+        let count =
+            |m: &RowMetric| [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)];
+        match self {
+            Metric::Uniform(metric) => count(metric).map(|c| c * sites),
+            Metric::PerSite(metrics) => metrics.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]]),
+        }
+    }
+}
+
+/// Weighted right-hand sides, three per site: `wz z`, `a zx + b zy`, `d zy` (or what stands in their place).
+pub type Targets = Vec<[f64; 3]>;
+
+/// `[wz S, a S_x + b S_y, d S_y]` of the spline `c` at one site.
+#[inline]
+pub fn site_rows(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
+    let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
+    for a in 0..site.x.len() {
+        let start = (site.first[0] + a) * columns + site.first[1];
+        let row = &c[start..start + site.y.len()];
+        let (mut along, mut slope) = (0.0, 0.0);
+        for (b, value) in row.iter().enumerate() {
+            along += value * site.y[b];
+            slope += value * site.dy[b];
+        }
+        s += site.x[a] * along;
+        sx += site.dx[a] * along;
+        sy += site.x[a] * slope;
+    }
+    [metric.z * s, metric.a * sx + metric.b * sy, metric.d * sy]
+}
+
+/// `out = E c`, weighted, in the user's order.
+pub fn apply_rows(sites: &impl Sites, metric: &Metric, c: &[f64], out: &mut Targets) {
+    let columns = sites.shape().basis[1];
+    out.clear();
+    out.resize(sites.len(), [0.0; 3]);
+    sites.visit(|site| out[site.index] = site_rows(site, &metric.at(site.index), c, columns));
+}
+
+/// `out = b - E c`, weighted, in the user's order.
+pub fn residuals(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64], out: &mut Targets) {
+    let columns = sites.shape().basis[1];
+    out.clear();
+    out.resize(sites.len(), [0.0; 3]);
+    sites.visit(|site| {
+        let rows = site_rows(site, &metric.at(site.index), c, columns);
+        let target = targets[site.index];
+        out[site.index] = [0, 1, 2].map(|k| target[k] - rows[k]);
+    });
+}
+
+/// `out = |E| |c|`, row by row: the magnitudes that a componentwise backward error is measured against.
+pub fn magnitudes(sites: &impl Sites, metric: &Metric, c: &[f64], out: &mut Targets) {
+    let columns = sites.shape().basis[1];
+    let c: Vec<f64> = c.iter().map(|v| v.abs()).collect();
+    let width = sites.shape().degree.map(|d| d + 1);
+    let mut buffer = vec![0.0; 2 * (width[0] + width[1])];
+    out.clear();
+    out.resize(sites.len(), [0.0; 3]);
+    sites.visit(|site| {
+        let (x, rest) = buffer.split_at_mut(width[0]);
+        let (dx, rest) = rest.split_at_mut(width[0]);
+        let (y, dy) = rest.split_at_mut(width[1]);
+        for (to, from) in [(&mut *x, site.x), (&mut *dx, site.dx), (&mut *y, site.y), (&mut *dy, site.dy)] {
+            to.iter_mut().zip(from).for_each(|(t, f)| *t = f.abs());
+        }
+        let m = metric.at(site.index);
+        let metric = RowMetric { z: m.z.abs(), a: m.a.abs(), b: m.b.abs(), d: m.d.abs() };
+        out[site.index] = site_rows(&Site { x, dx, y, dy, ..*site }, &metric, &c, columns);
+    });
+}
+
+/// `out = E' r` for weighted rows `r`.
+pub fn normal_rhs(sites: &impl Sites, metric: &Metric, rows: &Targets, out: &mut [f64]) {
+    let columns = sites.shape().basis[1];
+    out.fill(0.0);
+    sites.visit(|site| {
+        let m = metric.at(site.index);
+        let r = rows[site.index];
+        let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
+        for a in 0..site.x.len() {
+            let start = (site.first[0] + a) * columns + site.first[1];
+            let along = value * site.x[a] + slope_x * site.dx[a];
+            let across = slope_y * site.x[a];
+            for (b, target) in out[start..start + site.y.len()].iter_mut().enumerate() {
+                *target += along * site.y[b] + across * site.dy[b];
+            }
+        }
+    });
+}
+
+/// Squared norms of the columns of the weighted E: the diagonal of E'E from the rows themselves.
+pub fn column_norms_squared(sites: &impl Sites, metric: &Metric, out: &mut [f64]) {
+    let columns = sites.shape().basis[1];
+    out.fill(0.0);
+    sites.visit(|site| {
+        let m = metric.at(site.index);
+        for a in 0..site.x.len() {
+            let start = (site.first[0] + a) * columns + site.first[1];
+            for (b, target) in out[start..start + site.y.len()].iter_mut().enumerate() {
+                let value = m.z * site.x[a] * site.y[b];
+                let first = m.a * site.dx[a] * site.y[b] + m.b * site.x[a] * site.dy[b];
+                let second = m.d * site.x[a] * site.dy[b];
+                *target += value * value + first * first + second * second;
+            }
+        }
+    });
+}
+
+/// Adds `E'E` to `out`, cell by cell: a dense local matrix takes the rank-one updates, then is scattered once.
+pub fn assemble(sites: &impl Sites, metric: &Metric, out: &mut StencilMatrix) {
+    let shape = sites.shape();
+    let mut local = LocalMatrix::new(shape);
+    sites.visit(|site| {
+        if site.first != local.first {
+            local.scatter(out);
+            local.first = site.first;
+        }
+        local.add(site, &metric.at(site.index));
+    });
+    local.scatter(out);
+}
+
+/// Lower-in-x blocks of one cell's matrix: entry `[a, k <= a][b, l]`.
+struct LocalMatrix {
+    first: [usize; 2],
+    width: [usize; 2],
+    touched: bool,
+    blocks: Vec<f64>,
+    y_products: Vec<[f64; 3]>,
+    columns: usize,
+}
+
+impl LocalMatrix {
+    fn new(shape: TensorShape) -> LocalMatrix {
+        let width = shape.degree.map(|d| d + 1);
+        let blocks = width[0] * (width[0] + 1) / 2 * width[1] * width[1];
+        LocalMatrix {
+            first: [0, 0],
+            width,
+            touched: false,
+            blocks: vec![0.0; blocks],
+            y_products: vec![[0.0; 3]; width[1] * width[1]],
+            columns: shape.basis[1],
+        }
+    }
+
+    fn add(&mut self, site: &Site, m: &RowMetric) {
+        self.touched = true;
+        let square = self.width[1] * self.width[1];
+        for b in 0..self.width[1] {
+            for l in 0..self.width[1] {
+                self.y_products[b * self.width[1] + l] =
+                    [site.y[b] * site.y[l], site.y[b] * site.dy[l], site.dy[b] * site.dy[l]];
+            }
+        }
+        let (zz, aa, ab, dd) = (m.z * m.z, m.a * m.a, m.a * m.b, m.b * m.b + m.d * m.d);
+        let mut blocks = self.blocks.chunks_exact_mut(square);
+        for a in 0..self.width[0] {
+            for k in 0..=a {
+                let Some(block) = blocks.next() else { return };
+                let values = site.x[a] * site.x[k];
+                let (along, across) = (zz * values + aa * site.dx[a] * site.dx[k], dd * values);
+                for (target, y) in block.iter_mut().zip(&self.y_products) {
+                    *target += along * y[0] + across * y[2];
+                }
+                if ab != 0.0 {
+                    let (left, right) = (ab * site.dx[a] * site.x[k], ab * site.x[a] * site.dx[k]);
+                    for b in 0..self.width[1] {
+                        for l in 0..self.width[1] {
+                            block[b * self.width[1] + l] += left * self.y_products[b * self.width[1] + l][1]
+                                + right * self.y_products[l * self.width[1] + b][1];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn scatter(&mut self, out: &mut StencilMatrix) {
+        if !self.touched {
+            return;
+        }
+        let q = self.width[1] - 1;
+        let mut entries = self.blocks.iter_mut();
+        for a in 0..self.width[0] {
+            for k in 0..=a {
+                for b in 0..self.width[1] {
+                    let row = (self.first[0] + a) * self.columns + self.first[1] + b;
+                    for l in 0..self.width[1] {
+                        let Some(entry) = entries.next() else { return };
+                        if a > k || l <= b {
+                            let position = out.position(row, a - k, l + q - b);
+                            out.values_mut()[position] += *entry;
+                        }
+                        *entry = 0.0;
+                    }
+                }
+            }
+        }
+        self.touched = false;
+    }
+}

@@ -1,0 +1,25 @@
+//! Data to equations: where the rows of `[N o M; N' o M; N o M']` stand, their weights and their targets.
+//!
+//! ```text
+//! slope rows    wz (z - S)      wx (zx - S_x)     wy (zy - S_y)                    paper Eq. 14, linear
+//! normal rows   (z - S)/Z       (n - n^(S_x, S_y))/sigma, n^ = (-S_x, -S_y, 1)/w   maximum likelihood, Gauss-Newton
+//! ```
+//!
+//! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] keeps the two Kronecker
+//! factors of a grid apart; both are [`crate::linalg::Sites`].
+
+mod csr;
+mod gridded;
+mod kronecker;
+mod normal_rows;
+mod roughness;
+mod scattered;
+mod slope_rows;
+
+pub use csr::to_csr;
+pub use gridded::{AxisRows, GridSites};
+pub use kronecker::{SeparableWeights, kronecker_normal_matrix};
+pub use normal_rows::{angular_residual_squared, linearise_normals};
+pub use roughness::roughness_matrix;
+pub use scattered::ScatteredSites;
+pub use slope_rows::{grid_slope_rows, slope_rows};

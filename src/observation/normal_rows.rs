@@ -1,0 +1,57 @@
+//! Normal rows: `|n - n^(S_x, S_y)|^2 / sigma^2`, linearised about the current surface (one Gauss-Newton step).
+//!
+//! ```text
+//! n^ = (-p, -q, 1)/w,  w = sqrt(1 + p^2 + q^2),  J = dn^/d(p, q),  J'J = [1 + q^2, -p q; -p q, 1 + p^2] / w^4 = U'U
+//! U = [a b; 0 d],  a = sqrt(1 + q^2)/w^2,  b = -p q/(w^2 sqrt(1 + q^2)),  d = 1/(w sqrt(1 + q^2))
+//! rows:  U (S_x, S_y) = U (p, q) + U'^-1 J'n           (J' n^ = 0, so J'(n - n^) = J'n)
+//! ```
+//!
+//! The metric is that of the FITTED surface: whitening with the measured normal biases slopes. Nothing divides by nz.
+
+use crate::linalg::RowMetric;
+
+/// Unweighted rows at the current slopes `(p, q)`: the triangle U and its two targets.
+#[inline]
+pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (RowMetric, [f64; 2]) {
+    let w2 = 1.0 + p * p + q * q;
+    let w = w2.sqrt();
+    let l2 = 1.0 + q * q;
+    let l = l2.sqrt();
+    let (a, b, d) = (l / w2, -p * q / (w2 * l), 1.0 / (w * l));
+    let w3 = w2 * w;
+    // J'n: columns of J are n^_p = (-(1 + q^2), p q, -p)/w^3 and n^_q = (p q, -(1 + p^2), -q)/w^3
+    let along = (-l2 * normal[0] + p * q * normal[1] - p * normal[2]) / w3;
+    let across = (p * q * normal[0] - (1.0 + p * p) * normal[1] - q * normal[2]) / w3;
+    let first = along / a;
+    let second = (across - b * first) / d;
+    (RowMetric { z: 0.0, a, b, d }, [a * p + b * q + first, d * q + second])
+}
+
+/// `|n - n^(p, q)|^2`: the squared chord between a measured and a fitted normal.
+#[inline]
+pub fn angular_residual_squared(normal: [f64; 3], p: f64, q: f64) -> f64 {
+    let w = (1.0 + p * p + q * q).sqrt();
+    let d = [normal[0] + p / w, normal[1] + q / w, normal[2] - 1.0 / w];
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The quadratic model of the rows must have the true objective's gradient at the current slopes.
+    #[test]
+    fn gradient_is_that_of_the_true_objective() {
+        for (normal, p, q) in [([0.6, 0.0, 0.8], 0.3, -0.5), ([1.0, 0.0, 0.0], -4.0, 2.0), ([0.0, -0.6, 0.8], 0.0, 0.0)]
+        {
+            let (u, target) = linearise_normals(normal, p, q);
+            let first = u.a * p + u.b * q - target[0];
+            let second = u.d * q - target[1];
+            let model = [2.0 * u.a * first, 2.0 * (u.b * first + u.d * second)];
+            let h = 1e-6;
+            let f = |p, q| angular_residual_squared(normal, p, q);
+            let exact = [(f(p + h, q) - f(p - h, q)) / (2.0 * h), (f(p, q + h) - f(p, q - h)) / (2.0 * h)];
+            assert!((model[0] - exact[0]).abs() < 1e-9 && (model[1] - exact[1]).abs() < 1e-9);
+        }
+    }
+}

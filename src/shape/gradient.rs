@@ -1,0 +1,157 @@
+//! Derivatives of S and R by the surface's derivatives, and of their grid means by the coefficients.
+//!
+//! ```text
+//! l^2 = 1 + p^2, w^2 = 1 + p^2 + q^2, s = p q / l^2          a = r/(l^2 w)
+//! S = -(2/pi) atan2(a + c, d)                                b = (t - s r)/w^2
+//! R = sqrt((a^2 + c^2)/2 + b^2)                              c = l^2 (u - 2 s t + s^2 r)/w^3
+//! d = sqrt((a - c)^2 + 4 b^2)                                p, q, r, t, u = S_x, S_y, S_xx, S_xy, S_yy
+//! ```
+//!
+//! S has a kink at an umbilic (d = 0): there the term of d is dropped, and the delta method sees only the mean curvature.
+
+use super::ShapeMaps;
+use crate::surface::{HeightField, SurfacePoint};
+
+/// The shape operator `[a b; b c]` and the derivatives of its entries.
+struct Operator {
+    a: f64,
+    b: f64,
+    c: f64,
+    da: [f64; 5],
+    db: [f64; 5],
+    dc: [f64; 5],
+}
+
+fn operator(point: &SurfacePoint) -> Operator {
+    let SurfacePoint { zx: p, zy: q, zxx: r, zxy: t, zyy: u, .. } = *point;
+    let l2 = 1.0 + p * p;
+    let w2 = l2 + q * q;
+    let w = w2.sqrt();
+    let s = p * q / l2;
+    let (a, b) = (r / (l2 * w), (t - s * r) / w2);
+    let bend = u - 2.0 * s * t + s * s * r;
+    let c = l2 * bend / (w2 * w);
+    let (s_p, s_q) = (q * (1.0 - p * p) / (l2 * l2), p / l2);
+    let bend_s = -2.0 * t + 2.0 * s * r;
+    let da = [-a * (2.0 * p / l2 + p / w2), -a * q / w2, 1.0 / (l2 * w), 0.0, 0.0];
+    let db = [-s_p * r / w2 - 2.0 * b * p / w2, -s_q * r / w2 - 2.0 * b * q / w2, -s / w2, 1.0 / w2, 0.0];
+    let outer = l2 / (w2 * w);
+    let dc = [
+        c * (2.0 * p / l2 - 3.0 * p / w2) + outer * bend_s * s_p,
+        -3.0 * c * q / w2 + outer * bend_s * s_q,
+        outer * s * s,
+        -2.0 * outer * s,
+        outer,
+    ];
+    Operator { a, b, c, da, db, dc }
+}
+
+/// Gradient of `k1 - k2` at `(x, y)` by the coefficients; zero at an umbilic.
+pub fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
+    let Operator { a, b, c, da, db, dc } = operator(&surface.at(x, y));
+    let gap = (a - c).hypot(2.0 * b);
+    let mut out = vec![0.0; surface.coefficients().len()];
+    if gap > 0.0 {
+        let g = [0, 1, 2, 3, 4].map(|k| ((a - c) * (da[k] - dc[k]) + 4.0 * b * db[k]) / gap);
+        for_each_local(surface, x, y, |unknown, row| {
+            out[unknown] = g.iter().zip(row).map(|(g, v)| g * v).sum();
+        });
+    }
+    out
+}
+
+/// Calls `visit(unknown, derivatives of its basis function)` for every basis function alive at `(x, y)`.
+fn for_each_local(surface: &HeightField, x: f64, y: f64, mut visit: impl FnMut(usize, [f64; 5])) {
+    let columns = surface.coefficients().ncols();
+    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
+    for a in 0..bx.derivative(0).len() {
+        for b in 0..by.derivative(0).len() {
+            let row = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(k, l)| bx.derivative(k)[a] * by.derivative(l)[b]);
+            visit((bx.first + a) * columns + by.first + b, row);
+        }
+    }
+}
+
+/// Derivatives of S and of R by `(S_x, S_y, S_xx, S_xy, S_yy)` at one point.
+pub fn shape_gradient(point: &SurfacePoint) -> ([f64; 5], [f64; 5]) {
+    let Operator { a, b, c, da, db, dc } = operator(point);
+    let gap = (a - c).hypot(2.0 * b);
+    let sum = a + c;
+    let size2 = sum * sum + gap * gap;
+    let curvedness = 0.5 * size2.sqrt();
+    let mut ds = [0.0; 5];
+    let mut dr = [0.0; 5];
+    if size2 > 0.0 {
+        for k in 0..5 {
+            let d_gap = if gap > 0.0 { ((a - c) * (da[k] - dc[k]) + 4.0 * b * db[k]) / gap } else { 0.0 };
+            let d_sum = da[k] + dc[k];
+            ds[k] = -std::f64::consts::FRAC_2_PI * (gap * d_sum - sum * d_gap) / size2;
+            dr[k] = (a * da[k] + c * dc[k] + 2.0 * b * db[k]) / (2.0 * curvedness);
+        }
+    }
+    (ds, dr)
+}
+
+/// Gradients of the grid means by the coefficients, number `i m + j`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeanGradients {
+    /// Of mean S.
+    pub shape_index: Vec<f64>,
+    /// Of mean R.
+    pub curvedness: Vec<f64>,
+}
+
+/// d(mean S)/dc and d(mean R)/dc over the supported points where S is defined.
+pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps) -> MeanGradients {
+    let unknowns = surface.coefficients().len();
+    let mut sums = MeanGradients { shape_index: vec![0.0; unknowns], curvedness: vec![0.0; unknowns] };
+    let (mut defined, mut supported) = (0usize, 0usize);
+    for (i, &x) in maps.grid.x.iter().enumerate() {
+        for (j, &y) in maps.grid.y.iter().enumerate() {
+            if !maps.supported[[i, j]] {
+                continue;
+            }
+            let (ds, dr) = shape_gradient(&maps.points[[i, j]]);
+            let has_index = maps.shape_index_at(i, j).is_some();
+            defined += usize::from(has_index);
+            supported += 1;
+            for_each_local(surface, x, y, |unknown, row| {
+                let dot = |g: &[f64; 5]| g.iter().zip(row).map(|(x, y)| x * y).sum::<f64>();
+                if has_index {
+                    sums.shape_index[unknown] += dot(&ds);
+                }
+                sums.curvedness[unknown] += dot(&dr);
+            });
+        }
+    }
+    sums.shape_index.iter_mut().for_each(|v| *v /= defined.max(1) as f64);
+    sums.curvedness.iter_mut().for_each(|v| *v /= supported.max(1) as f64);
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::principal_curvatures;
+
+    #[test]
+    fn gradients_match_differences() {
+        let at = |v: [f64; 5]| SurfacePoint { z: 0.0, zx: v[0], zy: v[1], zxx: v[2], zxy: v[3], zyy: v[4] };
+        let shape = |v: [f64; 5]| {
+            let p = principal_curvatures(&at(v).derivatives()).unwrap();
+            [p.shape_index().unwrap(), p.curvedness()]
+        };
+        for v in [[0.3, -0.7, 0.5, 0.2, -0.9], [0.0, 0.0, -1.0, 0.3, -2.0], [4.0, 3.0, 0.1, -0.2, 0.4]] {
+            let (ds, dr) = shape_gradient(&at(v));
+            for k in 0..5 {
+                let h = 1e-6;
+                let (mut up, mut down) = (v, v);
+                up[k] += h;
+                down[k] -= h;
+                let (hi, lo) = (shape(up), shape(down));
+                assert!((ds[k] - (hi[0] - lo[0]) / (2.0 * h)).abs() < 1e-8, "S {k} {v:?}");
+                assert!((dr[k] - (hi[1] - lo[1]) / (2.0 * h)).abs() < 1e-8, "R {k} {v:?}");
+            }
+        }
+    }
+}

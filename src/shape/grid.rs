@@ -1,0 +1,33 @@
+//! The grid that shape is averaged over: linspace over the domain less an inset, both ends included.
+
+use crate::bspline::linspace;
+
+/// Points of the shape grid, in the coordinates of the surface's knots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeGrid {
+    /// x coordinates.
+    pub x: Vec<f64>,
+    /// y coordinates.
+    pub y: Vec<f64>,
+}
+
+impl ShapeGrid {
+    /// `points[0] x points[1]` points over `[x0, x1] x [y0, y1]`, every edge cut by the fraction `inset` of its side.
+    pub fn over(domain: [[f64; 2]; 2], points: [usize; 2], inset: f64) -> ShapeGrid {
+        let axis = |[lo, hi]: [f64; 2], n: usize| {
+            let cut = inset * (hi - lo);
+            linspace(lo + cut, hi - cut, n)
+        };
+        ShapeGrid { x: axis(domain[0], points[0]), y: axis(domain[1], points[1]) }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.x.len() * self.y.len()
+    }
+
+    /// No points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}

@@ -1,0 +1,21 @@
+//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and how far to trust them.
+//!
+//! ```text
+//! S_g, R_g at every grid point g that the data support     mean, sd (n - 1)
+//! u^2(mean S) = g' C g,   g = d(mean S)/dc,  C the coefficients' covariance       (delta method)
+//! P(class) = Phi((hi - mean)/u) - Phi((lo - mean)/u)
+//! ```
+//!
+//! The spread over the patch is not uncertainty: a parabola is no circle, so R varies over it without any noise.
+
+mod gradient;
+mod grid;
+mod maps;
+mod plane;
+mod summary;
+
+pub use gradient::{MeanGradients, gap_gradient, mean_gradients, shape_gradient};
+pub use grid::ShapeGrid;
+pub use maps::{ShapeMaps, shape_maps};
+pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};

@@ -1,0 +1,255 @@
+//! `D A D = L L'` with `D = diag(A)^(-1/2)`: the normal matrix with unit columns, dense when small, else faer's LLT.
+//!
+//! Forming `A = E'E` squares the condition; the certificate says what is left. LDL' is not used: it accepts indefinite
+//! matrices, and the failing pivot of LLT is the test for rank.
+
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Side};
+
+use super::SolveError;
+use super::ordering::nested_dissection;
+use super::small::PackedCholesky;
+use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
+
+/// Below this many unknowns a packed dense factor beats the set-up of a sparse one.
+pub const DENSE_LIMIT: usize = 100;
+
+/// A reusable Cholesky solver for one pattern: `factor` as often as the values change, `solve` as often as the data do.
+#[derive(Debug)]
+pub struct Cholesky {
+    shape: TensorShape,
+    scale: Vec<f64>,
+    norm: f64,
+    smallest_pivot: f64,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Dense(PackedCholesky),
+    Sparse(Box<Sparse>),
+}
+
+#[derive(Debug)]
+struct Sparse {
+    pattern: Pattern,
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+    factor: Vec<f64>,
+}
+
+/// The upper triangle in compressed columns, and where each entry stands in the stencil.
+#[derive(Debug)]
+struct Pattern {
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+    positions: Vec<usize>,
+}
+
+impl Pattern {
+    fn of(matrix: &StencilMatrix) -> Pattern {
+        let mut pattern = Pattern { column_starts: vec![0], rows: Vec::new(), positions: Vec::new() };
+        let mut current = 0;
+        // the lower triangle by rows is the upper triangle by columns
+        matrix.for_each_lower(|row, column, position| {
+            while current < row {
+                pattern.column_starts.push(pattern.rows.len());
+                current += 1;
+            }
+            pattern.rows.push(column);
+            pattern.positions.push(position);
+        });
+        pattern.column_starts.push(pattern.rows.len());
+        pattern
+    }
+
+    fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
+        let order = self.column_starts.len() - 1;
+        SymbolicSparseColMatRef::new_checked(order, order, &self.column_starts, None, &self.rows)
+    }
+}
+
+impl Cholesky {
+    /// Plans the factorisation of every stencil matrix of this shape.
+    ///
+    /// # Errors
+    /// [`SolveError::Memory`].
+    pub fn plan(shape: TensorShape) -> Result<Cholesky, SolveError> {
+        let unknowns = shape.unknowns();
+        let kind = if unknowns <= DENSE_LIMIT {
+            Kind::Dense(PackedCholesky::default())
+        } else {
+            Kind::Sparse(Box::new(Sparse::plan(shape)?))
+        };
+        Ok(Cholesky { shape, scale: vec![1.0; unknowns], norm: 0.0, smallest_pivot: 0.0, kind })
+    }
+
+    /// Factors `matrix`, reusing all memory.
+    ///
+    /// # Errors
+    /// Empty columns, overflow, and pivots that are not positive, by the unknown's number.
+    pub fn factor(&mut self, matrix: &StencilMatrix) -> Result<(), SolveError> {
+        debug_assert_eq!(matrix.shape(), self.shape);
+        for (unknown, (scale, diagonal)) in self.scale.iter_mut().zip(matrix.diagonal()).enumerate() {
+            if diagonal == 0.0 {
+                return Err(SolveError::EmptyColumn { unknown });
+            }
+            if !diagonal.is_finite() || diagonal < 0.0 {
+                return Err(SolveError::NotFinite { unknown });
+            }
+            *scale = 1.0 / diagonal.sqrt();
+        }
+        self.norm = matrix.norm1_scaled(&self.scale);
+        if !self.norm.is_finite() {
+            return Err(SolveError::NotFinite { unknown: 0 });
+        }
+        let scale = &self.scale;
+        match &mut self.kind {
+            Kind::Dense(dense) => {
+                dense.reset(matrix.order());
+                matrix.for_each_lower(|row, column, position| {
+                    dense.set(row, column, matrix.values()[position] * scale[row] * scale[column]);
+                });
+                dense.factor().map_err(|unknown| SolveError::NotPositiveDefinite { unknown })?;
+                self.smallest_pivot = dense.smallest_pivot();
+            }
+            Kind::Sparse(sparse) => self.smallest_pivot = sparse.factor(matrix, scale)?,
+        }
+        Ok(())
+    }
+
+    /// `v <- A^-1 v`.
+    pub fn solve(&self, v: &mut [f64]) {
+        v.iter_mut().zip(&self.scale).for_each(|(w, d)| *w *= d);
+        self.solve_equilibrated(v);
+        v.iter_mut().zip(&self.scale).for_each(|(w, d)| *w *= d);
+    }
+
+    fn solve_equilibrated(&self, v: &mut [f64]) {
+        match &self.kind {
+            Kind::Dense(dense) => dense.solve(v),
+            Kind::Sparse(sparse) => sparse.solve(v),
+        }
+    }
+
+    /// `1 / |column|`: the equilibration D.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// Smallest squared pivot of the equilibrated factor: near the unit roundoff the rank is in doubt.
+    pub fn smallest_pivot(&self) -> f64 {
+        self.smallest_pivot
+    }
+
+    /// Condition of `E D` in the 1-norm: root of the estimate for `D A D`.
+    pub fn condition(&self) -> f64 {
+        let inverse =
+            inverse_norm1_estimate(self.scale.len(), |v| self.solve_equilibrated(v), |v| self.solve_equilibrated(v));
+        (self.norm * inverse).sqrt()
+    }
+
+    /// Stored entries of the factor (dense: the triangle).
+    pub fn factor_entries(&self) -> usize {
+        match &self.kind {
+            Kind::Dense(_) => self.scale.len() * (self.scale.len() + 1) / 2,
+            Kind::Sparse(sparse) => sparse.factor.len(),
+        }
+    }
+}
+
+impl Sparse {
+    fn plan(shape: TensorShape) -> Result<Sparse, SolveError> {
+        let unknowns = shape.unknowns();
+        let no_memory = SolveError::Memory { unknowns };
+        let pattern = Pattern::of(&StencilMatrix::zeros(shape));
+        let forward = nested_dissection(shape);
+        let mut inverse = vec![0; unknowns];
+        forward.iter().enumerate().for_each(|(k, &unknown)| inverse[unknown] = k);
+        let permutation = PermRef::new_checked(&forward, &inverse, unknowns);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern.symbolic(),
+            Side::Upper,
+            SymmetricOrdering::Custom(permutation),
+            Default::default(),
+        )
+        .map_err(|_| no_memory.clone())?;
+        let (values, factor) = (vec![0.0; pattern.rows.len()], vec![0.0; symbolic.len_val()]);
+        Ok(Sparse { pattern, symbolic, values, factor })
+    }
+
+    fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, SolveError> {
+        let Pattern { column_starts, rows, positions } = &self.pattern;
+        for column in 0..scale.len() {
+            for k in column_starts[column]..column_starts[column + 1] {
+                self.values[k] = matrix.values()[positions[k]] * scale[column] * scale[rows[k]];
+            }
+        }
+        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::Memory { unknowns: scale.len() })?;
+        let matrix = SparseColMatRef::new(self.pattern.symbolic(), &self.values);
+        let outcome = self.symbolic.factorize_numeric_llt(
+            &mut self.factor,
+            matrix,
+            Side::Upper,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        let failed = outcome.err();
+        match failed {
+            Some(error) => Err(self.failed_pivot(&error)),
+            None => Ok(self.smallest_pivot()),
+        }
+    }
+
+    /// faer counts permuted columns, from 1 in the simplicial and from 0 in the supernodal factor.
+    fn failed_pivot(&self, error: &faer::linalg::cholesky::llt::factor::LltError) -> SolveError {
+        use faer::linalg::cholesky::llt::factor::LltError;
+        use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
+        let LltError::NonPositivePivot { index } = *error;
+        let from = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => 1,
+            SymbolicCholeskyRaw::Supernodal(_) => 0,
+        };
+        let column = index.saturating_sub(from);
+        let unknown = self.symbolic.perm().map_or(column, |p| p.arrays().0.get(column).copied().unwrap_or(column));
+        SolveError::NotPositiveDefinite { unknown }
+    }
+
+    fn smallest_pivot(&self) -> f64 {
+        use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
+        let mut smallest = f64::INFINITY;
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                for start in &symbolic.col_ptr()[..symbolic.ncols()] {
+                    smallest = smallest.min(self.factor[*start]);
+                }
+            }
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                let llt = faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef::new(symbolic, &self.factor);
+                for s in 0..symbolic.n_supernodes() {
+                    let block = llt.supernode(s).val();
+                    for k in 0..block.ncols() {
+                        smallest = smallest.min(block[(k, k)]);
+                    }
+                }
+            }
+        }
+        smallest * smallest
+    }
+
+    fn solve(&self, v: &mut [f64]) {
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        let llt = LltRef::new(&self.symbolic, &self.factor);
+        let order = v.len();
+        let rhs = MatMut::from_column_major_slice_mut(v, order, 1);
+        llt.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(&mut memory));
+    }
+}

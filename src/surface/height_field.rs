@@ -1,0 +1,169 @@
+//! A height field over the product of two clamped knot vectors.
+
+use ndarray::Array2;
+
+use crate::bspline::{KnotError, Knots};
+use crate::curvature::Derivatives;
+
+/// Why coefficients and knots make no surface.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// The coefficient array does not fit the knots.
+    #[error("coefficients are {found:?}, but the knots call for {expected:?}")]
+    Shape {
+        /// Shape of the array.
+        found: [usize; 2],
+        /// Basis functions in x and y.
+        expected: [usize; 2],
+    },
+    /// A coefficient is NaN or infinite.
+    #[error("coefficient ({i}, {j}) is not finite")]
+    NotFinite {
+        /// Index in x.
+        i: usize,
+        /// Index in y.
+        j: usize,
+    },
+    /// The knots are not usable.
+    #[error(transparent)]
+    Knots(#[from] KnotError),
+}
+
+/// Height and derivatives at one point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfacePoint {
+    /// S.
+    pub z: f64,
+    /// S_x.
+    pub zx: f64,
+    /// S_y.
+    pub zy: f64,
+    /// S_xx.
+    pub zxx: f64,
+    /// S_xy.
+    pub zxy: f64,
+    /// S_yy.
+    pub zyy: f64,
+}
+
+impl SurfacePoint {
+    /// Derivatives of the map `(x, y, S)`.
+    pub fn derivatives(&self) -> Derivatives {
+        Derivatives::of_height(self.zx, self.zy, self.zxx, self.zxy, self.zyy)
+    }
+
+    /// Unit normal to the free side, `(-S_x, -S_y, 1)/w`.
+    pub fn normal(&self) -> [f64; 3] {
+        let w = self.zx.hypot(self.zy).hypot(1.0);
+        [-self.zx / w, -self.zy / w, 1.0 / w]
+    }
+
+    /// Unit tangents along x and along y.
+    pub fn tangents(&self) -> [[f64; 3]; 2] {
+        let (along, across) = (self.zx.hypot(1.0), self.zy.hypot(1.0));
+        [[1.0 / along, 0.0, self.zx / along], [0.0, 1.0 / across, self.zy / across]]
+    }
+}
+
+/// A tensor-product B-spline height field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    knots: [Knots; 2],
+    coefficients: Array2<f64>,
+}
+
+impl HeightField {
+    /// A surface from its knots and its n x m coefficients.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Shape`], [`SurfaceError::NotFinite`].
+    pub fn new(knots: [Knots; 2], coefficients: Array2<f64>) -> Result<HeightField, SurfaceError> {
+        let expected = [knots[0].n_basis(), knots[1].n_basis()];
+        let found = [coefficients.nrows(), coefficients.ncols()];
+        if found != expected {
+            return Err(SurfaceError::Shape { found, expected });
+        }
+        if let Some(((i, j), _)) = coefficients.indexed_iter().find(|(_, c)| !c.is_finite()) {
+            return Err(SurfaceError::NotFinite { i, j });
+        }
+        Ok(HeightField { knots, coefficients })
+    }
+
+    /// Knots in x and y.
+    pub fn knots(&self) -> &[Knots; 2] {
+        &self.knots
+    }
+
+    /// Coefficients, n x m.
+    pub fn coefficients(&self) -> &Array2<f64> {
+        &self.coefficients
+    }
+
+    /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials go on.
+    pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
+        let (bx, by) = (self.knots[0].basis(x), self.knots[1].basis(y));
+        let mut point = SurfacePoint::default();
+        for a in 0..=self.knots[0].degree() {
+            let (mut s, mut sy, mut syy) = (0.0, 0.0, 0.0);
+            for b in 0..=self.knots[1].degree() {
+                let c = self.coefficients[[bx.first + a, by.first + b]];
+                s += c * by.derivative(0)[b];
+                sy += c * by.derivative(1)[b];
+                syy += c * by.derivative(2)[b];
+            }
+            let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k)[a]);
+            point.z += n * s;
+            point.zx += dn * s;
+            point.zxx += ddn * s;
+            point.zy += n * sy;
+            point.zxy += dn * sy;
+            point.zyy += n * syy;
+        }
+        point
+    }
+
+    /// The same surface under `x -> ox + s x`, `y -> oy + s y`, `z -> oz + s z`.
+    ///
+    /// # Errors
+    /// When the map leaves the finite numbers or makes distinct knots equal.
+    pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<HeightField, SurfaceError> {
+        // t -> o + s t is (t - (-o/s)) / (1/s); written out to round once
+        let place = |k: &Knots, o: f64| Knots::new(k.degree(), k.as_slice().iter().map(|t| o + scale * t).collect());
+        let knots = [place(&self.knots[0], origin[0])?, place(&self.knots[1], origin[1])?];
+        HeightField::new(knots, self.coefficients.mapv(|c| origin[2] + scale * c))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A biquadratic through Greville products is exact: S = 2 + x - 3 y + x y.
+    fn bilinear() -> HeightField {
+        let knots = [Knots::uniform(2, 3, -1.0, 2.0).unwrap(), Knots::uniform(3, 2, 0.0, 1.0).unwrap()];
+        let (gx, gy) = (knots[0].greville(), knots[1].greville());
+        let c = Array2::from_shape_fn((gx.len(), gy.len()), |(i, j)| 2.0 + gx[i] - 3.0 * gy[j] + gx[i] * gy[j]);
+        HeightField::new(knots, c).unwrap()
+    }
+
+    #[test]
+    fn values_and_slopes_of_a_bilinear_surface() {
+        let surface = bilinear();
+        for (x, y) in [(-1.0, 0.0), (0.3, 0.7), (2.0, 1.0), (2.5, -0.5)] {
+            let p = surface.at(x, y);
+            let exact = [2.0 + x - 3.0 * y + x * y, 1.0 + y, -3.0 + x, 0.0, 1.0, 0.0];
+            for (found, exact) in [p.z, p.zx, p.zy, p.zxx, p.zxy, p.zyy].iter().zip(exact) {
+                assert!((found - exact).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn placing_moves_the_graph() {
+        let placed = bilinear().placed([10.0, -4.0, 7.0], 2.0).unwrap();
+        let (p, q) = (placed.at(10.6, -2.6), bilinear().at(0.3, 0.7));
+        assert!((p.z - (7.0 + 2.0 * q.z)).abs() < 1e-12 && (p.zx - q.zx).abs() < 1e-12);
+        assert!((p.zxy - q.zxy / 2.0).abs() < 1e-12);
+    }
+}

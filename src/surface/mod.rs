@@ -1,0 +1,8 @@
+//! The fitted surface: `S(x, y) = sum_ij c_ij N_i(x) M_j(y)`, its derivatives, tangents and unit normal.
+//!
+//! Paper Eq. 5. A height field is the map `Q(x, y) = (x, y, S(x, y))`; curvature is written for any Q
+//! ([`crate::curvature::Derivatives`]), so a surface that stands up is a second type beside this one.
+
+mod height_field;
+
+pub use height_field::{HeightField, SurfaceError, SurfacePoint};
