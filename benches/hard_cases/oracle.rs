@@ -7,7 +7,6 @@
 use palpate::contact::{Contacts, Orientation};
 use palpate::linalg::DoubleDouble as Dd;
 
-
 /// A slope-row problem on given knots, explicit weights.
 pub struct Problem<'a> {
     pub contacts: &'a Contacts,

@@ -69,7 +69,8 @@ fn touches(lcg: &mut Lcg, count: usize, half: f64, offset: f64, with_slopes: boo
     let (mut zx, mut zy, mut wz) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..count {
         let (u, v) = (site(lcg), 2.0 * lcg.uniform() - 1.0);
-        let height = a[0] * u + a[1] * v + a[2] * u * u + a[3] * u * v + a[4] * v * v + a[5] * u * u * u + a[6] * u * v * v;
+        let height =
+            a[0] * u + a[1] * v + a[2] * u * u + a[3] * u * v + a[4] * v * v + a[5] * u * u * u + a[6] * u * v * v;
         let slope_u = a[0] + 2.0 * a[2] * u + a[3] * v + 3.0 * a[5] * u * u + a[6] * v * v;
         let slope_v = a[1] + a[3] * u + 2.0 * a[4] * v + 2.0 * a[6] * u * v;
         data.x.push(offset + half * u);

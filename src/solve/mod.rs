@@ -9,6 +9,7 @@
 //! Every factor works on the column-equilibrated matrix, solves with `E'E` and estimates the condition of `E D`.
 
 mod cholesky;
+mod dense;
 mod householder;
 mod ordering;
 mod pivoted;
@@ -16,6 +17,7 @@ mod small;
 mod triangular;
 
 pub use cholesky::{Cholesky, DENSE_LIMIT};
+pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;

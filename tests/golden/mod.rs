@@ -1,5 +1,7 @@
 //! The references of `tests/golden/*.json`, for tests and benches.
 
+pub mod judge;
+
 use std::path::PathBuf;
 
 use serde_json::Value;
