@@ -18,12 +18,22 @@
 
 pub mod bspline;
 pub mod cases;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod contact;
 pub mod curvature;
+pub mod draws;
 pub mod fit;
+#[cfg(feature = "cli")]
+pub mod io;
 pub mod linalg;
+pub mod montecarlo;
 pub mod observation;
+#[cfg(feature = "cli")]
+pub mod report;
+pub mod scene;
 pub mod shape;
+pub mod simd;
 pub mod solve;
 pub mod surface;
 

@@ -1,1 +1,7 @@
-fn main() {}
+//! The `palpate` command; all of it is in the library's `cli`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    palpate::cli::main()
+}

@@ -1,5 +1,7 @@
 //! The measured numbers in the patch frame, site by site, whichever kind of data they came as.
 
+use ndarray::Array2;
+
 use super::{FitError, Observed, Patch};
 use crate::contact::{Contacts, Grid, Orientation};
 use crate::linalg::{Metric, RowMetric, Targets};
@@ -134,6 +136,33 @@ impl Data {
             }
         };
         normal.map_or(([0.0, 0.0, 1.0], 0.0), |n| (n, weight))
+    }
+
+    /// The same data with every site's height rows weighted by `z[r]` and its slope rows by `slope[r]` on top.
+    pub fn reweighted(&self, z: &[f64], slope: &[f64]) -> Data {
+        let mut data = self.clone();
+        let times = |old: &Option<Vec<f64>>, new: &[f64]| -> Option<Vec<f64>> {
+            Some(new.iter().enumerate().map(|(r, w)| w * old.as_ref().map_or(1.0, |o| o[r])).collect())
+        };
+        match &mut data {
+            Data::Scattered(contacts) => {
+                let old = contacts.weights.clone();
+                contacts.weights.z = times(&old.z, z);
+                contacts.weights.x = times(&old.x, slope);
+                contacts.weights.y = times(&old.y, slope);
+            }
+            Data::Gridded { grid, .. } => {
+                let columns = grid.y.len();
+                let map = |old: &Option<Array2<f64>>, new: &[f64]| {
+                    Some(Array2::from_shape_fn((grid.x.len(), columns), |(i, j)| {
+                        new[i * columns + j] * old.as_ref().map_or(1.0, |o| o[[i, j]])
+                    }))
+                };
+                let (wz, wx, wy) = (map(&grid.wz, z), map(&grid.wx, slope), map(&grid.wy, slope));
+                (grid.wz, grid.wx, grid.wy) = (wz, wx, wy);
+            }
+        }
+        data
     }
 
     /// Largest magnitude of a height as the user gave it (input units): what the data's own rounding scales with.

@@ -35,12 +35,15 @@ mod describe;
 mod equations;
 mod error;
 mod gaps;
+mod grid;
 mod noise;
 mod normals;
 mod observed;
 mod options;
 mod promise;
+mod robust;
 mod rows;
+mod smoothing;
 mod solver;
 mod uncertainty;
 

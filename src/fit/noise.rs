@@ -7,10 +7,10 @@
 //! iterated until both move by less than 1e-6 of themselves. H. D. Patterson and R. Thompson, Biometrika 58 (1971);
 //! normals count two rows each.
 
-use super::FitError;
 use super::equations::{Block, Equations, data_normal_matrix, only};
 use super::normals::Levels;
 use super::solver::{Factor, Solution};
+use super::{FitError, Note};
 use crate::linalg::{Sites, StencilMatrix};
 
 /// Relative move below which the levels stand.
@@ -84,16 +84,16 @@ fn trace(factor: &Factor, b: &StencilMatrix, unsupported: &[usize]) -> f64 {
 
 /// Estimates both levels; `solve_at` fits at given levels, starting from the coefficients of the fit before.
 ///
-/// Returns the levels, the last trial and whether there was any noise to speak of.
+/// Returns the levels, the last trial and what there is to say about them.
 pub fn variance_components(
     mut solve_at: impl FnMut(Levels, Option<&[f64]>) -> Result<Trial, FitError>,
-) -> Result<(Levels, Trial, bool), FitError> {
+) -> Result<(Levels, Trial, Option<Note>), FitError> {
     let mut levels = Levels { z: 1.0, slope: 1.0 };
     let mut trial = solve_at(levels, None)?;
     let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
     let rms = [0, 1].map(|b| if rows[b] > 0.0 { (trial.squares[b] / rows[b]).sqrt() } else { 0.0 });
     if rms[0] <= NO_NOISE && rms[1] <= NO_NOISE {
-        return Ok((levels, trial, false));
+        return Ok((levels, trial, Some(Note::NoNoise)));
     }
     for _ in 0..MAX_STEPS {
         let traces = hat_traces(&trial.equations, &trial.solution);
@@ -112,5 +112,6 @@ pub fn variance_components(
             break;
         }
     }
-    Ok((levels, trial, true))
+    let vanished = levels.z <= NO_NOISE || levels.slope <= NO_NOISE;
+    Ok((levels, trial, vanished.then_some(Note::LevelVanished)))
 }

@@ -72,8 +72,8 @@ impl NormalProblem<'_> {
             (current, value) = (next, next_value);
             if moved <= SETTLED {
                 let equations = self.linearised(&current);
-                let mut solution = solver::solve(&equations, self.method)?;
-                solution.coefficients = current;
+                // one more full step, so that the answer solves the equations that are handed on
+                let solution = solver::solve(&equations, self.method)?;
                 return Ok(Settled { equations, solution, steps });
             }
         }

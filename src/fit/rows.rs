@@ -8,7 +8,7 @@ use super::equations::{Equations, block_squares};
 use super::noise::{Trial, hat_traces, variance_components};
 use super::normals::{Levels, NormalProblem};
 use super::solver::{self, Solution};
-use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, SlopeWeights, Smooth};
+use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
 use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::{angular_residual_squared, roughness_matrix};
 
@@ -48,6 +48,8 @@ pub enum Note {
     SlopesOnly,
     /// Noise-free to rounding: equal weights.
     NoNoise,
+    /// One block of rows is met exactly, so its noise level has no estimate.
+    LevelVanished,
     /// Axes of the patch differ from the input's.
     Turned,
     /// Gauss-Newton steps.
@@ -65,6 +67,13 @@ pub enum Note {
         /// lambda.
         lambda: f64,
     },
+    /// Robust loss: contacts whose rows lost more than half their weight.
+    Outliers {
+        /// How many.
+        sites: usize,
+        /// Reweightings until the weights stood.
+        steps: usize,
+    },
 }
 
 impl std::fmt::Display for Note {
@@ -72,12 +81,24 @@ impl std::fmt::Display for Note {
         match self {
             Note::SlopesOnly => write!(f, "no heights: the mean height is fixed to zero"),
             Note::NoNoise => write!(f, "residuals are rounding: equal weights"),
+            Note::LevelVanished => {
+                write!(
+                    f,
+                    "one of the two noise levels vanished: the surface meets those rows exactly, declare --sigma or --weights"
+                )
+            }
             Note::Turned => write!(f, "the patch has its own axes, z along the mean normal"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")
             }
-            Note::Smoothed { lambda } => write!(f, "smoothing parameter {lambda:e} chosen by the data"),
+            Note::Outliers { sites, steps } => {
+                write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")
+            }
+            Note::Smoothed { lambda } => write!(
+                f,
+                "smoothing parameter {lambda:.3e} chosen by generalised cross-validation, which assumes independent rows"
+            ),
         }
     }
 }
@@ -117,8 +138,19 @@ fn resolve(data: &Data, options: &FitOptions) -> Result<Objective, FitError> {
     Ok(resolved)
 }
 
-/// Forms and solves the rows.
+/// Forms and solves the rows, with the loss and the smoothing that the options ask for.
 pub fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+    if options.smooth == Smooth::Auto {
+        return super::smoothing::fit_smoothed(patch, data, options);
+    }
+    match options.robust {
+        Robust::None => fit_plain(patch, data, options),
+        loss => super::robust::fit_robust(patch, data, options, loss),
+    }
+}
+
+/// One plain least squares fit.
+pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     check_method(data, options)?;
     let sites = data.sites(patch);
     let roughness = roughness(patch, options);
@@ -202,10 +234,8 @@ fn fit_slopes(
     let mut notes = Vec::new();
     let block = block_weights(weights, scale);
     let (trial, levels) = if weights == SlopeWeights::Auto && data.has_orientation() {
-        let (levels, trial, noisy) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
-        if !noisy {
-            notes.push(Note::NoNoise);
-        }
+        let (levels, trial, note) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
+        notes.extend(note);
         (trial, Some(levels))
     } else {
         (trial_at(block)?, None)
@@ -258,14 +288,12 @@ fn fit_normals(
         let squares = problem.squares(&settled.solution.coefficients);
         Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
     };
-    too_few(
-        &problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
+    too_few(&problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
             0.0;
             sites
                 .shape()
                 .unknowns()
-        ]),
-    )?;
+        ]))?;
     let mut notes = Vec::new();
     let (levels, trial, declared) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
@@ -273,10 +301,8 @@ fn fit_normals(
             (levels, trial_at(levels, None)?, Declared::Sigma)
         }
         NormalSigma::Auto => {
-            let (levels, trial, noisy) = variance_components(trial_at)?;
-            if !noisy {
-                notes.push(Note::NoNoise);
-            }
+            let (levels, trial, note) = variance_components(trial_at)?;
+            notes.extend(note);
             (levels, trial, Declared::Estimated)
         }
     };

@@ -7,10 +7,11 @@
 
 use super::equations::Equations;
 use super::gaps::{self, Free};
+use super::grid;
 use super::{FitError, Method};
 use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::{roughness_matrix, to_csr};
-use crate::solve::{Cholesky, PivotedQr, SolveError, TriangularFactor};
+use crate::solve::{Cholesky, GridSolver, PivotedQr, SolveError, TriangularFactor};
 
 /// Squared pivots of the equilibrated Cholesky factor below this call for its condition; above it fewer than 4 of 16
 /// digits can be gone, and a hot loop pays for nothing more.
@@ -83,6 +84,13 @@ pub enum Reason {
         /// Largest over smallest row weight.
         ratio: f64,
     },
+    /// Fast diagonalisation is exact here.
+    CompleteGrid,
+    /// Conjugate gradients with fast diagonalisation as preconditioner.
+    Iterated {
+        /// Iterations of the first solve.
+        iterations: usize,
+    },
     /// Coefficients without data, or held by a thread, take least-roughness values.
     Gap {
         /// How many.
@@ -106,6 +114,8 @@ impl std::fmt::Display for Reason {
             Reason::WeightsDiffer { ratio } => {
                 write!(f, "row weights differ by {ratio:.1e}: rows sorted, columns pivoted")
             }
+            Reason::CompleteGrid => write!(f, "complete grid with one weight per block"),
+            Reason::Iterated { iterations } => write!(f, "{iterations} iterations"),
             Reason::Gap { coefficients } => {
                 write!(f, "{coefficients} coefficients without enough data take least roughness")
             }
@@ -122,6 +132,8 @@ pub enum Factor {
     Triangular(Box<TriangularFactor>),
     /// Rank-revealing R.
     Pivoted(Box<PivotedQr>),
+    /// Fast diagonalisation, direct or as preconditioner.
+    Grid(Box<GridSolver>),
 }
 
 impl Factor {
@@ -131,6 +143,9 @@ impl Factor {
             Factor::Cholesky(factor) => factor.solve(v),
             Factor::Triangular(factor) => factor.solve(v),
             Factor::Pivoted(factor) => factor.solve(v),
+            Factor::Grid(solver) => {
+                solver.solve(v);
+            }
         }
     }
 
@@ -140,6 +155,7 @@ impl Factor {
             Factor::Cholesky(factor) => factor.condition(),
             Factor::Triangular(factor) => factor.condition(),
             Factor::Pivoted(factor) => factor.condition(),
+            Factor::Grid(solver) => solver.condition(),
         }
     }
 }
@@ -170,6 +186,7 @@ pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError
     let matrix = equations.normal_matrix();
     let free = gaps::find(&matrix, equations.roughness.is_some());
     match method {
+        Method::Kronecker | Method::Pcg => grid::solve(equations, matrix, &free, method),
         Method::Qr => by_qr(equations, &matrix, free, vec![Reason::Requested]),
         Method::Cholesky => by_cholesky(equations, &matrix, &free, true).map_err(|broken| match broken {
             Broken::Solve(source) => FitError::Solve { source },
@@ -329,7 +346,7 @@ fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) ->
 }
 
 /// Corrections `(E'E)^-1 (E'(b - E c) - lambda P c)` until they stop shrinking.
-fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
+pub(super) fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
     let (mut first, mut last) = (0.0, f64::INFINITY);
     for step in 0..MAX_REFINEMENTS {
         let mut correction = equations.descent(&solution.coefficients);

@@ -109,7 +109,12 @@ impl StencilMatrix {
 
     /// Largest column sum of magnitudes of `D A D`.
     pub fn norm1_scaled(&self, d: &[f64]) -> f64 {
-        let mut sums = vec![0.0; self.order()];
+        self.norm1_scaled_with(d, &mut vec![0.0; self.order()])
+    }
+
+    /// The same with the caller's buffer of one number per row.
+    pub fn norm1_scaled_with(&self, d: &[f64], sums: &mut [f64]) -> f64 {
+        sums.fill(0.0);
         self.for_each_lower(|row, column, position| {
             let a = (self.values[position] * d[row] * d[column]).abs();
             sums[row] += a;
@@ -117,7 +122,7 @@ impl StencilMatrix {
                 sums[column] += a;
             }
         });
-        sums.into_iter().fold(0.0, f64::max)
+        sums.iter().copied().fold(0.0, f64::max)
     }
 
     /// Adds `factor * (X (x) Y)` for symmetric banded X, Y given by lower bands (`bands[i][d] = X(i, i - d)`).

@@ -8,6 +8,7 @@
 //! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] keeps the two Kronecker
 //! factors of a grid apart; both are [`crate::linalg::Sites`].
 
+mod cells;
 mod csr;
 mod gridded;
 mod kronecker;
@@ -16,6 +17,7 @@ mod roughness;
 mod scattered;
 mod slope_rows;
 
+pub use cells::{CellAssembly, CellDatum};
 pub use csr::to_csr;
 pub use gridded::{AxisRows, GridSites};
 pub use kronecker::{SeparableWeights, kronecker_normal_matrix};

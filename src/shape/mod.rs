@@ -13,9 +13,11 @@ mod grid;
 mod maps;
 mod plane;
 mod summary;
+mod truth;
 
 pub use gradient::{MeanGradients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
 pub use maps::{ShapeMaps, shape_maps};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};
+pub use truth::{TrueShapeAt, TruthComparison, compare_with_truth};

@@ -3,21 +3,26 @@
 //! ```text
 //! Cholesky   D E'E D = L L',  D = diag(1 / |column of E|)            [`Cholesky`]
 //! QR         E D = Q R, front by front, R kept, Q applied and gone    [`TriangularFactor`]
+//! grid       (U (x) V) diag (U (x) V)'                                [`GridSolver`], direct or as preconditioner
 //! dense QR   rows sorted by size, columns pivoted: reveals the rank   [`PivotedQr`]
 //! ```
 //!
 //! Every factor works on the column-equilibrated matrix, solves with `E'E` and estimates the condition of `E D`.
 
+mod band;
 mod cholesky;
 mod dense;
 mod householder;
+mod kronecker;
 mod ordering;
 mod pivoted;
 mod small;
 mod triangular;
 
+pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
+pub use kronecker::{AxisGrams, Bands, FastDiagonalisation, GridSolver};
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;

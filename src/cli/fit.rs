@@ -1,0 +1,95 @@
+//! `palpate fit INPUT`: contacts or a grid, from a file or a pipe, to surface and shape.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::contact::ContactError;
+use crate::fit::{Fit, FitError, FitOptions, fit_contacts, fit_grid};
+use crate::io::{Input, ReadOptions, Reading, read_input};
+
+use super::describe::{Destination, Subject, describe};
+use super::failure::Failure;
+use super::options::{FitFlags, OutputFlags};
+
+/// Arguments of `palpate fit`.
+#[derive(Args)]
+pub(super) struct FitArgs {
+    /// CSV, NPZ or PLY; - for standard input
+    input: PathBuf,
+    /// Count rows with missing or non-finite numbers out instead of refusing the file
+    #[arg(long)]
+    skip_invalid: bool,
+    /// Normals point into the body: reverse them all
+    #[arg(long)]
+    flip_normals: bool,
+    /// Save the surface and all that is known of it as JSON
+    #[arg(long, value_name = "F")]
+    save: Option<PathBuf>,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
+    let began = Instant::now();
+    if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
+    }
+    args.output.prepare()?;
+    let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
+    let mut reading = read_input(&args.input, &ReadOptions { skip_invalid: args.skip_invalid })?;
+    if args.flip_normals {
+        reading.input = match reading.input {
+            Input::Contacts(contacts) => Input::Contacts(contacts.with_flipped_normals()),
+            grid => grid,
+        };
+    }
+    let read = began.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    let found = fit_input(&reading.input, &args.fit.over(FitOptions::default()));
+    let found = found.map_err(|error| Failure::Input(placed(&error, &reading)))?;
+    let fitted = clock.elapsed().as_secs_f64();
+    let notes = notes(&reading);
+    let subject = Subject { name: &reading.file, input: &reading.input, truth: None, notes, began, read, fitted };
+    drop(spinner);
+    describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
+}
+
+/// Fits whichever kind of data it is.
+pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<Fit, FitError> {
+    match input {
+        Input::Contacts(contacts) => fit_contacts(contacts, options),
+        Input::Grid(grid) => fit_grid(grid, options),
+    }
+}
+
+/// The error with its file, and its line where it is about one contact.
+fn placed(error: &FitError, reading: &Reading) -> String {
+    let index = match error {
+        FitError::Outside { index, .. } | FitError::NormalDown { index, .. } | FitError::Steep { index, .. } => {
+            Some(*index)
+        }
+        FitError::Contacts(ContactError::NotFinite { index, .. } | ContactError::Weight { index, .. }) => Some(*index),
+        FitError::Contacts(ContactError::ZeroNormal { index }) => Some(*index),
+        _ => None,
+    };
+    match index.zip(reading.places.as_ref()) {
+        Some((index, places)) => format!("{}, {}: {error}", reading.file, places.of(index)),
+        None => format!("{}: {error}", reading.file),
+    }
+}
+
+fn notes(reading: &Reading) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !reading.ignored.is_empty() {
+        notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
+    }
+    if reading.skipped > 0 {
+        let what = if matches!(reading.input, Input::Grid(_)) { "infinite entries" } else { "invalid rows" };
+        notes.push(format!("{} {what} counted out", reading.skipped));
+    }
+    notes
+}

@@ -1,0 +1,72 @@
+//! The command line: arguments in, exit code out. One file per verb.
+//!
+//! ```text
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | scenes [NAME] | show SURFACE [--at POINTS]
+//! ```
+//!
+//! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
+
+mod describe;
+mod failure;
+mod fit;
+mod options;
+mod output;
+mod run;
+mod scene;
+mod scenes;
+mod show;
+mod simulate;
+mod values;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// The shape of a curved surface from a few touches, and how far to trust it.
+#[derive(Parser)]
+#[command(name = "palpate", version, max_term_width = 110)]
+struct Line {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Sweep, fit and describe one scene
+    Run(run::RunArgs),
+    /// Write the contacts of a scene and nothing else
+    Simulate(simulate::SimulateArgs),
+    /// Fit a surface to contacts or a grid and describe its shape
+    Fit(fit::FitArgs),
+    /// List the built-in scenes, or print one as TOML
+    Scenes(scenes::ScenesArgs),
+    /// Describe a saved surface, or evaluate it at given points
+    Show(show::ShowArgs),
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let line = match Line::try_parse() {
+        Ok(line) => line,
+        Err(error) => {
+            // help and version go to standard output, and their reader may have gone
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    // without a handler Ctrl-C still ends the process, only less tidily
+    let _ = ctrlc::set_handler(|| {
+        crate::io::remove_unfinished();
+        std::process::exit(130)
+    });
+    let outcome = match line.verb {
+        Verb::Run(args) => run::run(&args),
+        Verb::Simulate(args) => simulate::simulate(&args),
+        Verb::Fit(args) => fit::fit(&args),
+        Verb::Scenes(args) => scenes::scenes(&args),
+        Verb::Show(args) => show::show(&args),
+    };
+    outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
+}

@@ -1,0 +1,161 @@
+//! Options that several verbs share, and how they change a fit's options.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth};
+
+use super::values;
+
+/// How the surface is fitted; the same words as in a scene's `[fit]`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Fit")]
+pub(super) struct FitFlags {
+    /// Degree of the splines in x and y, 1 to 9 [default: 2]
+    #[arg(long, value_name = "P[,Q]", value_parser = values::degrees)]
+    degree: Option<[usize; 2]>,
+    /// Uniform segments in x and y [default: 1]
+    #[arg(long, value_name = "N[,M]", value_parser = values::counts)]
+    segments: Option<[usize; 2]>,
+    /// Domain of the surface [default: the contacts' bounding box]
+    #[arg(long, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true, value_parser = values::domain)]
+    domain: Option<[f64; 4]>,
+    /// Slope rows: auto, tangent, position, equal or WZ,WX,WY, which multiply residuals
+    #[arg(long, value_name = "WEIGHTS", allow_hyphen_values = true, conflicts_with = "sigma", value_parser = values::weights)]
+    weights: Option<Objective>,
+    /// Normal rows: auto, or the sd of z and of the normals in degrees, as in 0.02,5
+    #[arg(long, value_name = "Z,DEG", allow_hyphen_values = true, value_parser = values::sigma)]
+    sigma: Option<Objective>,
+    /// auto, cholesky, qr, kronecker or pcg
+    #[arg(long, value_parser = values::method)]
+    method: Option<Method>,
+    /// Roughness penalty: none, auto or LAMBDA
+    #[arg(long, value_name = "LAMBDA", allow_hyphen_values = true, value_parser = values::smooth)]
+    smooth: Option<Smooth>,
+    /// Loss: none, huber or tukey
+    #[arg(long, value_name = "LOSS", value_parser = values::robust)]
+    robust: Option<Robust>,
+    #[command(flatten)]
+    grid: GridFlags,
+    /// Axes of the patch: keep the input's, or auto from the mean normal where needed
+    #[arg(long, value_name = "FRAME", value_parser = values::frame)]
+    frame: Option<FrameChoice>,
+}
+
+/// Where S and R are taken.
+#[derive(Args, Clone, Debug, Default)]
+pub(super) struct GridFlags {
+    /// Points of the shape grid in x and y [default: 8x8]
+    #[arg(long, value_name = "NxM", value_parser = values::counts)]
+    grid: Option<[usize; 2]>,
+    /// Fraction of each side cut at every edge of the shape grid [default: 0]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::inset)]
+    inset: Option<f64>,
+}
+
+impl GridFlags {
+    /// Something was typed.
+    pub(super) fn any(&self) -> bool {
+        self.grid.is_some() || self.inset.is_some()
+    }
+
+    pub(super) fn apply(&self, options: &mut FitOptions) {
+        set(&mut options.grid, self.grid);
+        set(&mut options.inset, self.inset);
+    }
+}
+
+impl FitFlags {
+    /// The options with everything that was typed put in.
+    pub(super) fn over(&self, mut options: FitOptions) -> FitOptions {
+        set(&mut options.degree, self.degree);
+        if let Some(segments) = self.segments {
+            options.segments = segments;
+            options.knots = None;
+        }
+        options.domain = self.domain.or(options.domain);
+        set(&mut options.objective, self.weights.or(self.sigma));
+        set(&mut options.method, self.method);
+        set(&mut options.smooth, self.smooth);
+        set(&mut options.robust, self.robust);
+        self.grid.apply(&mut options);
+        options.frame = self.frame.or(options.frame);
+        options
+    }
+}
+
+fn set<T>(place: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *place = value;
+    }
+}
+
+/// What comes out, and where.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Output")]
+pub(super) struct OutputFlags {
+    /// Print one JSON document on standard output and nothing else there
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Write pictures, tables and records into this directory
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// No tables for people and no progress
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::fit::{NormalSigma, SlopeWeights};
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        fit: FitFlags,
+    }
+
+    fn typed(line: &[&str]) -> Result<FitOptions, String> {
+        let line = std::iter::once("palpate").chain(line.iter().copied());
+        Line::try_parse_from(line).map(|l| l.fit.over(FitOptions::default())).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn nothing_typed_changes_nothing() {
+        assert_eq!(typed(&[]), Ok(FitOptions::default()));
+    }
+
+    #[test]
+    fn every_option_reaches_the_fit() {
+        let line = "--degree 2,3 --segments 4x5 --domain -1,1,-2,2 --sigma 1,15 --method qr --smooth 1e-6 \
+                    --robust huber --grid 6x7 --inset 0.25 --frame auto";
+        let options = typed(&line.split_whitespace().collect::<Vec<_>>()).unwrap();
+        let expected = FitOptions {
+            degree: [2, 3],
+            segments: [4, 5],
+            domain: Some([-1.0, 1.0, -2.0, 2.0]),
+            objective: Objective::Normals(NormalSigma::Known { z: 1.0, normal_deg: 15.0 }),
+            method: Method::Qr,
+            smooth: Smooth::Lambda(1e-6),
+            robust: Robust::Huber,
+            grid: [6, 7],
+            inset: 0.25,
+            frame: Some(FrameChoice::Auto),
+            ..FitOptions::default()
+        };
+        assert_eq!(options, expected);
+        let weights = typed(&["--weights", "position"]).unwrap();
+        assert_eq!(weights.objective, Objective::Slopes(SlopeWeights::Position));
+    }
+
+    #[test]
+    fn both_objectives_are_refused_and_messages_name_the_option() {
+        assert!(typed(&["--weights", "auto", "--sigma", "auto"]).unwrap_err().contains("--sigma"));
+        let message = typed(&["--degree", "12"]).unwrap_err();
+        assert!(message.contains("--degree") && message.contains("1 to 9"), "{message}");
+    }
+}

@@ -1,0 +1,57 @@
+//! `palpate run [SCENE]`: sweep, fit and describe one scene, with the truth beside it.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::io::Input;
+
+use super::describe::{Destination, Subject, describe};
+use super::failure::Failure;
+use super::options::{FitFlags, OutputFlags};
+use super::{fit, scene};
+
+/// Arguments of `palpate run`.
+#[derive(Args)]
+pub(super) struct RunArgs {
+    /// Built-in scene, scene file, or - for standard input
+    #[arg(default_value = scene::DEFAULT)]
+    scene: String,
+    /// Save the surface and all that is known of it as JSON
+    #[arg(long, value_name = "F")]
+    save: Option<PathBuf>,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let began = Instant::now();
+    if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
+    }
+    let scene = scene::load(&args.scene)?;
+    args.output.prepare()?;
+    let spinner = args.output.spinner(format!("running {}", scene.name));
+    let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
+    let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
+    let (contacts, truth) = simulator.simulate(scene.seed, 0);
+    let read = began.elapsed().as_secs_f64();
+    let input = Input::Contacts(contacts);
+    let clock = Instant::now();
+    let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(e.to_string()))?;
+    let fitted = clock.elapsed().as_secs_f64();
+    let (reached, asked) = simulator.reach();
+    let mut notes = Vec::new();
+    if reached < asked {
+        notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
+    }
+    if let Some(label) = truth.inverse_crime() {
+        notes.push(format!("inverse crime: the surface is imported from {label}, of the same kind as the fit"));
+    }
+    let subject = Subject { name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
+    drop(spinner);
+    describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
+}

@@ -1,0 +1,135 @@
+//! Files: contacts and grids in, contacts out, saved surfaces back, and every output whole or not at all.
+//!
+//! ```text
+//! CSV, PLY (ascii, binary), NPZ of 1-D arrays      x,y,z [nx,ny,nz | zx,zy] [finger, station] [wz,wx,wy]  -> Contacts
+//! NPZ with 1-D x (n), y (m) and 2-D z (n x m)      [zx, zy] [wz, wx, wy], NaN = missing                   -> Grid
+//! ```
+//!
+//! The format is told by the first bytes, not by the name, so that a pipe works like a file. A header's promises are
+//! checked against the bytes that are there before memory is asked for.
+
+mod atomic;
+mod columns;
+mod csv;
+mod error;
+mod npy;
+mod npz;
+mod place;
+mod ply;
+pub mod scene_file;
+mod surface_file;
+mod write;
+
+use std::io::Read;
+use std::path::Path;
+
+use crate::contact::{Contacts, Grid};
+
+use columns::Need;
+
+pub use atomic::{remove_unfinished, write_atomically};
+pub use error::IoError;
+pub use place::{Place, Places};
+pub use surface_file::{FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes};
+pub use write::{ContactFormat, write_contacts};
+
+/// How contacts are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Count rows with missing or non-finite numbers out instead of refusing the file.
+    pub skip_invalid: bool,
+}
+
+/// Scattered contacts or a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input {
+    /// One entry per touch.
+    Contacts(Contacts),
+    /// Heights on the product of two axes.
+    Grid(Grid),
+}
+
+/// What was read, and what the reader has to say about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// The data.
+    pub input: Input,
+    /// Name of the file, for messages.
+    pub file: String,
+    /// Rows counted out under `skip_invalid` (pixels of a grid: made missing).
+    pub skipped: usize,
+    /// Columns that were there and were not used.
+    pub ignored: Vec<String>,
+    /// Where each contact stands; a grid has no rows.
+    pub places: Option<Places>,
+}
+
+/// Reads contacts or a grid from a file, or from standard input where `path` is `-`.
+///
+/// # Errors
+/// [`IoError`]: which file, line and field, what is wrong and what would be right.
+pub fn read_input(path: &Path, options: &ReadOptions) -> Result<Reading, IoError> {
+    let (file, bytes) = read_bytes(path)?;
+    read_input_bytes(&file, &bytes, options)
+}
+
+/// Where to look at a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Points {
+    /// Input units.
+    pub x: Vec<f64>,
+    /// Input units.
+    pub y: Vec<f64>,
+}
+
+/// Reads the columns x and y of a CSV or NPZ file (`-`: standard input), whatever else stands there.
+///
+/// # Errors
+/// [`IoError`], as [`read_input`].
+pub fn read_points(path: &Path) -> Result<Points, IoError> {
+    let (file, bytes) = read_bytes(path)?;
+    let strict = ReadOptions::default();
+    if bytes.starts_with(b"PK") {
+        npz::read_columns(&file, &bytes, Need::Points)?.into_points(&file, &Place::Entry)
+    } else {
+        let (columns, lines) = csv::read_columns(&file, &bytes, Need::Points, &strict)?;
+        columns.into_points(&file, &|row| Place::Line(lines.get(row)))
+    }
+}
+
+/// The name for messages and the whole content of a file, or of standard input where `path` is `-`.
+///
+/// # Errors
+/// [`IoError::Read`].
+pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
+    let mut bytes = Vec::new();
+    let (file, outcome) = if path == Path::new("-") {
+        ("standard input".to_string(), std::io::stdin().lock().read_to_end(&mut bytes).map(drop))
+    } else {
+        (path.display().to_string(), std::fs::read(path).map(|content| bytes = content))
+    };
+    match outcome {
+        Ok(()) => Ok((file, bytes)),
+        Err(source) => Err(IoError::Read { file, source }),
+    }
+}
+
+/// Reads contacts or a grid from bytes; the format is told by the first of them.
+///
+/// # Errors
+/// [`IoError`], as [`read_input`].
+pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
+    if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
+        return npz::read(file, bytes, options);
+    }
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return ply::read(file, bytes, options);
+    }
+    match Path::new(file).extension().and_then(|e| e.to_str()) {
+        Some("npz") if !bytes.is_empty() => Err(IoError::Zip { file: file.into(), what: "no zip archive".into() }),
+        Some("ply") if !bytes.is_empty() => {
+            Err(IoError::Ply { file: file.into(), what: "the first line must be ply".into() })
+        }
+        _ => csv::read(file, bytes, options),
+    }
+}

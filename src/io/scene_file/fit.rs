@@ -1,0 +1,152 @@
+//! `[fit]`: the same words as on the command line.
+
+use super::SceneFileError;
+use super::section::{Section, as_array, as_count, as_number};
+use crate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+
+/// Highest degree of the splines.
+const MAX_DEGREE: u64 = 9;
+
+/// Options of a scene: those of a fit, but `tangent` weights when neither weights nor sigma stand there.
+pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileError> {
+    let mut fit = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
+    let Some(section) = section else { return Ok(fit) };
+    if let Some(degree) = one_or_pair(&section, "degree", 1, MAX_DEGREE)? {
+        fit.degree = degree;
+    }
+    if let Some(segments) = one_or_pair(&section, "segments", 1, u64::from(u32::MAX))? {
+        fit.segments = segments;
+    }
+    if let Some(grid) = one_or_pair(&section, "grid", 1, u64::from(u32::MAX))? {
+        fit.grid = grid;
+    }
+    fit.domain = read_domain(&section)?;
+    if let Some(objective) = read_objective(&section)? {
+        fit.objective = objective;
+    }
+    fit.inset = read_inset(&section)?;
+    fit.smooth = read_smooth(&section)?;
+    let methods = [
+        ("auto", Method::Auto),
+        ("cholesky", Method::Cholesky),
+        ("qr", Method::Qr),
+        ("kronecker", Method::Kronecker),
+        ("pcg", Method::Pcg),
+    ];
+    fit.method = choice(&section, "method", &methods)?.unwrap_or_default();
+    let losses = [("none", Robust::None), ("huber", Robust::Huber), ("tukey", Robust::Tukey)];
+    fit.robust = choice(&section, "robust", &losses)?.unwrap_or_default();
+    fit.frame = choice(&section, "frame", &[("keep", FrameChoice::Keep), ("auto", FrameChoice::Auto)])?;
+    if let Some(level) = read_level(&section)? {
+        fit.level = level;
+    }
+    section.finish("key")?;
+    Ok(fit)
+}
+
+fn one_or_pair(
+    section: &Section,
+    key: &'static str,
+    least: u64,
+    most: u64,
+) -> Result<Option<[usize; 2]>, SceneFileError> {
+    let Some(value) = section.get(key) else { return Ok(None) };
+    let pair = match as_array(value) {
+        None => as_count(value).map(|n| [n, n]),
+        Some(array) => {
+            array.iter().map(as_count).collect::<Option<Vec<u64>>>().and_then(|list| <[u64; 2]>::try_from(list).ok())
+        }
+    };
+    match pair {
+        Some(pair) if pair.iter().all(|n| (least..=most).contains(n)) => Ok(Some(pair.map(|n| n as usize))),
+        _ => {
+            let range = if most < 100 { format!("from {least} to {most}") } else { format!("of at least {least}") };
+            Err(section.value_error(key, value, format!("a whole number {range}, or a pair of them, is needed")))
+        }
+    }
+}
+
+fn read_domain(section: &Section) -> Result<Option<[f64; 4]>, SceneFileError> {
+    let domain: Option<[f64; 4]> = section.several("domain")?;
+    if let (Some([x0, x1, y0, y1]), Some(value)) = (domain, section.get("domain"))
+        && !(x0 < x1 && y0 < y1 && [x0, x1, y0, y1].iter().all(|v| v.is_finite()))
+    {
+        return Err(section.value_error("domain", value, "[x0, x1, y0, y1] with x0 < x1 and y0 < y1 is needed"));
+    }
+    Ok(domain)
+}
+
+fn read_objective(section: &Section) -> Result<Option<Objective>, SceneFileError> {
+    let (weights, sigma) = (section.get("weights"), section.get("sigma"));
+    if weights.is_some() && sigma.is_some() {
+        return Err(section.clash("weights", "sigma"));
+    }
+    if let Some(value) = weights {
+        if as_array(value).is_none() {
+            let presets = [
+                ("auto", SlopeWeights::Auto),
+                ("tangent", SlopeWeights::Tangent),
+                ("position", SlopeWeights::Position),
+                ("equal", SlopeWeights::Equal),
+            ];
+            return Ok(choice(section, "weights", &presets)?.map(Objective::Slopes));
+        }
+        let numbers: Option<[f64; 3]> = section.several("weights")?;
+        return match numbers {
+            Some(w) if w.iter().all(|v| v.is_finite() && *v >= 0.0) && w.iter().any(|v| *v > 0.0) => {
+                Ok(Some(Objective::Slopes(SlopeWeights::Explicit(w))))
+            }
+            _ => Err(section.value_error("weights", value, "three weights of zero or more, not all zero, are needed")),
+        };
+    }
+    let Some(value) = sigma else { return Ok(None) };
+    if as_array(value).is_none() {
+        return Ok(choice(section, "sigma", &[("auto", NormalSigma::Auto)])?.map(Objective::Normals));
+    }
+    match section.several("sigma")? {
+        Some([z, normal_deg]) if z > 0.0 && normal_deg > 0.0 && z.is_finite() && normal_deg.is_finite() => {
+            Ok(Some(Objective::Normals(NormalSigma::Known { z, normal_deg })))
+        }
+        _ => Err(section.value_error("sigma", value, "\"auto\" or [Z, DEG], both greater than zero, is needed")),
+    }
+}
+
+fn read_inset(section: &Section) -> Result<f64, SceneFileError> {
+    let inset = section.number_or("inset", 0.0)?;
+    match section.get("inset") {
+        Some(value) if !(0.0..0.5).contains(&inset) => {
+            Err(section.value_error("inset", value, "a fraction from 0 to below 0.5 is needed"))
+        }
+        _ => Ok(inset),
+    }
+}
+
+fn read_smooth(section: &Section) -> Result<Smooth, SceneFileError> {
+    let Some(value) = section.get("smooth") else { return Ok(Smooth::default()) };
+    match as_number(value) {
+        Some(lambda) if lambda >= 0.0 && lambda.is_finite() => Ok(Smooth::Lambda(lambda)),
+        Some(_) => Err(section.value_error("smooth", value, "a lambda of zero or more is needed")),
+        None => Ok(choice(section, "smooth", &[("none", Smooth::None), ("auto", Smooth::Auto)])?.unwrap_or_default()),
+    }
+}
+
+pub(super) fn read_level(section: &Section) -> Result<Option<f64>, SceneFileError> {
+    let Some(level) = section.number("level")? else { return Ok(None) };
+    match section.get("level") {
+        Some(value) if !(level > 0.0 && level < 1.0) => {
+            Err(section.value_error("level", value, "a level between 0 and 1, as 0.95, is needed"))
+        }
+        _ => Ok(Some(level)),
+    }
+}
+
+fn choice<T: Copy>(section: &Section, key: &'static str, words: &[(&str, T)]) -> Result<Option<T>, SceneFileError> {
+    let Some((word, value)) = section.word(key)? else { return Ok(None) };
+    match words.iter().find(|(known, _)| *known == word) {
+        Some((_, meaning)) => Ok(Some(*meaning)),
+        None => {
+            let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+            Err(section.unknown_word(&format!("value of {}", section.full(key)), value, word, &known))
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! `[surface]`: kind, sizes, pose.
+
+use super::section::{Section, Value, as_array};
+use super::{Importer, SceneFileError};
+use crate::scene::surface::*;
+use toml::de::DeValue;
+
+const KINDS: &[&str] = &[
+    "plane",
+    "sphere",
+    "cylinder",
+    "ellipsoid",
+    "torus",
+    "paraboloid",
+    "saddle",
+    "monkey_saddle",
+    "gaussian",
+    "sinusoid",
+    "superquadric",
+    "union",
+    "imported",
+];
+
+pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, SceneFileError> {
+    let Some((kind, value)) = section.word("kind")? else {
+        return Err(section.missing("kind", "one of plane, sphere, cylinder, ... is needed"));
+    };
+    let body = match kind {
+        "plane" => Body::Plane,
+        "sphere" => Body::Sphere(Sphere { radius: radius(&section)? }),
+        "cylinder" => Body::Cylinder(Cylinder { radius: radius(&section)? }),
+        "ellipsoid" => Body::Ellipsoid(Ellipsoid { semi_axes: semi_axes(&section)? }),
+        "torus" => Body::Torus(Torus {
+            major: section.required("major", "the radius of the ring is needed")?,
+            minor: section.required("minor", "the radius of the tube is needed")?,
+        }),
+        "paraboloid" => Body::Paraboloid(Paraboloid { radii: radii(&section)? }),
+        "saddle" => Body::Saddle(Saddle { radii: radii(&section)? }),
+        "monkey_saddle" => Body::MonkeySaddle(MonkeySaddle {
+            length: section.required("length", "the length l of z = (x^3 - 3 x y^2)/l^2 is needed")?,
+        }),
+        "gaussian" => Body::Gaussian(GaussianBump {
+            height: section.required("height", "the height of the bump is needed")?,
+            width: section.required("width", "the width (sigma) of the bump is needed")?,
+        }),
+        "sinusoid" => Body::Sinusoid(Sinusoid {
+            amplitude: section.required("amplitude", "the amplitude of the waves is needed")?,
+            wavelength: section.required("wavelength", "the wavelength along x is needed")?,
+            wavelength_y: section.number("wavelength_y")?,
+        }),
+        "superquadric" => Body::Superquadric(Superquadric {
+            semi_axes: semi_axes(&section)?,
+            exponents: match section.several("exponents")? {
+                Some(exponents) => exponents,
+                None => return Err(section.missing("exponents", "the exponents e1, e2 in (0, 1] are needed")),
+            },
+        }),
+        "union" => Body::Union(Union { parts: parts(&section, importer)? }),
+        "imported" => imported(&section, importer)?,
+        other => return Err(section.unknown_word("surface", value, other, KINDS)),
+    };
+    let axis = section.number_or("axis_deg", 0.0)?;
+    let rotation = section.several("rotation_deg")?.unwrap_or([0.0; 3]);
+    let offset = section.several("offset")?.unwrap_or([0.0; 3]);
+    let concave = section.truth("concave")?;
+    section.finish("key")?;
+    Ok(Surface { body, concave, pose: Pose::new(axis, rotation, offset) })
+}
+
+fn radius(section: &Section) -> Result<f64, SceneFileError> {
+    section.required("radius", "a radius is needed")
+}
+
+fn semi_axes(section: &Section) -> Result<[f64; 3], SceneFileError> {
+    section.several("semi_axes")?.ok_or_else(|| section.missing("semi_axes", "three semi-axes are needed"))
+}
+
+fn radii(section: &Section) -> Result<[f64; 2], SceneFileError> {
+    section.several("radii")?.ok_or_else(|| section.missing("radii", "two radii of curvature are needed"))
+}
+
+fn parts(section: &Section, importer: &Importer) -> Result<Vec<Surface>, SceneFileError> {
+    const EXPECTED: &str = "give each part as a [[surface.parts]]";
+    let Some(value) = section.get("parts") else { return Err(section.missing("parts", EXPECTED)) };
+    let table = |part: &'_ Value| part.span().start;
+    let Some(array) = as_array(value) else { return Err(section.value_error("parts", value, EXPECTED)) };
+    let mut parts = Vec::new();
+    for part in array.iter() {
+        let DeValue::Table(inner) = part.get_ref() else {
+            return Err(section.value_error("parts", part, EXPECTED));
+        };
+        parts.push(read(Section::new(section.source, &section.full("parts"), inner, table(part)), importer)?);
+    }
+    Ok(parts)
+}
+
+fn imported(section: &Section, importer: &Importer) -> Result<Body, SceneFileError> {
+    let Some((file, value)) = section.word("file")? else {
+        return Err(section.missing("file", "the JSON of a fit is needed"));
+    };
+    let (line, column) = section.place_of(value);
+    let failed = |reason| SceneFileError::Import { line, column, file: file.into(), reason };
+    importer(file).map(Body::Imported).map_err(failed)
+}

@@ -1,0 +1,70 @@
+//! `[sweep]` and `[sweep.second]`.
+
+use super::SceneFileError;
+use super::section::Section;
+use crate::scene::{Sweep, linspace};
+
+/// The sweep, and the second one where there is one: it inherits every key it does not name.
+pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
+    let first = read_one(&section, None)?;
+    let second = match section.section("second")? {
+        Some(second) => {
+            let sweep = read_one(&second, Some(&first))?;
+            second.finish("key")?;
+            Some(sweep)
+        }
+        None => None,
+    };
+    section.finish("key")?;
+    Ok(std::iter::once(first).chain(second).collect())
+}
+
+fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, SceneFileError> {
+    let fingers = match (section.numbers("fingers")?, inherited) {
+        (Some(fingers), _) => fingers,
+        (None, Some(first)) => first.fingers.clone(),
+        (None, None) => return Err(section.missing("fingers", "give the lanes' offsets, as [-4.0, 0.0, 4.0]")),
+    };
+    let mut sweep = match inherited {
+        Some(first) => Sweep { fingers, ..first.clone() },
+        None => Sweep::new(fingers, Vec::new()),
+    };
+    if let Some(stations) = read_stations(section, inherited.is_some())? {
+        sweep.stations = stations;
+    }
+    if let Some(repeats) = section.count("repeats", 1)? {
+        sweep.repeats = repeats as usize;
+    }
+    sweep.angle_deg = section.number_or("angle_deg", sweep.angle_deg)?;
+    sweep.tip_radius = section.number_or("tip_radius", sweep.tip_radius)?;
+    if let Some(centre) = section.several("centre")? {
+        sweep.centre = centre;
+    }
+    match section.word("unreachable")? {
+        None => {}
+        Some(("error", _)) => sweep.skip_unreachable = false,
+        Some(("skip", _)) => sweep.skip_unreachable = true,
+        Some((other, value)) => return Err(section.unknown_word("word", value, other, &["error", "skip"])),
+    }
+    Ok(sweep)
+}
+
+/// `at = [...]`, or `from`, `to`, `stations`; `None` when nothing of it stands there and may be inherited.
+fn read_stations(section: &Section, may_inherit: bool) -> Result<Option<Vec<f64>>, SceneFileError> {
+    let at = section.numbers("at")?;
+    let (from, to, stations) = (section.number("from")?, section.number("to")?, section.count("stations", 1)?);
+    let spaced = [("from", from.is_some()), ("to", to.is_some()), ("stations", stations.is_some())];
+    if at.is_some()
+        && let Some((key, _)) = spaced.iter().find(|(_, there)| *there)
+    {
+        return Err(section.clash("at", key));
+    }
+    if at.is_some() || (may_inherit && spaced.iter().all(|(_, there)| !there)) {
+        return Ok(at);
+    }
+    let (Some(from), Some(to), Some(stations)) = (from, to, stations) else {
+        let (key, _) = spaced.iter().find(|(_, there)| !there).unwrap_or(&spaced[0]);
+        return Err(section.missing(key, "give from, to and stations, or at = [...]"));
+    };
+    Ok(Some(linspace(from, to, stations as usize)))
+}

@@ -1,0 +1,192 @@
+//! The saved surface: `frame` and `surface` of a `palpate.fit/1` document, out and back.
+//!
+//! Where the frame's axes are those of the input, `knots` and `coefficients` are in the input's own coordinates, so
+//! that SciPy's `bisplev` reproduces z(x, y) without a thought for the frame. Where they are not, the surface is a
+//! height field along the frame's axes A, in input units from the input's origin: `P = A' (u, v, S(u, v))`.
+
+use std::path::Path;
+
+use ndarray::Array2;
+use serde::{Deserialize, Serialize};
+
+use crate::bspline::Knots;
+use crate::contact::Frame;
+use crate::surface::HeightField;
+
+use super::{IoError, read_bytes};
+
+/// `frame` of the document.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedFrame {
+    /// Point of the input frame that is the patch's origin.
+    pub origin: [f64; 3],
+    /// Rows are the patch's x, y, z directions in the input frame.
+    pub axes: [[f64; 3]; 3],
+    /// Length of the input that is 1 in the patch.
+    pub scale: f64,
+}
+
+/// `surface` of the document.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedSurface {
+    /// `height`: z over x, y.
+    pub kind: String,
+    /// Degrees in x and y.
+    pub degree: [usize; 2],
+    /// Full clamped knot vectors.
+    pub knots: [Vec<f64>; 2],
+    /// `coefficients[i][j]` of `N_i(x) M_j(y)`.
+    pub coefficients: Vec<Vec<f64>>,
+    /// Coefficients (number `i m + j`) that no data hold; where they matter, S and R are masked.
+    #[serde(default)]
+    pub unsupported: Vec<usize>,
+}
+
+/// The part of a document that a surface is made from; what else stands in it is left alone.
+#[derive(Clone, Debug, Deserialize)]
+struct Document {
+    schema: String,
+    frame: SavedFrame,
+    surface: SavedSurface,
+}
+
+/// The only schema that is read.
+pub const FIT_SCHEMA: &str = "palpate.fit/1";
+
+/// A surface that was read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saved {
+    /// Name of the file, for messages.
+    pub file: String,
+    /// The patch frame it was fitted in.
+    pub frame: Frame,
+    /// Input units, along the frame's axes.
+    pub surface: HeightField,
+    /// Coefficients that no data hold.
+    pub unsupported: Vec<usize>,
+}
+
+impl SavedFrame {
+    /// As it is written.
+    pub fn of(frame: &Frame) -> SavedFrame {
+        SavedFrame { origin: frame.origin, axes: frame.axes, scale: frame.scale }
+    }
+}
+
+impl SavedSurface {
+    /// As it is written.
+    pub fn of(surface: &HeightField, unsupported: &[usize]) -> SavedSurface {
+        let [x, y] = surface.knots();
+        SavedSurface {
+            kind: "height".into(),
+            degree: [x.degree(), y.degree()],
+            knots: [x.as_slice().to_vec(), y.as_slice().to_vec()],
+            coefficients: surface.coefficients().rows().into_iter().map(|row| row.to_vec()).collect(),
+            unsupported: unsupported.to_vec(),
+        }
+    }
+
+    fn height_field(self) -> Result<HeightField, String> {
+        if self.kind != "height" {
+            return Err(format!("surface.kind is {:?}; this version reads \"height\"", self.kind));
+        }
+        let [kx, ky] = self.knots;
+        let axis = |name: &str, degree, knots| Knots::new(degree, knots).map_err(|e| format!("knots in {name}: {e}"));
+        let knots = [axis("x", self.degree[0], kx)?, axis("y", self.degree[1], ky)?];
+        let (n, m) = (self.coefficients.len(), self.coefficients.first().map_or(0, Vec::len));
+        if let Some(row) = self.coefficients.iter().position(|row| row.len() != m) {
+            return Err(format!("row {row} of surface.coefficients has not the {m} entries of row 0"));
+        }
+        let flat = self.coefficients.into_iter().flatten().collect();
+        let coefficients = Array2::from_shape_vec((n, m), flat).map_err(|e| e.to_string())?;
+        HeightField::new(knots, coefficients).map_err(|e| e.to_string())
+    }
+}
+
+impl SavedFrame {
+    fn frame(&self) -> Result<Frame, String> {
+        let Frame { origin, axes, scale } = Frame { origin: self.origin, axes: self.axes, scale: self.scale };
+        let finite = origin.iter().chain(axes.iter().flatten()).all(|v| v.is_finite());
+        let dot = |a: usize, b: usize| (0..3).map(|k| axes[a][k] * axes[b][k]).sum::<f64>();
+        let orthonormal = (0..3).all(|a| (0..=a).all(|b| (dot(a, b) - f64::from(u8::from(a == b))).abs() < 1e-9));
+        if finite && orthonormal && scale.is_finite() && scale > 0.0 {
+            Ok(Frame { origin, axes, scale })
+        } else {
+            Err("frame must have a finite origin, orthonormal axes and a scale above zero".into())
+        }
+    }
+}
+
+/// Reads a surface that `fit --save` or `--json` wrote; `-` is standard input.
+///
+/// # Errors
+/// [`IoError::Read`], [`IoError::Surface`].
+pub fn read_surface(path: &Path) -> Result<Saved, IoError> {
+    let (file, bytes) = read_bytes(path)?;
+    read_surface_bytes(&file, &bytes)
+}
+
+/// Reads a saved surface from bytes.
+///
+/// # Errors
+/// [`IoError::Surface`].
+pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
+    let wrong = |what: String| IoError::Surface { file: file.into(), what };
+    let document: Document = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+    if document.schema != FIT_SCHEMA {
+        return Err(wrong(format!("schema is {:?}, not {FIT_SCHEMA:?}", document.schema)));
+    }
+    let frame = document.frame.frame().map_err(wrong)?;
+    let unsupported = document.surface.unsupported.clone();
+    let surface = document.surface.height_field().map_err(wrong)?;
+    match unsupported.iter().find(|u| **u >= surface.coefficients().len()) {
+        Some(u) => Err(wrong(format!("surface.unsupported names coefficient {u} of {}", surface.coefficients().len()))),
+        None => Ok(Saved { file: file.into(), frame, surface, unsupported }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document(change: impl Fn(&mut serde_json::Value)) -> Result<Saved, String> {
+        let knots = [0.0, 0.0, 0.5, 1.0, 1.0];
+        let mut value = serde_json::json!({
+            "schema": "palpate.fit/1", "contacts": 9,
+            "frame": {"origin": [0.0, 0.0, 0.0], "axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "scale": 1.0},
+            "surface": {"kind": "height", "degree": [1, 1], "knots": [knots, knots],
+                        "coefficients": [[0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [7.0, 8.0, 9.5]]},
+        });
+        change(&mut value);
+        read_surface_bytes("s.json", value.to_string().as_bytes()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_surface_comes_back_to_the_bit() {
+        let saved = document(|_| ()).unwrap();
+        assert_eq!(saved.surface.coefficients()[[2, 1]], 8.0);
+        let again = SavedSurface::of(&saved.surface, &[]);
+        let text = serde_json::to_string(&again).unwrap();
+        assert_eq!(serde_json::from_str::<SavedSurface>(&text).unwrap().height_field().unwrap(), saved.surface);
+    }
+
+    #[test]
+    fn every_broken_surface_is_refused_with_a_reason() {
+        type Change = fn(&mut serde_json::Value);
+        let cases: [(Change, &str); 8] = [
+            (|v| v["schema"] = "palpate.fit/2".into(), "palpate.fit/1"),
+            (|v| v["surface"]["kind"] = "parametric".into(), "height"),
+            (|v| v["surface"]["degree"][0] = 12.into(), "knots in x"),
+            (|v| v["surface"]["knots"][1][2] = (-1.0).into(), "knots in y"),
+            (|v| v["surface"]["coefficients"][1] = serde_json::json!([1.0]), "row 1"),
+            (|v| v["surface"]["unsupported"] = serde_json::json!([9]), "coefficient 9 of 9"),
+            (|v| v["frame"]["scale"] = 0.0.into(), "scale"),
+            (|v| v["surface"] = serde_json::Value::Null, "surface"),
+        ];
+        for (change, word) in cases {
+            let message = document(change).unwrap_err();
+            assert!(message.contains(word) && message.starts_with("s.json"), "{message}");
+        }
+        assert!(read_surface_bytes("s.json", b"x,y,z\n").unwrap_err().to_string().contains("--save"));
+    }
+}

@@ -1,0 +1,16 @@
+//! What a scene's `[study]` may say.
+
+/// How often a study repeats, and what its intervals cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StudyOptions {
+    /// Replicates. Default 10,000.
+    pub replicates: u64,
+    /// Level of the intervals, in (0, 1). Default 0.95.
+    pub level: f64,
+}
+
+impl Default for StudyOptions {
+    fn default() -> StudyOptions {
+        StudyOptions { replicates: 10_000, level: 0.95 }
+    }
+}

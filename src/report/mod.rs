@@ -1,0 +1,24 @@
+//! Results as JSON, tables, maps and pictures, written to any `Write`. Nothing is computed here.
+//!
+//! ```text
+//! FitDocument (palpate.fit/1)  ->  JSON | table for people
+//! ShapeMaps                    ->  maps.csv, maps.npz, shape.svg
+//! ```
+
+mod document;
+mod json;
+mod maps;
+mod picture;
+mod points;
+mod schema;
+mod table;
+
+pub use document::{
+    FitDocument, FitPart, MeasurePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart, TruthPart,
+};
+pub use json::write_json;
+pub use maps::{write_maps_csv, write_maps_npz};
+pub use picture::{PictureOptions, write_picture};
+pub use points::{PointShape, write_points_csv};
+pub use schema::fit_schema;
+pub use table::{significant, write_table};

@@ -1,0 +1,142 @@
+//! The JSON Schema of `palpate.fit/1`, generated from documents that the types themselves write.
+//!
+//! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
+//! fall behind the structs; `tests/schema.rs` holds the committed file to it and real output to the file.
+
+use serde_json::{Map, Value, json};
+
+use super::document::*;
+use crate::curvature::ShapeClass;
+use crate::io::{FIT_SCHEMA, SavedFrame, SavedSurface};
+
+/// JSON Schema (draft 2020-12) of `palpate.fit/1`.
+pub fn fit_schema() -> Value {
+    let samples: Vec<Value> = [full(), bare(), emptied()].iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = FIT_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": FIT_SCHEMA });
+    schema
+}
+
+/// The schema that all samples obey.
+fn merged(samples: &[&Value]) -> Value {
+    let nullable = samples.iter().any(|v| v.is_null());
+    let present: Vec<&Value> = samples.iter().copied().filter(|v| !v.is_null()).collect();
+    let (kind, mut schema) = match present.first() {
+        Some(Value::Object(_)) => ("object", object(&present)),
+        Some(Value::Array(_)) => ("array", array(&present)),
+        Some(Value::Number(n)) if n.is_f64() => ("number", json!({})),
+        Some(Value::Number(_)) => ("integer", json!({})),
+        Some(Value::Bool(_)) => ("boolean", json!({})),
+        _ => ("string", json!({})),
+    };
+    schema["type"] = if nullable { json!([kind, "null"]) } else { kind.into() };
+    schema
+}
+
+fn object(samples: &[&Value]) -> Value {
+    let objects: Vec<&Map<String, Value>> = samples.iter().filter_map(|v| v.as_object()).collect();
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    for key in objects.iter().flat_map(|o| o.keys()) {
+        let values: Vec<&Value> = objects.iter().filter_map(|o| o.get(key)).collect();
+        if !properties.contains_key(key) {
+            if values.len() == objects.len() {
+                required.push(key.clone());
+            }
+            properties.insert(key.clone(), merged(&values));
+        }
+    }
+    required.sort();
+    json!({ "properties": properties, "required": required })
+}
+
+fn array(samples: &[&Value]) -> Value {
+    let items: Vec<&Value> = samples.iter().filter_map(|v| v.as_array()).flatten().collect();
+    json!({ "items": merged(&items) })
+}
+
+/// A document in which everything is there.
+fn full() -> FitDocument {
+    let measure = MeasurePart { mean: Some(0.5), sd: Some(0.5), u: Some(0.5), interval: Some([0.5, 0.5]) };
+    let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
+    let shares = ShapeClass::CURVED.iter().map(|class| (class.name().to_string(), 0.5)).collect();
+    FitDocument {
+        schema: FIT_SCHEMA.into(),
+        contacts: 1,
+        frame: SavedFrame { origin: [0.5; 3], axes: [[0.5; 3]; 3], scale: 0.5 },
+        fit: FitPart {
+            degree: [2, 2],
+            segments: [1, 1],
+            weights: Some([0.5; 3]),
+            sigma: Some(SigmaPart { z: Some(0.5), normal_deg: Some(0.5), slope: Some(0.5) }),
+            method: "cholesky".into(),
+            reason: "asked for".into(),
+            equations: 1,
+            unknowns: 1,
+            rank: 1,
+            condition: Some(0.5),
+            backward_error: Some(0.5),
+            smooth: 0.5,
+            rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5) },
+            notes: vec!["a note".into()],
+        },
+        shape: ShapePart {
+            grid: [8, 8],
+            shape_index: measure.clone(),
+            curvedness: measure,
+            radius: Some(0.5),
+            class: Some("ridge".into()),
+            class_probability: Some(Shares(shares)),
+            k1: spread.clone(),
+            k2: spread,
+            direction_deg: Some(0.5),
+            support: 0.5,
+            plane_p: Some(0.5),
+        },
+        truth: Some(TruthPart {
+            shape_index: Some(0.5),
+            curvedness: Some(0.5),
+            error_shape_index: Some(0.5),
+            error_curvedness: Some(0.5),
+        }),
+        surface: SavedSurface {
+            kind: "height".into(),
+            degree: [2, 2],
+            knots: [vec![0.5], vec![0.5]],
+            coefficients: vec![vec![0.5]],
+            unsupported: vec![1],
+        },
+        seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
+    }
+}
+
+/// The same with every value missing that may be, under keys that stay.
+fn emptied() -> FitDocument {
+    let mut document = full();
+    document.fit.sigma = Some(SigmaPart::default());
+    document.truth = Some(TruthPart::default());
+    document
+}
+
+/// The same with every part missing that may be.
+fn bare() -> FitDocument {
+    let mut document = full();
+    document.fit.weights = None;
+    document.fit.sigma = None;
+    document.fit.condition = None;
+    document.fit.backward_error = None;
+    document.fit.rms = RmsPart::default();
+    document.shape.shape_index = MeasurePart::default();
+    document.shape.curvedness = MeasurePart::default();
+    document.shape.radius = None;
+    document.shape.class = None;
+    document.shape.class_probability = None;
+    document.shape.k1 = SpreadPart::default();
+    document.shape.k2 = SpreadPart::default();
+    document.shape.direction_deg = None;
+    document.shape.plane_p = None;
+    document.truth = None;
+    document
+}

@@ -1,0 +1,159 @@
+//! The table for people: what it is, how sure, and whether the numbers can be trusted, in a dozen lines.
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use super::document::{FitDocument, MeasurePart};
+
+/// Significant digits of means; the spread is cut at the same decimal.
+const DIGITS: i32 = 4;
+
+/// Writes the table of one fit; `name` is the scene or the file.
+///
+/// # Errors
+/// What the system says.
+pub fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut lines = Lines::default();
+    shape_lines(name, document, &mut lines);
+    truth_line(document, &mut lines);
+    fit_lines(document, &mut lines);
+    for note in &document.fit.notes {
+        lines.add("note", note.clone());
+    }
+    out.write_all(lines.0.as_bytes())
+}
+
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, label: &str, text: impl Into<String>) {
+        let _ = writeln!(self.0, "{label:<10} {}", text.into().trim_end());
+    }
+}
+
+fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
+    let shape = &document.shape;
+    lines.add("contacts", format!("{} of {name}", document.contacts));
+    let class = shape.class.as_deref().unwrap_or("none: S is undefined here");
+    let sure = shape.class_probability.as_ref().and_then(|shares| {
+        let share = shares.0.iter().find(|(name, _)| name == class)?.1;
+        Some(format!("  (probability {share:.3})"))
+    });
+    lines.add("class", format!("{class}{}", sure.unwrap_or_default()));
+    lines.add("S", measure(&shape.shape_index, |_| 4));
+    lines.add("R", measure(&shape.curvedness, |mean| decimals(mean, DIGITS)));
+    if let Some(radius) = shape.radius {
+        lines.add("radius", significant(radius, DIGITS));
+    }
+    if let Some(direction) = shape.direction_deg {
+        lines.add("direction", format!("{direction:.1} deg, of k1 from +x towards +y"));
+    }
+    let [n, m] = shape.grid;
+    let used = (shape.support * (n * m) as f64).round();
+    lines.add("support", format!("{used} of {n} x {m} grid points"));
+    if let Some(p) = shape.plane_p {
+        lines.add("plane", format!("p = {}", significant(p, 2)));
+    }
+}
+
+fn truth_line(document: &FitDocument, lines: &mut Lines) {
+    let Some(truth) = &document.truth else { return };
+    let part = |name: &str, value: Option<f64>, error: Option<f64>| {
+        let value = value.map_or("undefined".into(), |v| significant(v, DIGITS));
+        let error = error.map_or(String::new(), |e| format!(" (rms error {})", significant(e, 2)));
+        format!("{name} {value}{error}")
+    };
+    let s = part("S", truth.shape_index, truth.error_shape_index);
+    let r = part("R", truth.curvedness, truth.error_curvedness);
+    lines.add("truth", format!("{s}   {r}"));
+}
+
+fn fit_lines(document: &FitDocument, lines: &mut Lines) {
+    let fit = &document.fit;
+    let ([p, q], [n, m]) = (fit.degree, fit.segments);
+    let size = format!("{} equations, {} unknowns, rank {}", fit.equations, fit.unknowns, fit.rank);
+    lines.add("fit", format!("degree {p} x {q}, segments {n} x {m}: {size}"));
+    let rms = [("z", fit.rms.z), ("zx", fit.rms.zx), ("zy", fit.rms.zy)];
+    if let Some(weights) = fit.weights {
+        // a weight of rows that are not there means nothing
+        let used = rms.iter().zip(weights).filter(|((_, value), _)| value.is_some());
+        let used = used.map(|((name, _), weight)| format!("{name} {}", significant(weight, DIGITS)));
+        lines.add("weights", used.collect::<Vec<_>>().join("  "));
+    }
+    if let Some(sigma) = &fit.sigma {
+        let level = |name, value: Option<f64>, unit| match value {
+            Some(value) => format!("{name} {}{unit}  ", significant(value, 3)),
+            None => String::new(),
+        };
+        let levels =
+            [level("z", sigma.z, ""), level("normals", sigma.normal_deg, " deg"), level("slopes", sigma.slope, "")];
+        lines.add("sigma", levels.concat());
+    }
+    if fit.smooth != 0.0 {
+        lines.add("smooth", format!("lambda {}", significant(fit.smooth, 3)));
+    }
+    lines.add("method", format!("{}: {}", fit.method, fit.reason));
+    let certificate = |value: Option<f64>| value.map_or("unknown".to_string(), |v| significant(v, 2));
+    let (condition, backward) = (certificate(fit.condition), certificate(fit.backward_error));
+    lines.add("numbers", format!("condition {condition}, backward error {backward}"));
+    let rms = rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3))));
+    lines.add("rms", rms.collect::<Vec<_>>().join("  "));
+}
+
+fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
+    let Some(mean) = part.mean else { return "undefined".into() };
+    let places = decimals(mean);
+    let mut text = format!("{mean:.places$}");
+    if let Some(sd) = part.sd {
+        let _ = write!(text, " +- {sd:.places$} over the patch");
+    }
+    if let Some(u) = part.u {
+        let _ = write!(text, ",  u = {}", significant(u, 2));
+    }
+    if let Some([lo, hi]) = part.interval {
+        let _ = write!(text, ",  [{lo:.places$}, {hi:.places$}]");
+    }
+    text
+}
+
+/// Decimals that show `digits` significant digits of `value`.
+fn decimals(value: f64, digits: i32) -> usize {
+    if value == 0.0 || !value.is_finite() {
+        return digits as usize;
+    }
+    // 17 decimals show the last bit of anything near 1
+    (digits - 1 - value.abs().log10().floor() as i32).clamp(0, 17) as usize
+}
+
+/// `value` with `digits` significant digits, in scientific form where it is very small or very large.
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-4..1e6).contains(&value.abs()) {
+        return format!("{value:.*e}", (digits - 1) as usize);
+    }
+    format!("{value:.*}", decimals(value, digits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_significant_ones() {
+        let cases =
+            [(96.8512, "96.85"), (0.0073012, "0.007301"), (1.2e-16, "1.200e-16"), (0.0, "0"), (12345.6, "12346")];
+        for (value, text) in cases {
+            assert_eq!(significant(value, 4), text);
+        }
+    }
+
+    #[test]
+    fn spread_is_cut_where_the_mean_is() {
+        let part = MeasurePart { mean: Some(0.00730123), sd: Some(0.0012589), u: Some(1e-5), interval: None };
+        assert_eq!(measure(&part, |m| decimals(m, DIGITS)), "0.007301 +- 0.001259 over the patch,  u = 1.0e-5");
+        assert_eq!(measure(&MeasurePart::default(), |_| 4), "undefined");
+    }
+}

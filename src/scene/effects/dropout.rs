@@ -1,0 +1,59 @@
+//! Readings that never arrive: each contact is lost with `probability` p, independently.
+//!
+//! The number kept is binomial. A lost contact is in neither the contacts nor the truth of its replicate; other
+//! contacts' draws do not move. It changes the set of sites, so a study cannot keep its factor.
+//! Leaves out: losses in runs.
+
+use super::{Context, Stage};
+use crate::draws::EffectDraws;
+use crate::scene::SceneError;
+use crate::scene::error::probability;
+use crate::scene::simulate::Block;
+
+/// Lost readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dropout {
+    /// How often.
+    pub probability: f64,
+}
+
+impl Dropout {
+    pub(crate) fn prepare(&self, _context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
+        probability("effects.dropout.probability", self.probability)?;
+        if self.probability == 1.0 {
+            return Err(SceneError::range("effects.dropout.probability", 1.0, "below 1, or no contact is left"));
+        }
+        Ok((self.probability > 0.0).then(|| Box::new(*self) as Box<dyn Stage>))
+    }
+}
+
+impl Stage for Dropout {
+    fn name(&self) -> &'static str {
+        "dropout"
+    }
+
+    fn changes(&self) -> String {
+        format!("contacts lost with probability {}", self.probability)
+    }
+
+    fn draws_per_contact(&self) -> usize {
+        1
+    }
+
+    fn keeps_sites(&self) -> bool {
+        false
+    }
+
+    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+        let lanes = block.lanes();
+        let mut uniforms = vec![0.0; lanes];
+        for contact in 0..block.contacts() {
+            draws.uniforms(contact as u64, block.first_replicate(), 1, &mut uniforms);
+            for (lane, u) in uniforms.iter().enumerate() {
+                if *u < self.probability {
+                    block.lose(contact * lanes + lane);
+                }
+            }
+        }
+    }
+}

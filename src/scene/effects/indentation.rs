@@ -1,0 +1,123 @@
+//! Elastic tips sink in before they are read: Hertz contact at the force that triggers the reading.
+//!
+//! ```text
+//! F = threshold + overshoot U,  U uniform in (0, 1)        1/rho_e = 1/rho - (k1 + k2)/2
+//! delta = (9 F^2 / (16 E*^2 rho_e))^(1/3)                  P -> P - delta n
+//! ```
+//!
+//! `modulus` E* (contact modulus, force/length^2), `threshold` and `overshoot` (force: what the approach adds before
+//! the sampled sensor stops it, uniform because the approach is not synchronised with the sampling). The sensed force
+//! that later stages start from is F.
+//! Mean of delta: `delta(1) (3/5)(b^(5/3) - a^(5/3))/(b - a)`, a, b the least and largest force.
+//! Source: K. L. Johnson, *Contact Mechanics*, 1985, section 4.2. Leaves out: the ellipse of unequal curvatures (their
+//! mean stands in), viscosity, the patch growing beyond small strains, and how the shifted pad tilts the normal.
+
+use super::{Context, Stage};
+use crate::draws::EffectDraws;
+use crate::scene::SceneError;
+use crate::scene::error::{not_negative, positive};
+use crate::scene::simulate::Block;
+use crate::scene::vector::along;
+
+/// Hertz indentation at a force threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Indentation {
+    /// Contact modulus E*, force per length squared.
+    pub modulus: f64,
+    /// Force at which a reading is triggered.
+    pub threshold: f64,
+    /// Largest excess over the threshold.
+    pub overshoot: f64,
+}
+
+/// Depth at unit force, contact by contact.
+#[derive(Clone, Debug)]
+struct Prepared {
+    threshold: f64,
+    overshoot: f64,
+    unit_depth: Vec<f64>,
+}
+
+impl Indentation {
+    pub(crate) fn prepare(&self, context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
+        positive("effects.indentation.modulus", self.modulus)?;
+        not_negative("effects.indentation.threshold", self.threshold)?;
+        not_negative("effects.indentation.overshoot", self.overshoot)?;
+        let largest = self.threshold + self.overshoot;
+        if largest == 0.0 {
+            return Ok(None);
+        }
+        if context.tip_radius == 0.0 {
+            return Err(SceneError::Clash {
+                first: format!("effects.indentation.threshold = {}", self.threshold),
+                second: "sweep.tip_radius = 0".into(),
+                why: "a point sinks in without limit; give the tips a radius".into(),
+            });
+        }
+        let mut unit_depth = Vec::with_capacity(context.sites.len());
+        for site in context.sites {
+            let local = &site.touch.local;
+            // closer than the tip fits: the tip touches along a ring, which Hertz does not describe
+            let bend = (1.0 / context.tip_radius - 0.5 * (local.k1 + local.k2)).max(0.0);
+            unit_depth.push((9.0 * bend / (16.0 * self.modulus * self.modulus)).cbrt());
+        }
+        let deepest = unit_depth.iter().fold(0.0, |a: f64, b| a.max(*b)) * power(largest);
+        if deepest > context.tip_radius {
+            return Err(SceneError::Indentation {
+                depth: deepest,
+                force: largest,
+                tip_radius: context.tip_radius,
+                modulus: self.modulus,
+            });
+        }
+        Ok(Some(Box::new(Prepared { threshold: self.threshold, overshoot: self.overshoot, unit_depth })))
+    }
+}
+
+/// `F^(2/3)`.
+fn power(force: f64) -> f64 {
+    (force * force).cbrt()
+}
+
+impl Stage for Prepared {
+    fn name(&self) -> &'static str {
+        "indentation"
+    }
+
+    fn changes(&self) -> String {
+        let mean = self.unit_depth.iter().sum::<f64>() / self.unit_depth.len() as f64;
+        let (least, most) = (self.threshold, self.threshold + self.overshoot);
+        format!(
+            "position by {:.3e} to {:.3e} into the surface, force {least} to {most}",
+            mean * power(least),
+            mean * power(most)
+        )
+    }
+
+    fn draws_per_contact(&self) -> usize {
+        usize::from(self.overshoot > 0.0)
+    }
+
+    fn keeps_sites(&self) -> bool {
+        false
+    }
+
+    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+        let lanes = block.lanes();
+        let mut excess = vec![0.0; lanes];
+        let mut loads = std::mem::take(&mut block.loads);
+        loads.resize(block.points.len(), 0.0);
+        for (contact, unit_depth) in self.unit_depth.iter().enumerate() {
+            if self.overshoot > 0.0 {
+                draws.uniforms(contact as u64, block.first_replicate(), 1, &mut excess);
+            }
+            for (lane, excess) in excess.iter().enumerate() {
+                let entry = contact * lanes + lane;
+                let force = self.threshold + self.overshoot * excess;
+                loads[entry] = force;
+                block.points[entry] = along(block.points[entry], -unit_depth * power(force), block.normals[entry]);
+            }
+        }
+        block.loads = loads;
+    }
+}

@@ -1,0 +1,70 @@
+//! The robot's frame is not the one it believes: `P -> Rz Ry Rx P + t`, `n -> Rz Ry Rx n`.
+//!
+//! `rotation_deg` about the fixed axes x, y, z in that order, degrees; `translation`, input units. About the input's
+//! origin. Constant over a scene: deterministic, no spread.
+//! Source: extrinsic calibration error. Leaves out: play of the base, and a frame that moves during the sweep.
+
+use super::{Context, Stage};
+use crate::draws::EffectDraws;
+use crate::scene::SceneError;
+use crate::scene::error::finite;
+use crate::scene::simulate::Block;
+use crate::scene::vector::{Matrix, along, rotation, turned};
+
+/// Error of the robot's frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Misalignment {
+    /// Angles about x, y, z, degrees.
+    pub rotation_deg: [f64; 3],
+    /// Shift, input units.
+    pub translation: [f64; 3],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Prepared {
+    of: Misalignment,
+    /// Rotation less identity, so that the smallest angle keeps its digits.
+    turn: Matrix,
+}
+
+impl Misalignment {
+    pub(crate) fn prepare(&self, _context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
+        self.rotation_deg.iter().try_for_each(|v| finite("effects.misalignment.rotation_deg", *v))?;
+        self.translation.iter().try_for_each(|v| finite("effects.misalignment.translation", *v))?;
+        if self.rotation_deg == [0.0; 3] && self.translation == [0.0; 3] {
+            return Ok(None);
+        }
+        let mut turn = rotation(self.rotation_deg);
+        for (k, row) in turn.iter_mut().enumerate() {
+            row[k] -= 1.0;
+        }
+        Ok(Some(Box::new(Prepared { of: *self, turn })))
+    }
+}
+
+impl Stage for Prepared {
+    fn name(&self) -> &'static str {
+        "misalignment"
+    }
+
+    fn changes(&self) -> String {
+        format!("frame by {:?} degrees and {:?}", self.of.rotation_deg, self.of.translation)
+    }
+
+    fn draws_per_contact(&self) -> usize {
+        0
+    }
+
+    fn keeps_sites(&self) -> bool {
+        self.of.rotation_deg == [0.0; 3] && self.of.translation[..2] == [0.0; 2]
+    }
+
+    fn apply(&self, block: &mut Block, _draws: &EffectDraws) {
+        for point in &mut block.points {
+            *point = along(along(*point, 1.0, turned(&self.turn, *point)), 1.0, self.of.translation);
+        }
+        for normal in &mut block.normals {
+            *normal = along(*normal, 1.0, turned(&self.turn, *normal));
+        }
+    }
+}

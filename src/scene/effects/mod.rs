@@ -1,0 +1,155 @@
+//! What comes between the surface and the numbers: one effect a file, applied in the physical order of [`Effect::ORDER`].
+//!
+//! ```text
+//! tip and skin    tip_radius_error, indentation          the tip's centre is C = P + (rho - delta) n
+//! force           friction, force_noise                  the normal is the sensed force's direction
+//! reading         position_noise, normal_noise
+//! arm and frame   encoder, misalignment, latency
+//! along the way   lane_noise, slip, dropout
+//! a study's law   row_noise
+//! ```
+//!
+//! An effect whose strengths are all zero is not compiled in: zero is absence by construction. Each has random numbers
+//! of its own (see [`crate::draws`]), addressed by seed, replicate, its name and the contact.
+
+mod arm;
+mod dropout;
+mod encoder;
+mod force_noise;
+mod friction;
+mod indentation;
+mod lane_noise;
+mod latency;
+mod misalignment;
+mod normal_noise;
+mod position_noise;
+mod row_noise;
+mod slip;
+mod tip_radius_error;
+
+pub use arm::{Arm, Link};
+pub use dropout::Dropout;
+pub use encoder::Encoder;
+pub use force_noise::ForceNoise;
+pub use friction::Friction;
+pub use indentation::Indentation;
+pub use lane_noise::LaneNoise;
+pub use latency::Latency;
+pub use misalignment::Misalignment;
+pub use normal_noise::NormalNoise;
+pub use position_noise::PositionNoise;
+pub use row_noise::RowNoise;
+pub use slip::Slip;
+pub use tip_radius_error::TipRadiusError;
+
+use super::SceneError;
+use super::simulate::Block;
+use super::surface::Surface;
+use super::sweep::Site;
+use crate::draws::EffectDraws;
+
+/// What an effect may look at when it is prepared.
+pub(crate) struct Context<'a> {
+    pub sites: &'a [Site],
+    pub surface: &'a Surface,
+    /// Radius that the robot believes its tips to have.
+    pub believed_radius: f64,
+    pub tip_radius: f64,
+    /// Force at which a reading is triggered, where indentation sets one.
+    pub load: Option<f64>,
+}
+
+impl Context<'_> {
+    /// Whether the contact before each contact lies on the same lane.
+    pub fn continues(&self) -> Vec<bool> {
+        let same = |i: usize| i > 0 && self.sites[i - 1].finger == self.sites[i].finger;
+        (0..self.sites.len()).map(same).collect()
+    }
+}
+
+/// Replaces the sensed normal; the contact swings about the tip's centre with the believed radius.
+pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3], radius: f64) {
+    for k in 0..3 {
+        point[k] -= radius * (sensed[k] - normal[k]);
+    }
+    *normal = sensed;
+}
+
+/// One prepared effect: constants worked out, ready for blocks of replicates.
+pub(crate) trait Stage: std::fmt::Debug + Send + Sync {
+    /// Name as in a scene file; the address of its draws.
+    fn name(&self) -> &'static str;
+    /// What it changes, for people.
+    fn changes(&self) -> String;
+    /// Random numbers per contact.
+    fn draws_per_contact(&self) -> usize;
+    /// It leaves x and y of every contact alone, so that a study can keep its factor.
+    fn keeps_sites(&self) -> bool;
+    /// Changes a block of replicates in place.
+    fn apply(&self, block: &mut Block, draws: &EffectDraws);
+}
+
+macro_rules! effects {
+    ($($(#[$doc:meta])* $kind:ident => $name:literal),* $(,)?) => {
+        /// The closed set of effects, in physical order.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Effect {
+            $($(#[$doc])* $kind($kind),)*
+        }
+
+        impl Effect {
+            /// Names in the order of application, whatever the order in a file.
+            pub const ORDER: &'static [&'static str] = &[$($name),*];
+
+            /// Name as in a scene file.
+            pub fn name(&self) -> &'static str {
+                match self { $(Effect::$kind(_) => $name,)* }
+            }
+
+            /// `None` when all its strengths are zero.
+            pub(crate) fn prepare(&self, context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
+                match self { $(Effect::$kind(effect) => effect.prepare(context),)* }
+            }
+        }
+
+        $(impl From<$kind> for Effect {
+            fn from(effect: $kind) -> Effect { Effect::$kind(effect) }
+        })*
+    };
+}
+
+effects! {
+    /// Wrong calibration of the tip's radius.
+    TipRadiusError => "tip_radius_error",
+    /// Elastic tips sinking in, force threshold, approach overshoot.
+    Indentation => "indentation",
+    /// Sliding friction tilting the sensed force.
+    Friction => "friction",
+    /// Noise, bias, drift and quantisation of the force that the normal is estimated from.
+    ForceNoise => "force_noise",
+    /// Independent errors of the measured position.
+    PositionNoise => "position_noise",
+    /// Isotropic errors of the normal.
+    NormalNoise => "normal_noise",
+    /// Joint encoders through the arm's kinematics.
+    Encoder => "encoder",
+    /// Wrong frame.
+    Misalignment => "misalignment",
+    /// Positions older than the forces.
+    Latency => "latency",
+    /// Correlated errors along a lane.
+    LaneNoise => "lane_noise",
+    /// Gross outliers.
+    Slip => "slip",
+    /// Lost readings.
+    Dropout => "dropout",
+    /// Independent errors of z, zx, zy: the law of a paper study.
+    RowNoise => "row_noise",
+}
+
+impl Effect {
+    /// Place in the physical order.
+    pub fn order(&self) -> usize {
+        Effect::ORDER.iter().position(|name| *name == self.name()).unwrap_or(usize::MAX)
+    }
+}

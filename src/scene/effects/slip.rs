@@ -1,0 +1,61 @@
+//! Now and then a finger slips and the reading is gross: with `probability` p the contact moves by `size` in a direction
+//! uniform on the sphere.
+//!
+//! `size`: input units. Mean 0, covariance p size^2/3 per axis, excess kurtosis far above any normal law's; a robust
+//! fit is meant to find these. The normal stays.
+//! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Leaves out: slips that last over
+//! several stations, and normals lost with the grip.
+
+use super::{Context, Stage};
+use crate::draws::EffectDraws;
+use crate::scene::SceneError;
+use crate::scene::error::{not_negative, probability};
+use crate::scene::simulate::Block;
+use crate::scene::vector::along;
+
+/// Gross outliers of the position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slip {
+    /// How often.
+    pub probability: f64,
+    /// How far, input units.
+    pub size: f64,
+}
+
+impl Slip {
+    pub(crate) fn prepare(&self, _context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
+        probability("effects.slip.probability", self.probability)?;
+        not_negative("effects.slip.size", self.size)?;
+        let none = self.probability == 0.0 || self.size == 0.0;
+        Ok((!none).then(|| Box::new(*self) as Box<dyn Stage>))
+    }
+}
+
+impl Stage for Slip {
+    fn name(&self) -> &'static str {
+        "slip"
+    }
+
+    fn changes(&self) -> String {
+        format!("position by {} with probability {}", self.size, self.probability)
+    }
+
+    fn draws_per_contact(&self) -> usize {
+        3
+    }
+
+    fn keeps_sites(&self) -> bool {
+        false
+    }
+
+    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+        block.for_each_with_uniforms::<3>(draws, |point, _, [gate, height, azimuth]| {
+            if gate < self.probability {
+                let z = 2.0 * height - 1.0;
+                let across = (1.0 - z * z).sqrt();
+                let (sin, cos) = (std::f64::consts::TAU * azimuth).sin_cos();
+                *point = along(*point, self.size, [across * cos, across * sin, z]);
+            }
+        });
+    }
+}

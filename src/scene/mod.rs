@@ -1,0 +1,48 @@
+//! The simulated world: analytic surfaces, sweeping fingers, and the effects that a scene calls for.
+//!
+//! ```text
+//! World { surface, sweeps, effects }  --compile-->  Simulator  --(seed, replicate)-->  (Contacts, Truth)
+//! ```
+//!
+//! Nothing here knows splines, so a fit is never tested on its own kind (an imported surface is the exception, and
+//! labelled). Compiling checks everything; what a world does not name is not there: no draw, no branch.
+
+pub mod effects;
+mod error;
+pub mod explain;
+mod simulate;
+pub mod surface;
+mod sweep;
+mod truth;
+mod vector;
+
+pub use effects::Effect;
+pub use error::SceneError;
+pub use simulate::{Block, Simulator};
+pub use surface::{Body, Surface, SurfacePoint};
+pub use sweep::{Site, Sweep, linspace};
+pub use truth::{TrueShape, Truth};
+
+/// A world to be touched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct World {
+    /// What the fingers meet.
+    pub surface: Surface,
+    /// How they move over it; at least one sweep.
+    pub sweeps: Vec<Sweep>,
+    /// What comes between, in any order; each at most once.
+    pub effects: Vec<Effect>,
+}
+
+impl World {
+    /// A world without effects.
+    pub fn new(surface: Surface, sweep: Sweep) -> World {
+        World { surface, sweeps: vec![sweep], effects: Vec::new() }
+    }
+
+    /// The same world with one more effect.
+    pub fn with(mut self, effect: impl Into<Effect>) -> World {
+        self.effects.push(effect.into());
+        self
+    }
+}

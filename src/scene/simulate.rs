@@ -1,0 +1,290 @@
+//! A checked world, compiled to the list of stages it names, and the contacts it makes.
+//!
+//! ```text
+//! contacts(seed, replicate) = stage_k( ... stage_1(touched points) ... )
+//! ```
+//!
+//! The touched points are found once; a replicate copies them and runs the stages. With no stage there is no draw and
+//! no branch. Replicates are made one at a time or as a [`Block`], contact-major, so that each contact's draws are one
+//! run of the generator; the bits are the same.
+
+use super::effects::{Context, Effect, Stage};
+use super::surface::{Surface, SurfacePoint};
+use super::sweep::Site;
+use super::truth::Truth;
+use super::{SceneError, World};
+use crate::contact::Contacts;
+use crate::draws::EffectDraws;
+
+/// Replicates side by side: entry `contact * lanes + replicate` of every column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Block {
+    first_replicate: u64,
+    lanes: usize,
+    /// Measured points, input units.
+    pub points: Vec<[f64; 3]>,
+    /// Measured unit normals.
+    pub normals: Vec<[f64; 3]>,
+    /// Readings that were lost; empty when no effect loses any.
+    pub lost: Vec<bool>,
+    /// Size of the contact force; empty when no effect sets it.
+    pub(crate) loads: Vec<f64>,
+    /// Scratch for draws.
+    drawn: Vec<f64>,
+}
+
+impl Block {
+    /// Replicates in this block.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// Number of the first replicate.
+    pub fn first_replicate(&self) -> u64 {
+        self.first_replicate
+    }
+
+    /// Number of nominal contacts.
+    pub fn contacts(&self) -> usize {
+        self.points.len().checked_div(self.lanes).unwrap_or(0)
+    }
+
+    /// Whether the reading of `contact` was lost in the replicate at `lane`.
+    pub fn is_lost(&self, contact: usize, lane: usize) -> bool {
+        self.lost.get(contact * self.lanes + lane).copied().unwrap_or(false)
+    }
+
+    fn start(&mut self, touched: &[SurfacePoint], first_replicate: u64, lanes: usize) {
+        self.first_replicate = first_replicate;
+        self.lanes = lanes;
+        self.lost.clear();
+        self.loads.clear();
+        self.points.clear();
+        self.normals.clear();
+        for touch in touched {
+            self.points.extend(std::iter::repeat_n(touch.point, lanes));
+            self.normals.extend(std::iter::repeat_n(touch.local.normal, lanes));
+        }
+    }
+
+    /// Marks a reading as lost.
+    pub(crate) fn lose(&mut self, entry: usize) {
+        if self.lost.is_empty() {
+            self.lost.resize(self.points.len(), false);
+        }
+        self.lost[entry] = true;
+    }
+
+    /// Calls `change(point, normal, draws)` for every entry with `N` standard normals each.
+    #[inline]
+    pub(crate) fn for_each_with_normals<const N: usize>(
+        &mut self,
+        draws: &EffectDraws,
+        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
+    ) {
+        self.for_each(|contact, first, out| draws.normals(contact, first, N, out), change);
+    }
+
+    /// The same with uniforms in (0, 1).
+    #[inline]
+    pub(crate) fn for_each_with_uniforms<const N: usize>(
+        &mut self,
+        draws: &EffectDraws,
+        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
+    ) {
+        self.for_each(|contact, first, out| draws.uniforms(contact, first, N, out), change);
+    }
+
+    #[inline]
+    fn for_each<const N: usize>(
+        &mut self,
+        draw: impl Fn(u64, u64, &mut [f64]),
+        mut change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
+    ) {
+        let mut drawn = std::mem::take(&mut self.drawn);
+        drawn.resize(self.lanes * N, 0.0);
+        for contact in 0..self.contacts() {
+            draw(contact as u64, self.first_replicate, &mut drawn);
+            let entries = contact * self.lanes..(contact + 1) * self.lanes;
+            let rows = self.points[entries.clone()].iter_mut().zip(&mut self.normals[entries]);
+            for ((point, normal), values) in rows.zip(drawn.chunks_exact(N)) {
+                let mut own = [0.0; N];
+                own.copy_from_slice(values);
+                change(point, normal, own);
+            }
+        }
+        self.drawn = drawn;
+    }
+}
+
+/// A world ready to be simulated: everything checked, touched points found, stages prepared.
+#[derive(Debug)]
+pub struct Simulator {
+    surface: Surface,
+    sites: Vec<Site>,
+    touched: Vec<SurfacePoint>,
+    fingers: Vec<u32>,
+    stations: Vec<u32>,
+    stages: Vec<Box<dyn Stage>>,
+    reachable: usize,
+    total: usize,
+}
+
+impl World {
+    /// Checks the whole world and prepares what it names; nothing is drawn.
+    ///
+    /// # Errors
+    /// Whatever cannot be, with the numbers that clash.
+    pub fn compile(&self) -> Result<Simulator, SceneError> {
+        self.surface.check()?;
+        let mut sites = Vec::new();
+        let (mut reachable, mut total, mut fingers) = (0, 0, 0);
+        if self.sweeps.is_empty() {
+            return Err(SceneError::List { key: "sweep".into(), expected: "a scene needs a sweep" });
+        }
+        for sweep in &self.sweeps {
+            let touched = sweep.touch(&self.surface, fingers)?;
+            fingers += sweep.fingers.len() as u32;
+            reachable += touched.reachable;
+            total += touched.total;
+            sites.extend(touched.sites);
+        }
+        let stages = self.prepare(&sites)?;
+        Ok(Simulator {
+            surface: self.surface.clone(),
+            touched: sites.iter().map(|site| site.touch).collect(),
+            fingers: sites.iter().map(|site| site.finger).collect(),
+            stations: sites.iter().map(|site| site.station).collect(),
+            sites,
+            stages,
+            reachable,
+            total,
+        })
+    }
+
+    fn prepare(&self, sites: &[Site]) -> Result<Vec<Box<dyn Stage>>, SceneError> {
+        let mut effects: Vec<_> = self.effects.iter().collect();
+        effects.sort_by_key(|effect| effect.order());
+        if let Some(twice) = effects.windows(2).find(|pair| pair[0].order() == pair[1].order()) {
+            return Err(SceneError::Twice { effect: twice[0].name() });
+        }
+        let tip_radius = self.sweeps[0].tip_radius;
+        if let Some(other) = self.sweeps.iter().find(|sweep| sweep.tip_radius != tip_radius) {
+            return Err(SceneError::Clash {
+                first: format!("sweep.tip_radius = {tip_radius}"),
+                second: format!("sweep.second.tip_radius = {}", other.tip_radius),
+                why: "both sweeps are made with the same hand".into(),
+            });
+        }
+        let mut context =
+            Context { sites, surface: &self.surface, tip_radius, believed_radius: tip_radius, load: None };
+        for effect in &effects {
+            match effect {
+                Effect::TipRadiusError(calibration) => context.believed_radius += calibration.error,
+                Effect::Indentation(indentation) => context.load = Some(indentation.threshold),
+                _ => {}
+            }
+        }
+        let mut stages = Vec::new();
+        for effect in effects {
+            stages.extend(effect.prepare(&context)?);
+        }
+        Ok(stages)
+    }
+}
+
+impl Simulator {
+    /// Contacts of one replicate with the truth behind them, finger by finger.
+    ///
+    /// Lost readings are left out of both.
+    pub fn simulate(&self, seed: u64, replicate: u64) -> (Contacts, Truth) {
+        if self.stages.is_empty() {
+            return (self.noise_free(), self.truth());
+        }
+        let mut block = Block::default();
+        self.simulate_block(seed, replicate, 1, &mut block);
+        self.contacts_of(&block, 0)
+    }
+
+    /// Replicates `first .. first + lanes` at once, into a block whose memory is used again.
+    pub fn simulate_block(&self, seed: u64, first_replicate: u64, lanes: usize, block: &mut Block) {
+        self.untouched_block(first_replicate, lanes, block);
+        for stage in &self.stages {
+            stage.apply(block, &EffectDraws::new(seed, stage.name()));
+        }
+    }
+
+    /// The same replicates before any stage, for a caller who runs stages one by one.
+    pub fn untouched_block(&self, first_replicate: u64, lanes: usize, block: &mut Block) {
+        block.start(&self.touched, first_replicate, lanes);
+    }
+
+    /// The contacts and truth of one replicate of a block.
+    ///
+    /// # Panics
+    /// When `lane` is not below the block's lanes.
+    pub fn contacts_of(&self, block: &Block, lane: usize) -> (Contacts, Truth) {
+        assert!(lane < block.lanes, "lane {lane} of a block with {} lanes", block.lanes);
+        let kept: Vec<usize> = (0..self.touched.len()).filter(|contact| !block.is_lost(*contact, lane)).collect();
+        let column = |values: &[[f64; 3]], axis: usize| -> Vec<f64> {
+            kept.iter().map(|contact| values[contact * block.lanes + lane][axis]).collect()
+        };
+        let mut contacts =
+            Contacts::from_positions(column(&block.points, 0), column(&block.points, 1), column(&block.points, 2))
+                .with_normals(column(&block.normals, 0), column(&block.normals, 1), column(&block.normals, 2));
+        contacts.finger = Some(kept.iter().map(|contact| self.fingers[*contact]).collect());
+        contacts.station = Some(kept.iter().map(|contact| self.stations[*contact]).collect());
+        let points = kept.iter().map(|contact| self.touched[*contact]).collect();
+        (contacts, Truth::new(points, self.surface.clone()))
+    }
+
+    /// The contacts without any effect.
+    pub fn noise_free(&self) -> Contacts {
+        let point = |axis: usize| self.touched.iter().map(|touch| touch.point[axis]).collect();
+        let normal = |axis: usize| self.touched.iter().map(|touch| touch.local.normal[axis]).collect();
+        let mut contacts =
+            Contacts::from_positions(point(0), point(1), point(2)).with_normals(normal(0), normal(1), normal(2));
+        contacts.finger = Some(self.fingers.clone());
+        contacts.station = Some(self.stations.clone());
+        contacts
+    }
+
+    /// The truth of all nominal contacts.
+    pub fn truth(&self) -> Truth {
+        Truth::new(self.touched.clone(), self.surface.clone())
+    }
+
+    /// The touches to be made.
+    pub fn sites(&self) -> &[Site] {
+        &self.sites
+    }
+
+    /// `[x0, x1, y0, y1]` of the noise-free contacts: the domain that a study fixes.
+    pub fn patch(&self) -> [f64; 4] {
+        let mut patch = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for touch in &self.touched {
+            let [x, y, _] = touch.point;
+            patch = [patch[0].min(x), patch[1].max(x), patch[2].min(y), patch[3].max(y)];
+        }
+        patch
+    }
+
+    /// No stage moves x or y: every replicate has the same sites, and a study can keep its factor.
+    pub fn keeps_sites(&self) -> bool {
+        self.stages.iter().all(|stage| stage.keeps_sites())
+    }
+
+    /// Names of the stages that are compiled in, in the order they are applied.
+    pub fn stage_names(&self) -> Vec<&'static str> {
+        self.stages.iter().map(|stage| stage.name()).collect()
+    }
+
+    /// Sites within reach, and sites asked for.
+    pub fn reach(&self) -> (usize, usize) {
+        (self.reachable, self.total)
+    }
+
+    pub(crate) fn stages(&self) -> &[Box<dyn Stage>] {
+        &self.stages
+    }
+}

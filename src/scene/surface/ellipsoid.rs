@@ -1,0 +1,19 @@
+//! Ellipsoid with semi-axes a, b, c along x, y, z: `x^2/a^2 + y^2/b^2 + (z + c)^2/c^2 = 1`, touched on its upper half.
+//!
+//! As the quadric `alpha = c/a^2`, `beta = c/b^2`, `gamma = 1/c`: curvatures -c/a^2 and -c/b^2 at the apex.
+
+use super::quadric::Quadric;
+
+/// A stretched ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    /// Semi-axes along x, y, z, input units.
+    pub semi_axes: [f64; 3],
+}
+
+impl Ellipsoid {
+    pub(crate) fn quadric(&self) -> Quadric {
+        let [a, b, c] = self.semi_axes;
+        Quadric { alpha: c / a / a, beta: c / b / b, gamma: 1.0 / c }
+    }
+}

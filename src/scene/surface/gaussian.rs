@@ -1,0 +1,29 @@
+//! Gaussian bump with its top at the origin: `z = h (exp(-d^2/(2 w^2)) - 1)`, `d^2 = x^2 + y^2`.
+//!
+//! `expm1` keeps the digits near the top. `z_x = -x g/w^2`, `z_xx = (x^2/w^2 - 1) g/w^2`, `z_xy = x y g/w^4`,
+//! `g = h exp(-d^2/(2 w^2))`. Curvatures -h/w^2 at the top; convex inside d = w, saddle-like outside.
+
+use super::local::Local;
+
+/// A hill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussianBump {
+    /// Height h of the top above the plain, input units.
+    pub height: f64,
+    /// Width w (the normal law's sigma), input units.
+    pub width: f64,
+}
+
+impl GaussianBump {
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
+        let (u, v) = (x / self.width, y / self.width);
+        self.height * (-0.5 * (u * u + v * v)).exp_m1()
+    }
+
+    pub(crate) fn local(&self, x: f64, y: f64) -> Option<Local> {
+        let w = self.width;
+        let (u, v) = (x / w, y / w);
+        let g = self.height / w * (-0.5 * (u * u + v * v)).exp();
+        Local::of_height([-u * g, -v * g, (u * u - 1.0) * g / w, u * v * g / w, (v * v - 1.0) * g / w])
+    }
+}

@@ -1,0 +1,166 @@
+//! What the fingers meet: a body with its apex at the origin, made convex or concave, then posed.
+//!
+//! ```text
+//! convex   z = body(x, y)         concave   z = -body(x, y): the same body seen from inside, lowest at the origin
+//! ```
+//!
+//! Every point has an exact height (no cancellation at any radius), unit normal towards the free side, principal
+//! curvatures, S and R. A surface is met from above: the contact over (x, y) is the uppermost point of the body (for
+//! a concave surface, of its mirror image, downwards).
+
+mod body;
+mod check;
+mod cylinder;
+mod ellipsoid;
+mod gaussian;
+mod imported;
+mod local;
+mod monkey_saddle;
+mod paraboloid;
+mod plane;
+mod pose;
+mod quadric;
+mod ray;
+mod saddle;
+mod sinusoid;
+mod sphere;
+mod superquadric;
+mod torus;
+mod union;
+
+pub use body::Body;
+pub use cylinder::Cylinder;
+pub use ellipsoid::Ellipsoid;
+pub use gaussian::GaussianBump;
+pub use imported::ImportedSurface;
+pub use local::Local;
+pub use monkey_saddle::MonkeySaddle;
+pub use paraboloid::Paraboloid;
+pub use pose::Pose;
+pub use saddle::Saddle;
+pub use sinusoid::Sinusoid;
+pub use sphere::Sphere;
+pub use superquadric::Superquadric;
+pub use torus::Torus;
+pub use union::Union;
+
+use crate::scene::vector::{Vector, scaled};
+
+/// A body in the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Its shape, apex at the body's origin.
+    pub body: Body,
+    /// Mirrored, z to -z, before it is posed.
+    pub concave: bool,
+    /// Rotation and offset.
+    pub pose: Pose,
+}
+
+/// A point of a surface with all that is true there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// The point, input units.
+    pub point: [f64; 3],
+    /// How the surface is turned and bent there.
+    pub local: Local,
+}
+
+impl Surface {
+    /// A convex body at the origin, turned by `axis_deg` about z.
+    pub fn new(body: Body, axis_deg: f64) -> Surface {
+        Surface { body, concave: false, pose: Pose::new(axis_deg, [0.0; 3], [0.0; 3]) }
+    }
+
+    /// The same body seen from inside.
+    pub fn concave(mut self) -> Surface {
+        self.concave = true;
+        self
+    }
+
+    /// Height over (x, y), input units; `None` where the surface does not reach.
+    #[inline]
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        if self.pose.upright() {
+            let body = self.pose.to_body([x, y, 0.0]);
+            let height = self.body.height(body[0], body[1])?;
+            Some(self.pose.lift() + if self.concave { -height } else { height })
+        } else {
+            self.tilted_height(x, y)
+        }
+    }
+
+    fn tilted_height(&self, x: f64, y: f64) -> Option<f64> {
+        self.hit([x, y, 0.0], [0.0, 0.0, 1.0])
+    }
+
+    /// Parameter of the uppermost point along `o + t d`, d pointing to the free side.
+    pub(crate) fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        let origin = self.pose.to_body(o);
+        let direction = self.pose.direction_to_body(d);
+        if self.concave {
+            // the mirrored line, run the other way
+            let mirrored = [-direction[0], -direction[1], direction[2]];
+            self.body.hit([origin[0], origin[1], -origin[2]], mirrored).map(|t| -t)
+        } else {
+            self.body.hit(origin, direction)
+        }
+    }
+
+    /// Normal and curvatures at a point of the surface; `None` where there are none.
+    #[inline]
+    pub fn local(&self, point: [f64; 3]) -> Option<Local> {
+        let mut body = self.pose.to_body(point);
+        if self.concave {
+            body[2] = -body[2];
+        }
+        let mut local = self.body.local(body)?;
+        if self.concave {
+            local = Local {
+                normal: [-local.normal[0], -local.normal[1], local.normal[2]],
+                k1: -local.k2,
+                k2: -local.k1,
+                difference: local.difference,
+            };
+        }
+        local.normal = self.pose.direction_to_world(local.normal);
+        Some(local)
+    }
+
+    /// The point over (x, y) with its truth; `None` where the surface does not reach or has no normal.
+    #[inline]
+    pub fn at(&self, x: f64, y: f64) -> Option<SurfacePoint> {
+        let point = [x, y, self.height(x, y)?];
+        Some(SurfacePoint { point, local: self.local(point)? })
+    }
+
+    /// The label of an imported surface, here or in a union: scenes with one are an inverse crime and say so.
+    pub fn inverse_crime(&self) -> Option<&str> {
+        match &self.body {
+            Body::Imported(surface) => Some(surface.label()),
+            Body::Union(union) => union.parts.iter().find_map(Surface::inverse_crime),
+            _ => None,
+        }
+    }
+
+    /// The smallest size that would reach (x, y), for bodies with one: `(name, needed)`.
+    pub(crate) fn needed(&self, x: f64, y: f64) -> Option<(&'static str, f64)> {
+        if !self.pose.upright() {
+            return None;
+        }
+        let body = self.pose.to_body([x, y, 0.0]);
+        match &self.body {
+            Body::Sphere(_) => Some(("radius", body[0].hypot(body[1]))),
+            Body::Cylinder(_) => Some(("radius", body[1].abs())),
+            _ => None,
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// The centre of a spherical tip of this radius that touches here.
+    pub(crate) fn tip_centre(&self, radius: f64) -> Vector {
+        let reach = scaled(radius, self.local.normal);
+        [self.point[0] + reach[0], self.point[1] + reach[1], self.point[2] + reach[2]]
+    }
+}

@@ -1,0 +1,26 @@
+//! Monkey saddle: `z = (x^3 - 3 x y^2) / l^2`; flat at the origin (S undefined there), S = 0 only in the limit.
+//!
+//! `z_x = 3 (x^2 - y^2)/l^2`, `z_y = -6 x y/l^2`, `z_xx = 6 x/l^2 = -z_yy`, `z_xy = -6 y/l^2`. Curvedness near the
+//! origin is 6 d/l^2 at distance d.
+
+use super::local::Local;
+
+/// Three valleys and three ridges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MonkeySaddle {
+    /// Length l, input units.
+    pub length: f64,
+}
+
+impl MonkeySaddle {
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
+        let (u, v) = (x / self.length, y / self.length);
+        u * (u * u - 3.0 * v * v) * self.length
+    }
+
+    pub(crate) fn local(&self, x: f64, y: f64) -> Option<Local> {
+        let l = self.length;
+        let (u, v) = (x / l, y / l);
+        Local::of_height([3.0 * (u - v) * (u + v), -6.0 * u * v, 6.0 * u / l, -6.0 * v / l, -6.0 * u / l])
+    }
+}

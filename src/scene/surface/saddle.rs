@@ -1,0 +1,16 @@
+//! Hyperbolic saddle: `z = x^2/(2 r_x) - y^2/(2 r_y)`: rising along x, falling along y; S = 0 at the origin when r_x = r_y.
+
+use super::quadric::Quadric;
+
+/// A pass between two hills.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saddle {
+    /// Radii of curvature at the origin: of the rise along x, of the fall along y; input units.
+    pub radii: [f64; 2],
+}
+
+impl Saddle {
+    pub(crate) fn quadric(&self) -> Quadric {
+        Quadric { alpha: -1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
+    }
+}

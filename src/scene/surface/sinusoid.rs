@@ -1,0 +1,35 @@
+//! Waves with a crest at the origin: `z = A (cos(2 pi x/l_x) - 1) + A (cos(2 pi y/l_y) - 1)`, the y term only with l_y.
+//!
+//! `cos t - 1 = -2 sin^2(t/2)` keeps the digits near the crest.
+
+use super::local::Local;
+use std::f64::consts::{PI, TAU};
+
+/// Corrugated sheet (one wavelength) or egg box (two).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sinusoid {
+    /// Amplitude A of each wave, input units.
+    pub amplitude: f64,
+    /// Wavelength along x, input units.
+    pub wavelength: f64,
+    /// Wavelength along y; `None`: no wave along y.
+    pub wavelength_y: Option<f64>,
+}
+
+impl Sinusoid {
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
+        let drop = |t: f64, l: f64| -2.0 * self.amplitude * (PI * t / l).sin().powi(2);
+        drop(x, self.wavelength) + self.wavelength_y.map_or(0.0, |l| drop(y, l))
+    }
+
+    pub(crate) fn local(&self, x: f64, y: f64) -> Option<Local> {
+        let wave = |t: f64, l: f64| {
+            let k = TAU / l;
+            let (s, c) = (k * t).sin_cos();
+            (-self.amplitude * k * s, -self.amplitude * k * k * c)
+        };
+        let (hx, hxx) = wave(x, self.wavelength);
+        let (hy, hyy) = self.wavelength_y.map_or((0.0, 0.0), |l| wave(y, l));
+        Local::of_height([hx, hy, hxx, 0.0, hyy])
+    }
+}

@@ -1,0 +1,33 @@
+//! Sphere of radius r: `x^2 + y^2 + z^2 + 2 r z = 0`, `k1 = k2 = -1/r`, S = 1, R = 1/r.
+//!
+//! `z = -d^2 / (r + sqrt(r^2 - d^2))`, `d^2 = x^2 + y^2`: only points within r of the apex's axis can be touched.
+
+use super::local::Local;
+use super::quadric::Quadric;
+use crate::scene::vector::Vector;
+
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Radius, input units.
+    pub radius: f64,
+}
+
+impl Sphere {
+    pub(crate) fn quadric(&self) -> Quadric {
+        let k = 1.0 / self.radius;
+        Quadric { alpha: k, beta: k, gamma: k }
+    }
+
+    pub(crate) fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let square = x * x + y * y;
+        // r^2 - d^2 by factors: exact to rounding at the rim
+        let d = square.sqrt();
+        let under = (self.radius - d) * (self.radius + d);
+        (under >= 0.0).then(|| -square / (self.radius + under.sqrt()))
+    }
+
+    pub(crate) fn local(&self, p: Vector) -> Local {
+        Local::known(self.quadric().normal(p), -1.0 / self.radius, -1.0 / self.radius)
+    }
+}

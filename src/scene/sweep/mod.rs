@@ -1,0 +1,180 @@
+//! The paper's EP2: several fingers slide side by side along the surface and stop at stations.
+//!
+//! ```text
+//! lane f, station s:  (x, y) = centre + f (cos a, sin a) + s (-sin a, cos a)       a = 0: fingers slide along y
+//! point tip           contact over (x, y)
+//! spherical tip       contact P with P + rho n(P) over (x, y): tip and surface share their normal
+//! ```
+//!
+//! Order: finger, then station, then repeat. A second sweep has lanes of its own, numbered onwards.
+
+mod tip;
+
+use super::SceneError;
+use super::error::{finite, not_negative};
+use super::surface::{Surface, SurfacePoint};
+use super::vector::sin_cos_deg;
+
+/// Lanes, stations and tips of one sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Offsets of the lanes across the sweep, one per finger, input units.
+    pub fingers: Vec<f64>,
+    /// Stops along the sweep, in the order they are made; any spacing.
+    pub stations: Vec<f64>,
+    /// Touches at each stop; the same site, fresh draws.
+    pub repeats: usize,
+    /// Turns the sweep about `centre`: degrees from +x towards +y, 0 slides along y.
+    pub angle_deg: f64,
+    /// What the lanes and stations are measured from.
+    pub centre: [f64; 2],
+    /// Radius of the spherical tips; 0 is a point.
+    pub tip_radius: f64,
+    /// Sites off the surface are left out instead of refused.
+    pub skip_unreachable: bool,
+}
+
+/// `count` values from `from` to `to`, both ends included; one value: the middle.
+pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
+    if count == 1 {
+        return vec![0.5 * (from + to)];
+    }
+    let last = (count.max(2) - 1) as f64;
+    (0..count).map(|i| if i + 1 == count { to } else { from + (to - from) * (i as f64 / last) }).collect()
+}
+
+/// One touch to be made, with what is true there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// Finger, counted over all sweeps.
+    pub finger: u32,
+    /// Station, counted from 0 in each lane.
+    pub station: u32,
+    /// Where the tip's centre comes down.
+    pub aim: [f64; 2],
+    /// Horizontal unit vector of the sliding.
+    pub direction: [f64; 2],
+    /// Distance along the lane.
+    pub along: f64,
+    /// Where it touches.
+    pub touch: SurfacePoint,
+}
+
+impl Sweep {
+    /// Point tips at `fingers` x `stations`, once each, along y.
+    pub fn new(fingers: Vec<f64>, stations: Vec<f64>) -> Sweep {
+        Sweep {
+            fingers,
+            stations,
+            repeats: 1,
+            angle_deg: 0.0,
+            centre: [0.0; 2],
+            tip_radius: 0.0,
+            skip_unreachable: false,
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        for (key, list) in [("sweep.fingers", &self.fingers), ("sweep.stations", &self.stations)] {
+            if list.is_empty() {
+                return Err(SceneError::List { key: key.into(), expected: "at least one is needed" });
+            }
+            list.iter().try_for_each(|value| finite(key, *value))?;
+        }
+        if self.repeats == 0 {
+            return Err(SceneError::range("sweep.repeats", 0.0, "at least one touch at each stop is needed"));
+        }
+        finite("sweep.angle_deg", self.angle_deg)?;
+        self.centre.iter().try_for_each(|value| finite("sweep.centre", *value))?;
+        not_negative("sweep.tip_radius", self.tip_radius)
+    }
+
+    fn aims(&self) -> impl Iterator<Item = (u32, u32, f64, [f64; 2], [f64; 2])> + '_ {
+        let (sin, cos) = sin_cos_deg(self.angle_deg);
+        let direction = [-sin, cos];
+        self.fingers.iter().enumerate().flat_map(move |(finger, &across)| {
+            self.stations.iter().enumerate().map(move |(station, &along)| {
+                let aim =
+                    [self.centre[0] + (across * cos - along * sin), self.centre[1] + (across * sin + along * cos)];
+                (finger as u32, station as u32, along, aim, direction)
+            })
+        })
+    }
+
+    /// Touches the surface at every site.
+    ///
+    /// # Errors
+    /// Numbers out of range; a site off the surface, unless those are skipped (then: when none is left).
+    pub(crate) fn touch(&self, surface: &Surface, first_finger: u32) -> Result<Touched, SceneError> {
+        self.check()?;
+        let total = self.fingers.len() * self.stations.len();
+        let mut sites = Vec::with_capacity(total * self.repeats);
+        let mut missed = None;
+        let mut reachable = 0;
+        for (finger, station, along, aim, direction) in self.aims() {
+            match contact(surface, aim, self.tip_radius) {
+                Some(touch) => {
+                    reachable += 1;
+                    let site = Site { finger: first_finger + finger, station, aim, direction, along, touch };
+                    sites.extend(std::iter::repeat_n(site, self.repeats));
+                }
+                None => missed = missed.or(Some((finger, station, aim))),
+            }
+        }
+        match missed {
+            Some((finger, station, [x, y])) if !self.skip_unreachable || reachable == 0 => {
+                let hint = surface.needed(x, y).map_or(String::new(), |(name, needed)| {
+                    format!(", whose {name} would have to be at least {needed:.6} there")
+                });
+                let kind = surface.body.kind();
+                Err(SceneError::Unreachable { finger, station, x, y, kind, hint, reachable, total })
+            }
+            _ => Ok(Touched { sites, reachable, total }),
+        }
+    }
+}
+
+/// A sweep's sites and how many of those asked for they are.
+pub(crate) struct Touched {
+    pub sites: Vec<Site>,
+    pub reachable: usize,
+    pub total: usize,
+}
+
+/// Where a tip of this radius that comes down over `aim` touches first.
+#[inline]
+pub(crate) fn contact(surface: &Surface, aim: [f64; 2], tip_radius: f64) -> Option<SurfacePoint> {
+    if tip_radius == 0.0 { surface.at(aim[0], aim[1]) } else { tip::rolled(surface, aim, tip_radius) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::surface::{Body, Sphere};
+
+    #[test]
+    fn order_is_finger_then_station_then_repeat_and_both_ends_are_met() {
+        let mut sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6));
+        sweep.repeats = 2;
+        let touched = sweep.touch(&Surface::new(Body::Plane, 0.0), 0).unwrap();
+        assert_eq!(touched.sites.len(), 36);
+        let labels: Vec<_> = touched.sites[..5].iter().map(|s| (s.finger, s.station, s.aim)).collect();
+        assert_eq!(labels[0], (0, 0, [-4.0, -4.0]));
+        assert_eq!(labels[1], labels[0]);
+        assert_eq!(labels[2].1, 1);
+        assert_eq!(touched.sites[35].aim, [4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_ball_too_small_for_the_patch_is_refused_with_the_size_it_needs() {
+        let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
+        let small = Surface::new(Body::Sphere(Sphere { radius: 5.5 }), 0.0);
+        let error = sweep.touch(&small, 0).err().unwrap();
+        assert!(matches!(error, SceneError::Unreachable { finger: 0, station: 0, reachable: 23, total: 27, .. }));
+        assert!(error.to_string().contains("5.656854"), "{error}");
+        let skipping = Sweep { skip_unreachable: true, ..sweep.clone() };
+        assert_eq!(skipping.touch(&small, 0).unwrap().sites.len(), 23);
+        let large = Surface::new(Body::Sphere(Sphere { radius: 5.7 }), 0.0);
+        assert!(sweep.touch(&large, 0).is_ok());
+    }
+}

@@ -1,0 +1,69 @@
+//! What is true of each contact, so that every report can say error and not only spread.
+
+use super::surface::{Surface, SurfacePoint};
+
+/// The truth behind contacts: index by index what the surface is where they were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// The touched points with their normals and curvatures.
+    pub points: Vec<SurfacePoint>,
+    surface: Surface,
+}
+
+/// S and R of the true surface over a list of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueShape {
+    /// Mean shape index over the points where it is defined; `None` where it is nowhere.
+    pub shape_index: Option<f64>,
+    /// Mean curvedness, 1/length; `None` when no point lies on the surface.
+    pub curvedness: Option<f64>,
+}
+
+impl Truth {
+    pub(crate) fn new(points: Vec<SurfacePoint>, surface: Surface) -> Truth {
+        Truth { points, surface }
+    }
+
+    /// True shape index of contact `r`; `None` where both curvatures are zero.
+    pub fn shape_index(&self, r: usize) -> Option<f64> {
+        self.points[r].local.shape_index()
+    }
+
+    /// True curvedness of contact `r`, 1/length.
+    pub fn curvedness(&self, r: usize) -> f64 {
+        self.points[r].local.curvedness()
+    }
+
+    /// The true surface over any (x, y), input units; `None` where it does not reach.
+    pub fn at(&self, x: f64, y: f64) -> Option<SurfacePoint> {
+        self.surface.at(x, y)
+    }
+
+    /// The true surface.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// Label of an imported surface: results on it are an inverse crime and say so.
+    pub fn inverse_crime(&self) -> Option<&str> {
+        self.surface.inverse_crime()
+    }
+
+    /// Mean S and R of the true surface over the given (x, y).
+    pub fn mean_over(&self, at: impl IntoIterator<Item = [f64; 2]>) -> TrueShape {
+        let (mut s, mut s_count, mut r, mut r_count) = (0.0, 0.0, 0.0, 0.0);
+        for [x, y] in at {
+            let Some(found) = self.at(x, y) else { continue };
+            r += found.local.curvedness();
+            r_count += 1.0;
+            if let Some(shape_index) = found.local.shape_index() {
+                s += shape_index;
+                s_count += 1.0;
+            }
+        }
+        TrueShape {
+            shape_index: (s_count > 0.0).then(|| s / s_count),
+            curvedness: (r_count > 0.0).then(|| r / r_count),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The inner loops, written once over lanes and compiled for three instruction sets, chosen at run time.
+//!
+//! | kernel | formula |
+//! |---|---|
+//! | [`shape_maps`] | S and R from the five derivatives of a height field |
+//! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points |
+//! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
+//! | [`normals`], [`chacha8`] | standard normals from addressed random words |
+//! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
+//!
+//! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction
+//! set. Every kernel stands beside a safe twin in plain Rust, and a test holds the largest difference between them.
+//! On other machines than x86-64 the portable lanes are the only ones.
+
+mod arctangent;
+mod bilinear;
+mod block_columns;
+mod chacha8;
+mod curvature_row;
+mod lanes;
+mod level;
+mod moments;
+mod normals;
+mod shape_maps;
+mod contract_rows;
+
+pub use bilinear::{BilinearTerm, bilinear};
+pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
+pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
+pub use contract_rows::{BandTerm, contract_rows};
+pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
+pub use level::Level;
+pub use moments::{CellMoments, MAX_MOMENT_DEGREE, moments};
+pub use normals::{box_muller_pairs, normals};
+pub use shape_maps::{shape_maps, shape_maps_twin};
+
+/// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.
+macro_rules! dispatch {
+    ($level:expr, $generic:ident [$($konst:ident),*] ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {{
+        use $crate::simd::level::Kind;
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
+        fn on_avx512<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
+            $generic::<$crate::simd::lanes::avx512::Avx512, $($konst),*>($($arg),*)
+        }
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma,bmi2")]
+        fn on_avx2<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
+            $generic::<$crate::simd::lanes::avx2::Avx2, $($konst),*>($($arg),*)
+        }
+        match $level.kind() {
+            // SAFETY: a `Level` of this kind is only made after the processor was asked for these features
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { on_avx512::<$($konst),*>($($arg),*) },
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { on_avx2::<$($konst),*>($($arg),*) },
+            Kind::Portable => $generic::<$crate::simd::lanes::Portable, $($konst),*>($($arg),*),
+        }
+    }};
+}
+pub(self) use dispatch;
+
+/// Distance of two numbers in units of the last place of `expected`; for tests and accuracy tables.
+pub fn ulps(value: f64, expected: f64) -> f64 {
+    if value == expected || (value.is_nan() && expected.is_nan()) {
+        return 0.0;
+    }
+    let unit = (expected.abs().next_up() - expected.abs()).max(f64::MIN_POSITIVE * f64::EPSILON);
+    (value - expected).abs() / unit
+}

@@ -1,0 +1,173 @@
+//! Shape index and curvedness of a height field from its five derivatives, without a cancelling root.
+//!
+//! With `p = S_x, q = S_y, e = S_xx, f = S_xy, g = S_yy`, `v = 1 + p^2`, `w = v + q^2`, the symmetric shape operator
+//! `[a b; b c]` of `curvature::principal_curvatures`, multiplied by the positive `v w^(3/2)`, needs no division:
+//!
+//! ```text
+//! a' = e w          u = f v - p q e          b' = u sqrt(w)          c' = g v^2 - p q (f v + u)
+//! m = a' + c'       h^2 = (a' - c')^2 + 4 u^2 w                      (sum and difference of k1, k2, scaled)
+//! S = -(2/pi) atan2(m, h)       R = sqrt((k1^2 + k2^2)/2) = sqrt((m^2 + h^2) / (4 v^2 w^3))
+//! ```
+//!
+//! Where both curvatures are zero S is NaN, here and nowhere above: the callers turn it into "undefined". The squares
+//! bound the range: curvatures between 1e-140 and 1e140 and slopes up to 1e25, in the patch's unit.
+
+use super::arctangent::half_plane_angle;
+use super::lanes::Lanes;
+use super::{Level, dispatch};
+
+/// S and R of one set of lanes from `(S_x, S_y, S_xx, S_xy, S_yy)`.
+#[inline(always)]
+pub(super) fn shape_of<V: Lanes>([p, q, e, f, g]: [V; 5]) -> (V, V) {
+    let v = p.mul_add(p, V::splat(1.0));
+    let w = q.mul_add(q, v);
+    let pq = p * q;
+    let fv = f * v;
+    let u = pq.neg_mul_add(e, fv);
+    let a = e * w;
+    let c = pq.neg_mul_add(fv + u, g * (v * v));
+    let (m, d) = (a + c, a - c);
+    let twice = u + u;
+    let h_square = d.mul_add(d, twice * twice * w);
+    let square = m.mul_add(m, h_square);
+    let vw = v * w;
+    let scale = V::splat(4.0) * (vw * vw * w);
+    let shape_index = half_plane_angle(m, h_square.sqrt()) * V::splat(-std::f64::consts::FRAC_2_PI);
+    (shape_index, square.sqrt_ratio(scale))
+}
+
+#[inline(always)]
+fn generic<V: Lanes>(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+    let n = shape_index.len();
+    let whole = n - n % V::N;
+    for i in (0..whole).step_by(V::N) {
+        let (s, r) = shape_of(derivatives.map(|d| V::load(&d[i..])));
+        s.store(&mut shape_index[i..]);
+        r.store(&mut curvedness[i..]);
+    }
+    if whole < n {
+        // the rest is padded to full width, so that a point's bits do not depend on where it stands
+        let mut padded = [[0.0; 8]; 5];
+        for (row, d) in padded.iter_mut().zip(derivatives) {
+            row[..n - whole].copy_from_slice(&d[whole..n]);
+        }
+        let (s, r) = shape_of(padded.each_ref().map(|d| V::load(d)));
+        let mut out = [0.0; 8];
+        s.store(&mut out);
+        shape_index[whole..].copy_from_slice(&out[..n - whole]);
+        r.store(&mut out);
+        curvedness[whole..].copy_from_slice(&out[..n - whole]);
+    }
+}
+
+/// S and R at every point from `[S_x, S_y, S_xx, S_xy, S_yy]`, arrays of one length; S is NaN where the surface is flat.
+///
+/// # Panics
+/// When an array is shorter than `shape_index`.
+pub fn shape_maps(level: Level, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+    dispatch!(level, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
+}
+
+/// The safe twin: the textbook's shape operator with divisions, `hypot` and the library's `atan2`, one point at a time.
+pub fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+    for i in 0..shape_index.len() {
+        let [p, q, e, f, g] = derivatives.map(|d| d[i]);
+        let v = 1.0 + p * p;
+        let root = (v + q * q).sqrt();
+        let shear = p * q / v;
+        let a = e / (v * root);
+        let b = (f - shear * e) / (root * root);
+        let c = (g - shear * (2.0 * f - shear * e)) * v / (root * root * root);
+        let (mean, half_gap) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+        let flat = mean == 0.0 && half_gap == 0.0;
+        shape_index[i] = if flat { f64::NAN } else { -std::f64::consts::FRAC_2_PI * mean.atan2(half_gap) };
+        curvedness[i] = mean.hypot(half_gap);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ulps;
+    use super::*;
+    use crate::curvature::{Derivatives, principal_curvatures};
+
+    /// Spheres, cylinders at any angle, saddles, planes and anything, on slopes up to 30.
+    fn samples() -> [Vec<f64>; 5] {
+        let mut state = 9_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / 2.0_f64.powi(52) - 1.0
+        };
+        let mut out: [Vec<f64>; 5] = Default::default();
+        for k in 0..20_011 {
+            let steep = if k % 7 == 0 { 30.0 } else { 1.0 };
+            let (p, q) = (next() * steep, next() * steep);
+            let (s, c) = (next() * 3.0).sin_cos();
+            let (e, f, g) = match k % 4 {
+                0 => (next(), next(), next()),
+                1 => (s * s, s * c, c * c),
+                2 => (-(1.0 + p * p), -p * q, -(1.0 + q * q)), // a sphere's: both curvatures equal
+                _ => (c, s, -c),
+            };
+            let scale = 10.0_f64.powi(k % 9 - 4);
+            let flat = if k % 997 == 0 { 0.0 } else { scale };
+            for (column, value) in out.iter_mut().zip([p, q, e * flat, f * flat, g * flat]) {
+                column.push(value);
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn twin_is_the_shape_operator_of_the_curvature_room() {
+        let d = samples();
+        let n = d[0].len();
+        let (mut s, mut r) = (vec![0.0; n], vec![0.0; n]);
+        shape_maps_twin(d.each_ref().map(|v| &v[..]), &mut s, &mut r);
+        for i in 0..n {
+            let k = principal_curvatures(&Derivatives::of_height(d[0][i], d[1][i], d[2][i], d[3][i], d[4][i])).unwrap();
+            assert!((r[i] - k.curvedness()).abs() <= 1e-13 * r[i], "R at {i}");
+            match k.shape_index() {
+                None => assert!(s[i].is_nan()),
+                Some(expected) => assert!((s[i] - expected).abs() < 1e-12, "S at {i}: {} {expected}", s[i]),
+            }
+        }
+    }
+
+    #[test]
+    fn every_level_agrees_with_its_twin() {
+        let d = samples();
+        let n = d[0].len();
+        let slices = d.each_ref().map(|v| &v[..]);
+        let (mut s0, mut r0) = (vec![0.0; n], vec![0.0; n]);
+        shape_maps_twin(slices, &mut s0, &mut r0);
+        for level in Level::available() {
+            let (mut s, mut r) = (vec![0.0; n], vec![0.0; n]);
+            shape_maps(level, slices, &mut s, &mut r);
+            let (mut worst_s, mut worst_r) = (0.0_f64, 0.0_f64);
+            for i in 0..n {
+                assert_eq!(s[i].is_nan(), s0[i].is_nan());
+                // next to an umbilic S moves by the square root of a rounding error: measured as the angle's distance
+                worst_s = worst_s.max(if s[i].is_nan() { 0.0 } else { (s[i] - s0[i]).abs() });
+                worst_r = worst_r.max(ulps(r[i], r0[i]));
+            }
+            println!("shape_maps {}: S {worst_s:.1e}, R {worst_r:.1} ulp", level.name());
+            assert!(worst_s < 1e-12 && worst_r < 600.0, "{}: {worst_s:e} {worst_r}", level.name());
+        }
+    }
+
+    #[test]
+    fn a_point_does_not_depend_on_its_place() {
+        let d = samples();
+        for level in Level::available() {
+            let (mut s, mut r) = (vec![0.0; 40], vec![0.0; 40]);
+            shape_maps(level, d.each_ref().map(|v| &v[..40]), &mut s, &mut r);
+            for from in 1..30 {
+                let (mut s1, mut r1) = (vec![0.0; 7], vec![0.0; 7]);
+                shape_maps(level, d.each_ref().map(|v| &v[from..from + 7]), &mut s1, &mut r1);
+                let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+                assert!(same(&s1, &s[from..from + 7]) && same(&r1, &r[from..from + 7]));
+            }
+        }
+    }
+}

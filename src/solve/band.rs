@@ -1,0 +1,420 @@
+//! Cholesky of a tensor spline's normal matrix as a band, eliminated from both ends at once.
+//!
+//! ```text
+//!     [ A_l  B'        ]      unknowns i m + j, half-width p m + q
+//! A = [ B    A_m   C'  ]      S = A_m - B A_l^-1 B' - C A_r^-1 C'
+//!     [      C     A_r ]
+//! ```
+//!
+//! The left part is eliminated forwards, the right part backwards (its numbering reversed), and they meet in a middle
+//! as wide as the band. The work is that of one band factorisation, but its two halves do not know of each other: two
+//! threads take one each, and the bits do not depend on how many there are.
+
+use crate::linalg::{StencilMatrix, TensorShape};
+use crate::simd::{BlockShape, GRAIN, Level, backward_block, factor_block, forward_block, update_block};
+
+/// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs, narrow enough that
+/// the triangle on the diagonal, which runs at half speed, is an eighth of the work at the usual half-widths.
+const WIDTH: usize = 48;
+
+/// One end of the band, or the middle.
+#[derive(Debug, Default)]
+struct Part {
+    /// Block columns, one after the other.
+    blocks: Vec<f64>,
+    vector: Vec<f64>,
+}
+
+/// A reusable band factorisation of `D A D` for one shape.
+#[derive(Debug)]
+pub struct BandCholesky {
+    shape: TensorShape,
+    /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
+    end: usize,
+    middle: usize,
+    end_block: BlockShape,
+    middle_block: BlockShape,
+    left: Part,
+    right: Part,
+    centre: Part,
+}
+
+/// Half-width of the band.
+fn half_width(shape: TensorShape) -> usize {
+    shape.degree[0] * shape.basis[1] + shape.degree[1]
+}
+
+/// Multiply-adds of the factorisation: n w^2 / 2 products and sums each.
+pub fn band_flops(shape: TensorShape) -> f64 {
+    shape.unknowns() as f64 * (half_width(shape) as f64).powi(2)
+}
+
+impl BandCholesky {
+    /// Plans for every matrix of this shape.
+    pub fn plan(shape: TensorShape) -> BandCholesky {
+        let (order, band) = (shape.unknowns(), half_width(shape).min(shape.unknowns() - 1));
+        // below four half-widths the middle would be most of the matrix
+        let end = if order >= 4 * band { (order - band) / 2 / WIDTH * WIDTH } else { 0 };
+        let middle = order - 2 * end;
+        let end_block = BlockShape { width: WIDTH, height: (WIDTH + band).next_multiple_of(GRAIN) };
+        let height = if end == 0 { end_block.height } else { middle.next_multiple_of(WIDTH) };
+        let middle_block = BlockShape { width: WIDTH, height };
+        let mut made = BandCholesky {
+            shape,
+            end,
+            middle,
+            end_block,
+            middle_block,
+            left: Part::default(),
+            right: Part::default(),
+            centre: Part::default(),
+        };
+        let middle_blocks = middle.div_ceil(WIDTH);
+        if end > 0 {
+            for part in [&mut made.left, &mut made.right] {
+                part.blocks = vec![0.0; (end / WIDTH + middle_blocks) * end_block.len()];
+                part.vector = vec![0.0; order + end_block.height];
+            }
+        }
+        made.centre.blocks = vec![0.0; middle_blocks * middle_block.len()];
+        made.centre.vector = vec![0.0; middle_blocks * WIDTH + middle_block.height];
+        made
+    }
+
+    /// Numbers stored.
+    pub fn entries(&self) -> usize {
+        self.left.blocks.len() + self.right.blocks.len() + self.centre.blocks.len()
+    }
+
+    /// Factors `D A D` and solves for `v` on the way: `v <- (D A D)^-1 v`. Returns the smallest squared pivot.
+    ///
+    /// # Errors
+    /// The unknown at which a pivot is not positive.
+    pub fn factor_and_solve(&mut self, matrix: &StencilMatrix, scale: &[f64], v: &mut [f64]) -> Result<f64, usize> {
+        let level = Level::active();
+        let smallest = self.eliminate_ends(level, matrix, scale, v)?;
+        self.gather_middle(matrix, scale, v);
+        let smallest = smallest.min(self.factor_middle(level)?);
+        self.substitute_back(level, v);
+        Ok(smallest)
+    }
+
+    /// Factors `D A D`. Returns the smallest squared pivot.
+    ///
+    /// # Errors
+    /// As [`BandCholesky::factor_and_solve`].
+    pub fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, usize> {
+        let mut nothing = vec![0.0; matrix.order()];
+        self.factor_and_solve(matrix, scale, &mut nothing)
+    }
+
+    fn eliminate_ends(
+        &mut self,
+        level: Level,
+        matrix: &StencilMatrix,
+        scale: &[f64],
+        v: &[f64],
+    ) -> Result<f64, usize> {
+        if self.end == 0 {
+            return Ok(f64::INFINITY);
+        }
+        let (order, end, block) = (matrix.order(), self.end, self.end_block);
+        let (left, right) = (&mut self.left, &mut self.right);
+        left.vector.fill(0.0);
+        right.vector.fill(0.0);
+        left.vector[..end].copy_from_slice(&v[..end]);
+        for (target, value) in right.vector[..end].iter_mut().zip(v.iter().rev()) {
+            *target = *value;
+        }
+        let forwards = Numbering { matrix, scale, reversed: false };
+        let backwards = Numbering { matrix, scale, reversed: true };
+        let (a, b) = rayon::join(
+            || left.eliminate(level, block, end, &forwards),
+            || right.eliminate(level, block, end, &backwards),
+        );
+        Ok(a?.min(b.map_err(|unknown| order - 1 - unknown)?))
+    }
+
+    /// The middle's own entries less what both ends took from them, and the same for the right-hand side.
+    fn gather_middle(&mut self, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) {
+        let (end, middle, block) = (self.end, self.middle, self.middle_block);
+        let numbering = Numbering { matrix, scale, reversed: false };
+        self.centre.vector.fill(0.0);
+        self.centre.vector[..middle].copy_from_slice(&v[end..end + middle]);
+        for (b, columns) in self.centre.blocks.chunks_exact_mut(block.len()).enumerate() {
+            columns.fill(0.0);
+            for (c, column) in columns.chunks_exact_mut(block.stride()).enumerate() {
+                let unknown = b * WIDTH + c;
+                if unknown >= middle {
+                    // the last block is filled up with the identity
+                    column[c] = 1.0;
+                    continue;
+                }
+                let below = middle - b * WIDTH;
+                numbering.column(end + unknown, |offset, value| {
+                    if c + offset < below {
+                        column[c + offset] = value;
+                    }
+                });
+            }
+        }
+        if end == 0 {
+            return;
+        }
+        for k in 0..middle {
+            self.centre.vector[k] += self.left.vector[end + k] + self.right.vector[end + middle - 1 - k];
+        }
+        let ends = self.end_block;
+        let start = end / WIDTH * ends.len();
+        for j in 0..middle {
+            let (b, c) = (j / WIDTH, j % WIDTH);
+            let target = &mut self.centre.blocks[b * block.len() + c * block.stride()..][..block.height];
+            let from_left = &self.left.blocks[start + b * ends.len() + c * ends.stride()..][..ends.height];
+            let rows = (middle - b * WIDTH).min(ends.height);
+            for (t, l) in target[c..rows].iter_mut().zip(&from_left[c..rows]) {
+                *t += l;
+            }
+        }
+        for j in 0..middle {
+            // column j of the reversed middle is row `middle - 1 - j` of the middle
+            let (b, c) = (j / WIDTH, j % WIDTH);
+            let from_right = &self.right.blocks[start + b * ends.len() + c * ends.stride()..][..ends.height];
+            let row = middle - 1 - j;
+            for (r, value) in from_right[c..(middle - b * WIDTH).min(ends.height)].iter().enumerate() {
+                let column = row - r;
+                let (cb, cc) = (column / WIDTH, column % WIDTH);
+                self.centre.blocks[cb * block.len() + cc * block.stride() + row - cb * WIDTH] += value;
+            }
+        }
+    }
+
+    fn factor_middle(&mut self, level: Level) -> Result<f64, usize> {
+        let block = self.middle_block;
+        let reach = (block.height - 1) / WIDTH;
+        let mut smallest = f64::INFINITY;
+        for b in 0..self.centre.blocks.len() / block.len() {
+            let (done, rest) = self.centre.blocks.split_at_mut(b * block.len());
+            let target = &mut rest[..block.len()];
+            update_block(level, block, &done[b.saturating_sub(reach) * block.len()..], 0, target);
+            let pivot = factor_block(level, block, target).map_err(|c| self.end + b * WIDTH + c)?;
+            smallest = smallest.min(pivot);
+            forward_block(level, block, target, &mut self.centre.vector[b * WIDTH..b * WIDTH + block.height]);
+        }
+        Ok(smallest)
+    }
+
+    fn substitute_back(&mut self, level: Level, v: &mut [f64]) {
+        let (end, middle, block) = (self.end, self.middle, self.middle_block);
+        for b in (0..self.centre.blocks.len() / block.len()).rev() {
+            let columns = &self.centre.blocks[b * block.len()..(b + 1) * block.len()];
+            backward_block(level, block, columns, &mut self.centre.vector[b * WIDTH..b * WIDTH + block.height]);
+        }
+        v[end..end + middle].copy_from_slice(&self.centre.vector[..middle]);
+        if end == 0 {
+            return;
+        }
+        for k in 0..middle {
+            self.left.vector[end + k] = v[end + k];
+            self.right.vector[end + k] = v[end + middle - 1 - k];
+        }
+        let (left, right, ends) = (&mut self.left, &mut self.right, self.end_block);
+        rayon::join(|| left.back(level, ends, end), || right.back(level, ends, end));
+        v[..end].copy_from_slice(&self.left.vector[..end]);
+        for (target, value) in v[end + middle..].iter_mut().rev().zip(&self.right.vector[..end]) {
+            *target = *value;
+        }
+    }
+
+    /// `v <- (D A D)^-1 v` with the factor at hand.
+    pub fn solve(&self, v: &mut [f64]) {
+        let level = Level::active();
+        let (end, middle) = (self.end, self.middle);
+        let mut left = vec![0.0; if end == 0 { 0 } else { self.left.vector.len() }];
+        let mut right = left.clone();
+        let mut centre = vec![0.0; self.centre.vector.len()];
+        centre[..middle].copy_from_slice(&v[end..end + middle]);
+        let ends = self.end_block;
+        if end > 0 {
+            left[..end].copy_from_slice(&v[..end]);
+            right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
+            for b in 0..end / WIDTH {
+                let span = b * WIDTH..b * WIDTH + ends.height;
+                let columns = b * ends.len()..(b + 1) * ends.len();
+                forward_block(level, ends, &self.left.blocks[columns.clone()], &mut left[span.clone()]);
+                forward_block(level, ends, &self.right.blocks[columns], &mut right[span]);
+            }
+            for k in 0..middle {
+                centre[k] += left[end + k] + right[end + middle - 1 - k];
+            }
+        }
+        let block = self.middle_block;
+        let count = self.centre.blocks.len() / block.len();
+        let columns = |b: usize| &self.centre.blocks[b * block.len()..(b + 1) * block.len()];
+        for b in 0..count {
+            forward_block(level, block, columns(b), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+        }
+        for b in (0..count).rev() {
+            backward_block(level, block, columns(b), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+        }
+        v[end..end + middle].copy_from_slice(&centre[..middle]);
+        if end > 0 {
+            for k in 0..middle {
+                left[end + k] = centre[k];
+                right[end + middle - 1 - k] = centre[k];
+            }
+            for b in (0..end / WIDTH).rev() {
+                let span = b * WIDTH..b * WIDTH + ends.height;
+                let columns = b * ends.len()..(b + 1) * ends.len();
+                backward_block(level, ends, &self.left.blocks[columns.clone()], &mut left[span.clone()]);
+                backward_block(level, ends, &self.right.blocks[columns], &mut right[span]);
+            }
+            v[..end].copy_from_slice(&left[..end]);
+            v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(t, s)| *t = *s);
+        }
+    }
+}
+
+impl Part {
+    /// Factors the columns below `end` and leaves in those after it what is taken from the middle.
+    fn eliminate(&mut self, level: Level, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
+        let reach = (block.height - 1) / WIDTH;
+        let mut smallest = f64::INFINITY;
+        for b in 0..self.blocks.len() / block.len() {
+            let (done, rest) = self.blocks.split_at_mut(b * block.len());
+            let target = &mut rest[..block.len()];
+            target.fill(0.0);
+            let eliminated = b < end / WIDTH;
+            if eliminated {
+                for (c, column) in target.chunks_exact_mut(block.stride()).enumerate() {
+                    a.column(b * WIDTH + c, |offset, value| column[c + offset] = value);
+                }
+            }
+            let sources = b.saturating_sub(reach)..b.min(end / WIDTH);
+            let near = done.get(sources.start * block.len()..sources.end * block.len()).unwrap_or(&[]);
+            if near.is_empty() && b > 0 {
+                continue;
+            }
+            update_block(level, block, near, b - sources.end, target);
+            if eliminated {
+                smallest = smallest.min(factor_block(level, block, target).map_err(|c| b * WIDTH + c)?);
+                forward_block(level, block, target, &mut self.vector[b * WIDTH..b * WIDTH + block.height]);
+            }
+        }
+        Ok(smallest)
+    }
+
+    fn back(&mut self, level: Level, block: BlockShape, end: usize) {
+        for b in (0..end / WIDTH).rev() {
+            let columns = &self.blocks[b * block.len()..(b + 1) * block.len()];
+            backward_block(level, block, columns, &mut self.vector[b * WIDTH..b * WIDTH + block.height]);
+        }
+    }
+}
+
+/// Columns of `D A D` in the order of elimination.
+struct Numbering<'a> {
+    matrix: &'a StencilMatrix,
+    scale: &'a [f64],
+    reversed: bool,
+}
+
+impl Numbering<'_> {
+    /// Calls `put(offset, value)` for the entries on and below the diagonal of column `number`.
+    #[inline]
+    fn column(&self, number: usize, mut put: impl FnMut(usize, f64)) {
+        let shape = self.matrix.shape();
+        let ([n, m], [p, q]) = (shape.basis, shape.degree);
+        let values = self.matrix.values();
+        if self.reversed {
+            // in the reversed numbering what stands below is what stood above: the row's own stencil
+            let v = self.matrix.order() - 1 - number;
+            let (i, j) = (v / m, v % m);
+            for di in 0..=p.min(i) {
+                let to = if di == 0 { q } else { (2 * q).min(m - 1 - j + q) };
+                for dj in q.saturating_sub(j)..=to {
+                    let offset = di * m + q - dj;
+                    put(offset, values[self.matrix.position(v, di, dj)] * self.scale[v] * self.scale[v - offset]);
+                }
+            }
+        } else {
+            let (i, j) = (number / m, number % m);
+            for di in 0..=p.min(n - 1 - i) {
+                let from = if di == 0 { 0 } else { -(q.min(j) as isize) };
+                for dj in from..=(q.min(m - 1 - j) as isize) {
+                    let offset = (di as isize * m as isize + dj) as usize;
+                    let row = number + offset;
+                    let position = self.matrix.position(row, di, (q as isize - dj) as usize);
+                    put(offset, values[position] * self.scale[number] * self.scale[row]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(shape: TensorShape) -> StencilMatrix {
+        let mut a = StencilMatrix::zeros(shape);
+        let mut places = Vec::new();
+        a.for_each_lower(|row, column, position| places.push((row, column, position)));
+        for (row, column, position) in places {
+            a.values_mut()[position] =
+                if row == column { 30.0 + (row as f64).sin() } else { ((row * 7 + column * 13) as f64).sin() };
+        }
+        a
+    }
+
+    #[test]
+    fn solves_what_the_matrix_says_at_every_size() {
+        for (basis, degree) in [([4, 4], [3, 3]), ([9, 9], [2, 2]), ([67, 9], [3, 3]), ([80, 31], [3, 2]), ([31, 12], [1, 4])] {
+            let shape = TensorShape { basis, degree };
+            let a = matrix(shape);
+            let scale: Vec<f64> = a.diagonal().iter().map(|d| 1.0 / d.sqrt()).collect();
+            let right: Vec<f64> = (0..a.order()).map(|k| (k as f64 * 0.7).cos()).collect();
+            let mut band = BandCholesky::plan(shape);
+            for again in 0..2 {
+                let mut v: Vec<f64> = right.iter().zip(&scale).map(|(b, d)| b * d).collect();
+                let start = v.clone();
+                let pivot = band.factor_and_solve(&a, &scale, &mut v).unwrap();
+                assert!(pivot > 0.1 && pivot <= 1.0);
+                let mut w = start;
+                band.solve(&mut w);
+                let x: Vec<f64> = v.iter().zip(&scale).map(|(b, d)| b * d).collect();
+                let mut product = vec![0.0; a.order()];
+                a.multiply(&x, &mut product);
+                for k in 0..a.order() {
+                    assert!((product[k] - right[k]).abs() < 1e-12, "{basis:?} {k} round {again}");
+                    assert!((v[k] - w[k]).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bad_pivot_is_named_from_either_end() {
+        let shape = TensorShape { basis: [60, 9], degree: [2, 2] };
+        for unknown in [3, 200, 530] {
+            let mut a = matrix(shape);
+            let position = a.position(unknown, 0, 2);
+            a.values_mut()[position] = 1e-3;
+            let found = BandCholesky::plan(shape).factor(&a, &vec![0.1; 540]);
+            assert_eq!(found, Err(unknown));
+        }
+    }
+
+    #[test]
+    fn one_and_two_threads_give_the_same_bits() {
+        let shape = TensorShape { basis: [67, 23], degree: [3, 3] };
+        let a = matrix(shape);
+        let scale = vec![0.2; a.order()];
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut v: Vec<f64> = (0..a.order()).map(|k| (k as f64).sin()).collect();
+            pool.install(|| BandCholesky::plan(shape).factor_and_solve(&a, &scale, &mut v)).unwrap();
+            v
+        };
+        assert_eq!(run(1), run(2));
+    }
+}
