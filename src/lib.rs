@@ -17,6 +17,7 @@
 #![warn(missing_docs)]
 
 pub mod bspline;
+pub mod cases;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod contact;

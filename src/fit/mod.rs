@@ -40,6 +40,7 @@ mod noise;
 mod normals;
 mod observed;
 mod options;
+mod promise;
 mod robust;
 mod rows;
 mod smoothing;
@@ -52,6 +53,7 @@ pub use equations::{Block, Equations};
 pub use error::FitError;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+pub use promise::Promise;
 pub use rows::{Declared, NoiseLevels, Note, Rms};
 pub use solver::{Factor, MethodUsed, Reason, Solution};
 

@@ -11,10 +11,12 @@
 //! rows are weighted, [`Targets`] what they should be. Everything else is written once over the three.
 
 mod condition;
+mod double_double;
 mod sites;
 mod stencil;
 
 pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
+pub use double_double::DoubleDouble;
 pub use sites::{
     Metric, RowMetric, Site, Sites, Targets, apply_rows, assemble, column_norms_squared, magnitudes, normal_rhs,
     residuals, site_rows,

@@ -11,6 +11,7 @@
 
 mod band;
 mod cholesky;
+mod dense;
 mod householder;
 mod kronecker;
 mod ordering;
@@ -20,6 +21,7 @@ mod triangular;
 
 pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
+pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use kronecker::{AxisGrams, Bands, FastDiagonalisation, GridSolver};
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
