@@ -39,6 +39,7 @@ mod noise;
 mod normals;
 mod observed;
 mod options;
+mod plan;
 mod rows;
 mod solver;
 mod uncertainty;
@@ -49,6 +50,7 @@ pub use equations::{Block, Equations};
 pub use error::FitError;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use rows::{Declared, NoiseLevels, Note, Rms};
 pub use solver::{Factor, MethodUsed, Reason, Solution};
 

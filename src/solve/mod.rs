@@ -10,6 +10,7 @@
 
 mod band;
 mod cholesky;
+mod fast_diagonalisation;
 mod householder;
 mod ordering;
 mod pivoted;
@@ -18,6 +19,7 @@ mod triangular;
 
 pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
+pub use fast_diagonalisation::FastDiagonalisation;
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;
