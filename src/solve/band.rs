@@ -28,7 +28,6 @@ struct Part {
 /// A reusable band factorisation of `D A D` for one shape.
 #[derive(Debug)]
 pub struct BandCholesky {
-    shape: TensorShape,
     /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
     end: usize,
     middle: usize,
@@ -60,7 +59,6 @@ impl BandCholesky {
         let height = if end == 0 { end_block.height } else { middle.next_multiple_of(WIDTH) };
         let middle_block = BlockShape { width: WIDTH, height };
         let mut made = BandCholesky {
-            shape,
             end,
             middle,
             end_block,
