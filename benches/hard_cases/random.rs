@@ -53,7 +53,7 @@ fn problem(lcg: &mut Lcg) -> (Contacts, FitOptions, [f64; 3]) {
 
 /// A random cubic of slopes below about one, with noise.
 fn touches(lcg: &mut Lcg, count: usize, half: f64, offset: f64, with_slopes: bool) -> Contacts {
-    let mut site = {
+    let site = {
         let crowding = pick(lcg, &[0, 0, 1, 2]);
         let lanes = pick(lcg, &[0.0, 0.0, 4.0]);
         move |lcg: &mut Lcg| {

@@ -1,5 +1,7 @@
 //! The references of `tests/golden/*.json`, for tests and benches.
 
+#![allow(dead_code, reason = "a test and a bench share this file, and each reads other fields")]
+
 pub mod judge;
 
 use std::path::PathBuf;
