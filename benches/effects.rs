@@ -1,7 +1,7 @@
 //! What an effect costs: `cargo bench --bench effects`
 //!
 //! `direct` calls the surface for every site and fills the same columns; `no_effects` is the same patch through a
-//! compiled world. Then each effect alone, a block of 64 replicates on 36 contacts: time / (64 * 36) is its share of
+//! compiled world (its points were found when it was compiled), `compile_and_no_effects` with the compiling. Then each effect alone, a block of 64 replicates on 36 contacts: time / (64 * 36) is its share of
 //! one contact. A scene without effects is meant to cost what its surface costs.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
@@ -51,6 +51,10 @@ fn no_effects(c: &mut Criterion) {
     group.bench_function("direct", |b| b.iter(|| direct(black_box(&surface), &fingers, &stations)));
     let simulator = World::new(surface.clone(), Sweep::new(fingers.clone(), stations.clone())).compile().unwrap();
     group.bench_function("no_effects", |b| b.iter(|| -> (Contacts, Truth) { black_box(&simulator).simulate(1, 0) }));
+    let world = World::new(surface, Sweep::new(fingers, stations));
+    group.bench_function("compile_and_no_effects", |b| {
+        b.iter(|| -> (Contacts, Truth) { black_box(&world).compile().unwrap().simulate(1, 0) });
+    });
     group.finish();
 }
 

@@ -38,6 +38,12 @@ impl EffectDraws {
         EffectDraws { key }
     }
 
+    /// The generator's key, for kernels that run many blocks of it at once.
+    pub fn key(&self) -> [u32; 8] {
+        let (words, _) = self.key.as_chunks::<4>();
+        std::array::from_fn(|k| u32::from_le_bytes(words[k]))
+    }
+
     /// Fills `out` with `per` standard normals for each replicate from `first_replicate` on: `out[b * per + i]`.
     ///
     /// `out.len()` is a multiple of `per`; a rest is left untouched.

@@ -9,7 +9,7 @@ use super::solver::{Factor, MethodUsed, Reason, Solution, refine};
 use super::{FitError, Method, Observed};
 use crate::linalg::{Metric, Sites, StencilMatrix};
 use crate::observation::GridSites;
-use crate::solve::{AxisGrams, FastDiagonalisation, GridSolver};
+use crate::solve::{FastDiagonalisation, GridSolver};
 
 /// Solves a grid's problem by `kronecker` or `pcg`.
 pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: Method) -> Result<Solution, FitError> {
@@ -23,7 +23,7 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
     if method == Method::Kronecker && !exact {
         return refuse("is exact only for complete grids with one weight per block and no roughness: use pcg or auto");
     }
-    let diagonalisation = diagonalise(sites, mean_squares(equations)).map_err(|source| FitError::Solve { source })?;
+    let diagonalisation = diagonalise(sites, mean_weights(equations)).map_err(|source| FitError::Solve { source })?;
     let order = matrix.order();
     let (solver, used) = if method == Method::Kronecker {
         (GridSolver::direct(matrix, diagonalisation), MethodUsed::Kronecker)
@@ -47,15 +47,14 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
     Ok(solution)
 }
 
-fn diagonalise(sites: &GridSites, squared: [f64; 3]) -> Result<FastDiagonalisation, crate::solve::SolveError> {
-    let grams =
-        sites.axes().each_ref().map(|axis| AxisGrams { values: axis.gram(0, None), slopes: axis.gram(1, None) });
-    FastDiagonalisation::new([&grams[0], &grams[1]], squared)
+fn diagonalise(sites: &GridSites, weights: [f64; 3]) -> Result<FastDiagonalisation, crate::solve::SolveError> {
+    let [x, y] = sites.axes().each_ref().map(|axis| [axis.gram(0, None), axis.gram(1, None)]);
+    FastDiagonalisation::new([&x[0], &x[1]], [&y[0], &y[1]], weights)
 }
 
-/// Mean squared weights of the three blocks over all pixels.
-fn mean_squares(equations: &Equations) -> [f64; 3] {
-    match &equations.metric {
+/// Root mean squared weights of the three blocks over all pixels.
+fn mean_weights(equations: &Equations) -> [f64; 3] {
+    let squares = match &equations.metric {
         Metric::Uniform(m) => [m.z * m.z, m.a * m.a, m.d * m.d],
         Metric::PerSite(all) => {
             let count = equations.sites.len() as f64;
@@ -63,5 +62,6 @@ fn mean_squares(equations: &Equations) -> [f64; 3] {
                 [s[0] + m.z * m.z / count, s[1] + m.a * m.a / count, s[2] + (m.b * m.b + m.d * m.d) / count]
             })
         }
-    }
+    };
+    squares.map(f64::sqrt)
 }

@@ -7,15 +7,22 @@
 //!
 //! P. J. Huber, *Robust Statistics*, 1981; A. Beaton and J. Tukey, Technometrics 16 (1974). Both constants give 95 % of
 //! least squares' efficiency under normal noise. A contact has two weights, one for its height, one for its slopes.
+//! Where the noise levels are to be estimated, the scales are the estimate: variance components would believe the slips.
 
 use super::data::Data;
 use super::rows::{Fitted, Note, fit_plain};
-use super::{FitError, FitOptions, Objective, Patch, Robust};
+use super::{Declared, FitError, FitOptions, NormalSigma, Objective, Patch, Robust, SlopeWeights};
 use crate::linalg::{RowMetric, Sites, site_rows};
 use crate::observation::angular_residual_squared;
 
 const HUBER: f64 = 1.345;
 const TUKEY: f64 = 4.685;
+/// Median of |N(0, 1)| is 1/1.4826.
+const OF_HEIGHTS: f64 = 1.482_6;
+/// Median length of two independent N(0, 1) is 1.17741.
+const OF_NORMALS: f64 = 1.0 / 1.177_41;
+/// Scales below this in the patch frame (where data are of size 1) are rounding.
+const NO_NOISE: f64 = 1e-13;
 /// Weights that move by less than this change S and R in the fifth digit at most; Tukey takes some 20 steps to get there.
 const STANDS: f64 = 1e-5;
 const MAX_STEPS: usize = 60;
@@ -54,11 +61,15 @@ fn settle(
     let mut weights = [vec![1.0; fitted.equations.sites.len()], vec![1.0; fitted.equations.sites.len()]];
     for step in 1..=MAX_STEPS {
         let found = distances(data, options, &fitted);
-        let next = [weigh(&found.z, 1.482_6, loss), weigh(&found.slope, 1.0 / 1.177_41, loss)];
+        let next = [weigh(&found.z, OF_HEIGHTS, loss), weigh(&found.slope, OF_NORMALS, loss)];
         let moved =
             (0..2).flat_map(|b| next[b].iter().zip(&weights[b]).map(|(a, b)| (a - b).abs())).fold(0.0_f64, f64::max);
         weights = next;
-        fitted = fit_plain(patch, &data.reweighted(&weights[0], &weights[1]), options)?;
+        let declared = with_scales(patch, data, options, &found);
+        fitted = fit_plain(patch, &data.reweighted(&weights[0], &weights[1]), &declared)?;
+        if declared.objective != options.objective {
+            fitted.noise.declared = Declared::Estimated;
+        }
         if moved < STANDS {
             return Ok((fitted, weights, step));
         }
@@ -68,12 +79,7 @@ fn settle(
 
 /// Square roots of the loss's weights; a block whose scale is zero to rounding keeps its rows.
 fn weigh(distances: &[Option<f64>], factor: f64, loss: Robust) -> Vec<f64> {
-    let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
-    if sizes.is_empty() {
-        return vec![1.0; distances.len()];
-    }
-    let middle = sizes.len() / 2;
-    let scale = factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let Some(scale) = scale(distances, factor) else { return vec![1.0; distances.len()] };
     let weight = |size: f64| {
         let t = size / scale;
         match loss {
@@ -82,9 +88,34 @@ fn weigh(distances: &[Option<f64>], factor: f64, loss: Robust) -> Vec<f64> {
             _ => (HUBER / t).min(1.0),
         }
     };
-    // below 1e-13 of the patch residuals are rounding, and so would their weights be
-    let usable = scale > 1e-13;
-    distances.iter().map(|d| d.filter(|_| usable).map_or(1.0, |size| weight(size).sqrt())).collect()
+    distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
+}
+
+/// Robust scale of a block; `None` without rows, or where residuals are rounding.
+fn scale(distances: &[Option<f64>], factor: f64) -> Option<f64> {
+    let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
+    if sizes.is_empty() {
+        return None;
+    }
+    let middle = sizes.len() / 2;
+    Some(factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|s| *s > NO_NOISE)
+}
+
+/// The options with levels that are to be estimated declared as the robust scales.
+fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, found: &Distances) -> FitOptions {
+    let (z, slope) = (scale(&found.z, OF_HEIGHTS), scale(&found.slope, OF_NORMALS));
+    let (Some(z), Some(slope)) = (z, slope) else { return options.clone() };
+    let z = z * patch.frame.scale;
+    let normals = Objective::Normals(NormalSigma::Known { z, normal_deg: slope.to_degrees() });
+    let objective = match options.objective {
+        Objective::Auto if data.has_normals() => normals,
+        Objective::Normals(NormalSigma::Auto) => normals,
+        Objective::Auto | Objective::Slopes(SlopeWeights::Auto) => {
+            Objective::Slopes(SlopeWeights::Explicit([1.0 / z, 1.0 / slope, 1.0 / slope]))
+        }
+        declared => declared,
+    };
+    FitOptions { objective, ..options.clone() }
 }
 
 fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {

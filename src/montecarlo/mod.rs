@@ -1,5 +1,7 @@
 //! Repeats a fit for noise: intervals of S and R over replicates of a scene.
 
+mod fixed_sites;
 mod options;
 
+pub use fixed_sites::{FixedSites, ROW_NOISE};
 pub use options::StudyOptions;

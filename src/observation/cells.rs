@@ -234,10 +234,14 @@ impl CellAssembly {
         right: &mut [f64],
     ) {
         let squares = squares_of(metric);
-        self.sort::<UNIFORM>(count, |r| datum(r).at[0], |r, record| {
-            let CellDatum { at, loads } = datum(r);
-            record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2]]);
-        });
+        self.sort::<UNIFORM>(
+            count,
+            |r| datum(r).at[0],
+            |r, record| {
+                let CellDatum { at, loads } = datum(r);
+                record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2]]);
+            },
+        );
         self.sum_panels::<UNIFORM>(Some(squares), matrix, right);
     }
 
@@ -249,21 +253,20 @@ impl CellAssembly {
         matrix: &mut StencilMatrix,
         right: &mut [f64],
     ) {
-        self.sort::<WEIGHTED>(count, |r| datum(r).0.at[0], |r, record| {
-            let (CellDatum { at, loads }, metric) = datum(r);
-            let [zz, aa, ab, dd] = squares_of(metric);
-            record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2], zz, aa, ab, dd]);
-        });
+        self.sort::<WEIGHTED>(
+            count,
+            |r| datum(r).0.at[0],
+            |r, record| {
+                let (CellDatum { at, loads }, metric) = datum(r);
+                let [zz, aa, ab, dd] = squares_of(metric);
+                record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2], zz, aa, ab, dd]);
+            },
+        );
         self.sum_panels::<WEIGHTED>(None, matrix, right);
     }
 
     /// Stable counting sort by stripe; `x` gives a contact's abscissa, `write` its record.
-    fn sort<const RECORD: usize>(
-        &mut self,
-        count: usize,
-        x: impl Fn(usize) -> f64,
-        write: impl Fn(usize, &mut [f64]),
-    ) {
+    fn sort<const RECORD: usize>(&mut self, count: usize, x: impl Fn(usize) -> f64, write: impl Fn(usize, &mut [f64])) {
         let stripes = self.knots[0].n_segments();
         self.stripe_starts.clear();
         self.stripe_starts.resize(stripes + 1, 0);
@@ -602,10 +605,18 @@ mod tests {
     use crate::observation::ScatteredSites;
 
     fn points(count: usize) -> Vec<[f64; 2]> {
-        (0..count).map(|r| [(r as f64 * 0.754_877_666).fract(), (r as f64 * 0.569_840_291).fract() * 2.0 - 1.0]).collect()
+        (0..count)
+            .map(|r| [(r as f64 * 0.754_877_666).fract(), (r as f64 * 0.569_840_291).fract() * 2.0 - 1.0])
+            .collect()
     }
 
-    fn check(degree: [usize; 2], segments: [usize; 2], count: usize, metric: impl Fn(usize) -> RowMetric, uniform: bool) {
+    fn check(
+        degree: [usize; 2],
+        segments: [usize; 2],
+        count: usize,
+        metric: impl Fn(usize) -> RowMetric,
+        uniform: bool,
+    ) {
         let knots = [
             Knots::uniform(degree[0], segments[0], 0.0, 1.0).unwrap(),
             Knots::uniform(degree[1], segments[1], -1.0, 1.0).unwrap(),
@@ -613,7 +624,8 @@ mod tests {
         let points = points(count);
         let rows: Vec<[f64; 3]> = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
         let sites = ScatteredSites::new(knots.clone(), points.clone());
-        let metrics = if uniform { Metric::Uniform(metric(0)) } else { Metric::PerSite((0..count).map(&metric).collect()) };
+        let metrics =
+            if uniform { Metric::Uniform(metric(0)) } else { Metric::PerSite((0..count).map(&metric).collect()) };
         let mut cells = CellAssembly::new(knots).unwrap();
         let shape = cells.shape();
         let mut expected = StencilMatrix::zeros(shape);
@@ -640,14 +652,18 @@ mod tests {
         });
         let largest = expected_right.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let worst_right = right.iter().zip(&expected_right).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max);
-        println!("degree {degree:?} contacts {count}: matrix {worst:.1e} of its diagonal, right side {worst_right:.1e}");
+        println!(
+            "degree {degree:?} contacts {count}: matrix {worst:.1e} of its diagonal, right side {worst_right:.1e}"
+        );
         // measured 2e-15: centred powers up to the sixth cost a few roundings, no more
         assert!(worst < 1e-14 && worst_right < 1e-14, "{worst:e} {worst_right:e}");
     }
 
     #[test]
     fn moments_and_rows_give_the_same_equations() {
-        for (degree, segments) in [([3, 3], [5, 4]), ([2, 2], [1, 1]), ([2, 3], [12, 3]), ([1, 2], [3, 9]), ([3, 1], [9, 2])] {
+        for (degree, segments) in
+            [([3, 3], [5, 4]), ([2, 2], [1, 1]), ([2, 3], [12, 3]), ([1, 2], [3, 9]), ([3, 1], [9, 2])]
+        {
             check(degree, segments, 3000, |_| RowMetric { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }, true);
             check(degree, segments, 700, |_| RowMetric { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }, true);
             let varied = |r: usize| {
@@ -668,7 +684,10 @@ mod tests {
             let mut matrix = StencilMatrix::zeros(cells.shape());
             let mut right = vec![0.0; matrix.order()];
             let metric = RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
-            let datum = |r: usize| CellDatum { at: points[r], loads: points[r].map(f64::sin).into_iter().chain([1.0]).collect::<Vec<_>>().try_into().unwrap() };
+            let datum = |r: usize| CellDatum {
+                at: points[r],
+                loads: points[r].map(f64::sin).into_iter().chain([1.0]).collect::<Vec<_>>().try_into().unwrap(),
+            };
             pool.install(|| cells.assemble(points.len(), metric, datum, &mut matrix, &mut right));
             (matrix, right)
         };

@@ -132,11 +132,7 @@ fn tiles<V: Lanes>(shape: BlockShape, sources: Sources<'_>, target: &mut [f64], 
             }
         };
     }
-    if V::N == 8 {
-        sized!(3, 8)
-    } else {
-        sized!(2, 4)
-    }
+    if V::N == 8 { sized!(3, 8) } else { sized!(2, 4) }
 }
 
 /// The 8 columns from `at` on, already updated: their triangle, then every row below it. `Err(column)` for a bad pivot.
@@ -304,7 +300,12 @@ mod tests {
                 forward_block(level, shape, block, &mut v[b * 16..b * 16 + 48]);
             }
             for b in (0..n / 16).rev() {
-                backward_block(level, shape, &blocks[b * shape.len()..(b + 1) * shape.len()], &mut v[b * 16..b * 16 + 48]);
+                backward_block(
+                    level,
+                    shape,
+                    &blocks[b * shape.len()..(b + 1) * shape.len()],
+                    &mut v[b * 16..b * 16 + 48],
+                );
             }
             for i in 0..n {
                 for j in i.saturating_sub(band)..=i {

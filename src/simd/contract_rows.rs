@@ -126,10 +126,8 @@ mod tests {
             let first: Vec<usize> = (0..40).map(|i| i / 7).collect();
             let columns = first[39] + width;
             let data: Vec<Vec<f64>> = (0..4).map(|k| noise(40 * m.max(width), k as f64)).collect();
-            let terms = [
-                BandTerm { values: &data[0], image: &data[1] },
-                BandTerm { values: &data[2], image: &data[3] },
-            ];
+            let terms =
+                [BandTerm { values: &data[0], image: &data[1] }, BandTerm { values: &data[2], image: &data[3] }];
             let mut expected = vec![0.5; columns * m];
             contract_rows_twin(width, &first, &terms, m, &mut expected);
             for level in Level::available() {

@@ -134,7 +134,8 @@ fn pieces_of<V: Lanes>(row: &RowPieces, q: usize, curve: &[f64], gathered: &mut 
     for run in (0..padded).step_by(V::N) {
         let mut values = [V::splat(0.0); 10];
         for (v, value) in values[..width].iter_mut().enumerate() {
-            *value = V::load(if row.contiguous { &curve[row.first[0] + v + run..] } else { &gathered[v * padded + run..] });
+            *value =
+                V::load(if row.contiguous { &curve[row.first[0] + v + run..] } else { &gathered[v * padded + run..] });
         }
         for k in 0..width {
             let mut sum = V::splat(0.0);

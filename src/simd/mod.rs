@@ -16,22 +16,24 @@ mod arctangent;
 mod bilinear;
 mod block_columns;
 mod chacha8;
+mod contract_rows;
 mod curvature_row;
 mod lanes;
 mod level;
 mod moments;
 mod normals;
+mod replicate_lanes;
 mod shape_maps;
-mod contract_rows;
 
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
-pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
+pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
 pub use level::Level;
-pub use moments::{CellMoments, MAX_MOMENT_DEGREE, moments};
+pub use moments::{CellMoments, MAX_MOMENT_DEGREE, moments, moments_twin};
 pub use normals::{box_muller_pairs, normals};
+pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_maps::{shape_maps, shape_maps_twin};
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.

@@ -142,7 +142,13 @@ pub fn moments(
 }
 
 /// The safe twin: powers by `powi`, one moment at a time.
-pub fn moments_twin(degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>, out: &mut CellMoments) {
+pub fn moments_twin(
+    degree: usize,
+    local: [&[f64]; 2],
+    weight: Option<&[f64]>,
+    data: Option<[&[f64]; 3]>,
+    out: &mut CellMoments,
+) {
     for r in 0..local[0].len() {
         let power = |a: usize, b: usize| local[0][r].powi(a as i32) * local[1][r].powi(b as i32);
         for a in 0..=2 * degree {

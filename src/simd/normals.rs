@@ -135,7 +135,7 @@ pub fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::{chacha8::BLOCKS, chacha8::WORDS, chacha8, ulps};
+    use super::super::{chacha8, chacha8::BLOCKS, chacha8::WORDS, ulps};
     use super::*;
 
     fn words(count: usize, seed: u32) -> (Vec<u64>, Vec<u64>) {
@@ -189,7 +189,9 @@ mod tests {
             normals(level, [&a, &b], &mut p, Some(&mut q));
             p.extend(q);
             let n = p.len() as f64;
-            for (power, mean, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)] {
+            for (power, mean, variance) in
+                [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)]
+            {
                 let sum: f64 = p.iter().map(|v| v.powi(power)).sum();
                 let sigmas = (sum / n - mean) / (variance / n).sqrt();
                 assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");
@@ -199,7 +201,8 @@ mod tests {
             assert!((tail - expected).abs() < 5.0 * expected.sqrt(), "tail {tail} of {expected}");
             p.sort_by(f64::total_cmp);
             let normal = Normal::standard();
-            let distance = p.iter().enumerate().map(|(i, v)| (normal.cdf(*v) - (i as f64 + 0.5) / n).abs()).fold(0.0, f64::max);
+            let distance =
+                p.iter().enumerate().map(|(i, v)| (normal.cdf(*v) - (i as f64 + 0.5) / n).abs()).fold(0.0, f64::max);
             println!("normals {}: Kolmogorov-Smirnov {:.2}", level.name(), distance * n.sqrt());
             // 1.95 is exceeded once in a thousand
             assert!(distance * n.sqrt() < 1.95, "Kolmogorov-Smirnov {distance}");

@@ -28,7 +28,6 @@ struct Part {
 /// A reusable band factorisation of `D A D` for one shape.
 #[derive(Debug)]
 pub struct BandCholesky {
-    shape: TensorShape,
     /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
     end: usize,
     middle: usize,
@@ -60,7 +59,6 @@ impl BandCholesky {
         let height = if end == 0 { end_block.height } else { middle.next_multiple_of(WIDTH) };
         let middle_block = BlockShape { width: WIDTH, height };
         let mut made = BandCholesky {
-            shape,
             end,
             middle,
             end_block,
@@ -108,13 +106,7 @@ impl BandCholesky {
         self.factor_and_solve(matrix, scale, &mut nothing)
     }
 
-    fn eliminate_ends(
-        &mut self,
-        level: Level,
-        matrix: &StencilMatrix,
-        scale: &[f64],
-        v: &[f64],
-    ) -> Result<f64, usize> {
+    fn eliminate_ends(&mut self, level: Level, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) -> Result<f64, usize> {
         if self.end == 0 {
             return Ok(f64::INFINITY);
         }
@@ -368,7 +360,9 @@ mod tests {
 
     #[test]
     fn solves_what_the_matrix_says_at_every_size() {
-        for (basis, degree) in [([4, 4], [3, 3]), ([9, 9], [2, 2]), ([67, 9], [3, 3]), ([80, 31], [3, 2]), ([31, 12], [1, 4])] {
+        for (basis, degree) in
+            [([4, 4], [3, 3]), ([9, 9], [2, 2]), ([67, 9], [3, 3]), ([80, 31], [3, 2]), ([31, 12], [1, 4])]
+        {
             let shape = TensorShape { basis, degree };
             let a = matrix(shape);
             let scale: Vec<f64> = a.diagonal().iter().map(|d| 1.0 / d.sqrt()).collect();

@@ -12,6 +12,7 @@
 mod band;
 mod cholesky;
 mod dense;
+mod fast_diagonalisation;
 mod householder;
 mod kronecker;
 mod ordering;
@@ -22,7 +23,8 @@ mod triangular;
 pub use band::{BandCholesky, band_flops};
 pub use cholesky::{Cholesky, DENSE_LIMIT};
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
-pub use kronecker::{AxisGrams, Bands, FastDiagonalisation, GridSolver};
+pub use fast_diagonalisation::FastDiagonalisation;
+pub use kronecker::GridSolver;
 pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;

@@ -4,5 +4,7 @@
 //! ([`crate::curvature::Derivatives`]), so a surface that stands up is a second type beside this one.
 
 mod height_field;
+mod rows;
 
 pub use height_field::{HeightField, SurfaceError, SurfacePoint};
+pub use rows::CurvatureGrid;

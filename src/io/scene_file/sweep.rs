@@ -2,7 +2,7 @@
 
 use super::SceneFileError;
 use super::section::Section;
-use crate::scene::{Sweep, linspace};
+use crate::scene::{MAX_TOUCHES, Sweep, linspace};
 
 /// The sweep, and the second one where there is one: it inherits every key it does not name.
 pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
@@ -66,5 +66,9 @@ fn read_stations(section: &Section, may_inherit: bool) -> Result<Option<Vec<f64>
         let (key, _) = spaced.iter().find(|(_, there)| !there).unwrap_or(&spaced[0]);
         return Err(section.missing(key, "give from, to and stations, or at = [...]"));
     };
+    // a world of so many is refused anyway, and a list of them takes memory first
+    if let Some(value) = section.get("stations").filter(|_| stations > MAX_TOUCHES as u64) {
+        return Err(section.value_error("stations", value, format!("at most {MAX_TOUCHES} are possible")));
+    }
     Ok(Some(linspace(from, to, stations as usize)))
 }

@@ -60,6 +60,9 @@ pub struct Site {
     pub touch: SurfacePoint,
 }
 
+/// Most touches of one sweep: a hundred bytes each, so about 1 GB; beyond it a typing error is likelier than a wish.
+pub const MAX_TOUCHES: usize = 10_000_000;
+
 impl Sweep {
     /// Point tips at `fingers` x `stations`, once each, along y.
     pub fn new(fingers: Vec<f64>, stations: Vec<f64>) -> Sweep {
@@ -75,6 +78,11 @@ impl Sweep {
     }
 
     fn check(&self) -> Result<(), SceneError> {
+        let touches = self.fingers.len().saturating_mul(self.stations.len()).saturating_mul(self.repeats);
+        if touches > MAX_TOUCHES {
+            let expected = "fingers x stations x repeats may be ten million at most";
+            return Err(SceneError::range("sweep: touches", touches as f64, expected));
+        }
         for (key, list) in [("sweep.fingers", &self.fingers), ("sweep.stations", &self.stations)] {
             if list.is_empty() {
                 return Err(SceneError::List { key: key.into(), expected: "at least one is needed" });

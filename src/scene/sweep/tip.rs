@@ -122,8 +122,8 @@ mod tests {
         let ball = Surface::new(Body::Sphere(Sphere { radius }), 0.0);
         for aim in [[0.0, 0.0], [4.0, -4.0], [1.0, 5.0], [5.0, 5.0]] {
             let touch = rolled(&ball, aim, tip).unwrap();
-            for k in 0..2 {
-                assert!((touch.point[k] - aim[k] * radius / (radius + tip)).abs() < 1e-14 * radius);
+            for (found, aim) in touch.point.iter().zip(aim) {
+                assert!((found - aim * radius / (radius + tip)).abs() < 1e-14 * radius);
             }
         }
         assert!(rolled(&ball, [5.4, 5.4], tip).is_none());

@@ -4,11 +4,11 @@
 //! `Avx2` (four lanes with fused multiply-add) and `Avx512` (eight). A kernel is generic over [`Lanes`] and inlined
 //! whole into a function that carries the instruction set; see [`super::dispatch`].
 
-mod portable;
 #[cfg(target_arch = "x86_64")]
 pub(super) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(super) mod avx512;
+mod portable;
 
 pub(super) use portable::Portable;
 

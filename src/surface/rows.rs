@@ -1,0 +1,142 @@
+//! S and R of a height field over a whole grid of points, row by row, derivatives never leaving the first-level cache.
+
+use super::HeightField;
+use crate::bspline::Knots;
+use crate::simd::{Level, RowPieces, RowScratch, curvature_row};
+
+/// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
+#[derive(Debug)]
+pub struct CurvatureGrid {
+    pieces: RowPieces,
+    first: Vec<usize>,
+    /// Values, first and second derivatives of the p + 1 basis functions at every x.
+    basis: [Vec<f64>; 3],
+    width: usize,
+    columns: usize,
+    scratch: Vec<RowScratch>,
+}
+
+/// Rows of points that one task takes: long enough to pay for handing it over, short enough to share evenly.
+const ROWS: usize = 32;
+
+impl CurvatureGrid {
+    /// Prepares the points `x` by `y` (y ascending) under `knots`.
+    pub fn new(knots: &[Knots; 2], x: &[f64], y: &[f64]) -> CurvatureGrid {
+        let width = knots[0].degree() + 1;
+        let mut basis = [Vec::new(), Vec::new(), Vec::new()];
+        let mut first = Vec::with_capacity(x.len());
+        for &at in x {
+            let row = knots[0].basis(at);
+            first.push(row.first);
+            for (d, table) in basis.iter_mut().enumerate() {
+                table.extend_from_slice(row.derivative(d));
+            }
+        }
+        let tasks = x.len().div_ceil(ROWS);
+        let columns = knots[1].n_basis();
+        let scratch = (0..tasks).map(|_| RowScratch::default()).collect();
+        CurvatureGrid { pieces: pieces_of(&knots[1], y), first, basis, width, columns, scratch }
+    }
+
+    /// S and R at every point, row-major; S is NaN where the surface is flat. `coefficients` are n x m, row-major.
+    ///
+    /// Rows are shared among the threads of the current pool; the bits do not depend on their number.
+    ///
+    /// # Panics
+    /// When an array is shorter than its shape.
+    pub fn maps(&mut self, coefficients: &[f64], shape_index: &mut [f64], curvedness: &mut [f64]) {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        self.range(0, coefficients, shape_index, curvedness, &mut scratch);
+        self.scratch = scratch;
+    }
+
+    /// The maps of a surface over these knots.
+    pub fn maps_of(&mut self, surface: &HeightField, shape_index: &mut [f64], curvedness: &mut [f64]) {
+        let standard = surface.coefficients().as_standard_layout();
+        if let Some(coefficients) = standard.as_slice() {
+            self.maps(coefficients, shape_index, curvedness);
+        }
+    }
+
+    fn range(&self, from: usize, c: &[f64], s: &mut [f64], r: &mut [f64], scratch: &mut [RowScratch]) {
+        let m = self.pieces.len();
+        if scratch.len() > 1 {
+            let half = scratch.len() / 2;
+            let (s_a, s_b) = s.split_at_mut(half * ROWS * m);
+            let (r_a, r_b) = r.split_at_mut(half * ROWS * m);
+            let (scratch_a, scratch_b) = scratch.split_at_mut(half);
+            rayon::join(
+                || self.range(from, c, s_a, r_a, scratch_a),
+                || self.range(from + half * ROWS, c, s_b, r_b, scratch_b),
+            );
+            return;
+        }
+        let Some(scratch) = scratch.first_mut() else { return };
+        let level = Level::active();
+        for (k, (s, r)) in s.chunks_mut(m).zip(r.chunks_mut(m)).take(ROWS).enumerate() {
+            let Some(&first) = self.first.get(from + k) else { return };
+            let values = (from + k) * self.width..(from + k + 1) * self.width;
+            let basis = self.basis.each_ref().map(|table| &table[values.clone()]);
+            curvature_row(level, &self.pieces, basis, &c[first * self.columns..], scratch, s, r);
+        }
+    }
+}
+
+/// Runs of points on one segment, each with the segment's Taylor coefficients at its centre.
+fn pieces_of(knots: &Knots, points: &[f64]) -> RowPieces {
+    let width = knots.degree() + 1;
+    let segments: Vec<usize> = points.iter().map(|y| knots.segment_of(*y)).collect();
+    let centre = |s: usize| 0.5 * (knots.segment(s)[0] + knots.segment(s)[1]);
+    let offsets: Vec<f64> = points.iter().zip(&segments).map(|(y, &s)| y - centre(s)).collect();
+    let mut tables = Vec::new();
+    for run in segments.chunk_by(|a, b| a == b) {
+        let mut taylor = vec![0.0; width * width];
+        knots.derivatives_on(run[0], centre(run[0]), width - 1, &mut taylor);
+        let mut factorial = 1.0;
+        for k in 1..width {
+            factorial *= k as f64;
+            taylor[k * width..(k + 1) * width].iter_mut().for_each(|v| *v /= factorial);
+        }
+        tables.push((run.len(), knots.first_basis(run[0]), taylor));
+    }
+    let runs = tables.iter().map(|(points, first, taylor)| (*points, *first, &taylor[..]));
+    RowPieces::new(knots.degree(), knots.n_basis(), runs, &offsets)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bspline::linspace;
+    use crate::curvature::principal_curvatures;
+    use ndarray::Array2;
+
+    #[test]
+    fn rows_agree_with_points_for_every_degree() {
+        for (degree, segments, points) in
+            [([2, 2], [1, 1], 8), ([3, 3], [9, 13], 70), ([2, 4], [5, 40], 23), ([5, 1], [3, 6], 41)]
+        {
+            let knots = [
+                Knots::uniform(degree[0], segments[0], 0.0, 1.0).unwrap(),
+                Knots::uniform(degree[1], segments[1], -1.0, 2.0).unwrap(),
+            ];
+            let shape = (knots[0].n_basis(), knots[1].n_basis());
+            let c = Array2::from_shape_fn(shape, |(i, j)| (i as f64 * 0.9 + j as f64 * 0.4).sin());
+            let surface = HeightField::new(knots.clone(), c).unwrap();
+            let (x, y) = (linspace(0.0, 1.0, 45), linspace(-1.0, 2.0, points));
+            let mut grid = CurvatureGrid::new(&knots, &x, &y);
+            let (mut s, mut r) = (vec![0.0; 45 * points], vec![0.0; 45 * points]);
+            grid.maps_of(&surface, &mut s, &mut r);
+            let largest = r.iter().fold(0.0_f64, |m, v| m.max(*v));
+            for i in 0..45 {
+                for j in 0..points {
+                    let k = principal_curvatures(&surface.at(x[i], y[j]).derivatives()).unwrap();
+                    let (found, curved) = (s[i * points + j], r[i * points + j]);
+                    assert!((curved - k.curvedness()).abs() < 1e-12 * k.curvedness().max(largest / 100.0));
+                    if k.curvedness() > largest / 100.0 {
+                        assert!((found - k.shape_index().unwrap()).abs() < 1e-11, "{degree:?} ({i}, {j})");
+                    }
+                }
+            }
+        }
+    }
+}
