@@ -24,7 +24,7 @@ pub struct Solved {
 
 impl Problem<'_> {
     /// `None` where a diagonal entry of R falls below 1e-13 of the largest: not a full-rank problem.
-    pub fn solve(&self, grid: [&[f64]; 2]) -> Option<Solved> {
+    pub fn solve(&self, grid: [&[Dd]; 2]) -> Option<Solved> {
         let (mut columns, mut rhs) = self.rows();
         let c = least_squares(&mut columns, &mut rhs)?;
         let mut solved = Solved { coefficients: Vec::new(), shape_index: Vec::new(), curvedness: Vec::new() };
@@ -44,8 +44,8 @@ impl Problem<'_> {
         let unknowns: usize = [0, 1].iter().map(|&k| self.knots[k].len() - self.degree[k] - 1).product();
         let (mut columns, mut rhs) = (vec![Vec::new(); unknowns], Vec::new());
         for r in 0..data.len() {
-            let n = basis(self.knots[0], self.degree[0], data.x[r]);
-            let m = basis(self.knots[1], self.degree[1], data.y[r]);
+            let n = basis(self.knots[0], self.degree[0], Dd::new(data.x[r]));
+            let m = basis(self.knots[1], self.degree[1], Dd::new(data.y[r]));
             let mut push = |weight: f64, row_weight: &Option<Vec<f64>>, dx: usize, dy: usize, value: f64| {
                 let w = Dd::new(weight) * Dd::new(row_weight.as_ref().map_or(1.0, |v| v[r]));
                 let products = n[dx].iter().flat_map(|&a| m[dy].iter().map(move |&b| a * b));
@@ -61,7 +61,7 @@ impl Problem<'_> {
         (columns, rhs)
     }
 
-    fn shape(&self, c: &[Dd], x: f64, y: f64) -> (f64, f64) {
+    fn shape(&self, c: &[Dd], x: Dd, y: Dd) -> (f64, f64) {
         let n = basis(self.knots[0], self.degree[0], x);
         let m = basis(self.knots[1], self.degree[1], y);
         let at = |dx: usize, dy: usize| {
@@ -80,10 +80,10 @@ impl Problem<'_> {
 }
 
 /// Values, first and second derivatives of all basis functions; right limit at a knot, left at the last.
-fn basis(knots: &[f64], degree: usize, x: f64) -> [Vec<Dd>; 3] {
+fn basis(knots: &[f64], degree: usize, x: Dd) -> [Vec<Dd>; 3] {
     let count = knots.len() - degree - 1;
     let mut span = degree;
-    while span < count - 1 && x >= knots[span + 1] {
+    while span < count - 1 && x >= Dd::new(knots[span + 1]) {
         span += 1;
     }
     let mut tables = vec![vec![Dd::ZERO; knots.len() - 1]];
@@ -93,8 +93,8 @@ fn basis(knots: &[f64], degree: usize, x: f64) -> [Vec<Dd>; 3] {
         let last = &tables[p - 1];
         let next = (0..knots.len() - 1 - p)
             .map(|i| {
-                ratio((Dd::new(x) - knot(i)) * last[i], knot(i + p) - knot(i))
-                    + ratio((knot(i + p + 1) - Dd::new(x)) * last[i + 1], knot(i + p + 1) - knot(i + 1))
+                ratio((x - knot(i)) * last[i], knot(i + p) - knot(i))
+                    + ratio((knot(i + p + 1) - x) * last[i + 1], knot(i + p + 1) - knot(i + 1))
             })
             .collect();
         tables.push(next);

@@ -4,6 +4,7 @@ use palpate::bspline::Knots;
 use palpate::cases::Lcg;
 use palpate::contact::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights};
+use palpate::linalg::DoubleDouble as Dd;
 
 use super::oracle::{Problem, Solved};
 
@@ -21,13 +22,19 @@ pub fn draw(lcg: &mut Lcg) -> RandomProblem {
         let [x0, x1, y0, y1] = options.domain.unwrap_or_default();
         let knots = [(x0, x1, 0), (y0, y1, 1)]
             .map(|(lo, hi, k)| Knots::uniform(options.degree[k], options.segments[k], lo, hi).unwrap());
-        let grid = [(x0, x1), (y0, y1)].map(|(lo, hi)| palpate::bspline::linspace(lo, hi, options.grid[0]));
+        let grid = [(x0, x1), (y0, y1)].map(|(lo, hi)| exact_linspace(lo, hi, options.grid[0]));
         let [kx, ky] = [0, 1].map(|k| knots[k].as_slice());
         let oracle = Problem { contacts: &contacts, degree: options.degree, knots: [kx, ky], weights };
         if let Some(solved) = oracle.solve([&grid[0], &grid[1]]) {
             return RandomProblem { contacts, options, solved };
         }
     }
+}
+
+/// Grid points not rounded to the input's own ulp: far from the origin that would be another place.
+fn exact_linspace(low: f64, high: f64, points: usize) -> Vec<Dd> {
+    let step = (Dd::new(high) - Dd::new(low)) / Dd::new((points - 1) as f64);
+    (0..points).map(|i| Dd::new(low) + Dd::new(i as f64) * step).collect()
 }
 
 fn pick<T: Copy>(lcg: &mut Lcg, choices: &[T]) -> T {

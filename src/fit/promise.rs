@@ -16,8 +16,8 @@ use crate::surface::{HeightField, SurfacePoint};
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
 const ESTIMATOR: f64 = 10.0;
-/// Placing data and knots in the patch frame rounds each of them a few times.
-const PLACING: f64 = 4.0 * UNIT;
+/// Placing data and knots in the patch frame rounds each of them: no backward error is below this.
+const PLACING: f64 = UNIT;
 /// Derivatives are sums over the tensor basis; each term is rounded about this often.
 const TERM: f64 = 8.0 * UNIT;
 /// Gauss-Newton stops when no coefficient moves by more than this share of the largest.
