@@ -79,7 +79,9 @@ fn smoothing_by_the_data_is_nearer_the_truth_than_none() {
     let (mut x, mut y, mut z) = (vec![], vec![], vec![]);
     for _ in 0..500 {
         let (u, v) = (2.0 * dice.roll() - 1.0, 2.0 * dice.roll() - 1.0);
-        (x.push(u), y.push(v), z.push(truth(u, v) + 0.1 * dice.normal()));
+        x.push(u);
+        y.push(v);
+        z.push(truth(u, v) + 0.1 * dice.normal());
     }
     let contacts = Contacts::from_positions(x, y, z);
     let error = |smooth: Smooth| {

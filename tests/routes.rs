@@ -115,7 +115,11 @@ fn structured_and_dense_routes_agree_on_scattered_contacts() {
         for k in 0..300 {
             let (u, v) = ((k as f64 * 0.754_877_666).fract(), (k as f64 * 0.569_840_291).fract());
             let [h, p, q] = height(u, v);
-            (x.push(u), y.push(v), z.push(h + ripple(k, 1)), zx.push(p), zy.push(q));
+            x.push(u);
+            y.push(v);
+            z.push(h + ripple(k, 1));
+            zx.push(p);
+            zy.push(q);
         }
         Contacts::from_positions(x, y, z).with_slopes(zx, zy)
     };

@@ -7,7 +7,7 @@
 use super::lanes::Lanes;
 use super::{Level, dispatch};
 
-/// One term `B' Z`: `values[i * width + a]` is entry (i, first[i] + a) of B.
+/// One term `B' Z`: `values[i * width + a]` is entry `(i, first[i] + a)` of B.
 #[derive(Clone, Copy, Debug)]
 pub struct BandTerm<'a> {
     /// Values of B, row after row.

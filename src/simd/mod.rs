@@ -60,7 +60,7 @@ macro_rules! dispatch {
         }
     }};
 }
-pub(self) use dispatch;
+use dispatch;
 
 /// Distance of two numbers in units of the last place of `expected`; for tests and accuracy tables.
 pub fn ulps(value: f64, expected: f64) -> f64 {
