@@ -29,7 +29,7 @@ const FLOORS: [(&str, u8); 20] = [
     ("main", 9),
 ];
 
-/// Every `crate::room` named in a file, `use crate::{a, b}` included; test modules count too.
+/// Every `crate::room` named in a file, `use crate::{a, b}` included; a `mod tests` may look anywhere for its oracle.
 fn rooms_named(source: &str) -> Vec<String> {
     let file: TokenStream = source.parse().expect("the file parses");
     let mut found = Vec::new();
@@ -40,7 +40,11 @@ fn rooms_named(source: &str) -> Vec<String> {
 fn collect(stream: TokenStream, found: &mut Vec<String>) {
     let tokens: Vec<TokenTree> = stream.into_iter().collect();
     for (k, token) in tokens.iter().enumerate() {
-        if let TokenTree::Group(group) = token {
+        let word = |at: usize, expected: &str| matches!(&tokens[at], TokenTree::Ident(i) if i == expected);
+        let in_tests = k >= 2 && word(k - 2, "mod") && word(k - 1, "tests");
+        if let TokenTree::Group(group) = token
+            && !in_tests
+        {
             collect(group.stream(), found);
         }
         let is_crate = matches!(token, TokenTree::Ident(i) if i == "crate");
