@@ -1,7 +1,5 @@
 //! The law of every effect over 10^6 draws against its closed form, in sigma of the estimate; and what effects do to
 //! each other: nothing.
-#![allow(clippy::needless_range_loop)] // covariances in matrix notation
-
 use palpate::contact::{Contacts, Orientation};
 use palpate::scene::effects::*;
 use palpate::scene::surface::{Body, Cylinder, Sphere};

@@ -12,7 +12,6 @@ use super::Golden;
 pub type Digits = [Option<f64>; 3];
 
 /// One row of the hard-case table (the tests do not read every field).
-#[allow(dead_code)]
 pub struct Judged {
     /// Method that gave the answer, or why there is none.
     pub method: String,

@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 /// One golden file (not every test and bench reads every field); 25-digit numerals rounded to the nearest double.
-#[allow(dead_code)]
 pub struct Golden {
     /// FNV-1a of the inputs' bits.
     pub inputs: u64,

@@ -45,7 +45,6 @@ impl PositionNoise {
 }
 
 /// Cholesky factor of a symmetric positive semidefinite matrix.
-#[allow(clippy::needless_range_loop)] // loops in matrix notation
 fn factored(a: &[[f64; 3]; 3]) -> Result<[f64; 6], SceneError> {
     const KEY: &str = "effects.position_noise.covariance";
     for i in 0..3 {
