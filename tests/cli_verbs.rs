@@ -229,3 +229,38 @@ fn help_and_version_exit_zero() {
     let mut version = BufReader::new(text(directory.path(), &["--version"]).into_bytes().leak() as &[u8]).lines();
     assert!(version.next().unwrap().unwrap().starts_with("palpate "));
 }
+
+#[test]
+fn a_saved_fit_can_be_touched_and_every_output_calls_it_an_inverse_crime() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    text(here, &["run", "paper-cylinder", "--save", "fit.json", "--quiet"]);
+    let scene = "[surface]\nkind = \"imported\"\nfile = \"fit.json\"\n[sweep]\nfingers = [-3.0, 0.0, 3.0]\nfrom = -3.0\nto = 3.0\nstations = 7\n[fit]\ndegree = 2\n";
+    std::fs::write(here.join("again.toml"), scene).unwrap();
+    let crime = "inverse crime: the surface is imported from fit.json";
+    let document = json(here, &["run", "again.toml", "--json"]);
+    assert!(document["fit"]["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().contains(crime)));
+    // the model is the surface's own: nothing but rounding is left
+    assert!(document["fit"]["rms"]["z"].as_f64().unwrap() < 1e-13);
+    assert!(document["truth"]["error_S"].as_f64().unwrap() < 1e-9);
+    assert!(text(here, &["run", "again.toml"]).contains(crime));
+    assert!(text(here, &["simulate", "again.toml", "--explain"]).contains("inverse crime"));
+    assert!(text(here, &["simulate", "again.toml", "-o", "-"]).starts_with(&format!("# {crime}")));
+    assert_eq!(
+        json(here, &["simulate", "again.toml", "-o", "c.ply", "--json"])["note"].as_str().map(|n| n.starts_with(crime)),
+        Some(true)
+    );
+    assert!(String::from_utf8_lossy(&std::fs::read(here.join("c.ply")).unwrap()).contains(crime));
+    text(here, &["simulate", "again.toml", "-o", "c.npz", "--quiet"]);
+    let read = palpate(here, &["fit", "c.npz"]).output().unwrap();
+    assert!(read.status.success() && String::from_utf8_lossy(&read.stdout).contains("inverse_crime"));
+    text(here, &["run", "again.toml", "--out", "o", "--quiet"]);
+    assert!(std::fs::read_to_string(here.join("o/shape.svg")).unwrap().contains("(inverse crime)"));
+    // off the fitted patch there is no surface
+    std::fs::write(here.join("wide.toml"), scene.replace("3.0", "30.0")).unwrap();
+    palpate(here, &["run", "wide.toml"]).assert().code(2);
+    std::fs::write(here.join("gone.toml"), scene.replace("fit.json", "none.json")).unwrap();
+    let gone = palpate(here, &["run", "gone.toml"]).output().unwrap();
+    let said = String::from_utf8_lossy(&gone.stderr).to_string();
+    assert!(gone.status.code() == Some(2) && said.contains("line 3") && said.contains("none.json"), "{said}");
+}

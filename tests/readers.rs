@@ -27,7 +27,7 @@ fn contacts(reading: Reading) -> Contacts {
 
 fn written(contacts: &Contacts, format: ContactFormat) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_contacts(contacts, format, &mut bytes).unwrap();
+    write_contacts(contacts, format, None, &mut bytes).unwrap();
     bytes
 }
 

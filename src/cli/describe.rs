@@ -18,6 +18,7 @@ use crate::surface::HeightField;
 use super::failure::Failure;
 use super::options::OutputFlags;
 use super::output::print;
+use super::scene::{INVERSE_CRIME, remark};
 
 /// Picture cells per side: at least, so that a coarse grid still shows the surface; at most, so that a browser opens it.
 const PICTURE_CELLS: [usize; 2] = [48, 100];
@@ -69,7 +70,9 @@ pub(super) fn describe(fit: &Fit, subject: &Subject, to: &Destination) -> Result
         picture(fit, &surface, subject, &document, to.output)?;
     }
     if let Input::Contacts(contacts) = subject.input {
-        to.output.file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, out))?;
+        let remark = subject.truth.and_then(remark);
+        to.output
+            .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
     }
     if to.output.json {
         return print(&mut |out| write_json(&document, out));
@@ -112,7 +115,9 @@ pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     // of a path, what the user would call it
     let name = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let class = shape.class.as_deref().unwrap_or("undefined");
-    format!("{name}: {class}, S = {}, R = {}", mean(&shape.shape_index), mean(&shape.curvedness))
+    let crime = document.fit.notes.iter().any(|note| note.starts_with(INVERSE_CRIME));
+    let warning = if crime { format!(" ({INVERSE_CRIME})") } else { String::new() };
+    format!("{name}: {class}, S = {}, R = {}{warning}", mean(&shape.shape_index), mean(&shape.curvedness))
 }
 
 fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {

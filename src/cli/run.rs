@@ -37,20 +37,18 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
-    let (contacts, truth) = simulator.simulate(scene.seed, 0);
+    let (reached, asked) = simulator.reach();
+    let (contacts, truth) = simulator.into_contacts(scene.seed, 0);
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
     let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(e.to_string()))?;
     let fitted = clock.elapsed().as_secs_f64();
-    let (reached, asked) = simulator.reach();
     let mut notes = Vec::new();
     if reached < asked {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
-    if let Some(label) = truth.inverse_crime() {
-        notes.push(format!("inverse crime: the surface is imported from {label}, of the same kind as the fit"));
-    }
+    notes.extend(scene::remark(&truth));
     let subject = Subject { name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
     drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::io::read_bytes;
-use crate::io::scene_file::{SceneFile, builtin, builtin_scenes, read_scene};
+use crate::io::scene_file::{SceneFile, builtin, builtin_scenes, read_scene_with};
+use crate::io::{import_surface, read_bytes};
+use crate::scene::Truth;
 
 use super::failure::Failure;
 
@@ -22,9 +23,21 @@ pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
     }
     let (file, bytes) = read_bytes(Path::new(scene))?;
     let text = String::from_utf8(bytes).map_err(|_| Failure::Input(format!("{file}: not UTF-8 text, so no TOML")))?;
-    let mut read = read_scene(&text).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+    // - has no folder: its surfaces are looked for where palpate was started
+    let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
+    let mut read = read_scene_with(&text, &|name| import_surface(folder, name))
+        .map_err(|e| Failure::Input(format!("{file}: {e}")))?;
     if read.name.is_empty() {
         read.name = file;
     }
     Ok(read)
+}
+
+/// How the remark on imported surfaces begins.
+pub(super) const INVERSE_CRIME: &str = "inverse crime";
+
+/// What every output says of contacts made on an imported surface.
+pub(super) fn remark(truth: &Truth) -> Option<String> {
+    let label = truth.inverse_crime()?;
+    Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
 }

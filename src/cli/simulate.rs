@@ -1,5 +1,6 @@
 //! `palpate simulate SCENE -o F`: the contacts of a scene and nothing else; `--explain`: what the scene consists of.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -37,6 +38,8 @@ struct SimulateDocument<'a> {
     seed: u64,
     contacts: usize,
     files: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<&'a str>,
 }
 
 pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
@@ -53,20 +56,26 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
         let text = explain::table(&simulator, &stage_times(&simulator, scene.seed));
         print(&mut |out| out.write_all(text.as_bytes()))?;
     }
-    let (contacts, _) = simulator.simulate(scene.seed, 0);
+    let (contacts, truth) = simulator.into_contacts(scene.seed, 0);
+    let remark = scene::remark(&truth);
+    let remark = remark.as_deref();
     let mut files = Vec::new();
     if let (Some(to), Some(format)) = (&args.to, format) {
-        write_atomically(to, &mut |out| write_contacts(&contacts, format, out))?;
+        write_atomically(to, &mut |out| write_contacts(&contacts, format, remark, out))?;
         files.push(to.display().to_string());
     }
     if let Some(directory) = &args.output.out {
-        args.output.file("contacts.csv", &mut |out| write_contacts(&contacts, ContactFormat::Csv, out))?;
+        args.output.file("contacts.csv", &mut |out| write_contacts(&contacts, ContactFormat::Csv, remark, out))?;
         files.push(directory.join("contacts.csv").display().to_string());
     }
     if args.output.json {
         let (schema, contacts, seed) = ("palpate.simulate/1", contacts.len(), scene.seed);
-        let document = SimulateDocument { schema, scene: &scene.name, seed, contacts, files };
+        let document = SimulateDocument { schema, scene: &scene.name, seed, contacts, files, note: remark };
         return print(&mut |out| write_json(&document, out));
+    }
+    if let (Some(remark), false) = (remark, args.output.quiet) {
+        // standard output may be the contacts themselves
+        let _ = writeln!(std::io::stderr(), "palpate: {remark}");
     }
     if !args.output.quiet && !to_stdout {
         return print(&mut |out| {

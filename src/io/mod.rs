@@ -12,6 +12,7 @@ mod atomic;
 mod columns;
 mod csv;
 mod error;
+mod imported;
 mod npy;
 mod npz;
 mod place;
@@ -29,6 +30,7 @@ use columns::Need;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use error::IoError;
+pub use imported::import_surface;
 pub use place::{Place, Places};
 pub use surface_file::{FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes};
 pub use write::{ContactFormat, write_contacts};

@@ -188,10 +188,15 @@ fn read_array(member: &mut impl Read, promised: u64) -> Result<Array, String> {
 }
 
 /// Writes contacts as 1-D arrays of float64 (labels too, so that every array has one type).
-pub(super) fn write(contacts: &Contacts, out: impl Write + Seek) -> std::io::Result<()> {
+pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: impl Write + Seek) -> std::io::Result<()> {
     let mut npz = NpzWriter::new(out);
     for (column, values) in columns_of(contacts) {
         npz.add_array(column.name(), &ndarray::ArrayView1::from(&values[..])).map_err(std::io::Error::other)?;
+    }
+    if let Some(remark) = remark {
+        let name: Vec<&str> = remark.split(':').next().unwrap_or(remark).split_whitespace().collect();
+        let ones = ndarray::Array1::<f64>::ones(contacts.len());
+        npz.add_array(name.join("_"), &ones).map_err(std::io::Error::other)?;
     }
     npz.finish().map(drop).map_err(std::io::Error::other)
 }

@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Vertex>::new();
-    let header = parser.read_header(&mut reader).map_err(|e| wrong(one_line(&e.to_string())))?;
+    let header = parser.read_header(&mut reader).map_err(|e| wrong(super::write::one_line(&e.to_string())))?;
     let header_lines = reader.line();
     let payload: &[u8] = reader.get_ref();
     check_header(&bytes[..bytes.len() - payload.len()], &header, payload.len() as u64).map_err(wrong)?;
@@ -143,7 +143,9 @@ fn read_binary(
     mut columns: Columns,
 ) -> Result<Columns, String> {
     for (name, element) in &header.elements {
-        let rows = parser.read_payload_for_element(reader, element, header).map_err(|e| one_line(&e.to_string()))?;
+        let rows = parser
+            .read_payload_for_element(reader, element, header)
+            .map_err(|e| super::write::one_line(&e.to_string()))?;
         if name == "vertex" {
             for column in COLUMNS {
                 if let Some(values) = columns.get_mut(column) {
@@ -220,12 +222,8 @@ fn read_ascii_vertex(
     Ok(())
 }
 
-fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 /// Writes contacts as binary little-endian PLY, `double` throughout.
-pub(super) fn write(contacts: &Contacts, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: &mut dyn Write) -> std::io::Result<()> {
     let columns = columns_of(contacts);
     let mut vertex = ElementDef::new("vertex".into());
     vertex.count = contacts.len();
@@ -235,6 +233,7 @@ pub(super) fn write(contacts: &Contacts, out: &mut dyn Write) -> std::io::Result
     let mut ply = Ply::<DefaultElement>::new();
     ply.header.encoding = Encoding::BinaryLittleEndian;
     ply.header.comments.push("contacts of palpate".into());
+    ply.header.comments.extend(remark.map(super::write::one_line));
     ply.header.elements.add(vertex);
     let mut bytes = Vec::new();
     Writer::<DefaultElement>::new().write_header(&mut bytes, &ply.header)?;

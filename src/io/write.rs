@@ -37,21 +37,32 @@ impl ContactFormat {
     }
 }
 
-/// Writes contacts in one format.
+/// Writes contacts in one format. A `remark` goes where the format has room for one: a comment in CSV and PLY, in NPZ
+/// an array of ones named after its first words (`inverse_crime`).
 ///
 /// # Errors
 /// What the system says.
-pub fn write_contacts(contacts: &Contacts, format: ContactFormat, out: &mut dyn Write) -> std::io::Result<()> {
+pub fn write_contacts(
+    contacts: &Contacts,
+    format: ContactFormat,
+    remark: Option<&str>,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut out = BufWriter::new(out);
     match format {
-        ContactFormat::Csv => csv::write(contacts, &mut out)?,
-        ContactFormat::Ply => ply::write(contacts, &mut out)?,
+        ContactFormat::Csv => csv::write(contacts, remark, &mut out)?,
+        ContactFormat::Ply => ply::write(contacts, remark, &mut out)?,
         ContactFormat::Npz => {
             // zip needs to seek, which a pipe cannot
             let mut whole = Cursor::new(Vec::new());
-            npz::write(contacts, &mut whole)?;
+            npz::write(contacts, remark, &mut whole)?;
             out.write_all(whole.get_ref())?;
         }
     }
     out.flush()
+}
+
+/// Without line ends, which would end a comment.
+pub(super) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

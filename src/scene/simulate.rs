@@ -10,7 +10,7 @@
 
 use super::effects::{Context, Effect, Stage};
 use super::surface::{Surface, SurfacePoint};
-use super::sweep::Site;
+use super::sweep::{Site, Sweep, Touched};
 use super::truth::Truth;
 use super::{SceneError, World};
 use crate::contact::Contacts;
@@ -121,13 +121,9 @@ impl Block {
 #[derive(Debug)]
 pub struct Simulator {
     surface: Surface,
-    sites: Vec<Site>,
-    touched: Vec<SurfacePoint>,
-    fingers: Vec<u32>,
-    stations: Vec<u32>,
+    sweeps: Vec<Sweep>,
+    touched: Touched,
     stages: Vec<Box<dyn Stage>>,
-    reachable: usize,
-    total: usize,
 }
 
 impl World {
@@ -137,29 +133,19 @@ impl World {
     /// Whatever cannot be, with the numbers that clash.
     pub fn compile(&self) -> Result<Simulator, SceneError> {
         self.surface.check()?;
-        let mut sites = Vec::new();
-        let (mut reachable, mut total, mut fingers) = (0, 0, 0);
         if self.sweeps.is_empty() {
             return Err(SceneError::List { key: "sweep".into(), expected: "a scene needs a sweep" });
         }
+        let mut touched = Touched::default();
+        let mut fingers = 0;
         for sweep in &self.sweeps {
-            let touched = sweep.touch(&self.surface, fingers)?;
+            sweep.touch(&self.surface, fingers, &mut touched)?;
             fingers += sweep.fingers.len() as u32;
-            reachable += touched.reachable;
-            total += touched.total;
-            sites.extend(touched.sites);
         }
+        // only an effect asks where a tip came from; a scene without one does not pay for the answer
+        let sites = if self.effects.is_empty() { Vec::new() } else { sites(&self.sweeps, &touched) };
         let stages = self.prepare(&sites)?;
-        Ok(Simulator {
-            surface: self.surface.clone(),
-            touched: sites.iter().map(|site| site.touch).collect(),
-            fingers: sites.iter().map(|site| site.finger).collect(),
-            stations: sites.iter().map(|site| site.station).collect(),
-            sites,
-            stages,
-            reachable,
-            total,
-        })
+        Ok(Simulator { surface: self.surface.clone(), sweeps: self.sweeps.clone(), touched, stages })
     }
 
     fn prepare(&self, sites: &[Site]) -> Result<Vec<Box<dyn Stage>>, SceneError> {
@@ -206,6 +192,17 @@ impl Simulator {
         self.contacts_of(&block, 0)
     }
 
+    /// The same for a caller who wants one replicate only: the touched points become the truth instead of being
+    /// copied, so that a scene without effects costs what its surface costs.
+    pub fn into_contacts(self, seed: u64, replicate: u64) -> (Contacts, Truth) {
+        if !self.stages.is_empty() {
+            return self.simulate(seed, replicate);
+        }
+        let columns = columns(&self.touched.points);
+        let contacts = labelled(columns, self.touched.fingers, self.touched.stations);
+        (contacts, Truth::new(self.touched.points, self.surface))
+    }
+
     /// Replicates `first .. first + lanes` at once, into a block whose memory is used again.
     pub fn simulate_block(&self, seed: u64, first_replicate: u64, lanes: usize, block: &mut Block) {
         self.untouched_block(first_replicate, lanes, block);
@@ -216,7 +213,7 @@ impl Simulator {
 
     /// The same replicates before any stage, for a caller who runs stages one by one.
     pub fn untouched_block(&self, first_replicate: u64, lanes: usize, block: &mut Block) {
-        block.start(&self.touched, first_replicate, lanes);
+        block.start(&self.touched.points, first_replicate, lanes);
     }
 
     /// The contacts and truth of one replicate of a block.
@@ -225,44 +222,39 @@ impl Simulator {
     /// When `lane` is not below the block's lanes.
     pub fn contacts_of(&self, block: &Block, lane: usize) -> (Contacts, Truth) {
         assert!(lane < block.lanes, "lane {lane} of a block with {} lanes", block.lanes);
-        let kept: Vec<usize> = (0..self.touched.len()).filter(|contact| !block.is_lost(*contact, lane)).collect();
+        let touched = &self.touched;
+        let kept: Vec<usize> = (0..touched.points.len()).filter(|contact| !block.is_lost(*contact, lane)).collect();
         let column = |values: &[[f64; 3]], axis: usize| -> Vec<f64> {
             kept.iter().map(|contact| values[contact * block.lanes + lane][axis]).collect()
         };
-        let mut contacts =
-            Contacts::from_positions(column(&block.points, 0), column(&block.points, 1), column(&block.points, 2))
-                .with_normals(column(&block.normals, 0), column(&block.normals, 1), column(&block.normals, 2));
-        contacts.finger = Some(kept.iter().map(|contact| self.fingers[*contact]).collect());
-        contacts.station = Some(kept.iter().map(|contact| self.stations[*contact]).collect());
-        let points = kept.iter().map(|contact| self.touched[*contact]).collect();
+        let axes = [0, 1, 2];
+        let [x, y, z] = axes.map(|axis| column(&block.points, axis));
+        let [nx, ny, nz] = axes.map(|axis| column(&block.normals, axis));
+        let label = |labels: &[u32]| kept.iter().map(|contact| labels[*contact]).collect();
+        let contacts = labelled([x, y, z, nx, ny, nz], label(&touched.fingers), label(&touched.stations));
+        let points = kept.iter().map(|contact| touched.points[*contact]).collect();
         (contacts, Truth::new(points, self.surface.clone()))
     }
 
     /// The contacts without any effect.
     pub fn noise_free(&self) -> Contacts {
-        let point = |axis: usize| self.touched.iter().map(|touch| touch.point[axis]).collect();
-        let normal = |axis: usize| self.touched.iter().map(|touch| touch.local.normal[axis]).collect();
-        let mut contacts =
-            Contacts::from_positions(point(0), point(1), point(2)).with_normals(normal(0), normal(1), normal(2));
-        contacts.finger = Some(self.fingers.clone());
-        contacts.station = Some(self.stations.clone());
-        contacts
+        labelled(columns(&self.touched.points), self.touched.fingers.clone(), self.touched.stations.clone())
     }
 
     /// The truth of all nominal contacts.
     pub fn truth(&self) -> Truth {
-        Truth::new(self.touched.clone(), self.surface.clone())
+        Truth::new(self.touched.points.clone(), self.surface.clone())
     }
 
     /// The touches to be made.
-    pub fn sites(&self) -> &[Site] {
-        &self.sites
+    pub fn sites(&self) -> Vec<Site> {
+        sites(&self.sweeps, &self.touched)
     }
 
     /// `[x0, x1, y0, y1]` of the noise-free contacts: the domain that a study fixes.
     pub fn patch(&self) -> [f64; 4] {
         let mut patch = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-        for touch in &self.touched {
+        for touch in &self.touched.points {
             let [x, y, _] = touch.point;
             patch = [patch[0].min(x), patch[1].max(x), patch[2].min(y), patch[3].max(y)];
         }
@@ -281,10 +273,45 @@ impl Simulator {
 
     /// Sites within reach, and sites asked for.
     pub fn reach(&self) -> (usize, usize) {
-        (self.reachable, self.total)
+        (self.touched.reachable, self.touched.total)
     }
 
     pub(crate) fn stages(&self) -> &[Box<dyn Stage>] {
         &self.stages
     }
+}
+
+/// Every touch with its aim, sweep by sweep.
+fn sites(sweeps: &[Sweep], touched: &Touched) -> Vec<Site> {
+    let mut first_of = Vec::new();
+    for (sweep, fingers) in sweeps.iter().enumerate() {
+        let first = first_of.len() as u32;
+        first_of.extend(std::iter::repeat_n((sweep, first), fingers.fingers.len()));
+    }
+    let labels = touched.fingers.iter().zip(&touched.stations);
+    let site = |((finger, station), touch): ((&u32, &u32), &SurfacePoint)| {
+        let (sweep, first) = first_of[*finger as usize];
+        sweeps[sweep].site(first, *finger, *station, *touch)
+    };
+    labels.zip(&touched.points).map(site).collect()
+}
+
+/// Touched points as columns x, y, z, nx, ny, nz.
+fn columns(touched: &[SurfacePoint]) -> [Vec<f64>; 6] {
+    let mut columns: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; touched.len()]);
+    let [x, y, z, nx, ny, nz] = &mut columns;
+    // one pass: the points are read from memory once
+    let points = x.iter_mut().zip(y).zip(z).zip(nx).zip(ny).zip(nz);
+    for (touch, (((((x, y), z), nx), ny), nz)) in touched.iter().zip(points) {
+        [*x, *y, *z] = touch.point;
+        [*nx, *ny, *nz] = touch.local.normal;
+    }
+    columns
+}
+
+fn labelled([x, y, z, nx, ny, nz]: [Vec<f64>; 6], fingers: Vec<u32>, stations: Vec<u32>) -> Contacts {
+    let mut contacts = Contacts::from_positions(x, y, z).with_normals(nx, ny, nz);
+    contacts.finger = Some(fingers);
+    contacts.station = Some(stations);
+    contacts
 }

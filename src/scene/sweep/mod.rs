@@ -97,38 +97,51 @@ impl Sweep {
         not_negative("sweep.tip_radius", self.tip_radius)
     }
 
-    fn aims(&self) -> impl Iterator<Item = (u32, u32, f64, [f64; 2], [f64; 2])> + '_ {
+    /// `[sin, cos]` of the sweep's angle.
+    fn turn(&self) -> [f64; 2] {
         let (sin, cos) = sin_cos_deg(self.angle_deg);
-        let direction = [-sin, cos];
-        self.fingers.iter().enumerate().flat_map(move |(finger, &across)| {
-            self.stations.iter().enumerate().map(move |(station, &along)| {
-                let aim =
-                    [self.centre[0] + (across * cos - along * sin), self.centre[1] + (across * sin + along * cos)];
-                (finger as u32, station as u32, along, aim, direction)
-            })
-        })
+        [sin, cos]
     }
 
-    /// Touches the surface at every site.
+    /// Where the tip's centre comes down.
+    #[inline]
+    fn aim(&self, [sin, cos]: [f64; 2], across: f64, along: f64) -> [f64; 2] {
+        [self.centre[0] + (across * cos - along * sin), self.centre[1] + (across * sin + along * cos)]
+    }
+
+    /// One touch with all that an effect may ask of it; `finger` and `first_finger` are counted over all sweeps.
+    pub(crate) fn site(&self, first_finger: u32, finger: u32, station: u32, touch: SurfacePoint) -> Site {
+        let [sin, cos] = self.turn();
+        let along = self.stations[station as usize];
+        let aim = self.aim([sin, cos], self.fingers[(finger - first_finger) as usize], along);
+        Site { finger, station, aim, direction: [-sin, cos], along, touch }
+    }
+
+    /// Touches the surface at every site and adds what was touched.
     ///
     /// # Errors
     /// Numbers out of range; a site off the surface, unless those are skipped (then: when none is left).
-    pub(crate) fn touch(&self, surface: &Surface, first_finger: u32) -> Result<Touched, SceneError> {
+    pub(crate) fn touch(&self, surface: &Surface, first_finger: u32, into: &mut Touched) -> Result<(), SceneError> {
         self.check()?;
         let total = self.fingers.len() * self.stations.len();
-        let mut sites = Vec::with_capacity(total * self.repeats);
+        into.reserve(total * self.repeats);
+        let turn = self.turn();
         let mut missed = None;
         let mut reachable = 0;
-        for (finger, station, along, aim, direction) in self.aims() {
-            match contact(surface, aim, self.tip_radius) {
-                Some(touch) => {
-                    reachable += 1;
-                    let site = Site { finger: first_finger + finger, station, aim, direction, along, touch };
-                    sites.extend(std::iter::repeat_n(site, self.repeats));
+        for (finger, &across) in self.fingers.iter().enumerate() {
+            for (station, &along) in self.stations.iter().enumerate() {
+                let aim = self.aim(turn, across, along);
+                match contact(surface, aim, self.tip_radius) {
+                    Some(touch) => {
+                        reachable += 1;
+                        into.add(touch, first_finger + finger as u32, station as u32, self.repeats);
+                    }
+                    None => missed = missed.or(Some((finger as u32, station as u32, aim))),
                 }
-                None => missed = missed.or(Some((finger, station, aim))),
             }
         }
+        into.reachable += reachable;
+        into.total += total;
         match missed {
             Some((finger, station, [x, y])) if !self.skip_unreachable || reachable == 0 => {
                 let hint = surface.needed(x, y).map_or(String::new(), |(name, needed)| {
@@ -137,16 +150,36 @@ impl Sweep {
                 let kind = surface.body.kind();
                 Err(SceneError::Unreachable { finger, station, x, y, kind, hint, reachable, total })
             }
-            _ => Ok(Touched { sites, reachable, total }),
+            _ => Ok(()),
         }
     }
 }
 
-/// A sweep's sites and how many of those asked for they are.
+/// What the sweeps touched, touch by touch, and how many of the sites asked for they reached.
+#[derive(Debug, Default)]
 pub(crate) struct Touched {
-    pub sites: Vec<Site>,
+    pub points: Vec<SurfacePoint>,
+    pub fingers: Vec<u32>,
+    pub stations: Vec<u32>,
     pub reachable: usize,
     pub total: usize,
+}
+
+impl Touched {
+    fn reserve(&mut self, more: usize) {
+        self.points.reserve(more);
+        self.fingers.reserve(more);
+        self.stations.reserve(more);
+    }
+
+    #[inline]
+    fn add(&mut self, touch: SurfacePoint, finger: u32, station: u32, repeats: usize) {
+        for _ in 0..repeats {
+            self.points.push(touch);
+            self.fingers.push(finger);
+            self.stations.push(station);
+        }
+    }
 }
 
 /// Where a tip of this radius that comes down over `aim` touches first.
@@ -160,29 +193,36 @@ mod tests {
     use super::*;
     use crate::scene::surface::{Body, Sphere};
 
+    fn touched(sweep: &Sweep, surface: &Surface) -> Result<Touched, SceneError> {
+        let mut touched = Touched::default();
+        sweep.touch(surface, 0, &mut touched).map(|()| touched)
+    }
+
     #[test]
     fn order_is_finger_then_station_then_repeat_and_both_ends_are_met() {
         let mut sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6));
         sweep.repeats = 2;
-        let touched = sweep.touch(&Surface::new(Body::Plane, 0.0), 0).unwrap();
-        assert_eq!(touched.sites.len(), 36);
-        let labels: Vec<_> = touched.sites[..5].iter().map(|s| (s.finger, s.station, s.aim)).collect();
+        let touched = touched(&sweep, &Surface::new(Body::Plane, 0.0)).unwrap();
+        assert_eq!(touched.points.len(), 36);
+        let sites: Vec<_> =
+            (0..36).map(|i| sweep.site(0, touched.fingers[i], touched.stations[i], touched.points[i])).collect();
+        let labels: Vec<_> = sites.iter().map(|s| (s.finger, s.station, s.aim)).collect();
         assert_eq!(labels[0], (0, 0, [-4.0, -4.0]));
         assert_eq!(labels[1], labels[0]);
         assert_eq!(labels[2].1, 1);
-        assert_eq!(touched.sites[35].aim, [4.0, 4.0]);
+        assert_eq!(sites[35].aim, [4.0, 4.0]);
     }
 
     #[test]
     fn a_ball_too_small_for_the_patch_is_refused_with_the_size_it_needs() {
         let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
         let small = Surface::new(Body::Sphere(Sphere { radius: 5.5 }), 0.0);
-        let error = sweep.touch(&small, 0).err().unwrap();
+        let error = touched(&sweep, &small).err().unwrap();
         assert!(matches!(error, SceneError::Unreachable { finger: 0, station: 0, reachable: 23, total: 27, .. }));
         assert!(error.to_string().contains("5.656854"), "{error}");
         let skipping = Sweep { skip_unreachable: true, ..sweep.clone() };
-        assert_eq!(skipping.touch(&small, 0).unwrap().sites.len(), 23);
+        assert_eq!(touched(&skipping, &small).unwrap().points.len(), 23);
         let large = Surface::new(Body::Sphere(Sphere { radius: 5.7 }), 0.0);
-        assert!(sweep.touch(&large, 0).is_ok());
+        assert!(touched(&sweep, &large).is_ok());
     }
 }
