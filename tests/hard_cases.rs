@@ -109,15 +109,11 @@ each_case! {
     degree_nine_heights clustered_ten_thousand_to_one clustered_heights weights_heights_1e12 weights_slopes_1e12
     weights_rows_1e12 weights_blocks_1e12 offset_1e8 offset_1e8_scattered offset_1e8_normals offset_1e8_heights
     scale_1e_minus_9 scale_1e9 aspect_1e6
-    #[ignore = "every coefficient is called unsupported, so S is masked everywhere"]
     slopes_only
-    #[ignore = "every coefficient is called unsupported, so S is masked everywhere"]
     slopes_only_by_row_weights
     contradictory_slopes contradictory_normals random_normals gross_outlier_heights gross_outlier_slope hilbert_axes
     hilbert_even_degree_nine lengths_near_overflow lengths_near_underflow heights_1e100 heights_1e_minus_200
-    #[ignore = "refused: squares of the weights overflow before the columns are equilibrated"]
     weights_1e200
-    #[ignore = "refused: squares of the weights vanish before the columns are equilibrated"]
     weights_1e_minus_200
     nist_longley nist_filippelli_raw nist_filippelli_centred hilbert_rows
 }

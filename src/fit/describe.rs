@@ -240,7 +240,7 @@ fn is_flat(fit: &Fit, local: &ShapeMaps) -> bool {
     }
     let heights = places.iter().enumerate().filter(|(r, _)| measured.z_weight[*r] != 0.0);
     let (_, deviation) = best_plane(heights.map(|(r, p)| [p[0], p[1], measured.z[r]]));
-    let rounding = 100.0 * UNIT * fit.certificate().condition * deviation * scale / side
+    let rounding = 100.0 * UNIT * fit.condition() * deviation * scale / side
         + 4.0 * UNIT * fit.data.largest_height(&fit.patch) / side;
     r * side < rounding
 }

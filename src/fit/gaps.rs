@@ -6,11 +6,14 @@
 //! A_DD c_D = E_D'(b - E_F c_F)
 //! ```
 //!
+//! Without height rows the constant is free as well: one coefficient is pinned, and the mean height set to zero
+//! afterwards, which moves no residual.
+//!
 //! The two are solved in turn; F is held by so little data that a handful of turns settles both.
 
 use super::equations::Equations;
 use super::solver::{Reason, Solution};
-use crate::linalg::StencilMatrix;
+use crate::linalg::{Metric, RowMetric, StencilMatrix, apply_rows};
 use crate::observation::roughness_matrix;
 use crate::solve::Cholesky;
 
@@ -25,6 +28,7 @@ const MAX_TURNS: usize = 40;
 pub struct Free {
     flags: Vec<bool>,
     count: usize,
+    pinned: Option<usize>,
 }
 
 /// Finds columns without data or held by a thread; with a roughness penalty every column is held.
@@ -41,33 +45,48 @@ pub fn find(matrix: &StencilMatrix, penalised: bool) -> Free {
     let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     let flags: Vec<bool> = diagonal.iter().map(|d| *d < THREAD * THREAD * median).collect();
     let count = flags.iter().filter(|f| **f).count();
-    if count == 0 { Free::default() } else { Free { flags, count } }
+    if count == 0 { Free::default() } else { Free { flags, count, pinned: None } }
 }
 
 impl Free {
-    /// Number of free unknowns.
+    /// The same with the constant held still: the best determined coefficient that is not free is pinned to zero.
+    pub fn pin_constant(mut self, matrix: &StencilMatrix) -> Free {
+        let diagonal = matrix.diagonal();
+        self.flags.resize(diagonal.len(), false);
+        let held = (0..diagonal.len()).filter(|&u| !self.flags[u]);
+        self.pinned = held.max_by(|&a, &b| diagonal[a].total_cmp(&diagonal[b]));
+        self
+    }
+
+    /// Number of unknowns that no data hold.
     pub fn len(&self) -> usize {
-        self.count
+        self.count + usize::from(self.pinned.is_some())
     }
 
     /// Every unknown is held.
     pub fn is_empty(&self) -> bool {
-        self.count == 0
+        self.len() == 0
     }
 
-    /// Their numbers.
+    /// The coefficient pinned to zero in place of the constant.
+    pub fn pinned(&self) -> Option<usize> {
+        self.pinned
+    }
+
+    /// Numbers of the free unknowns; the pinned one is as well determined as the others, up to the constant.
     pub fn list(&self) -> Vec<usize> {
         (0..self.flags.len()).filter(|&u| self.flags[u]).collect()
     }
 
-    /// Sets the entries of free unknowns to zero.
+    /// Sets the entries of free and pinned unknowns to zero.
     pub fn clear(&self, v: &mut [f64]) {
-        self.flags.iter().zip(v).filter(|(free, _)| **free).for_each(|(_, w)| *w = 0.0);
+        self.flags.iter().zip(&mut *v).filter(|(free, _)| **free).for_each(|(_, w)| *w = 0.0);
+        self.pinned.iter().for_each(|&u| v[u] = 0.0);
     }
 
-    /// The matrix with free rows and columns replaced by those of the identity; `None` when nothing is free.
+    /// The matrix with free and pinned rows and columns replaced by those of the identity; `None` when there are none.
     pub fn mask(&self, matrix: &StencilMatrix) -> Option<StencilMatrix> {
-        (!self.is_empty()).then(|| masked(matrix, |u| self.flags[u]))
+        (!self.is_empty()).then(|| masked(matrix, |u| self.flags[u] || self.pinned == Some(u)))
     }
 }
 
@@ -83,13 +102,14 @@ fn masked(matrix: &StencilMatrix, out: impl Fn(usize) -> bool) -> StencilMatrix 
 
 /// Solves for the held unknowns by `solution.factor` (of the masked matrix) and for the free ones by roughness, in turn.
 pub fn complete_by_turns(equations: &Equations, solution: &mut Solution, free: &Free) {
-    if free.is_empty() {
+    if free.count == 0 {
         let mut c = equations.transposed(&equations.targets);
+        free.clear(&mut c);
         solution.factor.solve(&mut c);
         solution.coefficients = c;
         return;
     }
-    solution.reasons.push(Reason::Gap { coefficients: free.len() });
+    solution.reasons.push(Reason::Gap { coefficients: free.count });
     let penalty = roughness_matrix(&equations.sites.knots());
     let held_out = masked(&penalty, |u| !free.flags[u]);
     let Ok(mut smooth) = Cholesky::plan(penalty.shape()) else { return };
@@ -159,4 +179,18 @@ pub fn smooth_along(penalty: &StencilMatrix, directions: &[Vec<f64>], c: &mut [f
             c.iter_mut().zip(direction).for_each(|(c, z)| *c += step * z);
         }
     }
+}
+
+/// Moves the surface up or down until its mean height over the data's sites is zero.
+pub fn level(equations: &Equations, c: &mut [f64]) {
+    let mut rows = Vec::new();
+    let heights = Metric::Uniform(RowMetric { z: 1.0, ..RowMetric::default() });
+    apply_rows(&equations.sites, &heights, c, &mut rows);
+    let counts = |r: usize| {
+        let m = equations.metric.at(r);
+        m.a != 0.0 || m.d != 0.0
+    };
+    let met: Vec<f64> = (0..rows.len()).filter(|&r| counts(r)).map(|r| rows[r][0]).collect();
+    let mean = met.iter().sum::<f64>() / met.len().max(1) as f64;
+    c.iter_mut().for_each(|c| *c -= mean);
 }

@@ -16,6 +16,9 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
     let name = if method == Method::Kronecker { "kronecker" } else { "pcg" };
     let refuse = |why| Err(FitError::Method { method: name, why });
     let Observed::Gridded(sites) = &equations.sites else { return refuse("needs a grid") };
+    if free.pinned().is_some() {
+        return refuse("needs heights: without them use --method auto");
+    }
     if !free.is_empty() {
         return refuse("needs data under every coefficient: this grid has gaps, use --method auto");
     }
@@ -40,6 +43,7 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
         reasons: vec![Reason::Requested, why],
         rank: order,
         unsupported: Vec::new(),
+        pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
     };

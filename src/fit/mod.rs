@@ -29,6 +29,7 @@
 //! ```
 
 mod axes;
+mod backward;
 mod certificate;
 mod data;
 mod describe;
@@ -75,6 +76,7 @@ pub struct Fit {
     pub(crate) surface: HeightField,
     pub(crate) fitted: rows::Fitted,
     pub(crate) data: Data,
+    condition: OnceLock<f64>,
     certificate: OnceLock<Certificate>,
     shape: OnceLock<Shape>,
 }
@@ -111,6 +113,7 @@ fn fit_data(patch: Patch, data: Data, options: &FitOptions) -> Result<Fit, FitEr
         surface,
         fitted,
         data,
+        condition: OnceLock::new(),
         certificate: OnceLock::new(),
         shape: OnceLock::new(),
     })
@@ -173,7 +176,12 @@ impl Fit {
         &self.fitted.notes
     }
 
-    /// How far to trust the numbers; computed on first access.
+    /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.
+    pub fn condition(&self) -> f64 {
+        *self.condition.get_or_init(|| self.fitted.solution.factor.condition())
+    }
+
+    /// How far to trust the numbers; computed on first access (with the shape, whose digits it promises).
     pub fn certificate(&self) -> &Certificate {
         self.certificate.get_or_init(|| certificate::certify(self))
     }

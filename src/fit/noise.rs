@@ -9,7 +9,7 @@
 
 use super::equations::{Block, Equations, data_normal_matrix, only};
 use super::normals::Levels;
-use super::solver::{Factor, Solution};
+use super::solver::Solution;
 use super::{FitError, Note};
 use crate::linalg::{Sites, StencilMatrix};
 
@@ -37,30 +37,31 @@ pub struct Trial {
 /// Traces of both blocks' hat matrices.
 pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
     let heights = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Heights));
-    let of_heights = trace(&solution.factor, &heights, &solution.unsupported);
+    let of_heights = trace(solution, &heights);
     if equations.roughness.is_none() {
         return [of_heights, solution.rank as f64 - of_heights];
     }
     let slopes = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Slopes));
-    [of_heights, trace(&solution.factor, &slopes, &solution.unsupported)]
+    [of_heights, trace(solution, &slopes)]
 }
 
 /// `trace(A^-1 B)`.
-fn trace(factor: &Factor, b: &StencilMatrix, unsupported: &[usize]) -> f64 {
+fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
+    let free = |u: usize| solution.unsupported.binary_search(&u).is_ok() || solution.pinned == Some(u);
     let order = b.order();
     let mut product = vec![0.0; order];
     let mut probe = vec![0.0; order];
     if order <= EXACT_TRACE {
         let mut sum = 0.0;
         for u in 0..order {
-            if unsupported.binary_search(&u).is_ok() {
+            if free(u) {
                 continue;
             }
             probe.fill(0.0);
             probe[u] = 1.0;
             b.multiply(&probe, &mut product);
-            unsupported.iter().for_each(|&f| product[f] = 0.0);
-            factor.solve(&mut product);
+            solution.clear_free(&mut product);
+            solution.factor.solve(&mut product);
             sum += product[u];
         }
         return sum;
@@ -72,11 +73,11 @@ fn trace(factor: &Factor, b: &StencilMatrix, unsupported: &[usize]) -> f64 {
         for (u, p) in probe.iter_mut().enumerate() {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let sign = if state >> 63 == 0 { 1.0 } else { -1.0 };
-            *p = if unsupported.binary_search(&u).is_ok() { 0.0 } else { sign };
+            *p = if free(u) { 0.0 } else { sign };
         }
         b.multiply(&probe, &mut product);
-        unsupported.iter().for_each(|&f| product[f] = 0.0);
-        factor.solve(&mut product);
+        solution.clear_free(&mut product);
+        solution.factor.solve(&mut product);
         sum += probe.iter().zip(&product).map(|(p, v)| p * v).sum::<f64>();
     }
     sum / PROBES as f64

@@ -2,7 +2,7 @@
 //!
 //! One length scales all three axes: half the larger side of the domain, so that presets mean what they say.
 
-use super::{FitError, FitOptions, FrameChoice};
+use super::{FitError, FitOptions, FrameChoice, Objective, SlopeWeights};
 use crate::bspline::Knots;
 use crate::contact::{Contacts, Frame, Grid, Orientation};
 use crate::linalg::{Site, Sites, TensorShape};
@@ -68,7 +68,9 @@ pub fn place_contacts(contacts: &Contacts, options: &FitOptions) -> Result<(Patc
     contacts.check()?;
     let axes = choose_axes(contacts, options)?;
     let turned = turn(contacts, &axes);
-    let patch = lay_out(&turned.x, &turned.y, middle(&turned.z), axes, options)?;
+    // without height rows the mean height is zero in the user's frame too
+    let height = if heights_count(contacts, options) { middle(&turned.z) } else { 0.0 };
+    let patch = lay_out(&turned.x, &turned.y, height, axes, options)?;
     check_inside(&turned, options)?;
     check_not_collinear(&turned)?;
     let local = shift(turned, &patch.frame);
@@ -92,6 +94,11 @@ pub fn place_grid(grid: &Grid, options: &FitOptions) -> Result<Patch, FitError> 
     }
     let finite: Vec<f64> = grid.z.iter().copied().filter(|z| z.is_finite()).collect();
     lay_out(&[x0, x1], &[y0, y1], middle(&finite), Frame::IDENTITY.axes, options)
+}
+
+fn heights_count(contacts: &Contacts, options: &FitOptions) -> bool {
+    let block = !matches!(options.objective, Objective::Slopes(SlopeWeights::Explicit([0.0, ..])));
+    block && contacts.weights.z.as_ref().is_none_or(|weights| weights.iter().any(|w| *w != 0.0))
 }
 
 /// Mean height: "z measured from the patch".

@@ -9,7 +9,7 @@ use super::noise::{Trial, hat_traces, variance_components};
 use super::normals::{Levels, NormalProblem};
 use super::solver::{self, Solution};
 use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
-use crate::linalg::{Sites, StencilMatrix};
+use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix};
 use crate::observation::{angular_residual_squared, roughness_matrix};
 
 /// What the rows were weighted by.
@@ -223,9 +223,15 @@ fn fit_slopes(
     roughness: Option<(f64, StencilMatrix)>,
 ) -> Result<Fitted, FitError> {
     let scale = patch.frame.scale;
+    let unit = std::cell::Cell::new(1.0);
     let trial_at = |block: [f64; 3]| -> Result<Trial, FitError> {
-        let (metric, targets) = data.slope_rows(block);
-        let equations = Equations { sites: sites.clone(), metric, targets, roughness: roughness.clone() };
+        let (mut metric, mut targets) = data.slope_rows(block);
+        unit.set(balance(&metric));
+        if unit.get() != 1.0 {
+            (metric, targets) = data.slope_rows(block.map(|w| w * unit.get()));
+        }
+        let roughness = roughness.clone().map(|(lambda, p)| (lambda * unit.get() * unit.get(), p));
+        let equations = Equations { sites: sites.clone(), metric, targets, roughness };
         too_few(&equations)?;
         let solution = solver::solve(&equations, method)?;
         let squares = block_squares(&equations.residuals(&solution.coefficients));
@@ -244,7 +250,9 @@ fn fit_slopes(
     let weights_used =
         levels.map_or([block[0] / scale, block[1], block[2]], |l| [1.0 / (l.z * scale), 1.0 / l.slope, 1.0 / l.slope]);
     let [heights, slopes] = trial.equations.metric.row_counts(sites.len());
-    let sd = |variance: f64, weight: f64, rows: usize| (rows > 0 && weight > 0.0).then(|| variance.sqrt() / weight);
+    let sd = |variance: f64, weight: f64, rows: usize| {
+        (rows > 0 && weight > 0.0).then(|| variance.sqrt() / unit.get() / weight)
+    };
     if heights == 0 {
         notes.push(Note::SlopesOnly);
     }
@@ -257,6 +265,24 @@ fn fit_slopes(
         block_variance,
     };
     Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes })
+}
+
+/// Weights beyond this (or below its inverse) have squares near overflow (or underflow).
+const EXTREME: f64 = 1e100;
+
+/// The power of two that brings extreme weights near one; 1 for all others, whose bits it leaves alone. Weights say
+/// what counts more, so that a common factor changes nothing.
+fn balance(metric: &Metric) -> f64 {
+    let of = |m: &RowMetric| m.z.abs().max(m.a.abs()).max(m.d.abs());
+    let largest = match metric {
+        Metric::Uniform(m) => of(m),
+        Metric::PerSite(all) => all.iter().fold(0.0_f64, |most, m| most.max(of(m))),
+    };
+    if largest == 0.0 || !largest.is_finite() || (1.0 / EXTREME..EXTREME).contains(&largest) {
+        1.0
+    } else {
+        (-largest.log2().round()).exp2()
+    }
 }
 
 /// Variance of the weighted rows of each block, from its residuals and its share of the unknowns.

@@ -96,6 +96,8 @@ pub enum Reason {
         /// How many.
         coefficients: usize,
     },
+    /// No height rows: the mean height is set to zero.
+    NoHeights,
 }
 
 impl std::fmt::Display for Reason {
@@ -119,6 +121,7 @@ impl std::fmt::Display for Reason {
             Reason::Gap { coefficients } => {
                 write!(f, "{coefficients} coefficients without enough data take least roughness")
             }
+            Reason::NoHeights => write!(f, "no heights: their mean is set to zero"),
         }
     }
 }
@@ -175,16 +178,38 @@ pub struct Solution {
     pub rank: usize,
     /// Coefficients that the data leave free or hold by a thread.
     pub unsupported: Vec<usize>,
+    /// Without height rows: the coefficient that the factor holds in place of the constant.
+    pub pinned: Option<usize>,
     /// Refinement steps taken.
     pub refinements: usize,
     /// Last step's move over the first's: what refinement gained.
     pub refinement_gain: f64,
 }
 
+impl Solution {
+    /// Sets the entries of unknowns that no data hold to zero.
+    pub fn clear_free(&self, v: &mut [f64]) {
+        self.unsupported.iter().chain(&self.pinned).for_each(|&u| v[u] = 0.0);
+    }
+}
+
 /// Solves the problem by the method asked for.
 pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError> {
     let matrix = equations.normal_matrix();
-    let free = gaps::find(&matrix, equations.roughness.is_some());
+    let mut free = gaps::find(&matrix, equations.roughness.is_some());
+    let [heights, _] = equations.metric.row_counts(equations.sites.len());
+    if heights == 0 {
+        free = free.pin_constant(&matrix);
+    }
+    let mut solution = by_method(equations, matrix, free, method)?;
+    if heights == 0 {
+        solution.reasons.push(Reason::NoHeights);
+        gaps::level(equations, &mut solution.coefficients);
+    }
+    Ok(solution)
+}
+
+fn by_method(equations: &Equations, matrix: StencilMatrix, free: Free, method: Method) -> Result<Solution, FitError> {
     match method {
         Method::Kronecker | Method::Pcg => grid::solve(equations, matrix, &free, method),
         Method::Qr => by_qr(equations, &matrix, free, vec![Reason::Requested]),
@@ -237,6 +262,7 @@ fn by_cholesky(
         reasons,
         rank: matrix.order() - free.len(),
         unsupported: free.list(),
+        pinned: free.pinned(),
         refinements: 0,
         refinement_gain: 1.0,
     };
@@ -277,6 +303,7 @@ fn by_qr(
         method: MethodUsed::Qr,
         reasons,
         unsupported: Vec::new(),
+        pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
     };
@@ -307,7 +334,9 @@ fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) ->
     let e = to_csr(&equations.sites, &equations.metric);
     let unknowns = equations.unknowns();
     let live: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
-    let rows = live.len();
+    // the constant, which no slope sees, gets a row of its own: sum of the coefficients zero
+    let constant = free.pinned().is_some();
+    let rows = live.len() + usize::from(constant);
     let mut values = vec![0.0; rows * unknowns];
     let mut rhs = vec![0.0; rows];
     for (k, &r) in live.iter().enumerate() {
@@ -316,6 +345,10 @@ fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) ->
             values[column * rows + k] = *value;
         }
         rhs[k] = equations.targets[r / 3][r % 3];
+    }
+    if constant {
+        let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        (0..unknowns).for_each(|column| values[column * rows + rows - 1] = largest);
     }
     let factor = PivotedQr::of_dense(rows, unknowns, &values, &rhs).map_err(|source| FitError::Solve { source })?;
     let mut coefficients = factor.coefficients();
@@ -339,6 +372,7 @@ fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) ->
         method: MethodUsed::PivotedQr,
         reasons,
         unsupported,
+        pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
     })

@@ -15,7 +15,7 @@ use crate::linalg::{Targets, apply_rows};
 pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
     let fitted = &fit.fitted;
     let mut v = gradient.to_vec();
-    fitted.solution.unsupported.iter().for_each(|&u| v[u] = 0.0);
+    fitted.solution.clear_free(&mut v);
     fitted.solution.factor.solve(&mut v);
     let mut rows = Targets::new();
     apply_rows(&fitted.equations.sites, &fitted.equations.metric, &v, &mut rows);
