@@ -15,6 +15,7 @@ struct Tally {
     refused: usize,
     gaps: usize,
     margins: Vec<f64>,
+    each: [Vec<f64>; 3],
     broken: Vec<(f64, String)>,
 }
 
@@ -33,7 +34,14 @@ pub fn print(count: usize) {
     println!("{count} random problems of full rank against a QR in 32 digits");
     println!("refused {}, answered with gaps {} (not compared)", tally.refused, tally.gaps);
     println!("promises compared {}, broken {}", tally.margins.len(), tally.broken.len());
-    println!("median of found - promised: {:.2}", median(&mut tally.margins));
+    let [c, s, r] = &mut tally.each;
+    println!(
+        "median of found - promised: {:.2} (coefficients {:.2}, S {:.2}, R {:.2})",
+        median(&mut tally.margins),
+        median(c),
+        median(s),
+        median(r)
+    );
     tally.broken.sort_by(|a, b| a.0.total_cmp(&b.0));
     tally.broken.iter().take(SHOWN).for_each(|(_, line)| println!("    {line}"));
 }
@@ -48,8 +56,9 @@ fn compare(number: usize, problem: &RandomProblem, fit: &Fit, tally: &mut Tally)
         ("S", s, promise.shape_index),
         ("R", r, promise.curvedness),
     ];
-    for (what, found, promised) in pairs {
+    for (k, (what, found, promised)) in pairs.into_iter().enumerate() {
         tally.margins.push(found - promised);
+        tally.each[k].push(found - promised);
         if promised > found {
             let certificate = fit.certificate();
             let line = format!(

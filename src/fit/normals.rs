@@ -1,7 +1,8 @@
 //! Normal rows: Gauss-Newton on `sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2`, with step control.
 //!
 //! Each step is the same sparse least squares with new rows. It starts from the heights alone (from slope rows where
-//! they are too few) and stops when no coefficient moves by more than 1e-10 of the largest.
+//! they are too few) and stops when no coefficient moves by more than 1e-10 of the largest; the answer that is handed out
+//! is then polished until rounding moves it, for steps contract linearly and 1e-10 of a move is not 1e-10 of an error.
 
 use super::data::Measured;
 use super::equations::Equations;
@@ -16,6 +17,10 @@ const SETTLED: f64 = 1e-10;
 const MAX_STEPS: usize = 200;
 /// Halvings of one step; 2^-30 of a Gauss-Newton step that does not go down is a stationary point to rounding.
 const MAX_HALVINGS: usize = 30;
+/// Steps of polishing at most: with the extrapolation between them each gains one to four digits of the last six.
+const MAX_POLISH: usize = 8;
+/// A move this small is rounding.
+const POLISHED: f64 = 8.0 * f64::EPSILON;
 /// The start takes slopes from normals no flatter than this, so that nz = 0 does not divide.
 const START_NZ: f64 = 0.05;
 
@@ -37,6 +42,8 @@ pub struct Settled {
     pub solution: Solution,
     /// Steps taken.
     pub steps: usize,
+    /// Move of the last step, relative to the largest coefficient.
+    pub moved: f64,
 }
 
 /// The nonlinear problem at fixed levels.
@@ -74,10 +81,40 @@ impl NormalProblem<'_> {
                 let equations = self.linearised(&current);
                 // one more full step, so that the answer solves the equations that are handed on
                 let solution = solver::solve(&equations, self.method)?;
-                return Ok(Settled { equations, solution, steps });
+                return Ok(Settled { equations, solution, steps, moved });
             }
         }
         Err(FitError::NotSettled { steps: MAX_STEPS, moved })
+    }
+
+    /// Full steps from a settled answer until rounding moves it. Between two of them the contraction `rho` that they show
+    /// is summed up, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
+    pub fn polish(&self, mut settled: Settled) -> Result<Settled, FitError> {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let mut from = settled.solution.coefficients.clone();
+        let mut before: Option<Vec<f64>> = None;
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_POLISH {
+            let equations = self.linearised(&from);
+            let solution = solver::solve(&equations, self.method)?;
+            let step: Vec<f64> = solution.coefficients.iter().zip(&from).map(|(a, b)| a - b).collect();
+            let largest = solution.coefficients.iter().fold(f64::MIN_POSITIVE, |m, c| m.max(c.abs()));
+            let moved = step.iter().fold(0.0_f64, |m, d| m.max(d.abs())) / largest;
+            if moved >= last {
+                break;
+            }
+            last = moved;
+            from = solution.coefficients.clone();
+            settled = Settled { equations, solution, steps: settled.steps + 1, moved };
+            if moved <= POLISHED {
+                break;
+            }
+            let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
+            from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
+            // a step after an extrapolation says nothing of the contraction
+            before = (rho == 0.0).then_some(step);
+        }
+        Ok(settled)
     }
 
     fn line_search(&self, from: &[f64], value: f64, to: &[f64]) -> (Vec<f64>, f64) {

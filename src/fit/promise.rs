@@ -3,17 +3,18 @@
 //! ```text
 //! |D^-1 dc| <= 10 w (kappa + kappa^2 |r| / (|E D| |D^-1 c|)) |D^-1 c|       w backward error, D the columns' inverse norms
 //! |g'dc|    <= |D g| |D^-1 dc|
-//! |g'dc|    <= 2 w (sqrt(g'A^-1 g) | |E||c| + |r| + |b| |_2 + |A^-1 g|' |E|'|r|)     A = E'E, where A^-1 is at hand
+//! |g'dc|    <= v (sqrt(g'A^-1 g) | |E||c| + |r| + |b| |_2 + |A^-1 g|' |E|'|r|)     A = E'E, where A^-1 is at hand;
+//!                                                                                     v = w / (1 - 10 w kappa)
 //! |dS| <= |g'dc| of S's gradient + rounding of the derivatives that S is made of    R likewise, relative
 //! ```
 //!
 //! The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
 //! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, taken in the direction that is asked about instead of the
-//! worst one: on small problems it promises about two digits more, and its factor 2 is for second order only. The
-//! smaller bound is used. Promised digits are `-log10` of the worst bound.
+//! worst one: on small problems it promises about two digits more, and v allows for the second order. The smaller bound
+//! is used. Promised digits are `-log10` of the worst bound.
 
 use super::backward::Backward;
-use super::{Fit, Objective};
+use super::{Fit, MethodUsed};
 use crate::curvature::principal_curvatures;
 use crate::linalg::column_norms_squared;
 use crate::shape::{ShapeGrid, shape_gradient};
@@ -23,18 +24,14 @@ use crate::surface::{HeightField, SurfacePoint};
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
 const ESTIMATOR: f64 = 10.0;
-/// For what a first-order bound leaves out.
-const SECOND_ORDER: f64 = 2.0;
 /// Placing data and knots in the patch frame rounds each of them: no backward error is below this.
 const PLACING: f64 = UNIT;
 /// Derivatives are sums over the tensor basis; each term is rounded about this often.
 const TERM: f64 = 8.0 * UNIT;
-/// Gauss-Newton stops when no coefficient moves by more than this share of the largest.
-const SETTLED: f64 = 1e-10;
 /// Unknowns up to which A^-1 is written out: n^3 multiplications against the fit's g n^2.
 const INVERTED: usize = 100;
-/// Condition up to which A^-1, had by two triangular solves, has digits enough for a bound.
-const INVERTIBLE: f64 = 1e7;
+/// Condition up to which A^-1 has digits enough for a bound: had from Cholesky of the normal matrix, and from R of the rows.
+const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// Decimal digits promised for a fit, as an exact solution of the written problem would have them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,7 +103,8 @@ impl Bound {
         let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
         let error = backward.error.max(PLACING);
         let residual = largest * backward.residual;
-        let settled = if matches!(fit.options().objective, Objective::Slopes(_)) { 0.0 } else { SETTLED };
+        // what a contraction by half leaves after the last step
+        let settled = if fit.fitted.settled > 0.0 { fit.fitted.settled.max(UNIT) } else { 0.0 };
         let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
         let directed = Directed::new(fit, condition, backward, settled);
@@ -130,7 +128,8 @@ impl Directed {
         let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
         let order = equations.unknowns();
         let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
-        if order > INVERTED || !whole || solution.rank < order || condition > INVERTIBLE {
+        let invertible = INVERTIBLE[usize::from(solution.method != MethodUsed::Cholesky)];
+        if order > INVERTED || !whole || solution.rank < order || condition > invertible {
             return None;
         }
         let mut inverse = vec![0.0; order * order];
@@ -139,11 +138,13 @@ impl Directed {
             solution.factor.solve(row);
         }
         let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        Some(Directed {
+        let error = backward.error.max(PLACING);
+        let second_order = 1.0 - ESTIMATOR * error * condition;
+        (second_order > 0.5).then_some(Directed {
             inverse,
             rows: backward.rows,
             columns: backward.columns.clone(),
-            backward: backward.error.max(PLACING),
+            backward: error / second_order,
             settled: settled * largest,
         })
     }
@@ -158,7 +159,7 @@ impl Directed {
         gradient.iter().for_each(|(u, g)| by_rows += g * v[*u]);
         v.iter().zip(&self.columns).for_each(|(v, t)| by_columns += v.abs() * t);
         let left: f64 = gradient.iter().map(|(_, g)| g.abs()).sum();
-        SECOND_ORDER * self.backward * (by_rows.max(0.0).sqrt() * self.rows + by_columns) + self.settled * left
+        self.backward * (by_rows.max(0.0).sqrt() * self.rows + by_columns) + self.settled * left
     }
 }
 

@@ -6,7 +6,7 @@
 use super::data::{Data, Measured};
 use super::equations::{Equations, block_squares};
 use super::noise::{Trial, hat_traces, variance_components};
-use super::normals::{Levels, NormalProblem};
+use super::normals::{Levels, NormalProblem, Settled};
 use super::solver::{self, Solution};
 use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
 use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix};
@@ -123,6 +123,8 @@ pub struct Fitted {
     pub solution: Solution,
     pub noise: NoiseLevels,
     pub notes: Vec<Note>,
+    /// Relative move of the last Gauss-Newton step; zero for slope rows.
+    pub settled: f64,
 }
 
 /// Which objective the data and options call for.
@@ -264,7 +266,7 @@ fn fit_slopes(
         sigma_slope: sd(block_variance[1], weights_used[1], slopes),
         block_variance,
     };
-    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes })
+    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes, settled: 0.0 })
 }
 
 /// Weights beyond this (or below its inverse) have squares near overflow (or underflow).
@@ -307,19 +309,15 @@ fn fit_normals(
     let measured = data.measured();
     let scale = patch.frame.scale;
     let steps = std::cell::Cell::new(0);
+    let at = |levels: Levels| problem(sites, &measured, levels, &roughness, method);
     let trial_at = |levels: Levels, start: Option<&[f64]>| -> Result<Trial, FitError> {
-        let problem = problem(sites, &measured, levels, &roughness, method);
+        let problem = at(levels);
         let settled = problem.minimise(start)?;
         steps.set(settled.steps);
         let squares = problem.squares(&settled.solution.coefficients);
         Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
     };
-    too_few(&problem(sites, &measured, Levels { z: 1.0, slope: 1.0 }, &roughness, method).linearised(&vec![
-            0.0;
-            sites
-                .shape()
-                .unknowns()
-        ]))?;
+    too_few(&at(Levels { z: 1.0, slope: 1.0 }).linearised(&vec![0.0; sites.shape().unknowns()]))?;
     let mut notes = Vec::new();
     let (levels, trial, declared) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
@@ -332,10 +330,12 @@ fn fit_normals(
             (levels, trial, Declared::Estimated)
         }
     };
+    let unpolished = Settled { equations: trial.equations, solution: trial.solution, steps: 0, moved: 0.0 };
+    let Settled { equations, solution, steps: polishing, moved } = at(levels).polish(unpolished)?;
     if measured.z_weight.iter().all(|w| *w == 0.0) {
         notes.push(Note::SlopesOnly);
     }
-    notes.push(Note::GaussNewton { steps: steps.get() });
+    notes.push(Note::GaussNewton { steps: steps.get() + polishing });
     let noise = NoiseLevels {
         declared,
         weights: None,
@@ -344,7 +344,7 @@ fn fit_normals(
         sigma_slope: None,
         block_variance: [1.0, 1.0],
     };
-    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes })
+    Ok(Fitted { equations, solution, noise, notes, settled: moved })
 }
 
 fn problem<'a>(
