@@ -55,8 +55,9 @@ fn check_deficient(judged: &Judged) {
     }
 }
 
-/// The hole of radius 0.6: nothing moves by 0.3 residual sd two segments away from it, inside the surface stays within
-/// the data's range widened by half of it on each side, and its centre is masked.
+/// The hole of radius 0.6: nothing moves by 0.3 residual sd two segments away from it, inside no height is off by half the
+/// data's range (plain least squares is off by hundreds), and its centre is masked. Where the hill itself stays within the
+/// data's range widened by half of it (its top lies in the hole of the other two cases: 1.0 over 0.997), so does the fit.
 fn check_gap(case: &HardCase, golden: &Golden, judged: &Judged) {
     let CaseData::Contacts(contacts) = &case.data else { panic!() };
     assert!(judged.answered && judged.unsupported > 0);
@@ -72,16 +73,27 @@ fn check_gap(case: &HardCase, golden: &Golden, judged: &Judged) {
     let low = contacts.z.iter().copied().fold(f64::INFINITY, f64::min);
     let high = contacts.z.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let margin = 0.5 * (high - low);
-    for k in 0..41 * 41 {
-        let (x, y) = ((k / 41) as f64 / 34.0 - 0.6, (k % 41) as f64 / 34.0 - 0.6);
-        if x.hypot(y) < 0.6 {
-            let z = surface.at(x, y).z;
-            assert!(z > low - margin && z < high + margin, "{z} inside the hole at ({x}, {y})");
-        }
+    let lattice = (0..41 * 41).map(|k| ((k / 41) as f64 / 34.0 - 0.6, (k % 41) as f64 / 34.0 - 0.6));
+    let hole: Vec<(f64, f64)> = lattice.filter(|(x, y)| x.hypot(*y) < 0.6).collect();
+    let within = |h: f64| h > low - margin && h < high + margin;
+    let hill_within = hole.iter().all(|&(x, y)| within(hill(case.name, x, y)));
+    assert_eq!(hill_within, case.name == "disc_gap_flank");
+    let worst = hole.iter().map(|&(x, y)| (surface.at(x, y).z - hill(case.name, x, y)).abs()).fold(0.0, f64::max);
+    println!("{}: worst error inside {worst:.3}, {} free", case.name, judged.unsupported);
+    for (x, y) in hole {
+        let (z, truth) = (surface.at(x, y).z, hill(case.name, x, y));
+        assert!((z - truth).abs() < margin, "{z} for {truth} inside the hole at ({x}, {y})");
+        assert!(within(z) || !hill_within, "{z} inside the hole at ({x}, {y})");
     }
     let maps = &fit.shape().maps;
     assert!(!maps.supported[[10, 10]], "the centre of the hole is not masked");
     assert!(maps.supported[[0, 10]], "the edge of the patch is masked");
+}
+
+/// The hill without noise.
+fn hill(case: &str, x: f64, y: f64) -> f64 {
+    let from_top = if case == "disc_gap_flank" { x - 1.0 } else { x };
+    1.0 / (1.0 + from_top * from_top + 2.0 * y * y)
 }
 
 macro_rules! each_case {
@@ -102,9 +114,7 @@ each_case! {
     sphere_r1e5 sphere_r1e7 sphere_r1e9 cylinder45_r10 cylinder45_r1e3 cylinder45_r1e6 cylinder45_r1e9 plane_level
     plane_tilted rim_slopes_degree2 rim_slopes_degree4 rim_normals_degree2 rim_normals_degree4 horizontal_normals
     one_finger one_finger_heights two_fingers two_fingers_heights collinear collinear_heights one_contact
-    #[ignore = "inside the hole 0.9998 where the data's range widened by half of it ends at 0.997"]
-    disc_gap_heights
-    disc_gap_slopes duplicated_exactly duplicated_one_ulp_apart knots_coincident knots_nearly_coincident
+    disc_gap_heights disc_gap_slopes disc_gap_flank duplicated_exactly duplicated_one_ulp_apart knots_coincident knots_nearly_coincident
     crease_on_double_knot contacts_on_knots degree_one_slopes_on_knots degree_nine_single_segment
     degree_nine_heights clustered_ten_thousand_to_one clustered_heights weights_heights_1e12 weights_slopes_1e12
     weights_rows_1e12 weights_blocks_1e12 offset_1e8 offset_1e8_scattered offset_1e8_normals offset_1e8_heights

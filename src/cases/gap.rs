@@ -28,6 +28,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let sites = sites_around_the_disc(lcg);
     let heights = with_heights(&sites, |a, b| hill(lcg, a, b));
     let slopes = with_slopes(&sites, |a, b| hill(lcg, a, b));
+    let flank = with_heights(&sites, |a, b| hill(lcg, a - 1.0, b));
     let options =
         FitOptions { segments: [10, 10], domain: Some([-1.0, 1.0, -1.0, 1.0]), grid: [21, 21], ..options(3, equal()) };
     let case =
@@ -35,5 +36,6 @@ pub(super) fn cases() -> Vec<HardCase> {
     vec![
         case("disc_gap_heights", "plain least squares says 687 inside the hole of data in 0.25 to 0.75", heights),
         case("disc_gap_slopes", "the same hole with slopes at its rim", slopes),
+        case("disc_gap_flank", "the same hole on the flank of a hill whose top is touched", flank),
     ]
 }

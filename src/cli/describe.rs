@@ -8,8 +8,8 @@ use crate::curvature::ShapeClass;
 use crate::fit::{Declared, Fit, Statistic};
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
 use crate::report::{
-    FitDocument, FitPart, MeasurePart, PictureOptions, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart,
-    TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture, write_table,
+    FitDocument, FitPart, MeasurePart, PictureOptions, PromisePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart,
+    SpreadPart, TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture, write_table,
 };
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps};
@@ -169,6 +169,12 @@ fn fit_part(fit: &Fit, surface: &HeightField, reader_notes: &[String]) -> FitPar
         rank: certificate.rank,
         condition: finite(certificate.condition),
         backward_error: finite(certificate.backward_error),
+        promise: PromisePart {
+            coefficients: certificate.promise.coefficients,
+            shape_index: certificate.promise.shape_index,
+            curvedness: certificate.promise.curvedness,
+        },
+        refinements: certificate.refinements,
         smooth: fit.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| *lambda),
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy },
         notes: reader_notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),

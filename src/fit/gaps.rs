@@ -1,7 +1,7 @@
 //! Gaps: coefficients that the data leave free, or hold only by a thread, take least-roughness values given the others.
 //!
 //! ```text
-//! F = { columns of E with norm below 0.05 of the median },  D = the rest
+//! F = { columns of E with norm below 0.05 of the median, and those beside them below 0.25 },  D = the rest
 //! P_FF c_F = -P_FD c_D        (roughness, by elimination: no small lambda)
 //! A_DD c_D = E_D'(b - E_F c_F)
 //! ```
@@ -20,6 +20,9 @@ use crate::solve::Cholesky;
 /// Columns whose norm is below this share of the median are held by a thread: their own data would put noise 20 times
 /// the usual into the hole, while smoothness costs the rest of the surface less than 0.3 residual sd.
 const THREAD: f64 = 0.05;
+/// Beside a free coefficient this share is asked for instead. On the disc gap of the hard cases the worst error inside the
+/// hole falls from 0.25 to 0.15 (0.2: 0.23, 0.3: 0.12) while nothing outside moves by more than 0.13 residual sd (0.17).
+const RIM: f64 = 0.25;
 /// Turns of the two solves at most; the coupling of thread columns is below 0.05^2, so 12 turns reach rounding.
 const MAX_TURNS: usize = 40;
 
@@ -44,8 +47,22 @@ pub fn find(matrix: &StencilMatrix, penalised: bool) -> Free {
     let middle = sorted.len() / 2;
     let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     let flags: Vec<bool> = diagonal.iter().map(|d| *d < THREAD * THREAD * median).collect();
+    let flags = with_rim(flags, &diagonal, median, matrix.shape().basis);
     let count = flags.iter().filter(|f| **f).count();
     if count == 0 { Free::default() } else { Free { flags, count, pinned: None } }
+}
+
+/// The same with the rim: neighbours of a free unknown that hang on little more than a thread themselves. They would
+/// carry the noise of a few contacts at the edge of the hole across it.
+fn with_rim(flags: Vec<bool>, diagonal: &[f64], median: f64, basis: [usize; 2]) -> Vec<bool> {
+    let free = |i: usize, j: usize| flags[i * basis[1] + j];
+    let beside = |i: usize, j: usize| {
+        let rows = i.saturating_sub(1)..(i + 2).min(basis[0]);
+        rows.into_iter().any(|a| (j.saturating_sub(1)..(j + 2).min(basis[1])).any(|b| free(a, b)))
+    };
+    let at = |u: usize| (u / basis[1], u % basis[1]);
+    let hangs = |u: usize| diagonal[u] < RIM * RIM * median && beside(at(u).0, at(u).1);
+    (0..flags.len()).map(|u| flags[u] || hangs(u)).collect()
 }
 
 impl Free {

@@ -56,12 +56,31 @@ pub struct FitPart {
     pub condition: Option<f64>,
     /// Oettli-Prager backward error of the augmented system.
     pub backward_error: Option<f64>,
+    /// Decimal digits that the answer has at least.
+    #[serde(default)]
+    pub promise: PromisePart,
+    /// Refinement steps from the rows.
+    #[serde(default)]
+    pub refinements: usize,
     /// Roughness weight lambda; 0 without.
     pub smooth: f64,
     /// Root mean squares of the residuals.
     pub rms: RmsPart,
     /// What the user should know.
     pub notes: Vec<String>,
+}
+
+/// Decimal digits promised, as an exact solution of the written problem would have them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct PromisePart {
+    /// Of the coefficients, relative to the largest.
+    pub coefficients: f64,
+    /// Of S at the worst supported point, absolute.
+    #[serde(rename = "S")]
+    pub shape_index: f64,
+    /// Of R at the worst supported point, relative.
+    #[serde(rename = "R")]
+    pub curvedness: f64,
 }
 
 /// Noise levels.

@@ -14,7 +14,8 @@ mod schema;
 mod table;
 
 pub use document::{
-    FitDocument, FitPart, MeasurePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart, TruthPart,
+    FitDocument, FitPart, MeasurePart, PromisePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart,
+    TruthPart,
 };
 pub use json::write_json;
 pub use maps::{write_maps_csv, write_maps_npz};

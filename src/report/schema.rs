@@ -78,6 +78,8 @@ fn full() -> FitDocument {
             rank: 1,
             condition: Some(0.5),
             backward_error: Some(0.5),
+            promise: PromisePart { coefficients: 0.5, shape_index: 0.5, curvedness: 0.5 },
+            refinements: 1,
             smooth: 0.5,
             rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5) },
             notes: vec!["a note".into()],

@@ -97,6 +97,14 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
     let certificate = |value: Option<f64>| value.map_or("unknown".to_string(), |v| significant(v, 2));
     let (condition, backward) = (certificate(fit.condition), certificate(fit.backward_error));
     lines.add("numbers", format!("condition {condition}, backward error {backward}"));
+    let digits = &fit.promise;
+    let digits = format!(
+        "coefficients {:.0}, S {:.0}, R {:.0}",
+        digits.coefficients.floor(),
+        digits.shape_index.floor(),
+        digits.curvedness.floor()
+    );
+    lines.add("digits", format!("at least {digits}"));
     let rms = rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3))));
     lines.add("rms", rms.collect::<Vec<_>>().join("  "));
 }

@@ -95,10 +95,14 @@ def gap():
         q = 1.0 + a * a + 2.0 * b * b
         return 1.0 / q + 0.01 * lcg.normal(), -2.0 * a / (q * q), -4.0 * b / (q * q)
 
+    def flank(a, b):
+        return hill(a - 1.0, b)
+
     box = [-1.0, 1.0, -1.0, 1.0]
     return [
         Case("disc_gap_heights", (3, 3), EQUAL, **touched(hill, x, y, "heights"), segments=(10, 10), domain=box, grid=(21, 21)),
         Case("disc_gap_slopes", (3, 3), EQUAL, **touched(hill, x, y), segments=(10, 10), domain=box, grid=(21, 21)),
+        Case("disc_gap_flank", (3, 3), EQUAL, **touched(flank, x, y, "heights"), segments=(10, 10), domain=box, grid=(21, 21)),
     ]
 
 
