@@ -50,7 +50,11 @@ impl Knots {
         let p = self.degree();
         let width = p + 1;
         let start = self.first_basis(segment) + p;
-        let (table, differences) = triangle(&self.as_slice()[start + 1 - p..=start + p], p, x);
+        let window = &self.as_slice()[start + 1 - p..=start + p];
+        if order <= 2 {
+            return up_to_second(window, p, x, &mut out[..(order + 1) * width]);
+        }
+        let (table, differences) = triangle(window, p, x);
         out[..width].copy_from_slice(&table[p][..width]);
         out[width..(order + 1) * width].fill(0.0);
         for a in 0..width {
@@ -62,6 +66,54 @@ impl Knots {
             out[k * width..(k + 1) * width].iter_mut().for_each(|v| *v *= factor);
         }
     }
+}
+
+/// Values and as many of the first two derivatives as `out` has rows for: what every row of a fit and every map needs.
+///
+/// ```text
+/// B_r = N^(p-1)_r / d^p_r        N'_a  = p (B_(a-1) - B_a)
+/// C_r = N^(p-2)_r / d^(p-1)_r    N''_a = p (B'_(a-1) - B'_a),   B'_r = (p-1) (C_(r-1) - C_r) / d^p_r
+/// ```
+fn up_to_second(knots: &[f64], p: usize, x: f64, out: &mut [f64]) {
+    let width = p + 1;
+    let (mut values, mut shares) = ([0.0; WIDTH], [[0.0; WIDTH]; 2]);
+    values[0] = 1.0;
+    for j in 1..=p {
+        let [before, last] = &mut shares;
+        std::mem::swap(before, last);
+        let mut saved = 0.0;
+        for r in 0..j {
+            let (right, left) = (knots[p + r], knots[p + r - j]);
+            last[r] = values[r] / (right - left);
+            values[r] = saved + (right - x) * last[r];
+            saved = (x - left) * last[r];
+        }
+        values[j] = saved;
+    }
+    out[..width].copy_from_slice(&values[..width]);
+    let [before, last] = &shares;
+    let mut rows = out[width..].chunks_exact_mut(width);
+    if let Some(first) = rows.next() {
+        differences(p as f64, &last[..p], first);
+    }
+    if let Some(second) = rows.next() {
+        let mut bent = [0.0; WIDTH];
+        if p > 1 {
+            differences((p - 1) as f64, &before[..p - 1], &mut bent[..p]);
+        }
+        (0..p).for_each(|r| bent[r] /= knots[p + r] - knots[r]);
+        differences(p as f64, &bent[..p], second);
+    }
+}
+
+/// `out_a = factor (terms_(a-1) - terms_a)`, terms beyond both ends zero.
+fn differences(factor: f64, terms: &[f64], out: &mut [f64]) {
+    let mut before = 0.0;
+    for (o, &term) in out.iter_mut().zip(terms) {
+        *o = factor * (before - term);
+        before = term;
+    }
+    out[terms.len()] = factor * before;
 }
 
 /// `table[j][r]`: basis function r of degree j; `differences[j][r]`: its knot difference `t_right - t_left`.

@@ -152,7 +152,7 @@ fn plane_probability(fit: &Fit) -> Option<f64> {
     let equations = &fitted.equations;
     let freedom = fitted.solution.rank as f64 - 3.0;
     let rest = equations.count() as f64 - fitted.solution.rank as f64;
-    if freedom <= 0.0 || (fitted.noise.declared != Declared::Sigma && rest <= 0.0) {
+    if freedom <= 0.0 || (fit.noise().declared != Declared::Sigma && rest <= 0.0) {
         return None;
     }
     let squares = |rows: &[[f64; 3]]| rows.iter().flatten().map(|v| v * v).sum::<f64>();
@@ -163,7 +163,7 @@ fn plane_probability(fit: &Fit) -> Option<f64> {
         return Some(1.0);
     }
     let rise = (squares(&plane.residuals) - of_fit).max(0.0);
-    Some(match fitted.noise.declared {
+    Some(match fit.noise().declared {
         Declared::Sigma => chi_square_upper_tail(rise, freedom),
         _ => f_upper_tail((rise / freedom) / (of_fit / rest), freedom, rest),
     })

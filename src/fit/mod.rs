@@ -76,6 +76,7 @@ pub struct Fit {
     pub(crate) surface: HeightField,
     pub(crate) fitted: rows::Fitted,
     pub(crate) data: Data,
+    noise: OnceLock<NoiseLevels>,
     condition: OnceLock<f64>,
     certificate: OnceLock<Certificate>,
     shape: OnceLock<Shape>,
@@ -113,6 +114,7 @@ fn fit_data(patch: Patch, data: Data, options: &FitOptions) -> Result<Fit, FitEr
         surface,
         fitted,
         data,
+        noise: OnceLock::new(),
         condition: OnceLock::new(),
         certificate: OnceLock::new(),
         shape: OnceLock::new(),
@@ -161,9 +163,9 @@ impl Fit {
         &self.fitted.solution
     }
 
-    /// What the noise levels or weights were, declared or found.
+    /// What the noise levels or weights were, declared or found; under weights they come from the residuals on first access.
     pub fn noise(&self) -> &NoiseLevels {
-        &self.fitted.noise
+        self.noise.get_or_init(|| rows::noise_levels(&self.fitted))
     }
 
     /// Root mean square residuals, input units.

@@ -10,8 +10,8 @@
 //! Where the noise levels are to be estimated, the scales are the estimate: variance components would believe the slips.
 
 use super::data::Data;
-use super::rows::{Fitted, Note, fit_plain};
-use super::{Declared, FitError, FitOptions, NormalSigma, Objective, Patch, Robust, SlopeWeights};
+use super::rows::{Fitted, Levelled, Note, fit_plain, noise_levels};
+use super::{Declared, FitError, FitOptions, NoiseLevels, NormalSigma, Objective, Patch, Robust, SlopeWeights};
 use crate::linalg::{RowMetric, Sites, site_rows};
 use crate::observation::angular_residual_squared;
 
@@ -67,10 +67,11 @@ fn settle(
         weights = next;
         let declared = with_scales(patch, data, options, &found);
         fitted = fit_plain(patch, &data.reweighted(&weights[0], &weights[1]), &declared)?;
-        if declared.objective != options.objective {
-            fitted.noise.declared = Declared::Estimated;
-        }
-        if moved < STANDS {
+        if moved < STANDS || step == MAX_STEPS {
+            if declared.objective != options.objective {
+                let levels = NoiseLevels { declared: Declared::Estimated, ..noise_levels(&fitted) };
+                fitted.levels = Levelled::Known(levels);
+            }
             return Ok((fitted, weights, step));
         }
     }

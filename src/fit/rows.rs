@@ -116,12 +116,21 @@ pub struct Rms {
     pub normal_deg: Option<f64>,
 }
 
+/// Noise levels: found with the fit, or had from its residuals by whoever asks first (they cost a trace of the hat matrix).
+#[derive(Debug)]
+pub enum Levelled {
+    /// Declared, or estimated with the fit.
+    Known(NoiseLevels),
+    /// Weights that are no noise levels; `scale` is the patch's, `unit` what extreme weights were divided by.
+    Weights { word: SlopeWeights, used: [f64; 3], unit: f64, squares: [f64; 2] },
+}
+
 /// Equations, solution, levels.
 #[derive(Debug)]
 pub struct Fitted {
     pub equations: Equations,
     pub solution: Solution,
-    pub noise: NoiseLevels,
+    pub levels: Levelled,
     pub notes: Vec<Note>,
     /// Relative move of the last Gauss-Newton step; zero for slope rows.
     pub settled: f64,
@@ -248,25 +257,50 @@ fn fit_slopes(
     } else {
         (trial_at(block)?, None)
     };
-    let block_variance = if levels.is_some() { [1.0, 1.0] } else { residual_variances(&trial) };
-    let weights_used =
-        levels.map_or([block[0] / scale, block[1], block[2]], |l| [1.0 / (l.z * scale), 1.0 / l.slope, 1.0 / l.slope]);
-    let [heights, slopes] = trial.equations.metric.row_counts(sites.len());
-    let sd = |variance: f64, weight: f64, rows: usize| {
-        (rows > 0 && weight > 0.0).then(|| variance.sqrt() / unit.get() / weight)
-    };
+    let [heights, _] = trial.equations.metric.row_counts(sites.len());
     if heights == 0 {
         notes.push(Note::SlopesOnly);
     }
-    let noise = NoiseLevels {
-        declared: if levels.is_some() { Declared::Estimated } else { Declared::Weights(weights_used) },
-        weights: Some(weights),
-        sigma_z: sd(block_variance[0], weights_used[0], heights),
-        sigma_normal_deg: None,
-        sigma_slope: sd(block_variance[1], weights_used[1], slopes),
-        block_variance,
+    let levels = match levels {
+        Some(l) => {
+            let used = [1.0 / (l.z * scale), 1.0 / l.slope, 1.0 / l.slope];
+            let counts = trial.equations.metric.row_counts(sites.len());
+            Levelled::Known(NoiseLevels {
+                declared: Declared::Estimated,
+                ..of_weights(weights, used, 1.0, [1.0, 1.0], counts)
+            })
+        }
+        None => {
+            let used = [block[0] / scale, block[1], block[2]];
+            Levelled::Weights { word: weights, used, unit: unit.get(), squares: trial.squares }
+        }
     };
-    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes, settled: 0.0 })
+    Ok(Fitted { equations: trial.equations, solution: trial.solution, levels, notes, settled: 0.0 })
+}
+
+/// Levels of weighted rows with these variances.
+fn of_weights(word: SlopeWeights, used: [f64; 3], unit: f64, variance: [f64; 2], rows: [usize; 2]) -> NoiseLevels {
+    let sd = |b: usize| (rows[b] > 0 && used[b] > 0.0).then(|| variance[b].sqrt() / unit / used[b]);
+    NoiseLevels {
+        declared: Declared::Weights(used),
+        weights: Some(word),
+        sigma_z: sd(0),
+        sigma_normal_deg: None,
+        sigma_slope: sd(1),
+        block_variance: variance,
+    }
+}
+
+/// The levels that the rows were, or turn out to be, weighted by.
+pub fn noise_levels(fitted: &Fitted) -> NoiseLevels {
+    match &fitted.levels {
+        Levelled::Known(levels) => *levels,
+        Levelled::Weights { word, used, unit, squares } => {
+            let rows = fitted.equations.metric.row_counts(fitted.equations.sites.len());
+            let variance = residual_variances(&fitted.equations, &fitted.solution, *squares);
+            of_weights(*word, *used, *unit, variance, rows)
+        }
+    }
 }
 
 /// Weights beyond this (or below its inverse) have squares near overflow (or underflow).
@@ -288,12 +322,12 @@ fn balance(metric: &Metric) -> f64 {
 }
 
 /// Variance of the weighted rows of each block, from its residuals and its share of the unknowns.
-fn residual_variances(trial: &Trial) -> [f64; 2] {
-    let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
-    let traces = hat_traces(&trial.equations, &trial.solution);
+fn residual_variances(equations: &Equations, solution: &Solution, squares: [f64; 2]) -> [f64; 2] {
+    let rows = equations.metric.row_counts(equations.sites.len()).map(|r| r as f64);
+    let traces = hat_traces(equations, solution);
     [0, 1].map(|b| {
         let freedom = rows[b] - traces[b];
-        if freedom > 1e-9 * rows[b].max(1.0) { trial.squares[b] / freedom } else { 0.0 }
+        if freedom > 1e-9 * rows[b].max(1.0) { squares[b] / freedom } else { 0.0 }
     })
 }
 
@@ -344,7 +378,7 @@ fn fit_normals(
         sigma_slope: None,
         block_variance: [1.0, 1.0],
     };
-    Ok(Fitted { equations, solution, noise, notes, settled: moved })
+    Ok(Fitted { equations, solution, levels: Levelled::Known(noise), notes, settled: moved })
 }
 
 fn problem<'a>(

@@ -20,6 +20,6 @@ pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
     let mut rows = Targets::new();
     apply_rows(&fitted.equations.sites, &fitted.equations.metric, &v, &mut rows);
     let squares = block_squares(&rows);
-    let [heights, slopes] = fitted.noise.block_variance;
+    let [heights, slopes] = fit.noise().block_variance;
     (heights * squares[0] + slopes * squares[1]).sqrt()
 }

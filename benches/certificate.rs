@@ -1,0 +1,133 @@
+//! What trust costs: `cargo bench --bench certificate`
+//!
+//! ```text
+//! asked for       (fit + shape + certificate  -  (fit + shape)) / fit
+//! not asked for   (fit, then its rank, method and reasons  -  fit) / fit
+//! ```
+//!
+//! Fits of slope rows by `fit_contacts`, the call that a user makes, at 36 contacts (degree 2, one segment) and at 200,000
+//! (degree 3, 64 x 64 segments). The three ways take turns in one process; the ratios are medians over the rounds.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use criterion::{BenchmarkId, Criterion, criterion_group};
+use palpate::Contacts;
+use palpate::cases::Lcg;
+use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
+use palpate::scene::linspace;
+
+struct Problem {
+    contacts: Contacts,
+    options: FitOptions,
+    rounds: usize,
+}
+
+/// Heights and slopes of a wavy dish with a little noise.
+fn touched(x: Vec<f64>, y: Vec<f64>) -> Contacts {
+    let lcg = &mut Lcg::new(36);
+    let at = |k: usize| (x[k], y[k]);
+    let mut noisy = |value: f64| value + 0.01 * lcg.normal();
+    let z = (0..x.len()).map(|k| noisy(-0.5 * at(k).0 * at(k).0 + 0.1 * (3.0 * at(k).1).sin())).collect();
+    let zx = (0..x.len()).map(|k| noisy(-at(k).0)).collect();
+    let zy = (0..x.len()).map(|k| noisy(0.3 * (3.0 * at(k).1).cos())).collect();
+    Contacts::from_positions(x.clone(), y.clone(), z).with_slopes(zx, zy)
+}
+
+fn problems() -> [Problem; 2] {
+    let objective = Objective::Slopes(SlopeWeights::Tangent);
+    let (lanes, stations) = (linspace(-1.0, 1.0, 4), linspace(-1.0, 1.0, 9));
+    let sites: Vec<(f64, f64)> = lanes.iter().flat_map(|x| stations.iter().map(move |y| (*x, *y))).collect();
+    let (x, y) = sites.into_iter().unzip();
+    let small =
+        Problem { contacts: touched(x, y), options: FitOptions { objective, ..FitOptions::default() }, rounds: 2001 };
+    let lcg = &mut Lcg::new(200_000);
+    let (x, y) = (0..200_000).map(|_| (2.0 * lcg.uniform() - 1.0, 2.0 * lcg.uniform() - 1.0)).unzip();
+    let options = FitOptions { degree: [3, 3], segments: [64, 64], objective, ..FitOptions::default() };
+    [small, Problem { contacts: touched(x, y), options, rounds: 21 }]
+}
+
+impl Problem {
+    fn fit(&self) -> Fit {
+        fit_contacts(black_box(&self.contacts), &self.options).expect("the sites cover the patch")
+    }
+
+    fn described(&self) -> Fit {
+        let fit = self.fit();
+        black_box(fit.shape());
+        fit
+    }
+
+    fn certified(&self) -> Fit {
+        let fit = self.described();
+        black_box(fit.certificate());
+        fit
+    }
+
+    fn not_asked(&self) -> Fit {
+        let fit = self.fit();
+        let solution = fit.solution();
+        black_box((solution.rank, solution.method, &solution.reasons));
+        fit
+    }
+}
+
+fn timed(c: &mut Criterion) {
+    for problem in problems() {
+        let mut group = c.benchmark_group("certificate");
+        let size = problem.contacts.len();
+        group.sample_size(10.max(problem.rounds / 100));
+        group.bench_function(BenchmarkId::new("fit", size), |b| b.iter(|| problem.fit()));
+        group.bench_function(BenchmarkId::new("fit_shape", size), |b| b.iter(|| problem.described()));
+        group.bench_function(BenchmarkId::new("fit_shape_certificate", size), |b| b.iter(|| problem.certified()));
+        group.finish();
+    }
+}
+
+fn seconds(work: impl Fn() -> Fit) -> f64 {
+    let start = Instant::now();
+    let fit = work();
+    let elapsed = start.elapsed().as_secs_f64();
+    drop(fit);
+    elapsed
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn compare() {
+    println!("contacts      fit      shape  certificate   asked for   not asked for");
+    for problem in problems() {
+        let rounds: Vec<[f64; 4]> = (0..problem.rounds)
+            .map(|_| {
+                let fit = seconds(|| problem.fit());
+                let not_asked = seconds(|| problem.not_asked());
+                [fit, not_asked, seconds(|| problem.described()), seconds(|| problem.certified())]
+            })
+            .collect();
+        let of = |value: &dyn Fn(&[f64; 4]) -> f64| median(rounds.iter().map(value).collect());
+        let fit = of(&|r| r[0]);
+        println!(
+            "{:>8} {:>8.1} us {:>7.1} us {:>8.1} us {:>8.1} % {:>10.1} %",
+            problem.contacts.len(),
+            fit * 1e6,
+            of(&|r| r[2] - r[0]) * 1e6,
+            of(&|r| r[3] - r[2]) * 1e6,
+            100.0 * of(&|r| (r[3] - r[2]) / r[0]),
+            100.0 * of(&|r| (r[1] - r[0]) / r[0]),
+        );
+    }
+}
+
+criterion_group!(benches, timed);
+
+fn main() {
+    compare();
+    if std::env::args().any(|argument| argument == "ratio") {
+        return;
+    }
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+}
