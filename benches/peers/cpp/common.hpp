@@ -16,6 +16,9 @@ inline std::vector<double> read_doubles(const char* path) {
     std::rewind(file);
     if (std::fread(out.data(), 8, out.size(), file) != out.size()) std::exit(4);
     std::fclose(file);
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    std::printf("BASE %.1f\n", usage.ru_maxrss / 1024.0);
     return out;
 }
 
