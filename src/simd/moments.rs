@@ -33,8 +33,9 @@ impl CellMoments {
 /// Contacts taken at once: their powers stay in the first-level cache, and every sum reads its factor from there.
 const BATCH: usize = 64;
 
-/// Powers of up to [`BATCH`] contacts, one column a power.
-struct Batch {
+/// Powers of up to 64 contacts, one column a power: the memory that [`moments`] works in.
+#[derive(Debug)]
+pub struct MomentPowers {
     count: usize,
     /// `w u^k`, k up to 2p.
     weighted: [[f64; BATCH]; 7],
@@ -44,9 +45,13 @@ struct Batch {
     v: [[f64; BATCH]; 3],
 }
 
-impl Batch {
-    const EMPTY: Batch = Batch { count: 0, weighted: [[0.0; BATCH]; 7], u: [[0.0; BATCH]; 3], v: [[0.0; BATCH]; 3] };
+impl Default for MomentPowers {
+    fn default() -> MomentPowers {
+        MomentPowers { count: 0, weighted: [[0.0; BATCH]; 7], u: [[0.0; BATCH]; 3], v: [[0.0; BATCH]; 3] }
+    }
+}
 
+impl MomentPowers {
     #[inline(always)]
     fn fill<V: Lanes>(&mut self, degree: usize, [u, v]: [&[f64]; 2], weight: Option<&[f64]>) {
         self.count = u.len();
@@ -98,7 +103,7 @@ fn exponent_bits<V: Lanes>() -> [[V::Mask; 2]; 2] {
 }
 
 #[inline(always)]
-fn add_weights<V: Lanes>(degree: usize, batch: &Batch, out: &mut [[f64; 8]; 7]) {
+fn add_weights<V: Lanes>(degree: usize, batch: &MomentPowers, out: &mut [[f64; 8]; 7]) {
     let sets = 8 / V::N;
     let bits = exponent_bits::<V>();
     let mut sums = [[V::splat(0.0); 2]; 7];
@@ -118,7 +123,7 @@ fn add_weights<V: Lanes>(degree: usize, batch: &Batch, out: &mut [[f64; 8]; 7]) 
 }
 
 #[inline(always)]
-fn add_loads<V: Lanes>(degree: usize, batch: &Batch, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
+fn add_loads<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
     if V::N == 8 {
         add_loads_by_eights::<V>(degree, batch, data, out);
         return;
@@ -144,7 +149,7 @@ fn add_loads<V: Lanes>(degree: usize, batch: &Batch, data: [&[f64]; 3], out: &mu
 
 /// Eight lanes hold the four powers of v twice: once for F_z, once for F_x; and for F_y once for u^a, once for u^(a+1).
 #[inline(always)]
-fn add_loads_by_eights<V: Lanes>(degree: usize, batch: &Batch, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
+fn add_loads_by_eights<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
     let bits = exponent_bits::<V>();
     let upper = bits[1][0];
     let zero = V::splat(0.0);
@@ -182,9 +187,9 @@ fn generic<V: Lanes>(
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
     data: Option<[&[f64]; 3]>,
+    batch: &mut MomentPowers,
     out: &mut CellMoments,
 ) {
-    let mut batch = Batch::EMPTY;
     let n = local[0].len();
     for from in (0..n).step_by(BATCH) {
         let range = from..n.min(from + BATCH);
@@ -193,9 +198,9 @@ fn generic<V: Lanes>(
         let data = data.map(|d| d.map(|f| &f[range.clone()]));
         // the degree as a literal, so that the sums stay in registers
         match degree {
-            1 => add_batch::<V>(1, &mut batch, local, weight, data, out),
-            2 => add_batch::<V>(2, &mut batch, local, weight, data, out),
-            _ => add_batch::<V>(3, &mut batch, local, weight, data, out),
+            1 => add_batch::<V>(1, batch, local, weight, data, out),
+            2 => add_batch::<V>(2, batch, local, weight, data, out),
+            _ => add_batch::<V>(3, batch, local, weight, data, out),
         }
     }
 }
@@ -203,7 +208,7 @@ fn generic<V: Lanes>(
 #[inline(always)]
 fn add_batch<V: Lanes>(
     degree: usize,
-    batch: &mut Batch,
+    batch: &mut MomentPowers,
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
     data: Option<[&[f64]; 3]>,
@@ -229,11 +234,13 @@ pub fn moments(
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
     data: Option<[&[f64]; 3]>,
+    powers: &mut MomentPowers,
     out: &mut CellMoments,
 ) {
     assert!((1..=MAX_MOMENT_DEGREE).contains(&degree), "moments are made for degrees 1 to {MAX_MOMENT_DEGREE}");
     dispatch!(level, generic [](
-        degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>, out: &mut CellMoments));
+        degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>,
+        powers: &mut MomentPowers, out: &mut CellMoments));
 }
 
 /// The safe twin: powers by `powi`, one moment at a time.
@@ -277,7 +284,7 @@ mod tests {
                 moments_twin(degree, [&u, &v], weight, Some(data), &mut expected);
                 for level in Level::available() {
                     let mut made = CellMoments::ZERO;
-                    moments(level, degree, [&u, &v], weight, Some(data), &mut made);
+                    moments(level, degree, [&u, &v], weight, Some(data), &mut MomentPowers::default(), &mut made);
                     let mut worst = 0.0_f64;
                     for a in 0..=2 * degree {
                         for b in 0..7 {

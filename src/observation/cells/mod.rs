@@ -18,7 +18,7 @@ mod target;
 use std::sync::Mutex;
 
 use crate::bspline::Knots;
-use crate::linalg::{RowMetric, StencilMatrix, TensorShape};
+use crate::linalg::{Metric, StencilMatrix, TensorShape};
 use crate::simd::MAX_MOMENT_DEGREE;
 use sorting::Stripes;
 use sums::Scratch;
@@ -32,13 +32,21 @@ const PANELS: usize = 8;
 const UNIFORM: usize = 5;
 const WEIGHTED: usize = 9;
 
-/// One contact as the assembly sees it: where, what its rows are multiplied by, and what they should be.
-#[derive(Clone, Copy, Debug)]
-pub struct CellDatum {
-    /// x and y, the knots' coordinates.
-    pub at: [f64; 2],
+/// Contacts as the assembly sees them: where, and what their rows should be.
+///
+/// A trait, not closures: a method that is always inlined writes a record without a detour over the stack, which
+/// costs more than everything else about a contact (a failed store-to-load forwarding).
+pub trait CellRows: Sync {
+    /// Number of contacts.
+    fn len(&self) -> usize;
+    /// No contacts.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// x and y of contact r, the knots' coordinates.
+    fn at(&self, r: usize) -> [f64; 2];
     /// `E'b`'s multipliers of `N M`, `N'M`, `N M'`: `wz b_z`, `a b_1`, `b b_1 + d b_2`.
-    pub loads: [f64; 3],
+    fn loads(&self, r: usize) -> [f64; 3];
 }
 
 /// Reusable buffers and tables for all contacts under one pair of knot vectors.
@@ -52,7 +60,7 @@ pub struct CellAssembly {
     overlaps: Vec<Overlap>,
     /// First stripe of every panel, and the number of stripes at the end.
     panels: Vec<usize>,
-    scratch: Mutex<Vec<Scratch>>,
+    scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
 impl CellAssembly {
@@ -95,64 +103,54 @@ impl CellAssembly {
         self.shape
     }
 
-    /// `matrix = E'E` and `right = E'b` of `count` contacts with one metric for all.
-    ///
-    /// `datum` is called twice for each contact. Coordinates outside the domain use the end cells.
-    pub fn assemble(
-        &mut self,
-        count: usize,
-        metric: RowMetric,
-        datum: impl Fn(usize) -> CellDatum + Sync,
-        matrix: &mut StencilMatrix,
-        right: &mut [f64],
-    ) {
-        let squares = squares_of(metric);
-        if self.knots.iter().all(|k| k.n_segments() == 1) {
-            let record = |r: usize| {
-                let CellDatum { at: [x, y], loads: [z, zx, zy] } = datum(r);
-                [x, y, z, zx, zy]
-            };
-            return self.sum_one_cell(count, squares, record, matrix, right);
+    /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
+    pub fn assemble(&mut self, metric: &Metric, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+        let abscissa = |r: usize| rows.at(r)[0];
+        match metric {
+            Metric::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {
+                self.sum_one_cell(rows, squares_of(*m), matrix, right);
+            }
+            Metric::Uniform(m) => {
+                self.stripes.sort::<UNIFORM>(&self.knots[0], rows.len(), abscissa, |r, record| {
+                    let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
+                    record.copy_from_slice(&[x, y, z, zx, zy]);
+                });
+                self.sum_panels::<UNIFORM>(Some(squares_of(*m)), matrix, right);
+            }
+            Metric::PerSite(metrics) => {
+                self.stripes.sort::<WEIGHTED>(&self.knots[0], rows.len(), abscissa, |r, record| {
+                    let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
+                    let [zz, aa, ab, dd] = squares_of(metrics[r]);
+                    record.copy_from_slice(&[x, y, z, zx, zy, zz, aa, ab, dd]);
+                });
+                self.sum_panels::<WEIGHTED>(None, matrix, right);
+            }
         }
-        self.stripes.sort::<UNIFORM>(
-            &self.knots[0],
-            count,
-            |r| datum(r).at[0],
-            |r, record| {
-                let CellDatum { at, loads } = datum(r);
-                record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2]]);
-            },
-        );
-        self.sum_panels::<UNIFORM>(Some(squares), matrix, right);
-    }
-
-    /// The same with a metric for every contact.
-    pub fn assemble_weighted(
-        &mut self,
-        count: usize,
-        datum: impl Fn(usize) -> (CellDatum, RowMetric) + Sync,
-        matrix: &mut StencilMatrix,
-        right: &mut [f64],
-    ) {
-        self.stripes.sort::<WEIGHTED>(
-            &self.knots[0],
-            count,
-            |r| datum(r).0.at[0],
-            |r, record| {
-                let (CellDatum { at, loads }, metric) = datum(r);
-                let [zz, aa, ab, dd] = squares_of(metric);
-                record.copy_from_slice(&[at[0], at[1], loads[0], loads[1], loads[2], zz, aa, ab, dd]);
-            },
-        );
-        self.sum_panels::<WEIGHTED>(None, matrix, right);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{Metric, assemble, normal_rhs};
+    use crate::linalg::{RowMetric, assemble, normal_rhs};
     use crate::observation::ScatteredSites;
+
+    struct Given {
+        points: Vec<[f64; 2]>,
+        loads: Vec<[f64; 3]>,
+    }
+
+    impl CellRows for Given {
+        fn len(&self) -> usize {
+            self.points.len()
+        }
+        fn at(&self, r: usize) -> [f64; 2] {
+            self.points[r]
+        }
+        fn loads(&self, r: usize) -> [f64; 3] {
+            self.loads[r]
+        }
+    }
 
     fn points(count: usize) -> Vec<[f64; 2]> {
         (0..count)
@@ -182,17 +180,14 @@ mod tests {
         assemble(&sites, &metrics, &mut expected);
         let mut expected_right = vec![0.0; shape.unknowns()];
         normal_rhs(&sites, &metrics, &rows, &mut expected_right);
-        let datum = |r: usize| {
+        let loads = (0..count).map(|r| {
             let (m, b) = (metrics.at(r), rows[r]);
-            CellDatum { at: points[r], loads: [m.z * b[0], m.a * b[1], m.b * b[1] + m.d * b[2]] }
-        };
+            [m.z * b[0], m.a * b[1], m.b * b[1] + m.d * b[2]]
+        });
+        let given = Given { points, loads: loads.collect() };
         let (mut matrix, mut right) = (StencilMatrix::zeros(shape), vec![1.0; shape.unknowns()]);
         for _ in 0..2 {
-            if uniform {
-                cells.assemble(count, metric(0), datum, &mut matrix, &mut right);
-            } else {
-                cells.assemble_weighted(count, |r| (datum(r), metrics.at(r)), &mut matrix, &mut right);
-            }
+            cells.assemble(&metrics, &given, &mut matrix, &mut right);
         }
         let diagonal = expected.diagonal();
         let mut worst = 0.0_f64;
@@ -227,18 +222,16 @@ mod tests {
     #[test]
     fn one_and_two_threads_give_the_same_bits() {
         let knots = [Knots::uniform(3, 17, 0.0, 1.0).unwrap(), Knots::uniform(3, 9, -1.0, 1.0).unwrap()];
-        let points = points(5000);
+        let points = points(70_000);
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut cells = CellAssembly::new(knots.clone()).unwrap();
             let mut matrix = StencilMatrix::zeros(cells.shape());
             let mut right = vec![0.0; matrix.order()];
-            let metric = RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
-            let datum = |r: usize| CellDatum {
-                at: points[r],
-                loads: points[r].map(f64::sin).into_iter().chain([1.0]).collect::<Vec<_>>().try_into().unwrap(),
-            };
-            pool.install(|| cells.assemble(points.len(), metric, datum, &mut matrix, &mut right));
+            let metric = Metric::Uniform(RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
+            let loads = points.iter().map(|p| [p[0].sin(), p[1].sin(), 1.0]).collect();
+            let given = Given { points: points.clone(), loads };
+            pool.install(|| cells.assemble(&metric, &given, &mut matrix, &mut right));
             (matrix, right)
         };
         assert!(run(1) == run(2));

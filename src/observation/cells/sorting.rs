@@ -14,12 +14,18 @@ const CHUNK: usize = 1 << 15;
 /// Records by stripe, reusable. A record begins with x and y.
 #[derive(Debug, Default)]
 pub(super) struct Stripes {
+    chunks: Vec<Chunk>,
+    /// How many of them are in use.
+    used: usize,
+}
+
+/// Up to [`CHUNK`] contacts. Each has its own memory, first touched where it is filled.
+#[derive(Debug, Default)]
+struct Chunk {
     records: Vec<f64>,
-    /// Chunk c's contacts of stripe s are its `starts[c (stripes + 1) + s] .. starts[c (stripes + 1) + s + 1]`.
+    /// Stripe s has the chunk's records `starts[s] .. starts[s + 1]`.
     starts: Vec<u32>,
     stripe_of: Vec<u32>,
-    count: usize,
-    stripes: usize,
 }
 
 /// What sorting the contacts of one stripe by cells leaves behind, reusable.
@@ -40,43 +46,39 @@ impl Stripes {
         x: impl Fn(usize) -> f64 + Sync,
         write: impl Fn(usize, &mut [f64]) + Sync,
     ) {
-        (self.count, self.stripes) = (count, knots.n_segments());
-        let chunks = count.div_ceil(CHUNK);
-        if self.records.len() < count * RECORD {
-            self.records.resize(count * RECORD, 0.0);
+        self.used = count.div_ceil(CHUNK);
+        if self.chunks.len() < self.used {
+            self.chunks.resize_with(self.used, Chunk::default);
         }
-        if self.stripe_of.len() < count {
-            self.stripe_of.resize(count, 0);
-        }
-        self.starts.clear();
-        self.starts.resize(chunks * (self.stripes + 1), 0);
-        let one = |chunk: usize, records: &mut [f64], stripe_of: &mut [u32], starts: &mut [u32]| {
-            let range = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
-            sort_chunk::<RECORD>(knots, range, &x, &write, records, stripe_of, starts);
+        let one = |number: usize, chunk: &mut Chunk| {
+            let range = number * CHUNK..count.min((number + 1) * CHUNK);
+            chunk.sort::<RECORD>(knots, range, &x, &write);
         };
-        let records = &mut self.records[..count * RECORD];
-        each_chunk(0..chunks, RECORD, records, &mut self.stripe_of[..count], &mut self.starts, &one);
+        each_chunk(0, &mut self.chunks[..self.used], &one);
     }
 
-    /// Runs of records of one stripe, each as a range of records' numbers.
-    fn runs(&self, stripe: usize) -> impl Iterator<Item = Range<usize>> + Clone + '_ {
-        self.starts.chunks_exact(self.stripes + 1).enumerate().map(move |(chunk, starts)| {
-            chunk * CHUNK + starts[stripe] as usize..chunk * CHUNK + starts[stripe + 1] as usize
-        })
+    /// Numbers of the records of one stripe: the chunk's and within it.
+    fn runs(&self, stripe: usize) -> impl Iterator<Item = (usize, Range<usize>)> + Clone + '_ {
+        self.chunks[..self.used]
+            .iter()
+            .enumerate()
+            .map(move |(number, chunk)| (number, chunk.starts[stripe] as usize..chunk.starts[stripe + 1] as usize))
     }
 
-    /// All records, by their numbers.
-    pub fn records<const RECORD: usize>(&self) -> &[[f64; RECORD]] {
-        &self.records.as_chunks::<RECORD>().0[..self.count]
+    /// The record of that number.
+    #[inline(always)]
+    pub fn record<const RECORD: usize>(&self, number: u32) -> &[f64; RECORD] {
+        let (chunk, place) = (number as usize / CHUNK, number as usize % CHUNK);
+        &self.chunks[chunk].records.as_chunks::<RECORD>().0[place]
     }
 
     /// Sorts one stripe's contacts into cells; `false` where it has none.
     pub fn sort_cells<const RECORD: usize>(&self, stripe: usize, knots: &Knots, into: &mut CellOrder) -> bool {
-        let count: usize = self.runs(stripe).map(|run| run.len()).sum();
+        let count: usize = self.runs(stripe).map(|(_, run)| run.len()).sum();
         if count == 0 {
             return false;
         }
-        let (cells, records) = (knots.n_segments(), self.records::<RECORD>());
+        let cells = knots.n_segments();
         into.starts.clear();
         into.starts.resize(cells + 1, 0);
         // the second half of `order` remembers the cells
@@ -85,19 +87,22 @@ impl Stripes {
         }
         let (order, cell_of) = into.order.split_at_mut(count);
         let mut places = cell_of.iter_mut();
-        for record in self.runs(stripe).flat_map(|run| &records[run]) {
-            let cell = knots.segment_of(record[1]);
-            into.starts[cell + 1] += 1;
-            if let Some(place) = places.next() {
+        for (chunk, run) in self.runs(stripe) {
+            let records = &self.chunks[chunk].records.as_chunks::<RECORD>().0[run];
+            for (record, place) in records.iter().zip(&mut places) {
+                let cell = knots.segment_of(record[1]);
+                into.starts[cell + 1] += 1;
                 *place = cell as u32;
             }
         }
         add_up(&mut into.starts);
-        let numbers = self.runs(stripe).flatten();
-        for (&cell, number) in cell_of.iter().zip(numbers) {
-            let place = &mut into.starts[cell as usize];
-            order[*place as usize] = number as u32;
-            *place += 1;
+        let mut cells_of = cell_of.iter();
+        for (chunk, run) in self.runs(stripe) {
+            for (number, &cell) in (chunk * CHUNK + run.start..chunk * CHUNK + run.end).zip(&mut cells_of) {
+                let place = &mut into.starts[cell as usize];
+                order[*place as usize] = number as u32;
+                *place += 1;
+            }
         }
         shift_back(&mut into.starts);
         true
@@ -105,51 +110,44 @@ impl Stripes {
 }
 
 /// Halves the range of chunks until one is left.
-fn each_chunk(
-    chunks: Range<usize>,
-    record: usize,
-    records: &mut [f64],
-    stripe_of: &mut [u32],
-    starts: &mut [u32],
-    one: &(impl Fn(usize, &mut [f64], &mut [u32], &mut [u32]) + Sync),
-) {
-    match chunks.len() {
-        0 => {}
-        1 => one(chunks.start, records, stripe_of, starts),
-        length => {
-            let half = length / 2;
-            let (records_a, records_b) = records.split_at_mut(half * CHUNK * record);
-            let (stripe_a, stripe_b) = stripe_of.split_at_mut(half * CHUNK);
-            let (starts_a, starts_b) = starts.split_at_mut(starts.len() / length * half);
-            let middle = chunks.start + half;
-            rayon::join(
-                || each_chunk(chunks.start..middle, record, records_a, stripe_a, starts_a, one),
-                || each_chunk(middle..chunks.end, record, records_b, stripe_b, starts_b, one),
-            );
+fn each_chunk(first: usize, chunks: &mut [Chunk], one: &(impl Fn(usize, &mut Chunk) + Sync)) {
+    match chunks {
+        [] => {}
+        [chunk] => one(first, chunk),
+        chunks => {
+            let half = chunks.len() / 2;
+            let (a, b) = chunks.split_at_mut(half);
+            rayon::join(|| each_chunk(first, a, one), || each_chunk(first + half, b, one));
         }
     }
 }
 
-fn sort_chunk<const RECORD: usize>(
-    knots: &Knots,
-    range: Range<usize>,
-    x: &impl Fn(usize) -> f64,
-    write: &impl Fn(usize, &mut [f64]),
-    records: &mut [f64],
-    stripe_of: &mut [u32],
-    starts: &mut [u32],
-) {
-    for (r, stripe) in range.clone().zip(stripe_of.iter_mut()) {
-        *stripe = knots.segment_of(x(r)) as u32;
-        starts[*stripe as usize + 1] += 1;
+impl Chunk {
+    fn sort<const RECORD: usize>(
+        &mut self,
+        knots: &Knots,
+        range: Range<usize>,
+        x: &impl Fn(usize) -> f64,
+        write: &impl Fn(usize, &mut [f64]),
+    ) {
+        let Chunk { records, starts, stripe_of } = self;
+        starts.clear();
+        starts.resize(knots.n_segments() + 1, 0);
+        stripe_of.clear();
+        stripe_of.extend(range.clone().map(|r| {
+            let stripe = knots.segment_of(x(r)) as u32;
+            starts[stripe as usize + 1] += 1;
+            stripe
+        }));
+        add_up(starts);
+        records.resize(range.len() * RECORD, 0.0);
+        for (r, &stripe) in range.zip(stripe_of.iter()) {
+            let place = &mut starts[stripe as usize];
+            write(r, &mut records[*place as usize * RECORD..][..RECORD]);
+            *place += 1;
+        }
+        shift_back(starts);
     }
-    add_up(starts);
-    for (r, &stripe) in range.zip(stripe_of.iter()) {
-        let place = &mut starts[stripe as usize];
-        write(r, &mut records[*place as usize * RECORD..][..RECORD]);
-        *place += 1;
-    }
-    shift_back(starts);
 }
 
 /// Counts, each one place late, to starts.
@@ -187,8 +185,7 @@ mod tests {
                 }
                 for cell in 0..7 {
                     let numbers = &order.order[order.starts[cell] as usize..order.starts[cell + 1] as usize];
-                    let found: Vec<usize> =
-                        numbers.iter().map(|&n| stripes.records::<3>()[n as usize][2] as usize).collect();
+                    let found: Vec<usize> = numbers.iter().map(|&n| stripes.record::<3>(n)[2] as usize).collect();
                     assert!(found.is_sorted());
                     for &r in &found {
                         assert_eq!([knots[0].segment_of(at(r)[0]), knots[1].segment_of(at(r)[1])], [stripe, cell]);

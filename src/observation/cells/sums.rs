@@ -3,9 +3,9 @@
 use super::sorting::CellOrder;
 use super::tables::{Combined, XTables, YTables};
 use super::target::{Overlap, Target};
-use super::{CellAssembly, UNIFORM, WEIGHTED};
+use super::{CellAssembly, CellRows, WEIGHTED};
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::simd::{BilinearTerm, CellMoments, Level, bilinear, moments};
+use crate::simd::{BilinearTerm, CellMoments, Level, MomentPowers, bilinear, moments};
 
 /// Contacts whose local coordinates are formed at once; they stay in the first-level cache.
 const BATCH: usize = 64;
@@ -15,6 +15,7 @@ const BATCH: usize = 64;
 pub(super) struct Scratch {
     cells: CellOrder,
     local: Vec<f64>,
+    batch: MomentPowers,
     sums: [CellMoments; 4],
     work: Work,
 }
@@ -28,7 +29,13 @@ struct Work {
 
 impl Default for Scratch {
     fn default() -> Scratch {
-        Scratch { cells: CellOrder::default(), local: Vec::new(), sums: [CellMoments::ZERO; 4], work: Work::default() }
+        Scratch {
+            cells: CellOrder::default(),
+            local: Vec::new(),
+            batch: MomentPowers::default(),
+            sums: [CellMoments::ZERO; 4],
+            work: Work::default(),
+        }
     }
 }
 
@@ -119,7 +126,7 @@ impl CellAssembly {
         scratch: &mut Scratch,
         target: &mut Target<'_>,
     ) {
-        let Scratch { cells, local, sums, work } = scratch;
+        let Scratch { cells, local, batch, sums, work } = scratch;
         if !self.stripes.sort_cells::<RECORD>(stripe, &self.knots[1], cells) {
             return;
         }
@@ -132,9 +139,14 @@ impl CellAssembly {
             }
             let sums = if squares.is_some() { &mut sums[..1] } else { &mut sums[..] };
             sums.fill(CellMoments::ZERO);
-            let records = self.stripes.records::<RECORD>();
-            for batch in cells.order[range].chunks(BATCH) {
-                self.add_batch([stripe, cell], batch.iter().map(|&r| &records[r as usize]), local, sums);
+            for numbers in cells.order[range].chunks(BATCH) {
+                self.add_batch(
+                    [stripe, cell],
+                    numbers.iter().map(|&r| self.stripes.record::<RECORD>(r)),
+                    local,
+                    batch,
+                    sums,
+                );
             }
             self.add_cell([stripe, cell], sums, work, target);
         }
@@ -143,21 +155,24 @@ impl CellAssembly {
     /// All contacts on the patch's only cell: nothing to sort, nothing to keep.
     pub(super) fn sum_one_cell(
         &mut self,
-        count: usize,
+        rows: &impl CellRows,
         squares: [f64; 4],
-        record: impl Fn(usize) -> [f64; UNIFORM],
         matrix: &mut StencilMatrix,
         right: &mut [f64],
     ) {
         matrix.clear();
         right.fill(0.0);
         let mut scratch = self.scratch.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default();
-        let Scratch { local, sums, work, .. } = &mut scratch;
+        let Scratch { local, batch, sums, work, .. } = &mut *scratch;
         work.start(&self.x.products[0], self.shape, Some(squares));
         local.resize(WEIGHTED * BATCH, 0.0);
         sums[0] = CellMoments::ZERO;
-        for from in (0..count).step_by(BATCH) {
-            self.add_batch([0, 0], (from..count.min(from + BATCH)).map(&record), local, &mut sums[..1]);
+        for from in (0..rows.len()).step_by(BATCH) {
+            let records = (from..rows.len().min(from + BATCH)).map(|r| {
+                let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
+                [x, y, z, zx, zy]
+            });
+            self.add_batch([0, 0], records, local, batch, &mut sums[..1]);
         }
         let mut overlap = Overlap::default();
         let values = matrix.values_mut();
@@ -175,6 +190,7 @@ impl CellAssembly {
         [stripe, cell]: [usize; 2],
         records: impl Iterator<Item = impl std::borrow::Borrow<[f64; RECORD]>>,
         local: &mut [f64],
+        powers: &mut MomentPowers,
         sums: &mut [CellMoments],
     ) {
         let (cx, hx) = (self.x.basis.centre[stripe], self.x.basis.inverse_half[stripe]);
@@ -195,11 +211,12 @@ impl CellAssembly {
         let (u, v) = (&columns[0][..n], &columns[1][..n]);
         let data = Some([&columns[2][..n], &columns[3][..n], &columns[4][..n]]);
         if let [sum] = sums {
-            moments(level, degree, [u, v], None, data, sum);
+            moments(level, degree, [u, v], None, data, powers, sum);
             return;
         }
         for (t, sum) in sums.iter_mut().enumerate() {
-            moments(level, degree, [u, v], Some(&columns[5 + t][..n]), if t == 0 { data } else { None }, sum);
+            let data = if t == 0 { data } else { None };
+            moments(level, degree, [u, v], Some(&columns[5 + t][..n]), data, powers, sum);
         }
     }
 

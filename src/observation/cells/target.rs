@@ -25,26 +25,34 @@ impl Target<'_> {
         self.right.len() / self.shape.basis[1]
     }
 
+    /// Adds a cell's part of the matrix; `block` holds the pairs (a, k <= a) of x functions, each (q + 1)^2 entries.
     pub fn add_block(&mut self, first: [usize; 2], block: &[[f64; 16]]) {
-        let (q, m, stencil) = (self.shape.degree[1], self.shape.basis[1], self.shape.stencil_width());
-        let (width, own) = (q + 1, self.own_lines());
+        // the width as a literal: the rows below are then two or three instructions each
+        match self.shape.degree[1] {
+            1 => self.add_rows::<2>(first, block),
+            2 => self.add_rows::<3>(first, block),
+            _ => self.add_rows::<4>(first, block),
+        }
+    }
+
+    #[inline]
+    fn add_rows<const WIDTH: usize>(&mut self, first: [usize; 2], block: &[[f64; 16]]) {
+        let (m, stencil, own) = (self.shape.basis[1], self.shape.stencil_width(), self.own_lines());
         let mut pairs = block.iter();
         for a in 0..=self.shape.degree[0] {
             let line = first[0] + a - self.origin;
-            let values = if line < own {
-                &mut self.values[line * m * stencil..]
-            } else {
-                &mut self.overlap.values[(line - own) * m * stencil..]
-            };
+            let (values, line) =
+                if line < own { (&mut *self.values, line) } else { (&mut self.overlap.values[..], line - own) };
+            let rows = &mut values[(line * m + first[1]) * stencil..][..WIDTH * stencil];
             for k in 0..=a {
                 let Some(entries) = pairs.next() else { return };
-                for b in 0..width {
-                    // on the diagonal block only the lower half is stored
-                    let take = if a == k { b + 1 } else { width };
-                    let start = (first[1] + b) * stencil + (a - k) * (2 * q + 1) + q - b;
-                    let row = &mut values[start..start + take];
-                    for (value, entry) in row.iter_mut().zip(&entries[b * width..b * width + take]) {
-                        *value += entry;
+                let (entries, _) = entries.as_chunks::<WIDTH>();
+                for b in 0..WIDTH {
+                    let start = b * stencil + (a - k) * (2 * WIDTH - 1) + WIDTH - 1 - b;
+                    let row = &mut rows[start..start + WIDTH];
+                    // on the diagonal block only the lower half is stored: the rest is never read
+                    for l in 0..WIDTH {
+                        row[l] += entries[b][l];
                     }
                 }
             }
