@@ -45,7 +45,7 @@ fn half_width(shape: TensorShape) -> usize {
     shape.degree[0] * shape.basis[1] + shape.degree[1]
 }
 
-/// Multiply-adds of the factorisation: n w^2 / 2 products and sums each.
+/// Products and sums of the factorisation: n w^2 / 2 of each.
 pub fn band_flops(shape: TensorShape) -> f64 {
     shape.unknowns() as f64 * (half_width(shape) as f64).powi(2)
 }

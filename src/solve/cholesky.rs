@@ -25,7 +25,7 @@ pub const DENSE_LIMIT: usize = 100;
 /// factor takes a quarter longer; at 17,161 (1.8) they are equal on one thread, and the band's two ends take two.
 const BAND_ADVANTAGE: f64 = 2.5;
 
-/// Multiply-adds of the nested dissection's top separators, which is nearly all of them: a front of s unknowns with a
+/// Products and sums of the nested dissection's top separators, which is nearly all of them: a front of s unknowns with a
 /// border of b costs `s^3/3 + s^2 b + s b^2`.
 fn dissection_flops(shape: TensorShape) -> f64 {
     fn part(wide: f64, high: f64, degree: [f64; 2], border: f64) -> f64 {
@@ -237,6 +237,15 @@ impl Cholesky {
         let inverse =
             inverse_norm1_estimate(self.scale.len(), |v| self.solve_equilibrated(v), |v| self.solve_equilibrated(v));
         (self.norm * inverse).sqrt()
+    }
+
+    /// Multiply-adds of one factorisation (sparse: of the dissection's fronts).
+    pub fn multiply_adds(&self) -> f64 {
+        match &self.kind {
+            Kind::Patch(_) | Kind::Dense(_) => (self.scale.len() as f64).powi(3) / 6.0,
+            Kind::Band(_) => 0.5 * band_flops(self.shape),
+            Kind::Sparse(_) => 0.5 * dissection_flops(self.shape),
+        }
     }
 
     /// Stored entries of the factor (dense: the triangle).
