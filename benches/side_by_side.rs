@@ -1,9 +1,10 @@
 //! One workload of the side-by-side comparison, timed as the peers time theirs: from arrays in memory to the answer.
 //!
-//! `side_by_side WORKLOAD INPUT OUTPUT REPETITIONS THREADS` prints `T seconds` per repetition and `RSS megabytes`, and
-//! writes the answer for the driver (`benches/peers/compare.py`) to check. Input files are those of the peers.
+//! `side_by_side WORKLOAD INPUT OUTPUT REPETITIONS THREADS` prints `BASE megabytes` with the input read, `T seconds` per
+//! repetition and `RSS megabytes` at the peak, and writes the answer for the driver (`benches/peers/compare.py`) to check. Input files are those of the peers.
 
 use std::hint::black_box;
+use std::io::Read;
 use std::time::Instant;
 
 use palpate::bspline::{Knots, linspace};
@@ -20,6 +21,7 @@ fn main() -> Outcome {
         return Ok(());
     };
     let numbers = read(input)?;
+    println!("BASE {:.1}", peak_megabytes());
     let repetitions: usize = repetitions.parse()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?).build()?;
     let answer = pool.install(|| match workload.as_str() {
@@ -37,9 +39,17 @@ fn main() -> Outcome {
     Ok(())
 }
 
+/// By pieces, so that the peak is the numbers' own.
 fn read(path: &str) -> Result<Vec<f64>, std::io::Error> {
-    let bytes = std::fs::read(path)?;
-    Ok(bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
+    let file = std::fs::File::open(path)?;
+    let mut numbers = Vec::with_capacity(file.metadata()?.len() as usize / 8);
+    let mut input = std::io::BufReader::with_capacity(1 << 16, file);
+    let mut word = [0; 8];
+    while numbers.len() < numbers.capacity() {
+        input.read_exact(&mut word)?;
+        numbers.push(f64::from_le_bytes(word));
+    }
+    Ok(numbers)
 }
 
 fn peak_megabytes() -> f64 {

@@ -2,7 +2,7 @@
 
     python numpy_peers.py PEER INPUT OUTPUT REPETITIONS
 
-Prints `T seconds` per repetition and `RSS megabytes`; writes the answer as doubles. The driver sets the thread count.
+Prints `BASE megabytes` with the input read, `T seconds` per repetition and `RSS megabytes` at the peak; writes the answer as doubles. The driver sets the thread count.
 """
 import sys
 import time
@@ -232,9 +232,16 @@ PEERS = {
 }
 
 
+def peak_megabytes():
+    with open("/proc/self/status") as status:
+        peak = next(line for line in status if line.startswith("VmHWM"))
+    return int(peak.split()[1]) / 1024
+
+
 def main():
     peer, source, target, repetitions = sys.argv[1:5]
     run, inner = PEERS[peer](np.fromfile(source))
+    print("BASE %.1f" % peak_megabytes())
     for k in range(int(repetitions) + 1):
         start = time.perf_counter()
         for _ in range(inner):
@@ -242,9 +249,7 @@ def main():
         if k:
             print("T %.9f" % ((time.perf_counter() - start) / inner))
     np.asarray(answer, dtype="<f8").tofile(target)
-    with open("/proc/self/status") as status:
-        peak = next(line for line in status if line.startswith("VmHWM"))
-    print("RSS %.1f" % (int(peak.split()[1]) / 1024))
+    print("RSS %.1f" % peak_megabytes())
 
 
 if __name__ == "__main__":

@@ -125,20 +125,32 @@ impl Knots {
     }
 
     /// The segment that holds `x`: right-continuous at knots, the last one at the upper end, the end ones outside.
+    #[inline]
     pub fn segment_of(&self, x: f64) -> usize {
-        let last = self.segment_starts.len() - 1;
-        if let Some(inverse_step) = self.inverse_step {
-            // `as` saturates, so values outside and NaN land on an end segment
-            let mut s = (((x - self.knots[0]) * inverse_step) as usize).min(last);
-            // rounding may be off by one at a knot: the knots themselves decide
-            while s < last && x >= self.knots[self.degree + s + 1] {
-                s += 1;
-            }
-            while s > 0 && x < self.knots[self.degree + s] {
-                s -= 1;
-            }
-            return s;
+        let Some(inverse_step) = self.inverse_step else { return self.segment_by_search(x) };
+        // `as` saturates, so values outside and NaN land on an end segment
+        let guess = (((x - self.knots[0]) * inverse_step) as i32).max(0) as usize;
+        let guess = guess.min(self.segment_starts.len() - 1);
+        if self.knots[self.degree + guess] <= x && x < self.knots[self.degree + guess + 1] {
+            return guess;
         }
+        self.segment_beside(guess, x)
+    }
+
+    /// Rounding may be off by one at a knot: the knots themselves decide.
+    #[cold]
+    fn segment_beside(&self, mut s: usize, x: f64) -> usize {
+        let last = self.segment_starts.len() - 1;
+        while s < last && x >= self.knots[self.degree + s + 1] {
+            s += 1;
+        }
+        while s > 0 && x < self.knots[self.degree + s] {
+            s -= 1;
+        }
+        s
+    }
+
+    fn segment_by_search(&self, x: f64) -> usize {
         let upper = self.segment_starts.partition_point(|&start| self.knots[start] <= x);
         upper.saturating_sub(1)
     }

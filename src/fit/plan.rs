@@ -10,8 +10,8 @@
 
 use super::FitError;
 use crate::bspline::Knots;
-use crate::linalg::{RowMetric, StencilMatrix};
-use crate::observation::{CellAssembly, CellDatum, GridSites};
+use crate::linalg::{Metric, RowMetric, StencilMatrix};
+use crate::observation::{CellAssembly, CellRows, GridSites};
 use crate::simd::{BandTerm, Level, contract_rows};
 use crate::solve::{Cholesky, FastDiagonalisation};
 
@@ -38,6 +38,28 @@ pub struct SlopeColumns<'a> {
     pub zx: &'a [f64],
     /// Slopes in y.
     pub zy: &'a [f64],
+}
+
+/// Contacts with the squares of their block weights.
+struct WeightedColumns<'a> {
+    columns: SlopeColumns<'a>,
+    squares: [f64; 3],
+}
+
+impl CellRows for WeightedColumns<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.columns.x.len()
+    }
+    #[inline(always)]
+    fn at(&self, r: usize) -> [f64; 2] {
+        [self.columns.x[r], self.columns.y[r]]
+    }
+    #[inline(always)]
+    fn loads(&self, r: usize) -> [f64; 3] {
+        let (c, [wz, wx, wy]) = (&self.columns, self.squares);
+        [wz * c.z[r], wx * c.zx[r], wy * c.zy[r]]
+    }
 }
 
 impl SlopePlan {
@@ -70,9 +92,9 @@ impl SlopePlan {
         let n = contacts.x.len();
         let SlopeColumns { x, y, z, zx, zy } = *contacts;
         let (y, z, zx, zy) = (&y[..n], &z[..n], &zx[..n], &zy[..n]);
-        let [wz, wx, wy] = [self.metric.z, self.metric.a, self.metric.d].map(|w| w * w);
-        let datum = |r: usize| CellDatum { at: [x[r], y[r]], loads: [wz * z[r], wx * zx[r], wy * zy[r]] };
-        self.cells.assemble(n, self.metric, datum, &mut self.matrix, &mut self.coefficients);
+        let squares = [self.metric.z, self.metric.a, self.metric.d].map(|w| w * w);
+        let rows = WeightedColumns { columns: SlopeColumns { x, y, z, zx, zy }, squares };
+        self.cells.assemble(&Metric::Uniform(self.metric), &rows, &mut self.matrix, &mut self.coefficients);
         self.factor
             .factor_and_solve(&self.matrix, &mut self.coefficients)
             .map_err(|source| FitError::Solve { source })?;

@@ -87,6 +87,11 @@ fn tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     target: &mut [f64],
     [row, column]: [usize; 2],
 ) {
+    if let Sources::Before { gap, .. } = sources
+        && (gap + 1) * shape.width + row.max(column) >= shape.height
+    {
+        return; // even the nearest source ends above this tile
+    }
     let stride = shape.stride();
     let mut c = [[V::splat(0.0); COLUMNS]; ROWS];
     for j in 0..COLUMNS {
@@ -179,9 +184,17 @@ fn factor_eight<V: Lanes>(shape: BlockShape, block: &mut [f64], at: usize) -> Re
     Ok(smallest)
 }
 
+/// Numbers of source blocks that stay in a second-level cache of 1 MB beside the target, while all tiles go over them.
+const CACHED: usize = 1 << 16;
+
 #[inline(always)]
 fn update<V: Lanes>(shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
-    tiles::<V>(shape, Sources::Before { blocks, gap }, target, shape.width);
+    let total = blocks.len() / shape.len();
+    let together = (CACHED / shape.len()).max(1);
+    for (k, group) in blocks.chunks(together * shape.len()).enumerate() {
+        let nearer = total - k * together - group.len() / shape.len();
+        tiles::<V>(shape, Sources::Before { blocks: group, gap: gap + nearer }, target, shape.width);
+    }
 }
 
 #[inline(always)]

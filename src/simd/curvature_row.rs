@@ -16,19 +16,19 @@ use super::{Level, dispatch};
 /// The points of a row, sorted into runs that lie on one segment, with the Taylor coefficients of that segment's basis.
 #[derive(Clone, Debug)]
 pub struct RowPieces {
-    degree: usize,
+    pub(super) degree: usize,
     /// Basis functions in y.
-    n_basis: usize,
+    pub(super) n_basis: usize,
     /// One past the last point of every run.
-    ends: Vec<usize>,
+    pub(super) ends: Vec<usize>,
     /// First basis function of every run.
-    first: Vec<usize>,
+    pub(super) first: Vec<usize>,
     /// `taylor[(k (q + 1) + v) padded + run]`: k-th derivative over k! of basis function `first + v` at the centre.
-    taylor: Vec<f64>,
-    padded: usize,
+    pub(super) taylor: Vec<f64>,
+    pub(super) padded: usize,
     /// `y - centre` of every point, with room for one more set of lanes.
-    offsets: Vec<f64>,
-    contiguous: bool,
+    pub(super) offsets: Vec<f64>,
+    pub(super) contiguous: bool,
 }
 
 /// Buffers of [`curvature_row`]; one for each thread, reusable.
@@ -85,6 +85,16 @@ impl RowPieces {
     /// No points at all.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Degree q.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The first basis function of the only segment with points; `None` where there are more.
+    pub fn only_segment(&self) -> Option<usize> {
+        if let [first] = self.first[..] { Some(first) } else { None }
     }
 }
 

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`shape_maps`] | S and R from the five derivatives of a height field |
 //! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points |
+//! | [`patch_maps`] | the same over a small grid on one segment, all rows in one call |
+//! | [`factor_columns`] | Cholesky of 9, 16 or 25 unknowns |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`chacha8`] | standard normals from addressed random words |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
@@ -18,10 +20,12 @@ mod block_columns;
 mod chacha8;
 mod contract_rows;
 mod curvature_row;
+mod dense_columns;
 mod lanes;
 mod level;
 mod moments;
 mod normals;
+mod patch_maps;
 mod replicate_lanes;
 mod shape_maps;
 
@@ -30,9 +34,11 @@ pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
+pub use dense_columns::{DenseColumns, factor_columns};
 pub use level::Level;
-pub use moments::{CellMoments, MAX_MOMENT_DEGREE, moments, moments_twin};
+pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normals};
+pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_maps::{shape_maps, shape_maps_twin};
 

@@ -30,17 +30,65 @@ impl CellMoments {
     pub const ZERO: CellMoments = CellMoments { weights: [[0.0; 8]; 7], loads: [[[0.0; 8]; 4]; 3] };
 }
 
-/// `[1, v, v^2, .., v^7]`, by the bits of the exponent, in `8 / N` sets of lanes.
-#[inline(always)]
-fn powers<V: Lanes>(v: f64, bits: &[[V::Mask; 2]; 2]) -> [V; 2] {
-    let (one, square) = (V::splat(1.0), v * v);
-    let low = V::select(bits[0][0], V::splat(v), one) * V::select(bits[0][1], V::splat(square), one);
-    let fourth = V::splat(square * square);
-    if V::N == 8 {
-        let high = V::select(bits[1][0], fourth, one);
-        [low * high, one]
-    } else {
-        [low, low * fourth]
+/// Contacts taken at once: their powers stay in the first-level cache, and every sum reads its factor from there.
+const BATCH: usize = 64;
+
+/// Powers of up to 64 contacts, one column a power: the memory that [`moments`] works in.
+#[derive(Debug)]
+pub struct MomentPowers {
+    count: usize,
+    /// `w u^k`, k up to 2p.
+    weighted: [[f64; BATCH]; 7],
+    /// u, u^2, u^3.
+    u: [[f64; BATCH]; 3],
+    /// v, v^2, v^4.
+    v: [[f64; BATCH]; 3],
+}
+
+impl Default for MomentPowers {
+    fn default() -> MomentPowers {
+        MomentPowers { count: 0, weighted: [[0.0; BATCH]; 7], u: [[0.0; BATCH]; 3], v: [[0.0; BATCH]; 3] }
+    }
+}
+
+impl MomentPowers {
+    #[inline(always)]
+    fn fill<V: Lanes>(&mut self, degree: usize, [u, v]: [&[f64]; 2], weight: Option<&[f64]>) {
+        self.count = u.len();
+        self.u[0][..u.len()].copy_from_slice(u);
+        self.v[0][..u.len()].copy_from_slice(&v[..u.len()]);
+        match weight {
+            Some(weight) => self.weighted[0][..u.len()].copy_from_slice(&weight[..u.len()]),
+            None => self.weighted[0][..u.len()].fill(1.0),
+        }
+        for r in (0..u.len()).step_by(V::N) {
+            let (x, y) = (V::load(&self.u[0][r..]), V::load(&self.v[0][r..]));
+            (x * x).store(&mut self.u[1][r..]);
+            (x * x * x).store(&mut self.u[2][r..]);
+            (y * y).store(&mut self.v[1][r..]);
+            (y * y * (y * y)).store(&mut self.v[2][r..]);
+            let mut power = V::load(&self.weighted[0][r..]);
+            for k in 1..=2 * degree {
+                power = power * x;
+                power.store(&mut self.weighted[k][r..]);
+            }
+        }
+    }
+
+    /// `[1, v, v^2, .., v^7]` of contact r, by the bits of the exponent, in `8 / N` sets of lanes.
+    #[inline(always)]
+    fn row<V: Lanes>(&self, r: usize, bits: &[[V::Mask; 2]; 2]) -> [V; 2] {
+        let one = V::splat(1.0);
+        let low = self.low_row::<V>(r, bits);
+        let fourth = V::splat(self.v[2][r]);
+        if V::N == 8 { [low * V::select(bits[1][0], fourth, one), one] } else { [low, low * fourth] }
+    }
+
+    /// `[1, v, v^2, v^3]`, again and again.
+    #[inline(always)]
+    fn low_row<V: Lanes>(&self, r: usize, bits: &[[V::Mask; 2]; 2]) -> V {
+        let one = V::splat(1.0);
+        V::select(bits[0][0], V::splat(self.v[0][r]), one) * V::select(bits[0][1], V::splat(self.v[1][r]), one)
     }
 }
 
@@ -55,18 +103,16 @@ fn exponent_bits<V: Lanes>() -> [[V::Mask; 2]; 2] {
 }
 
 #[inline(always)]
-fn add_weights<V: Lanes>(degree: usize, u: &[f64], v: &[f64], weight: Option<&[f64]>, out: &mut [[f64; 8]; 7]) {
+fn add_weights<V: Lanes>(degree: usize, batch: &MomentPowers, out: &mut [[f64; 8]; 7]) {
     let sets = 8 / V::N;
     let bits = exponent_bits::<V>();
     let mut sums = [[V::splat(0.0); 2]; 7];
-    for r in 0..u.len() {
-        let row = powers::<V>(v[r], &bits);
-        let mut factor = weight.map_or(1.0, |w| w[r]);
-        for sum in sums[..=2 * degree].iter_mut() {
+    for r in 0..batch.count {
+        let row = batch.row::<V>(r, &bits);
+        for (sum, power) in sums[..=2 * degree].iter_mut().zip(&batch.weighted) {
             for k in 0..sets {
-                sum[k] = V::splat(factor).mul_add(row[k], sum[k]);
+                sum[k] = V::splat(power[r]).mul_add(row[k], sum[k]);
             }
-            factor *= u[r];
         }
     }
     for (sum, target) in sums[..=2 * degree].iter().zip(out.iter_mut()) {
@@ -77,16 +123,20 @@ fn add_weights<V: Lanes>(degree: usize, u: &[f64], v: &[f64], weight: Option<&[f
 }
 
 #[inline(always)]
-fn add_loads<V: Lanes>(degree: usize, u: &[f64], v: &[f64], data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
+fn add_loads<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
+    if V::N == 8 {
+        add_loads_by_eights::<V>(degree, batch, data, out);
+        return;
+    }
     let bits = exponent_bits::<V>();
     let mut sums = [[V::splat(0.0); 4]; 3];
-    for r in 0..u.len() {
-        let low = powers::<V>(v[r], &bits)[0];
+    for r in 0..batch.count {
+        let low = batch.low_row::<V>(r, &bits);
         for (sum, f) in sums.iter_mut().zip(data) {
-            let mut term = V::splat(f[r]) * low;
-            for power in sum[..=degree].iter_mut() {
-                *power = *power + term;
-                term = term * V::splat(u[r]);
+            let term = V::splat(f[r]) * low;
+            sum[0] = sum[0] + term;
+            for (power, u) in sum[1..=degree].iter_mut().zip(&batch.u) {
+                *power = V::splat(u[r]).mul_add(term, *power);
             }
         }
     }
@@ -97,27 +147,77 @@ fn add_loads<V: Lanes>(degree: usize, u: &[f64], v: &[f64], data: [&[f64]; 3], o
     }
 }
 
+/// Eight lanes hold the four powers of v twice: once for F_z, once for F_x; and for F_y once for u^a, once for u^(a+1).
+#[inline(always)]
+fn add_loads_by_eights<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
+    let bits = exponent_bits::<V>();
+    let upper = bits[1][0];
+    let zero = V::splat(0.0);
+    let (mut both, mut last) = ([zero; 4], [zero; 2]);
+    for r in 0..batch.count {
+        let low = batch.low_row::<V>(r, &bits);
+        let term = V::select(upper, V::splat(data[1][r]), V::splat(data[0][r])) * low;
+        both[0] = both[0] + term;
+        for (power, u) in both[1..=degree].iter_mut().zip(&batch.u) {
+            *power = V::splat(u[r]).mul_add(term, *power);
+        }
+        let term = V::select(upper, V::splat(batch.u[0][r]), V::splat(1.0)) * (V::splat(data[2][r]) * low);
+        last[0] = last[0] + term;
+        last[1] = V::splat(batch.u[1][r]).mul_add(term, last[1]);
+    }
+    let mut lanes = [0.0; 8];
+    let mut add = |lanes: &[f64], t: usize, a: usize| {
+        out[t][a].iter_mut().zip(lanes).for_each(|(o, l)| *o += l);
+    };
+    for a in 0..=degree {
+        both[a].store(&mut lanes);
+        add(&lanes[..4], 0, a);
+        add(&lanes[4..], 1, a);
+    }
+    for half in 0..=degree / 2 {
+        last[half].store(&mut lanes);
+        add(&lanes[..4], 2, 2 * half);
+        add(&lanes[4..], 2, 2 * half + 1);
+    }
+}
+
 #[inline(always)]
 fn generic<V: Lanes>(
     degree: usize,
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
     data: Option<[&[f64]; 3]>,
+    batch: &mut MomentPowers,
     out: &mut CellMoments,
 ) {
-    let [u, v] = local;
-    // the degree as a literal, so that the sums stay in registers
-    match degree {
-        1 => add_weights::<V>(1, u, v, weight, &mut out.weights),
-        2 => add_weights::<V>(2, u, v, weight, &mut out.weights),
-        _ => add_weights::<V>(3, u, v, weight, &mut out.weights),
-    }
-    if let Some(data) = data {
+    let n = local[0].len();
+    for from in (0..n).step_by(BATCH) {
+        let range = from..n.min(from + BATCH);
+        let local = local.map(|c| &c[range.clone()]);
+        let weight = weight.map(|w| &w[range.clone()]);
+        let data = data.map(|d| d.map(|f| &f[range.clone()]));
+        // the degree as a literal, so that the sums stay in registers
         match degree {
-            1 => add_loads::<V>(1, u, v, data, &mut out.loads),
-            2 => add_loads::<V>(2, u, v, data, &mut out.loads),
-            _ => add_loads::<V>(3, u, v, data, &mut out.loads),
+            1 => add_batch::<V>(1, batch, local, weight, data, out),
+            2 => add_batch::<V>(2, batch, local, weight, data, out),
+            _ => add_batch::<V>(3, batch, local, weight, data, out),
         }
+    }
+}
+
+#[inline(always)]
+fn add_batch<V: Lanes>(
+    degree: usize,
+    batch: &mut MomentPowers,
+    local: [&[f64]; 2],
+    weight: Option<&[f64]>,
+    data: Option<[&[f64]; 3]>,
+    out: &mut CellMoments,
+) {
+    batch.fill::<V>(degree, local, weight);
+    add_weights::<V>(degree, batch, &mut out.weights);
+    if let Some(data) = data {
+        add_loads::<V>(degree, batch, data, &mut out.loads);
     }
 }
 
@@ -134,11 +234,13 @@ pub fn moments(
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
     data: Option<[&[f64]; 3]>,
+    powers: &mut MomentPowers,
     out: &mut CellMoments,
 ) {
     assert!((1..=MAX_MOMENT_DEGREE).contains(&degree), "moments are made for degrees 1 to {MAX_MOMENT_DEGREE}");
     dispatch!(level, generic [](
-        degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>, out: &mut CellMoments));
+        degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>,
+        powers: &mut MomentPowers, out: &mut CellMoments));
 }
 
 /// The safe twin: powers by `powi`, one moment at a time.
@@ -182,7 +284,7 @@ mod tests {
                 moments_twin(degree, [&u, &v], weight, Some(data), &mut expected);
                 for level in Level::available() {
                     let mut made = CellMoments::ZERO;
-                    moments(level, degree, [&u, &v], weight, Some(data), &mut made);
+                    moments(level, degree, [&u, &v], weight, Some(data), &mut MomentPowers::default(), &mut made);
                     let mut worst = 0.0_f64;
                     for a in 0..=2 * degree {
                         for b in 0..7 {

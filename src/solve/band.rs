@@ -22,6 +22,8 @@ const WIDTH: usize = 48;
 struct Part {
     /// Block columns, one after the other.
     blocks: Vec<f64>,
+    /// How many there will be.
+    count: usize,
     vector: Vec<f64>,
 }
 
@@ -43,7 +45,7 @@ fn half_width(shape: TensorShape) -> usize {
     shape.degree[0] * shape.basis[1] + shape.degree[1]
 }
 
-/// Multiply-adds of the factorisation: n w^2 / 2 products and sums each.
+/// Products and sums of the factorisation: n w^2 / 2 of each.
 pub fn band_flops(shape: TensorShape) -> f64 {
     shape.unknowns() as f64 * (half_width(shape) as f64).powi(2)
 }
@@ -70,7 +72,9 @@ impl BandCholesky {
         let middle_blocks = middle.div_ceil(WIDTH);
         if end > 0 {
             for part in [&mut made.left, &mut made.right] {
-                part.blocks = vec![0.0; (end / WIDTH + middle_blocks) * end_block.len()];
+                // filled block by block as the elimination gets there: one pass over the memory less
+                part.count = end / WIDTH + middle_blocks;
+                part.blocks = Vec::with_capacity(part.count * end_block.len());
                 part.vector = vec![0.0; order + end_block.height];
             }
         }
@@ -81,7 +85,7 @@ impl BandCholesky {
 
     /// Numbers stored.
     pub fn entries(&self) -> usize {
-        self.left.blocks.len() + self.right.blocks.len() + self.centre.blocks.len()
+        2 * self.left.count * self.end_block.len() + self.centre.blocks.len()
     }
 
     /// Factors `D A D` and solves for `v` on the way: `v <- (D A D)^-1 v`. Returns the smallest squared pivot.
@@ -271,10 +275,10 @@ impl Part {
     fn eliminate(&mut self, level: Level, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;
-        for b in 0..self.blocks.len() / block.len() {
-            let (done, rest) = self.blocks.split_at_mut(b * block.len());
-            let target = &mut rest[..block.len()];
-            target.fill(0.0);
+        self.blocks.clear();
+        for b in 0..self.count {
+            self.blocks.resize((b + 1) * block.len(), 0.0);
+            let (done, target) = self.blocks.split_at_mut(b * block.len());
             let eliminated = b < end / WIDTH;
             if eliminated {
                 for (c, column) in target.chunks_exact_mut(block.stride()).enumerate() {

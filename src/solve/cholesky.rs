@@ -13,6 +13,7 @@ use faer::{Conj, MatMut, Side};
 use super::SolveError;
 use super::band::{BandCholesky, band_flops};
 use super::ordering::nested_dissection;
+use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
 use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 
@@ -20,10 +21,11 @@ use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 pub const DENSE_LIMIT: usize = 100;
 
 /// The band does each multiply-add this many times faster than the sparse factor of a nested dissection: it has no
-/// small fronts, no indices and no symbolic step, and its two ends take a thread each.
-const BAND_ADVANTAGE: f64 = 5.0;
+/// small fronts, no indices and no symbolic step. At 4,489 unknowns (counted ratio 0.7) a whole fit with the sparse
+/// factor takes a quarter longer; at 17,161 (1.8) they are equal on one thread, and the band's two ends take two.
+const BAND_ADVANTAGE: f64 = 2.5;
 
-/// Multiply-adds of the nested dissection's top separators, which is nearly all of them: a front of s unknowns with a
+/// Products and sums of the nested dissection's top separators, which is nearly all of them: a front of s unknowns with a
 /// border of b costs `s^3/3 + s^2 b + s b^2`.
 fn dissection_flops(shape: TensorShape) -> f64 {
     fn part(wide: f64, high: f64, degree: [f64; 2], border: f64) -> f64 {
@@ -58,6 +60,7 @@ pub struct Cholesky {
 
 #[derive(Debug)]
 enum Kind {
+    Patch(PatchCholesky),
     Dense(PackedCholesky),
     Band(Box<BandCholesky>),
     Sparse(Box<Sparse>),
@@ -109,9 +112,13 @@ impl Cholesky {
     /// [`SolveError::Memory`].
     pub fn plan(shape: TensorShape) -> Result<Cholesky, SolveError> {
         let unknowns = shape.unknowns();
-        let kind = if unknowns <= DENSE_LIMIT {
+        let kind = if let Some(patch) = PatchCholesky::plan(shape) {
+            Kind::Patch(patch)
+        } else if unknowns <= DENSE_LIMIT {
             Kind::Dense(PackedCholesky::default())
-        } else if band_flops(shape) < BAND_ADVANTAGE * dissection_flops(shape) {
+        } else if std::env::var_os("PALPATE_ND").is_none()
+            && band_flops(shape) < BAND_ADVANTAGE * dissection_flops(shape)
+        {
             Kind::Band(Box::new(BandCholesky::plan(shape)))
         } else {
             Kind::Sparse(Box::new(Sparse::plan(shape)?))
@@ -153,6 +160,9 @@ impl Cholesky {
             }
             *scale = 1.0 / diagonal.sqrt();
         }
+        if matches!(self.kind, Kind::Patch(_)) {
+            return Ok(()); // its norm comes with its factor
+        }
         self.norm = matrix.norm1_scaled_with(&self.scale, &mut self.sums);
         if self.norm.is_finite() { Ok(()) } else { Err(SolveError::NotFinite { unknown: 0 }) }
     }
@@ -160,6 +170,14 @@ impl Cholesky {
     fn factor_equilibrated(&mut self, matrix: &StencilMatrix, v: Option<&mut [f64]>) -> Result<(), SolveError> {
         let scale = &self.scale;
         match &mut self.kind {
+            Kind::Patch(patch) => {
+                let [pivot, norm] =
+                    patch.factor(matrix, scale, v).map_err(|unknown| SolveError::NotPositiveDefinite { unknown })?;
+                if !norm.is_finite() {
+                    return Err(SolveError::NotFinite { unknown: 0 });
+                }
+                (self.smallest_pivot, self.norm) = (pivot, norm);
+            }
             Kind::Dense(dense) => {
                 dense.reset(matrix.order());
                 matrix.for_each_lower(|row, column, position| {
@@ -197,6 +215,7 @@ impl Cholesky {
 
     fn solve_equilibrated(&self, v: &mut [f64]) {
         match &self.kind {
+            Kind::Patch(patch) => patch.solve(v),
             Kind::Dense(dense) => dense.solve(v),
             Kind::Band(band) => band.solve(v),
             Kind::Sparse(sparse) => sparse.solve(v),
@@ -220,10 +239,19 @@ impl Cholesky {
         (self.norm * inverse).sqrt()
     }
 
+    /// Multiply-adds of one factorisation (sparse: of the dissection's fronts).
+    pub fn multiply_adds(&self) -> f64 {
+        match &self.kind {
+            Kind::Patch(_) | Kind::Dense(_) => (self.scale.len() as f64).powi(3) / 6.0,
+            Kind::Band(_) => 0.5 * band_flops(self.shape),
+            Kind::Sparse(_) => 0.5 * dissection_flops(self.shape),
+        }
+    }
+
     /// Stored entries of the factor (dense: the triangle).
     pub fn factor_entries(&self) -> usize {
         match &self.kind {
-            Kind::Dense(_) => self.scale.len() * (self.scale.len() + 1) / 2,
+            Kind::Patch(_) | Kind::Dense(_) => self.scale.len() * (self.scale.len() + 1) / 2,
             Kind::Band(band) => band.entries(),
             Kind::Sparse(sparse) => sparse.factor.len(),
         }

@@ -16,6 +16,7 @@ mod fast_diagonalisation;
 mod householder;
 mod kronecker;
 mod ordering;
+mod patch;
 mod pivoted;
 mod small;
 mod triangular;

@@ -2,7 +2,7 @@
 
 use super::HeightField;
 use crate::bspline::Knots;
-use crate::simd::{Level, RowPieces, RowScratch, curvature_row};
+use crate::simd::{Level, PATCH_POINTS, RowPieces, RowScratch, curvature_row, patch_maps};
 
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
 #[derive(Debug)]
@@ -45,9 +45,26 @@ impl CurvatureGrid {
     /// # Panics
     /// When an array is shorter than its shape.
     pub fn maps(&mut self, coefficients: &[f64], shape_index: &mut [f64], curvedness: &mut [f64]) {
+        if self.on_one_segment(coefficients, shape_index, curvedness) {
+            return;
+        }
         let mut scratch = std::mem::take(&mut self.scratch);
         self.range(0, coefficients, shape_index, curvedness, &mut scratch);
         self.scratch = scratch;
+    }
+
+    /// The short way of a small grid on one segment; `false` where this is none.
+    fn on_one_segment(&self, coefficients: &[f64], shape_index: &mut [f64], curvedness: &mut [f64]) -> bool {
+        let points = self.first.len() * self.pieces.len();
+        let (Some(&first), Some(column)) = (self.first.first(), self.pieces.only_segment()) else { return false };
+        let small = points <= PATCH_POINTS && self.width == self.pieces.degree() + 1;
+        if !small || self.first.iter().any(|f| *f != first) {
+            return false;
+        }
+        let basis = self.basis.each_ref().map(|table| &table[..]);
+        let coefficients = &coefficients[first * self.columns + column..];
+        let (s, r) = (&mut shape_index[..points], &mut curvedness[..points]);
+        patch_maps(Level::active(), &self.pieces, basis, coefficients, s, r)
     }
 
     /// The maps of a surface over these knots.
@@ -112,9 +129,14 @@ mod tests {
 
     #[test]
     fn rows_agree_with_points_for_every_degree() {
-        for (degree, segments, points) in
-            [([2, 2], [1, 1], 8), ([3, 3], [9, 13], 70), ([2, 4], [5, 40], 23), ([5, 1], [3, 6], 41)]
-        {
+        for (degree, segments, points) in [
+            ([2, 2], [1, 1], 8),
+            ([3, 3], [1, 1], 13),
+            ([4, 4], [1, 1], 21),
+            ([3, 3], [9, 13], 70),
+            ([2, 4], [5, 40], 23),
+            ([5, 1], [3, 6], 41),
+        ] {
             let knots = [
                 Knots::uniform(degree[0], segments[0], 0.0, 1.0).unwrap(),
                 Knots::uniform(degree[1], segments[1], -1.0, 2.0).unwrap(),

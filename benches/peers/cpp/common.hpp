@@ -1,12 +1,21 @@
 // Shared by the C++ peers: reading and writing doubles, the clock, the report.
 #pragma once
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
+
+// Of this program alone; getrusage would count what the parent had before exec.
+inline double peak_megabytes() {
+    double kilobytes = 0;
+    char line[256];
+    if (std::FILE* status = std::fopen("/proc/self/status", "r")) {
+        while (std::fgets(line, sizeof line, status)) std::sscanf(line, "VmHWM: %lf", &kilobytes);
+        std::fclose(status);
+    }
+    return kilobytes / 1024;
+}
 
 inline std::vector<double> read_doubles(const char* path) {
     std::FILE* file = std::fopen(path, "rb");
@@ -16,6 +25,7 @@ inline std::vector<double> read_doubles(const char* path) {
     std::rewind(file);
     if (std::fread(out.data(), 8, out.size(), file) != out.size()) std::exit(4);
     std::fclose(file);
+    std::printf("BASE %.1f\n", peak_megabytes());
     return out;
 }
 
@@ -23,9 +33,7 @@ inline void write_doubles(const char* path, const std::vector<double>& v) {
     std::FILE* file = std::fopen(path, "wb");
     if (!file || std::fwrite(v.data(), 8, v.size(), file) != v.size()) std::exit(5);
     std::fclose(file);
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    std::printf("RSS %.1f\n", usage.ru_maxrss / 1024.0);
+    std::printf("RSS %.1f\n", peak_megabytes());
 }
 
 template <class F>

@@ -1,0 +1,104 @@
+//! Cholesky of a small dense matrix whose order is known to the compiler, the right-hand side carried as one more row.
+//!
+//! ```text
+//! [ A  b ]     column k: l_kk = sqrt(a_kk), l_ik = a_ik / l_kk, a_ij -= l_ik l_jk     i > k, i = n being b:
+//! [ b' . ]     after the last column row n holds y = L^-1 b;   then L' x = y from the bottom
+//! ```
+//!
+//! Columns are padded to whole sets of lanes; what stands above the diagonal is never read.
+
+use super::lanes::Lanes;
+use super::{Level, dispatch};
+
+/// Columns of a matrix of order N with one more row for the right-hand side; `PADDED > N` is a multiple of 8.
+pub type DenseColumns<const N: usize, const PADDED: usize> = [[f64; PADDED]; N];
+
+#[inline(always)]
+fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize> {
+    let mut smallest = f64::INFINITY;
+    for k in 0..N {
+        let (done, rest) = columns.split_at_mut(k + 1);
+        let column = &mut done[k];
+        let pivot = column[k];
+        if pivot.is_nan() || pivot <= 0.0 {
+            return Err(k);
+        }
+        smallest = f64::min(smallest, pivot);
+        let inverse = V::splat(1.0 / pivot.sqrt());
+        for i in (k / V::N * V::N..PADDED).step_by(V::N) {
+            (V::load(&column[i..]) * inverse).store(&mut column[i..]);
+        }
+        for (j, target) in rest.iter_mut().enumerate() {
+            let j = k + 1 + j;
+            let factor = V::splat(column[j]);
+            for i in (j / V::N * V::N..PADDED).step_by(V::N) {
+                V::load(&column[i..]).neg_mul_add(factor, V::load(&target[i..])).store(&mut target[i..]);
+            }
+        }
+    }
+    Ok(smallest)
+}
+
+/// Factors in place; the smallest squared pivot, or the column whose pivot is not positive.
+///
+/// # Errors
+/// `Err(column)`.
+pub fn factor_columns<const N: usize, const PADDED: usize>(
+    level: Level,
+    columns: &mut DenseColumns<N, PADDED>,
+) -> Result<f64, usize> {
+    const { assert!(PADDED > N && PADDED.is_multiple_of(8)) };
+    dispatch!(level, factor [N, PADDED](columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize>)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twin: the textbook's rows, one number at a time.
+    fn textbook(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut l = vec![vec![0.0; a.len()]; a.len()];
+        for i in 0..a.len() {
+            for j in 0..=i {
+                let dot: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
+                l[i][j] = if i == j { (a[i][i] - dot).sqrt() } else { (a[i][j] - dot) / l[j][j] };
+            }
+        }
+        l
+    }
+
+    fn check<const N: usize, const PADDED: usize>() {
+        let a: Vec<Vec<f64>> = (0..N)
+            .map(|i| {
+                (0..N).map(|j| if i == j { 30.0 } else { ((i.max(j) * 31 + i.min(j) * 7) as f64).sin() }).collect()
+            })
+            .collect();
+        let b: Vec<f64> = (0..N).map(|i| (i as f64).cos()).collect();
+        let expected = textbook(&a);
+        for level in Level::available() {
+            let mut columns = [[0.0; PADDED]; N];
+            for j in 0..N {
+                (j..N).for_each(|i| columns[j][i] = a[i][j]);
+                columns[j][N] = b[j];
+            }
+            let pivot = factor_columns(level, &mut columns).unwrap();
+            assert!(pivot > 1.0 && pivot <= 30.0);
+            for i in 0..N {
+                for j in 0..=i {
+                    assert!((columns[j][i] - expected[i][j]).abs() < 1e-14, "{} L({i}, {j})", level.name());
+                }
+                let forward: f64 = (0..=i).map(|k| expected[i][k] * columns[k][N]).sum();
+                assert!((forward - b[i]).abs() < 1e-14, "{} y({i})", level.name());
+            }
+            columns[3] = [0.0; PADDED];
+            assert!(factor_columns(level, &mut columns).is_err());
+        }
+    }
+
+    #[test]
+    fn every_level_agrees_with_the_textbook() {
+        check::<9, 16>();
+        check::<16, 24>();
+        check::<25, 32>();
+    }
+}

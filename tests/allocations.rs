@@ -1,0 +1,57 @@
+//! Repeated fits ask for no memory: every allocation of this process is counted, on whatever thread it happens.
+//!
+//! One test, in a binary of its own, so that nothing else allocates meanwhile.
+
+#[path = "../benches/workloads/mod.rs"]
+#[allow(dead_code, reason = "the benches use the rest")]
+mod workloads;
+
+use std::alloc::System;
+
+use palpate::bspline::linspace;
+use palpate::fit::{ImagePlan, SlopePlan};
+use palpate::surface::CurvatureGrid;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
+
+#[global_allocator]
+static COUNTED: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Allocations and reallocations of the second and third of three runs.
+fn repeated(mut run: impl FnMut() -> Result<(), Fault>) -> Result<usize, Fault> {
+    run()?;
+    let region = Region::new(COUNTED);
+    run()?;
+    run()?;
+    let change = region.change();
+    Ok(change.allocations + change.reallocations)
+}
+
+#[test]
+fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
+    assert!(repeated(|| Ok(drop(vec![0_u8; 100])))? >= 2, "the counter does not count");
+    pool(1)?.install(|| {
+        for (columns, knots, points) in [
+            (paper(false), paper_knots()?, paper_points()),
+            (scattered(20_000), square_knots(3, 24, 0.0, 1.0)?, linspace(0.0, 1.0, 100)),
+        ] {
+            let mut plan = SlopePlan::new(knots.clone(), [1.0, 2.0, 2.0])?;
+            let mut grid = CurvatureGrid::new(&knots, &points, &points);
+            let count = points.len() * points.len();
+            let (mut s, mut r) = (vec![0.0; count], vec![0.0; count]);
+            let found = repeated(|| {
+                grid.maps(plan.fit(&columns.view())?, &mut s, &mut r);
+                Ok(())
+            })?;
+            assert_eq!(found, 0, "{} contacts: fit and maps", columns.0[0].len());
+        }
+        let ([x, y], [z, zx, zy]) = image();
+        let mut plan = ImagePlan::new(image_knots()?, &x, &y, [1.0; 3])?;
+        let found = repeated(|| {
+            plan.fit_frame(&z, &zx, &zy);
+            Ok(())
+        })?;
+        assert_eq!(found, 0, "a frame of a stream");
+        Ok(())
+    })
+}
