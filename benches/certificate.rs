@@ -124,8 +124,12 @@ fn compare() {
 criterion_group!(benches, timed);
 
 fn main() {
-    compare();
-    if std::env::args().any(|argument| argument == "ratio") {
+    // a criterion filter, or nothing: the ratios first
+    let ratio = std::env::args().any(|argument| argument == "ratio");
+    if ratio || !std::env::args().any(|argument| argument.contains('/')) {
+        compare();
+    }
+    if ratio {
         return;
     }
     benches();

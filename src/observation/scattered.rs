@@ -1,17 +1,25 @@
 //! Contacts wherever they fell: each row is the Kronecker product of that contact's two basis rows (Khatri-Rao).
 
+use std::sync::Arc;
+
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::{Site, Sites, TensorShape};
 
-/// Scattered sites, ordered knot cell by knot cell by a counting sort; basis values are formed as they are visited.
+/// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
+/// every visit, which costs twice the time and no memory.
+const KEPT: usize = 1 << 23;
+
+/// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
 #[derive(Clone, Debug)]
 pub struct ScatteredSites {
     knots: [Knots; 2],
-    points: Vec<[f64; 2]>,
-    /// Sites in cell order, and for each its cell.
-    order: Vec<u32>,
+    points: Arc<[[f64; 2]]>,
+    /// Sites in cell order.
+    order: Arc<[u32]>,
     /// Start of every cell in `order`.
-    cell_starts: Vec<u32>,
+    cell_starts: Arc<[u32]>,
+    /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y; empty beyond [`KEPT`].
+    rows: Arc<[f64]>,
 }
 
 impl ScatteredSites {
@@ -31,7 +39,50 @@ impl ScatteredSites {
             order[next[cell as usize] as usize] = site as u32;
             next[cell as usize] += 1;
         }
-        ScatteredSites { knots, points, order, cell_starts }
+        let mut sites = ScatteredSites {
+            knots,
+            points: points.into(),
+            order: order.into(),
+            cell_starts: cell_starts.into(),
+            rows: Arc::new([]),
+        };
+        let each: usize = sites.shape().degree.iter().map(|d| 2 * (d + 1)).sum();
+        if sites.points.len() * each <= KEPT {
+            let mut rows = Vec::with_capacity(sites.points.len() * each);
+            sites.form(|site| {
+                for row in [site.x, site.dx, site.y, site.dy] {
+                    rows.extend_from_slice(row);
+                }
+            });
+            sites.rows = rows.into();
+        }
+        sites
+    }
+
+    /// Visits every site with basis rows formed on the spot.
+    fn form(&self, mut f: impl FnMut(&Site)) {
+        let across = self.knots[1].n_segments();
+        let width = self.shape().degree.map(|d| d + 1);
+        let (mut x, mut y) = ([0.0; 2 * (MAX_DEGREE + 1)], [0.0; 2 * (MAX_DEGREE + 1)]);
+        for cell in 0..self.cell_starts.len() - 1 {
+            let range = self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize;
+            let segment = [cell / across, cell % across];
+            let first = [self.knots[0].first_basis(segment[0]), self.knots[1].first_basis(segment[1])];
+            for &index in &self.order[range] {
+                let index = index as usize;
+                let point = self.points[index];
+                self.knots[0].derivatives_on(segment[0], point[0], 1, &mut x[..2 * width[0]]);
+                self.knots[1].derivatives_on(segment[1], point[1], 1, &mut y[..2 * width[1]]);
+                f(&Site {
+                    index,
+                    first,
+                    x: &x[..width[0]],
+                    dx: &x[width[0]..2 * width[0]],
+                    y: &y[..width[1]],
+                    dy: &y[width[1]..2 * width[1]],
+                });
+            }
+        }
     }
 
     /// The knots in x and y.
@@ -58,26 +109,19 @@ impl Sites for ScatteredSites {
     }
 
     fn visit(&self, mut f: impl FnMut(&Site)) {
+        if self.rows.is_empty() {
+            return self.form(f);
+        }
         let across = self.knots[1].n_segments();
         let width = self.shape().degree.map(|d| d + 1);
-        let (mut x, mut y) = ([0.0; 2 * (MAX_DEGREE + 1)], [0.0; 2 * (MAX_DEGREE + 1)]);
+        let mut rows = self.rows.chunks_exact(2 * (width[0] + width[1]));
         for cell in 0..self.cell_starts.len() - 1 {
             let range = self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize;
-            let segment = [cell / across, cell % across];
-            let first = [self.knots[0].first_basis(segment[0]), self.knots[1].first_basis(segment[1])];
-            for &index in &self.order[range] {
-                let index = index as usize;
-                let point = self.points[index];
-                self.knots[0].derivatives_on(segment[0], point[0], 1, &mut x[..2 * width[0]]);
-                self.knots[1].derivatives_on(segment[1], point[1], 1, &mut y[..2 * width[1]]);
-                f(&Site {
-                    index,
-                    first,
-                    x: &x[..width[0]],
-                    dx: &x[width[0]..2 * width[0]],
-                    y: &y[..width[1]],
-                    dy: &y[width[1]..2 * width[1]],
-                });
+            let first = [self.knots[0].first_basis(cell / across), self.knots[1].first_basis(cell % across)];
+            for (&index, row) in self.order[range].iter().zip(&mut rows) {
+                let (along_x, along_y) = row.split_at(2 * width[0]);
+                let ((x, dx), (y, dy)) = (along_x.split_at(width[0]), along_y.split_at(width[1]));
+                f(&Site { index: index as usize, first, x, dx, y, dy });
             }
         }
     }
