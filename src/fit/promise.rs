@@ -15,10 +15,11 @@
 
 use super::backward::Backward;
 use super::{Fit, MethodUsed};
-use crate::curvature::principal_curvatures;
+use crate::bspline::BasisRow;
+use crate::curvature::{Principal, principal_curvatures};
 use crate::linalg::column_norms_squared;
 use crate::shape::{ShapeGrid, shape_gradient};
-use crate::surface::{HeightField, SurfacePoint};
+use crate::surface::HeightField;
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
@@ -152,9 +153,10 @@ impl Directed {
     fn of(&self, gradient: &[(usize, f64)]) -> f64 {
         let order = self.columns.len();
         let (mut by_rows, mut by_columns) = (0.0, 0.0);
-        let mut v = [0.0; INVERTED];
+        let mut space = [0.0; INVERTED];
+        let v = &mut space[..order];
         for (u, g) in gradient {
-            v[..order].iter_mut().zip(&self.inverse[u * order..]).for_each(|(v, a)| *v += g * a);
+            v.iter_mut().zip(&self.inverse[u * order..]).for_each(|(v, a)| *v += g * a);
         }
         gradient.iter().for_each(|(u, g)| by_rows += g * v[*u]);
         v.iter().zip(&self.columns).for_each(|(v, t)| by_columns += v.abs() * t);
@@ -169,11 +171,13 @@ fn shape_moves(fit: &Fit, bound: &Bound) -> [f64; 2] {
     let domain = [surface.knots()[0].domain(), surface.knots()[1].domain()];
     let grid = ShapeGrid::over(domain, fit.options().grid, fit.options().inset);
     let maps = &fit.shape().maps;
+    let rows = |axis: usize, at: &[f64]| at.iter().map(|v| surface.knots()[axis].basis(*v)).collect::<Vec<_>>();
+    let (along_x, along_y) = (rows(0, &grid.x), rows(1, &grid.y));
     let mut worst = [0.0_f64; 2];
-    for (i, &x) in grid.x.iter().enumerate() {
-        for (j, &y) in grid.y.iter().enumerate() {
+    for (i, bx) in along_x.iter().enumerate() {
+        for (j, by) in along_y.iter().enumerate() {
             if maps.shape_index_at(i, j).is_some() {
-                let [s, r] = point_moves(surface, [x, y], bound);
+                let [s, r] = point_moves(surface, [bx, by], bound);
                 worst = [maximum(worst[0], s), maximum(worst[1], r)];
             }
         }
@@ -186,15 +190,14 @@ fn maximum(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-fn point_moves(surface: &HeightField, [x, y]: [f64; 2], bound: &Bound) -> [f64; 2] {
-    let point = surface.at(x, y);
+fn point_moves(surface: &HeightField, [bx, by]: [&BasisRow; 2], bound: &Bound) -> [f64; 2] {
+    let point = surface.with_rows(bx, by);
     let Some(principal) = principal_curvatures(&point.derivatives()) else { return [f64::NAN; 2] };
     let (by_s, by_r) = shape_gradient(&point);
     if by_s == [0.0; 5] && principal.curvedness() > 0.0 {
         // curvatures whose squares overflow or vanish: the gradient is not there to be relied on
         return [f64::NAN; 2];
     }
-    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
     let columns = surface.coefficients().ncols();
     let alive = bx.derivative(0).len() * by.derivative(0).len();
     let (mut of_s, mut of_r) = (Vec::with_capacity(alive), Vec::with_capacity(alive));
@@ -214,13 +217,12 @@ fn point_moves(surface: &HeightField, [x, y]: [f64; 2], bound: &Bound) -> [f64; 
     }
     let rounding = |g: &[f64; 5]| (0..5).map(|k| g[k].abs() * TERM * terms[k]).sum::<f64>();
     let off: [f64; 5] = std::array::from_fn(|k| bound.moved * spread[k].sqrt() + TERM * terms[k]);
-    let s = bound.of(&of_s) + rounding(&by_s) + kink(&point, &off) + TERM;
+    let s = bound.of(&of_s) + rounding(&by_s) + kink(principal, &off) + TERM;
     [s, (bound.of(&of_r) + rounding(&by_r)) / principal.curvedness() + TERM]
 }
 
 /// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
-fn kink(point: &SurfacePoint, off: &[f64; 5]) -> f64 {
-    let Some(p) = principal_curvatures(&point.derivatives()) else { return f64::NAN };
+fn kink(p: Principal, off: &[f64; 5]) -> f64 {
     let bend = p.k1.abs().max(p.k2.abs());
     let gap = 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
     if p.difference > gap { 0.0 } else { std::f64::consts::FRAC_2_PI * gap / (2.0 * p.curvedness()) }

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::bspline::{KnotError, Knots};
+use crate::bspline::{BasisRow, KnotError, Knots};
 use crate::curvature::Derivatives;
 
 /// Why coefficients and knots make no surface.
@@ -102,7 +102,11 @@ impl HeightField {
 
     /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials go on.
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
-        let (bx, by) = (self.knots[0].basis(x), self.knots[1].basis(y));
+        self.with_rows(&self.knots[0].basis(x), &self.knots[1].basis(y))
+    }
+
+    /// The same from basis rows that are at hand.
+    pub(crate) fn with_rows(&self, bx: &BasisRow, by: &BasisRow) -> SurfacePoint {
         let mut point = SurfacePoint::default();
         for a in 0..=self.knots[0].degree() {
             let (mut s, mut sy, mut syy) = (0.0, 0.0, 0.0);
