@@ -41,6 +41,7 @@ mod normals;
 mod observed;
 mod options;
 mod plan;
+mod plane_rows;
 mod promise;
 mod robust;
 mod rows;
