@@ -229,3 +229,15 @@ fn help_and_version_exit_zero() {
     let mut version = BufReader::new(text(directory.path(), &["--version"]).into_bytes().leak() as &[u8]).lines();
     assert!(version.next().unwrap().unwrap().starts_with("palpate "));
 }
+
+#[test]
+fn the_portable_path_differs_by_rounding_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = |flags: &[&str]| without_seconds(json(directory.path(), &[&["run", "--json"], flags].concat()));
+    let (usual, portable) = (run(&[]), run(&["--portable"]));
+    for key in ["S", "R"] {
+        let mean = |document: &Value| document["shape"][key]["mean"].as_f64().unwrap();
+        assert!((mean(&usual) - mean(&portable)).abs() < 1e-12, "{key}");
+    }
+    assert_eq!(portable, run(&["--portable"]));
+}
