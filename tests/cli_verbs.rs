@@ -264,3 +264,15 @@ fn a_saved_fit_can_be_touched_and_every_output_calls_it_an_inverse_crime() {
     let said = String::from_utf8_lossy(&gone.stderr).to_string();
     assert!(gone.status.code() == Some(2) && said.contains("line 3") && said.contains("none.json"), "{said}");
 }
+
+#[test]
+fn the_portable_path_differs_by_rounding_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = |flags: &[&str]| without_seconds(json(directory.path(), &[&["run", "--json"], flags].concat()));
+    let (usual, portable) = (run(&[]), run(&["--portable"]));
+    for key in ["S", "R"] {
+        let mean = |document: &Value| document["shape"][key]["mean"].as_f64().unwrap();
+        assert!((mean(&usual) - mean(&portable)).abs() < 1e-12, "{key}");
+    }
+    assert_eq!(portable, run(&["--portable"]));
+}

@@ -69,8 +69,13 @@ pub fn paper(exact: bool) -> Columns {
 
 /// W2 and W2L: contacts anywhere on the unit square.
 pub fn scattered(count: usize) -> Columns {
+    scattered_from(0, count)
+}
+
+/// Contacts `first ..` of an endless row of them.
+pub fn scattered_from(first: usize, count: usize) -> Columns {
     let (sites, noise) = (EffectDraws::new(2026, "sites"), EffectDraws::new(2026, "noise"));
-    columns((0..count as u64).map(|r| {
+    columns((first as u64..(first + count) as u64).map(|r| {
         let mut at = [0.0; 2];
         sites.uniforms(r, 0, 2, &mut at);
         let [z, zx, zy] = noisy(wave(at[0], at[1]), [1e-3, 1e-2, 1e-2], &noise, r);

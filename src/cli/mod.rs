@@ -28,6 +28,9 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(name = "palpate", version, max_term_width = 110)]
 struct Line {
+    /// The kernels' plain path on every machine, for the same bits; results by QR keep their library's instruction set
+    #[arg(long, global = true)]
+    portable: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -56,6 +59,9 @@ pub fn main() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
+    if line.portable {
+        crate::simd::Level::force_portable();
+    }
     // without a handler Ctrl-C still ends the process, only less tidily
     let _ = ctrlc::set_handler(|| {
         crate::io::remove_unfinished();

@@ -1,6 +1,6 @@
 //! Steps 4 and 5: S and R over a grid, mean and spread, class, radius, direction, plane, and their uncertainty.
 
-use super::equations::Equations;
+use super::plane_rows::plane_rows;
 use super::{Declared, Fit, uncertainty};
 use crate::curvature::{ShapeClass, principal_curvatures};
 use crate::linalg::{Metric, RowMetric, Sites};
@@ -157,64 +157,15 @@ fn plane_probability(fit: &Fit) -> Option<f64> {
     }
     let squares = |rows: &[[f64; 3]]| rows.iter().flatten().map(|v| v * v).sum::<f64>();
     let of_fit = squares(&equations.residuals(&fitted.solution.coefficients));
-    let plane = plane_residuals(equations)?;
     let largest = fit.data.largest_height(&fit.patch) / fit.patch.frame.scale;
-    if plane.is_rounding(equations, largest) {
+    let plane = plane_rows(equations, largest)?;
+    if plane.is_rounding {
         return Some(1.0);
     }
-    let rise = (squares(&plane.residuals) - of_fit).max(0.0);
+    let rise = (plane.squares - of_fit).max(0.0);
     Some(match fit.noise().declared {
         Declared::Sigma => chi_square_upper_tail(rise, freedom),
         _ => f_upper_tail((rise / freedom) / (of_fit / rest), freedom, rest),
-    })
-}
-
-/// Residual rows of the best plane and the sizes of the terms they are differences of.
-struct PlaneRows {
-    residuals: Vec<[f64; 3]>,
-    sizes: Vec<[f64; 3]>,
-}
-
-impl PlaneRows {
-    /// No row is off by more than the rounding of its own terms and of the heights as the user gave them (`largest`,
-    /// patch units): such data are a plane, whatever an F ratio of two roundings says.
-    fn is_rounding(&self, equations: &Equations, largest: f64) -> bool {
-        self.residuals.iter().zip(&self.sizes).enumerate().all(|(r, (residual, size))| {
-            let height = equations.metric.at(r).z * largest;
-            (0..3).all(|k| residual[k].abs() <= 8.0 * UNIT * (size[k] + if k == 0 { height } else { 0.0 }))
-        })
-    }
-}
-
-/// Residual rows of the least squares plane `h + gx x + gy y` under the same weights. With normal rows the metric is
-/// the fitted surface's, so a surface far from a plane is compared with the plane in its own metric.
-fn plane_residuals(equations: &Equations) -> Option<PlaneRows> {
-    let knots = equations.sites.knots();
-    let (gx, gy) = (knots[0].greville(), knots[1].greville());
-    let flat = |h: f64, p: f64, q: f64| -> Vec<f64> {
-        gx.iter().flat_map(|x| gy.iter().map(move |y| h + p * x + q * y)).collect()
-    };
-    let basis = [flat(1.0, 0.0, 0.0), flat(0.0, 1.0, 0.0), flat(0.0, 0.0, 1.0)];
-    let columns: Vec<Vec<[f64; 3]>> = basis
-        .iter()
-        .map(|c| {
-            let mut rows = Vec::new();
-            crate::linalg::apply_rows(&equations.sites, &equations.metric, c, &mut rows);
-            rows
-        })
-        .collect();
-    let count = 3 * equations.sites.len();
-    let values: Vec<f64> = columns.iter().flat_map(|rows| rows.iter().flatten().copied()).collect();
-    let rhs: Vec<f64> = equations.targets.iter().flatten().copied().collect();
-    let factor = crate::solve::PivotedQr::of_dense(count, 3, &values, &rhs).ok()?;
-    let c = factor.coefficients();
-    let term = |r: usize, k: usize, b: usize| c[b] * columns[b][r][k];
-    let rows = |f: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; 3]> {
-        (0..equations.sites.len()).map(|r| [0, 1, 2].map(|k| f(r, k))).collect()
-    };
-    Some(PlaneRows {
-        residuals: rows(&|r, k| equations.targets[r][k] - (0..3).map(|b| term(r, k, b)).sum::<f64>()),
-        sizes: rows(&|r, k| equations.targets[r][k].abs() + (0..3).map(|b| term(r, k, b).abs()).sum::<f64>()),
     })
 }
 

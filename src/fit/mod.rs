@@ -42,11 +42,13 @@ mod normals;
 mod observed;
 mod options;
 mod plan;
+mod plane_rows;
 mod promise;
 mod robust;
 mod rows;
 mod smoothing;
 mod solver;
+mod stream;
 mod uncertainty;
 
 pub use certificate::Certificate;
@@ -59,6 +61,7 @@ pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use promise::Promise;
 pub use rows::{Declared, NoiseLevels, Note, Rms};
 pub use solver::{Factor, MethodUsed, Reason, Solution};
+pub use stream::{StreamShape, Touch, TouchStream};
 
 use std::sync::OnceLock;
 

@@ -21,6 +21,7 @@ pub struct SlopePlan {
     cells: CellAssembly,
     metric: RowMetric,
     matrix: StencilMatrix,
+    right: Vec<f64>,
     factor: Cholesky,
     coefficients: Vec<f64>,
 }
@@ -76,6 +77,7 @@ impl SlopePlan {
             cells,
             metric: RowMetric { z: weights[0], a: weights[1], b: 0.0, d: weights[2] },
             matrix: StencilMatrix::zeros(shape),
+            right: vec![0.0; shape.unknowns()],
             factor,
             coefficients: vec![0.0; shape.unknowns()],
         })
@@ -89,12 +91,35 @@ impl SlopePlan {
     /// # Panics
     /// When a column is shorter than `x`.
     pub fn fit(&mut self, contacts: &SlopeColumns<'_>) -> Result<&[f64], FitError> {
+        self.clear();
+        self.add(contacts);
+        self.solve()
+    }
+
+    /// Forgets all contacts.
+    pub fn clear(&mut self) {
+        self.matrix.clear();
+        self.right.fill(0.0);
+    }
+
+    /// Takes contacts in, to those that are there: a million at a time, ten million fit in the memory of one.
+    ///
+    /// # Panics
+    /// When a column is shorter than `x`.
+    pub fn add(&mut self, contacts: &SlopeColumns<'_>) {
         let n = contacts.x.len();
         let SlopeColumns { x, y, z, zx, zy } = *contacts;
-        let (y, z, zx, zy) = (&y[..n], &z[..n], &zx[..n], &zy[..n]);
-        let squares = [self.metric.z, self.metric.a, self.metric.d].map(|w| w * w);
-        let rows = WeightedColumns { columns: SlopeColumns { x, y, z, zx, zy }, squares };
-        self.cells.assemble(&Metric::Uniform(self.metric), &rows, &mut self.matrix, &mut self.coefficients);
+        let columns = SlopeColumns { x, y: &y[..n], z: &z[..n], zx: &zx[..n], zy: &zy[..n] };
+        let rows = WeightedColumns { columns, squares: [self.metric.z, self.metric.a, self.metric.d].map(|w| w * w) };
+        self.cells.add(&Metric::Uniform(self.metric), &rows, &mut self.matrix, &mut self.right);
+    }
+
+    /// The fit of all contacts taken in; more may follow.
+    ///
+    /// # Errors
+    /// As [`SlopePlan::fit`].
+    pub fn solve(&mut self) -> Result<&[f64], FitError> {
+        self.coefficients.copy_from_slice(&self.right);
         self.factor
             .factor_and_solve(&self.matrix, &mut self.coefficients)
             .map_err(|source| FitError::Solve { source })?;
@@ -239,6 +264,13 @@ mod tests {
             let near = |found: &[f64]| found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11);
             assert!(near(plan.fit(&columns).unwrap()));
             assert!(near(image.fit_frame(&z, &zx, &zy)));
+            plan.clear();
+            for from in (0..z.len()).step_by(333) {
+                let part = |column: &'_ [f64]| column[from..(from + 333).min(column.len())].to_vec();
+                let [px, py, z, zx, zy] = [&px, &py, &z, &zx, &zy].map(|c| part(c));
+                plan.add(&SlopeColumns { x: &px, y: &py, z: &z, zx: &zx, zy: &zy });
+            }
+            assert!(near(plan.solve().unwrap()));
         }
     }
 }

@@ -151,19 +151,32 @@ pub fn magnitudes(sites: &impl Sites, metric: &Metric, c: &[f64], out: &mut Targ
 pub fn normal_rhs(sites: &impl Sites, metric: &Metric, rows: &Targets, out: &mut [f64]) {
     let columns = sites.shape().basis[1];
     out.fill(0.0);
+    sites.visit(|site| add_transposed(site, &metric.at(site.index), rows[site.index], columns, out));
+}
+
+/// `out = E'(b - E c)`: residuals and their product in one visit, with the bits of the two one after the other.
+pub fn descent(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64], out: &mut [f64]) {
+    let columns = sites.shape().basis[1];
+    out.fill(0.0);
     sites.visit(|site| {
         let m = metric.at(site.index);
-        let r = rows[site.index];
-        let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
-        for a in 0..site.x.len() {
-            let start = (site.first[0] + a) * columns + site.first[1];
-            let along = value * site.x[a] + slope_x * site.dx[a];
-            let across = slope_y * site.x[a];
-            for (b, target) in out[start..start + site.y.len()].iter_mut().enumerate() {
-                *target += along * site.y[b] + across * site.dy[b];
-            }
-        }
+        let (rows, target) = (site_rows(site, &m, c, columns), targets[site.index]);
+        add_transposed(site, &m, [0, 1, 2].map(|k| target[k] - rows[k]), columns, out);
     });
+}
+
+/// `out += E_site' r`.
+#[inline]
+fn add_transposed(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: &mut [f64]) {
+    let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
+    for a in 0..site.x.len() {
+        let start = (site.first[0] + a) * columns + site.first[1];
+        let along = value * site.x[a] + slope_x * site.dx[a];
+        let across = slope_y * site.x[a];
+        for (b, target) in out[start..start + site.y.len()].iter_mut().enumerate() {
+            *target += along * site.y[b] + across * site.dy[b];
+        }
+    }
 }
 
 /// Squared norms of the columns of the weighted E: the diagonal of E'E from the rows themselves.

@@ -2,7 +2,7 @@
 
 use super::HeightField;
 use crate::bspline::Knots;
-use crate::simd::{Level, PATCH_POINTS, RowPieces, RowScratch, curvature_row, patch_maps};
+use crate::simd::{Level, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
 
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
 #[derive(Debug)]
@@ -51,6 +51,22 @@ impl CurvatureGrid {
         let mut scratch = std::mem::take(&mut self.scratch);
         self.range(0, coefficients, shape_index, curvedness, &mut scratch);
         self.scratch = scratch;
+    }
+
+    /// Height and derivatives along every row of points, one after the other: `row(i, [S, S_x, S_y, S_xx, S_xy, S_yy])`.
+    ///
+    /// # Panics
+    /// When `coefficients` are fewer than the knots' basis functions.
+    pub fn derivatives(&mut self, coefficients: &[f64], mut row: impl FnMut(usize, [&[f64]; 6])) {
+        let Some(scratch) = self.scratch.first_mut() else { return };
+        let level = Level::active();
+        let mut out: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; self.pieces.len()]);
+        for (i, &first) in self.first.iter().enumerate() {
+            let basis = self.basis.each_ref().map(|table| &table[i * self.width..(i + 1) * self.width]);
+            let lines = &coefficients[first * self.columns..];
+            derivative_row(level, &self.pieces, basis, lines, scratch, out.each_mut().map(|column| &mut column[..]));
+            row(i, out.each_ref().map(|column| &column[..]));
+        }
     }
 
     /// The short way of a small grid on one segment; `false` where this is none.

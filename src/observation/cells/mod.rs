@@ -105,6 +105,13 @@ impl CellAssembly {
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
     pub fn assemble(&mut self, metric: &Metric, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+        matrix.clear();
+        right.fill(0.0);
+        self.add(metric, rows, matrix, right);
+    }
+
+    /// `matrix += E'E` and `right += E'b`: contacts that come in pieces, none of which is kept.
+    pub fn add(&mut self, metric: &Metric, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
         let abscissa = |r: usize| rows.at(r)[0];
         match metric {
             Metric::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {

@@ -57,8 +57,6 @@ impl CellAssembly {
         matrix: &mut StencilMatrix,
         right: &mut [f64],
     ) {
-        matrix.clear();
-        right.fill(0.0);
         let line = self.shape.basis[1] * self.shape.stencil_width();
         let mut overlaps = std::mem::take(&mut self.overlaps);
         let count = overlaps.len();
@@ -160,8 +158,6 @@ impl CellAssembly {
         matrix: &mut StencilMatrix,
         right: &mut [f64],
     ) {
-        matrix.clear();
-        right.fill(0.0);
         let mut scratch = self.scratch.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default();
         let Scratch { local, batch, sums, work, .. } = &mut *scratch;
         work.start(&self.x.products[0], self.shape, Some(squares));
