@@ -14,7 +14,7 @@ mod knots;
 
 pub use basis::{BasisRow, MAX_DEGREE};
 pub use coverage::{Coverage, coverage};
-pub use gram::gram;
+pub use gram::{gauss_legendre, gram};
 pub use knots::{Knots, linspace};
 
 /// What is wrong with a degree or a knot vector.

@@ -40,6 +40,7 @@ mod noise;
 mod normals;
 mod observed;
 mod options;
+mod parametric;
 mod plan;
 mod promise;
 mod robust;
@@ -54,6 +55,10 @@ pub use equations::{Block, Equations};
 pub use error::FitError;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+pub use parametric::{
+    ParametricCertificate, ParametricFit, ParametricLevels, ParametricShape, SpaceMaps, SurfaceKind, choose_surface,
+    fit_parametric,
+};
 pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use promise::Promise;
 pub use rows::{Declared, NoiseLevels, Note, Rms};

@@ -148,9 +148,8 @@ impl Sparse {
         });
         starts.push(rows.len());
         let pattern = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
-        let symbolic =
-            factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, Default::default())
-                .map_err(|_| SolveError::Memory { unknowns })?;
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, Default::default())
+            .map_err(|_| SolveError::Memory { unknowns })?;
         let (values, factor) = (vec![0.0; rows.len()], vec![0.0; symbolic.len_val()]);
         Ok(Sparse { starts, rows, symbolic, values, factor })
     }
