@@ -51,7 +51,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(label) = truth.inverse_crime() {
         notes.push(format!("inverse crime: the surface is imported from {label}, of the same kind as the fit"));
     }
-    let subject = Subject { name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
+    let (found, chosen) = found;
+    let subject = Subject { chosen, name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
     drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
 }

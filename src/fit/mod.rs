@@ -56,8 +56,8 @@ pub use error::FitError;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 pub use parametric::{
-    ParametricCertificate, ParametricFit, ParametricLevels, ParametricShape, SpaceMaps, SurfaceKind, choose_surface,
-    fit_parametric,
+    FittedSurface, ParametricCertificate, ParametricFit, ParametricLevels, ParametricShape, SurfaceKind,
+    choose_surface, fit_parametric, fit_surface,
 };
 pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use promise::Promise;

@@ -64,10 +64,10 @@ pub enum Method {
     Pcg,
 }
 
-/// Thin-plate roughness penalty.
+/// Thin-plate roughness penalty of a height field; of a surface in space the weight of its fairness, in patch units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Smooth {
-    /// No penalty.
+    /// No penalty; a surface in space, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
     #[default]
     None,
     /// Chosen by the data.

@@ -4,15 +4,15 @@
 //! u^2(mean S) = g' A^-1 g,   g = d(mean S)/dc,   A the Gauss-Newton matrix at the levels of the noise
 //! ```
 
-use ndarray::Array2;
-
 use super::gradient::{INPUTS, shape_gradient};
 use super::vector::{Vector, dot, minus, unit};
 use super::{ParametricFit, problem};
 use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
-use crate::shape::{ShapeGrid, Spread, chi_square_upper_tail, class_probabilities, normal_interval, radius_of, spread};
-use crate::surface::SpacePoint;
+use crate::shape::{
+    SpaceMaps, Spread, chi_square_upper_tail, class_probabilities, normal_interval, radius_of, space_maps, spread,
+    uv_grid,
+};
 
 /// The level at which the best plane is rejected, as for height fields.
 const PLANE_LEVEL: f64 = 0.01;
@@ -20,29 +20,6 @@ const PLANE_LEVEL: f64 = 0.01;
 const FLAT: f64 = 1e-9;
 /// Steps of the best plane's normal; each is nine products.
 const PLANE_STEPS: usize = 2000;
-
-/// Maps over (u, v), input units.
-#[derive(Clone, Debug)]
-pub struct SpaceMaps {
-    /// Where, in u (as `x`) and v (as `y`).
-    pub grid: ShapeGrid,
-    /// Points in space.
-    pub points: Array2<Vector>,
-    /// Unit normals to the free side.
-    pub normals: Array2<Vector>,
-    /// Larger principal curvature; NaN where undefined, as all of the following.
-    pub k1: Array2<f64>,
-    /// Smaller principal curvature.
-    pub k2: Array2<f64>,
-    /// Unit direction of k1 in space.
-    pub direction: Array2<Vector>,
-    /// Shape index.
-    pub shape_index: Array2<f64>,
-    /// Curvedness.
-    pub curvedness: Array2<f64>,
-    /// Whether contacts surround the point.
-    pub supported: Array2<bool>,
-}
 
 /// The shape of a surface in space, input units.
 #[derive(Clone, Debug)]
@@ -73,14 +50,12 @@ pub struct ParametricShape {
 
 /// Describes the fit over the grid of its options.
 pub fn describe(fit: &ParametricFit) -> ParametricShape {
-    let (local, jets) = maps(fit);
+    let domain = [0, 1].map(|k| &fit.cells.knots()[k]);
+    let grid = uv_grid(domain, fit.options.grid, fit.options.inset);
+    let local = space_maps(&fit.surface, grid, &fit.support);
     let scale = fit.frame.scale;
-    let places: Vec<(usize, usize)> = local.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at).collect();
-    let defined = |map: &Array2<f64>| {
-        spread(places.iter().map(|at| map[*at]).filter(|v| !v.is_nan()).collect::<Vec<_>>().into_iter())
-    };
-    let (s, r) = (defined(&local.shape_index), defined(&local.curvedness));
-    let [u_s, u_r] = uncertainties(fit, &jets, s.count);
+    let (s, r) = (spread(local.defined(&local.shape_index)), spread(local.defined(&local.curvedness)));
+    let [u_s, u_r] = uncertainties(fit, &local, s.count);
     let plane_p = plane_probability(fit);
     let flat = r.mean.is_some_and(|r| r * 2.0 < FLAT);
     let curved = s.mean.filter(|_| !flat && plane_p.is_none_or(|p| p <= PLANE_LEVEL));
@@ -93,18 +68,15 @@ pub fn describe(fit: &ParametricFit) -> ParametricShape {
     };
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let curvedness = statistic(r, 1.0 / scale, u_r, 0.0, f64::INFINITY);
-    let maps = in_input_units(local, fit);
-    let of = |map: &Array2<f64>| {
-        spread(places.iter().map(|at| map[*at]).filter(|v| !v.is_nan()).collect::<Vec<_>>().into_iter())
-    };
+    let maps = local.placed(fit.frame.origin, scale);
     ParametricShape {
         shape_index: if curved.is_some() { statistic(s, 1.0, u_s, -1.0, 1.0) } else { Statistic::default() },
         radius: curvedness.mean.and_then(|mean| radius_of(class, mean)),
         curvedness,
         class,
         class_probability: curved.map_or(Vec::new(), |mean| class_probabilities(mean, u_s)),
-        k1: of(&maps.k1),
-        k2: of(&maps.k2),
+        k1: spread(maps.defined(&maps.k1)),
+        k2: spread(maps.defined(&maps.k2)),
         direction: curved.and_then(|_| direction(&maps)),
         support: s.count as f64 / maps.grid.len() as f64,
         plane_p,
@@ -112,73 +84,15 @@ pub fn describe(fit: &ParametricFit) -> ParametricShape {
     }
 }
 
-/// Points of the grid: of a closed direction the upper end is the lower one again and left out.
-fn grid(fit: &ParametricFit) -> ShapeGrid {
-    let domain = [0, 1].map(|k| fit.cells.knots()[k].domain());
-    let mut grid = ShapeGrid::over(domain, fit.options.grid, fit.options.inset);
-    for (k, axis) in [&mut grid.x, &mut grid.y].into_iter().enumerate() {
-        if fit.cells.knots()[k].is_closed() {
-            let ([lo, hi], n) = (domain[k], axis.len() as f64);
-            axis.iter_mut().enumerate().for_each(|(i, t)| *t = lo + (hi - lo) * i as f64 / n);
-        }
-    }
-    grid
-}
-
-/// Maps in patch units, and the jets of the supported points.
-fn maps(fit: &ParametricFit) -> (SpaceMaps, Vec<([f64; 2], SpacePoint)>) {
-    let grid = grid(fit);
-    let size = (grid.x.len(), grid.y.len());
-    let nan = Array2::from_elem(size, f64::NAN);
-    let mut maps = SpaceMaps {
-        points: Array2::from_elem(size, [0.0; 3]),
-        normals: Array2::from_elem(size, [f64::NAN; 3]),
-        direction: Array2::from_elem(size, [f64::NAN; 3]),
-        k1: nan.clone(),
-        k2: nan.clone(),
-        shape_index: nan.clone(),
-        curvedness: nan,
-        supported: Array2::from_elem(size, false),
-        grid,
-    };
-    let mut jets = Vec::new();
-    for i in 0..size.0 {
-        for j in 0..size.1 {
-            let (u, v) = (maps.grid.x[i], maps.grid.y[j]);
-            let here = fit.surface.at(u, v);
-            maps.points[[i, j]] = here.point;
-            maps.supported[[i, j]] = fit.support.holds(u, v);
-            let Some(p) = here.principal().filter(|_| maps.supported[[i, j]]) else { continue };
-            (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
-            (maps.normals[[i, j]], maps.direction[[i, j]]) = (p.normal, p.direction1);
-            maps.shape_index[[i, j]] = p.shape_index().unwrap_or(f64::NAN);
-            maps.curvedness[[i, j]] = p.curvedness();
-            jets.push(([u, v], here));
-        }
-    }
-    (maps, jets)
-}
-
-fn in_input_units(mut maps: SpaceMaps, fit: &ParametricFit) -> SpaceMaps {
-    let scale = fit.frame.scale;
-    for axis in [&mut maps.grid.x, &mut maps.grid.y] {
-        axis.iter_mut().for_each(|t| *t *= scale);
-    }
-    maps.points.mapv_inplace(|p| fit.frame.to_input(p));
-    for map in [&mut maps.k1, &mut maps.k2, &mut maps.curvedness] {
-        map.mapv_inplace(|k| k / scale);
-    }
-    maps
-}
-
 /// Standard uncertainties of mean S and mean R, patch units.
-fn uncertainties(fit: &ParametricFit, jets: &[([f64; 2], SpacePoint)], defined: usize) -> [f64; 2] {
+fn uncertainties(fit: &ParametricFit, maps: &SpaceMaps, defined: usize) -> [f64; 2] {
     let unknowns = 3 * fit.cells.shape().coefficients();
     let mut sums = [vec![0.0; unknowns], vec![0.0; unknowns]];
     let (mut alive, mut products) = (Vec::new(), Vec::new());
-    for ([u, v], point) in jets {
-        let Some((by_s, by_r)) = shape_gradient(&point.derivatives) else { continue };
-        let row = fit.cells.row(*u, *v);
+    for (at, _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
+        let (u, v) = (maps.grid.x[at.0], maps.grid.y[at.1]);
+        let Some((by_s, by_r)) = shape_gradient(&fit.surface.at(u, v).derivatives) else { continue };
+        let row = fit.cells.row(u, v);
         fit.cells.alive(&row, &mut alive);
         for (k, order) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
             row.products(order, &mut products);

@@ -65,8 +65,7 @@ pub fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2], scale
         }
     };
     let (fairness, estimated) = match smooth {
-        Smooth::Auto => (FAIRNESS, true),
-        Smooth::None => (0.0, false),
+        Smooth::Auto | Smooth::None => (FAIRNESS, true),
         Smooth::Lambda(lambda) => (lambda, false),
     };
     let weights = Weights { position: levels[0], normal: levels[1], fairness, slack, tie };

@@ -16,6 +16,7 @@ mod descent;
 mod describe;
 mod dual;
 mod fairness;
+mod fitted;
 mod flattening;
 mod foot;
 mod gradient;
@@ -24,18 +25,19 @@ mod levels;
 mod problem;
 mod quadrature;
 mod start;
-mod support;
 mod touches;
 mod vector;
 
 use std::sync::OnceLock;
 
 pub use choice::{SurfaceKind, choose_surface};
-pub use describe::{ParametricShape, SpaceMaps};
+pub use describe::ParametricShape;
+pub use fitted::{FittedSurface, fit_surface};
 
 use super::{FitError, FitOptions};
 use crate::bspline::Knots;
 use crate::contact::{Contacts, Frame};
+use crate::shape::UvSupport;
 use crate::surface::Parametric;
 use cells::Cells;
 use descent::{Solver, State};
@@ -43,7 +45,6 @@ use foot::Feet;
 use lanes::Flat;
 use levels::Unknown;
 use problem::{Problem, Weights};
-use support::Support;
 use touches::Touches;
 use vector::Vector;
 
@@ -112,7 +113,7 @@ pub struct ParametricFit {
     feet: Feet,
     weights: Weights,
     solver: Solver,
-    support: Support,
+    support: UvSupport,
     certificate: ParametricCertificate,
     levels: ParametricLevels,
     residuals: Vec<[f64; 2]>,
@@ -167,7 +168,7 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     weights = problem.weights;
     let surface = Parametric::from_free(cells.knots().clone(), &state.coefficients)?;
-    let support = Support::new(&flat, &state.feet.places, cells.knots());
+    let support = support(&flat, &state.feet.places, cells.knots());
     let mut certificate = ParametricCertificate {
         parametrisation: format!("{}{reason}", flat.method),
         equations: equations(&touches),
@@ -258,6 +259,21 @@ fn equations(touches: &Touches) -> usize {
     count(&touches.position_weight) + 2 * count(&touches.normal_weight)
 }
 
+/// Triangles of the feet: cells of the lanes, or the hull.
+fn support(flat: &Flat, places: &[[f64; 2]], knots: &[Knots; 2]) -> UvSupport {
+    let corners = if flat.triangles.is_empty() {
+        let rim = flattening::hull(places);
+        (1..rim.len().saturating_sub(1)).map(|k| [rim[0], rim[k], rim[k + 1]]).collect()
+    } else {
+        flat.triangles.clone()
+    };
+    let period = [0, 1].map(|k| {
+        let [lo, hi] = knots[k].domain();
+        knots[k].is_closed().then_some(hi - lo)
+    });
+    UvSupport::new(corners.iter().map(|t| t.map(|r| places[r])).collect(), period)
+}
+
 /// A coefficient has one direction in which contacts feel it.
 fn check_rows(touches: &Touches, cells: &Cells) -> Result<(), FitError> {
     let (equations, unknowns) = (equations(touches), cells.shape().coefficients());
@@ -285,7 +301,7 @@ fn certify(
     cells: &Cells,
     touches: &Touches,
     state: &State,
-    support: &Support,
+    support: &UvSupport,
     weights: &Weights,
 ) {
     let c = &state.coefficients;
@@ -362,6 +378,11 @@ impl ParametricFit {
     /// When the input's own rounding leaves no distinct knots.
     pub fn input_surface(&self) -> Result<Parametric, FitError> {
         Ok(self.surface.placed(self.frame.origin, self.frame.scale)?)
+    }
+
+    /// Where contacts reach in (u, v), input units.
+    pub fn input_support(&self) -> UvSupport {
+        self.support.scaled(self.frame.scale)
     }
 
     /// How far to trust it.
