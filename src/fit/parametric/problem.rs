@@ -2,17 +2,20 @@
 //!
 //! ```text
 //! F(c) = sum_r (n^ . (P_r - Q(u_r)))^2 / Z^2 + |n_r - n^|^2 / sigma^2
-//!        + lambda E(c) + tau T(c) + (alpha / g) sum_r |P_r - Q(u_r0)|^2
+//!        + lambda E(c) + tau T(c) + (alpha / g) sum_r |(P_r - Q(u_r0))^t|^2          ^t: across n_r
 //! u_r  the foot of P_r on Q, so the distance is orthogonal;   n^ = Q_u x Q_v / |Q_u x Q_v| there
 //! ```
 //!
 //! The maximum likelihood for isotropic errors of points and normals. The last two terms only say which (u, v) is meant:
-//! T alone leaves every affine change of them free, so the contacts are loosely tied to where they were flattened, u_r0. At a foot the residual's derivative by u_r vanishes,
-//! so each contact has three rows that all point along n^ (Kronecker factors `n^ (x) s`):
+//! T alone leaves every affine change of them free, so the contacts are loosely tied to where they were flattened, u_r0.
+//! A change dQ of the surface moves the foot, `M du = (-Q_a . dQ + d n . dQ_a)_a`, `M_ab = g_ab - d h_ab`, d the distance.
+//! The distance does not feel that, the normal does; e_1, e_2 being orthonormal tangents, D_ak = g^ab Q_b . e_k:
 //!
 //! ```text
-//! distance  s = N o M / Z          normal  s = -(g^ab Q_b . e_k) (N o M)_a / sigma,   e_1, e_2 tangents
+//! distance   n . dQ / Z              turn_k   -(D_ak n . dQ_a + H_kb du_b) / sigma,   H_kb = D_ak h_ab
 //! ```
+//!
+//! With it a mere change of (u, v) has no rows at all, and Gauss-Newton converges as if it were not there.
 
 use super::cells::{Cells, Row};
 use super::fairness::{INPUTS, ORDERS, RESIDUALS, ThirdJet, residuals};
@@ -86,10 +89,15 @@ impl Parts {
     pub const NONE: Parts = Parts { position: false, normal: false, fairness: false, slack: false };
 }
 
+/// A foot further than this from the contact's normal plane, patch units, has met the end of its range.
+const HELD: f64 = 1e-7;
+
 /// Frame of the surface at a contact.
 struct Tangents {
     point: Vector,
     normal: Vector,
+    /// Q_u, Q_v.
+    along: [Vector; 2],
     /// e_1, e_2.
     frame: [Vector; 2],
     /// `g^ab Q_b . e_k`, [a][k].
@@ -109,7 +117,28 @@ fn tangents(cells: &Cells, row: &Row, c: &[Vector]) -> Option<Tangents> {
     // Q_u = l e1, Q_v = s e1 + t e2: the dual basis is (e1 - (s/t) e2)/l and e2/t
     let (shear, height) = (dot(qv, e1), jacobian / length);
     let dual = [[1.0 / length, -shear / (height * length)], [0.0, 1.0 / height]];
-    Some(Tangents { point, normal, frame: [e1, e2], dual })
+    Some(Tangents { point, normal, along: [qu, qv], frame: [e1, e2], dual })
+}
+
+/// `V_ka = H_kb (M^-1)_ba`: turn of the normal by what moves the foot; zero where the foot was held back from its place.
+fn foot_turn(cells: &Cells, row: &Row, c: &[Vector], t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
+    let distance = dot(t.normal, off);
+    let aside = t.frame.map(|e| dot(e, off));
+    if aside[0].hypot(aside[1]) > HELD {
+        return [[0.0; 2]; 2];
+    }
+    let [huu, huv, hvv] = [(2, 0), (1, 1), (0, 2)].map(|order| dot(t.normal, cells.derivative(row, c, order)));
+    let h = [[huu, huv], [huv, hvv]];
+    let m = |a: usize, b: usize| dot(t.along[a], t.along[b]) - distance * h[a][b];
+    let (m00, m01, m11) = (m(0, 0), m(0, 1), m(1, 1));
+    let det = m00 * m11 - m01 * m01;
+    if det.is_nan() || det <= 0.0 {
+        return [[0.0; 2]; 2];
+    }
+    [0, 1].map(|k| {
+        let [p, q] = [0, 1].map(|b| t.dual[0][k] * h[0][b] + t.dual[1][k] * h[1][b]);
+        [(p * m11 - q * m01) / det, (q * m00 - p * m01) / det]
+    })
 }
 
 impl Problem<'_> {
@@ -126,7 +155,8 @@ impl Problem<'_> {
             let tied = self.flattened[r];
             let off =
                 minus(self.touches.points[r], self.cells.derivative(&self.cells.row(tied[0], tied[1]), c, (0, 0)));
-            sums.tie += dot(off, off) / feet.places.len() as f64;
+            let lift = dot(off, self.touches.normals[r]);
+            sums.tie += (dot(off, off) - lift * lift) / feet.places.len() as f64;
         }
         for point in self.gauss {
             let values = residuals(&self.jet(point, c))?;
@@ -193,41 +223,54 @@ impl Problem<'_> {
 
     fn add_contact(&self, r: usize, row: &Row, c: &[Vector], parts: Parts, local: &mut LocalNormals) {
         let Some(t) = tangents(self.cells, row, c) else { return };
-        let mut products: [Vec<f64>; 3] = Default::default();
-        for (out, order) in products.iter_mut().zip([(0, 0), (1, 0), (0, 1)]) {
+        let off = minus(self.touches.points[r], t.point);
+        for (out, order) in local.products.iter_mut().zip([(0, 0), (1, 0), (0, 1)]) {
             row.products(order, out);
         }
-        let mut scaled = vec![0.0; products[0].len()];
+        let mut scaled = std::mem::take(&mut local.row);
         if parts.position {
             let weight = self.touches.position_weight[r] / self.weights.position;
-            scaled.iter_mut().zip(&products[0]).for_each(|(s, v)| *s = weight * v);
-            local.add(&scaled, t.normal, weight * dot(t.normal, minus(self.touches.points[r], t.point)));
+            let n = t.normal.map(|n| weight * n);
+            for (s, b) in scaled.chunks_exact_mut(3).zip(&local.products[0]) {
+                (0..3).for_each(|d| s[d] = n[d] * b);
+            }
+            local.add(&scaled, dot(n, off));
         }
         if parts.normal {
             let weight = self.touches.normal_weight[r] / self.weights.normal;
+            let turn = foot_turn(self.cells, row, c, &t, off);
+            let distance = dot(t.normal, off);
             for k in 0..2 {
-                let [a, b] = [-weight * t.dual[0][k], -weight * t.dual[1][k]];
-                for (s, (u, v)) in scaled.iter_mut().zip(products[1].iter().zip(&products[2])) {
-                    *s = a * u + b * v;
+                let moved: Vector =
+                    [0, 1, 2].map(|d| weight * (turn[k][0] * t.along[0][d] + turn[k][1] * t.along[1][d]));
+                let [a, b] = [0, 1].map(|a| -weight * (t.dual[a][k] + distance * turn[k][a]));
+                let (q, [u, v]) = (&local.products[0], [&local.products[1], &local.products[2]]);
+                for (alpha, s) in scaled.chunks_exact_mut(3).enumerate() {
+                    let bent = a * u[alpha] + b * v[alpha];
+                    (0..3).for_each(|d| s[d] = moved[d] * q[alpha] + bent * t.normal[d]);
                 }
-                local.add(&scaled, t.normal, weight * dot(t.frame[k], self.touches.normals[r]));
+                local.add(&scaled, weight * dot(t.frame[k], self.touches.normals[r]));
             }
         }
+        local.row = scaled;
     }
 
     fn add_ties(&self, c: &[Vector], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
         let weight = self.weights.tie / self.flattened.len() as f64;
         let (mut alive, mut products) = (Vec::new(), Vec::new());
-        for (place, point) in self.flattened.iter().zip(&self.touches.points) {
+        for (r, place) in self.flattened.iter().enumerate() {
             let row = self.cells.row(place[0], place[1]);
-            let off = minus(*point, self.cells.derivative(&row, c, (0, 0)));
+            let (n, off) =
+                (self.touches.normals[r], minus(self.touches.points[r], self.cells.derivative(&row, c, (0, 0))));
+            let lift = dot(n, off);
+            let across = [0, 1, 2].map(|a| [0, 1, 2].map(|b| f64::from(u8::from(a == b)) - n[a] * n[b]));
             self.cells.alive(&row, &mut alive);
             row.products((0, 0), &mut products);
             for (a, &i) in alive.iter().enumerate() {
-                (0..3).for_each(|d| rhs[3 * i + d] += weight * products[a] * off[d]);
+                (0..3).for_each(|d| rhs[3 * i + d] += weight * products[a] * (off[d] - lift * n[d]));
                 for (b, &j) in alive[..=a].iter().enumerate() {
                     let v = weight * products[a] * products[b];
-                    matrix.add(i.max(j), i.min(j), &[[v, 0.0, 0.0], [0.0, v, 0.0], [0.0, 0.0, v]]);
+                    matrix.add(i.max(j), i.min(j), &across.map(|line| line.map(|w| v * w)));
                 }
             }
         }
@@ -302,44 +345,37 @@ fn scatter_full(local: &[f64], right: &[f64], alive: &[usize], matrix: &mut Bloc
     }
 }
 
-/// Sums of `(s s') (x) (n n')` over one cell's contacts.
+/// Sums of rows over one cell's contacts, and the buffers they are made in.
 struct LocalNormals {
     alive: Vec<usize>,
-    blocks: Vec<[f64; 6]>,
-    right: Vec<Vector>,
+    products: [Vec<f64>; 3],
+    row: Vec<f64>,
+    matrix: Vec<f64>,
+    right: Vec<f64>,
 }
 
 impl LocalNormals {
     fn new(local: usize) -> LocalNormals {
-        let blocks = vec![[0.0; 6]; local * (local + 1) / 2];
-        LocalNormals { alive: Vec::new(), blocks, right: vec![[0.0; 3]; local] }
+        let width = 3 * local;
+        LocalNormals {
+            alive: Vec::new(),
+            products: Default::default(),
+            row: vec![0.0; width],
+            matrix: vec![0.0; width * width],
+            right: vec![0.0; width],
+        }
     }
 
     fn clear(&mut self) {
-        self.blocks.fill([0.0; 6]);
-        self.right.fill([0.0; 3]);
+        self.matrix.fill(0.0);
+        self.right.fill(0.0);
     }
 
-    fn add(&mut self, s: &[f64], n: Vector, residual: f64) {
-        let outer = [n[0] * n[0], n[1] * n[0], n[1] * n[1], n[2] * n[0], n[2] * n[1], n[2] * n[2]];
-        for alpha in 0..s.len() {
-            (0..3).for_each(|d| self.right[alpha][d] += s[alpha] * residual * n[d]);
-            let row = &mut self.blocks[alpha * (alpha + 1) / 2..][..=alpha];
-            for (block, other) in row.iter_mut().zip(s) {
-                let product = s[alpha] * other;
-                (0..6).for_each(|k| block[k] += product * outer[k]);
-            }
-        }
+    fn add(&mut self, row: &[f64], residual: f64) {
+        rank_one(&mut self.matrix, &mut self.right, row, 1.0, residual);
     }
 
     fn scatter(&self, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        for (alpha, &row) in self.alive.iter().enumerate() {
-            (0..3).for_each(|d| rhs[3 * row + d] += self.right[alpha][d]);
-            for (beta, &column) in self.alive[..=alpha].iter().enumerate() {
-                let [xx, xy, yy, xz, yz, zz] = self.blocks[alpha * (alpha + 1) / 2 + beta];
-                // symmetric blocks: the transposed pair is the same
-                matrix.add(row.max(column), row.min(column), &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-            }
-        }
+        scatter_full(&self.matrix, &self.right, &self.alive, matrix, rhs);
     }
 }
