@@ -1,10 +1,16 @@
 //! Surfaces in space: every figure that is told of them, each by one word.
 //!
-//!     cargo bench --bench parametric [-- table | noise [REPLICATES] | rotations | closed | speed]
+//!     cargo bench --bench parametric [-- table | noise [REPLICATES] | rotations | closed | auto | speed]
 //!
 //! Without a word all of them. The patch is the paper's: 3 fingers x 9 stations on 8 x 8.
 
+mod auto;
+mod closed;
 mod noise;
+mod rotations;
+#[path = "../../tests/parametric/shapes.rs"]
+mod shapes;
+mod speed;
 mod table;
 mod worlds;
 
@@ -17,5 +23,17 @@ fn main() {
     }
     if asked("noise") {
         noise::print(replicates);
+    }
+    if asked("rotations") {
+        rotations::print();
+    }
+    if asked("closed") {
+        closed::print();
+    }
+    if asked("auto") {
+        auto::print();
+    }
+    if asked("speed") {
+        speed::print();
     }
 }

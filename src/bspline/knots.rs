@@ -111,7 +111,8 @@ impl Knots {
         let segments = knots.len() - 2 * degree - 1;
         let made = Knots::closed(degree, segments, knots[degree], knots[degree + segments])?;
         let far = 1e-9 * (knots[degree + segments] - knots[degree]);
-        match (0..knots.len()).find(|&i| !((knots[i] - made.knots[i]).abs() <= far)) {
+        let off = |i: &usize| knots[*i].is_nan() || (knots[*i] - made.knots[*i]).abs() > far;
+        match (0..knots.len()).find(off) {
             Some(index) => Err(KnotError::NotUniform { index, value: knots[index] }),
             None => Ok(made),
         }

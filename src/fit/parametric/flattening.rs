@@ -103,12 +103,33 @@ fn node(touches: &Touches, members: Vec<usize>) -> Node {
 
 type Edges = Vec<Vec<(usize, f64)>>;
 
+/// A length counts as shorter from this share on: of equal ones the first contact's, whatever rounding says.
+const SHORTER: f64 = 1.0 - 1e-9;
+/// The first sector begins this share of one before the nearest neighbour: no regular pattern has neighbours on a border.
+const BEFORE: f64 = 0.37;
+
+/// Tangents at node `a`, the first towards its nearest neighbour, so that sectors turn with the contacts.
+fn towards_nearest(a: usize, nodes: &[Node]) -> Option<[Vector; 2]> {
+    let node = &nodes[a];
+    let mut nearest = (f64::INFINITY, [0.0; 3]);
+    for (b, other) in nodes.iter().enumerate() {
+        let d = minus(other.point, node.point);
+        let flat = [0, 1, 2].map(|k| d[k] - dot(d, node.normal) * node.normal[k]);
+        let length = dot(d, d);
+        if a != b && length < SHORTER * nearest.0 && dot(flat, flat) > 1e-6 * length {
+            nearest = (length, flat);
+        }
+    }
+    nearest.0.is_finite().then(|| {
+        let e1 = unit(nearest.1);
+        [e1, cross(node.normal, e1)]
+    })
+}
+
 fn graph(nodes: &[Node]) -> Edges {
     let mut edges: Edges = vec![Vec::new(); nodes.len()];
     for (a, node) in nodes.iter().enumerate() {
-        let axis = if node.normal[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
-        let e1 = unit(cross(node.normal, axis));
-        let e2 = cross(node.normal, e1);
+        let Some([e1, e2]) = towards_nearest(a, nodes) else { continue };
         let mut nearest = [(f64::INFINITY, usize::MAX); SECTORS];
         for (b, other) in nodes.iter().enumerate() {
             let d = minus(other.point, node.point);
@@ -116,9 +137,9 @@ fn graph(nodes: &[Node]) -> Edges {
             if a == b || dot(node.normal, other.normal) < MOST_TURN_COSINE {
                 continue;
             }
-            let turn = dot(d, e2).atan2(dot(d, e1)) / std::f64::consts::TAU;
+            let turn = dot(d, e2).atan2(dot(d, e1)) / std::f64::consts::TAU + BEFORE / SECTORS as f64;
             let sector = ((turn.rem_euclid(1.0) * SECTORS as f64) as usize).min(SECTORS - 1);
-            if length < nearest[sector].0 {
+            if length < SHORTER * nearest[sector].0 {
                 nearest[sector] = (length, b);
             }
         }
@@ -136,7 +157,10 @@ fn landmarks(nodes: &[Node]) -> Vec<usize> {
     let mut chosen = vec![0];
     let mut nearest: Vec<f64> = nodes.iter().map(|n| norm(minus(n.point, nodes[0].point))).collect();
     while chosen.len() < MAX_LANDMARKS.min(nodes.len()) {
-        let Some((far, _)) = nearest.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+        let mut far = 0;
+        for k in 1..nearest.len() {
+            far = if SHORTER * nearest[k] > nearest[far] { k } else { far };
+        }
         chosen.push(far);
         for (d, n) in nearest.iter_mut().zip(nodes) {
             *d = d.min(norm(minus(n.point, nodes[far].point)));

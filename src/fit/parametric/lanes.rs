@@ -195,10 +195,11 @@ fn side(net: &Net, closed: [bool; 2]) -> Result<f64, &'static str> {
         let corner = |at: (usize, usize)| net[at.0][at.1].as_ref();
         let (Some(a), Some(b), Some(c), Some(d)) = (corner(a), corner(b), corner(c), corner(d)) else { continue };
         let area = cross(minus(d.point, a.point), minus(c.point, b.point));
-        let normal = [0, 1, 2].map(|k| a.normal[k] + b.normal[k] + c.normal[k] + d.normal[k]);
-        let sine = dot(area, normal) / (norm(area) * norm(normal)).max(f64::MIN_POSITIVE);
-        with += usize::from(sine > 0.2);
-        against += usize::from(sine < -0.2);
+        for normal in [a, b, c, d].map(|node| node.normal) {
+            let sine = dot(area, normal) / norm(area).max(f64::MIN_POSITIVE);
+            with += usize::from(sine > 0.2);
+            against += usize::from(sine < -0.2);
+        }
     }
     match (with, against) {
         (0, 0) => Err("all contacts lie on one curve, or no four of them make a cell"),

@@ -58,6 +58,8 @@ const TIE: f64 = 1e4;
 const MOST_AGAINST: f64 = 0.1;
 /// A Jacobian below this share of the mean one is a fold about to happen.
 const FOLD: f64 = 1e-3;
+/// Segments of a closed direction where none are asked for: a cubic's curvature of a circle is then off by 2 % at worst.
+const ROUND: usize = 12;
 /// Reweightings of a robust fit.
 const REWEIGHTINGS: usize = 20;
 
@@ -244,8 +246,8 @@ fn lay_out(touches: &Touches, flat: &mut Flat, options: &FitOptions) -> Result<(
         let [lo, hi] = ends[k].map(|t| t / scale);
         let (degree, segments) = (options.degree[k], options.segments[k]);
         let made = if options.closed[k] {
-            // one segment is the default of open directions: closed ones take the fewest that carry a circle well
-            Knots::closed(degree, if segments == 1 { 8.max(degree + 1) } else { segments }, lo, hi)
+            // one segment is the default of open directions and cannot close
+            Knots::closed(degree, if segments == 1 { ROUND.max(degree + 1) } else { segments }, lo, hi)
         } else {
             Knots::uniform(degree, segments, lo, hi)
         };

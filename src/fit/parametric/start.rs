@@ -18,6 +18,8 @@ use crate::fit::FitError;
 const THIRD: f64 = 1.0;
 /// The same for the thin plate, which only keeps a corner without contacts from being free.
 const PLATE: f64 = 1e-8;
+/// And where several segments of degree 1 or 2 have no third derivative to hold them.
+const PLATE_OF_LOW_DEGREE: f64 = 1e-3;
 
 /// Distinct coefficients of the start.
 ///
@@ -50,7 +52,9 @@ pub fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Res
     let third = [(3, 0), (0, 3)].into_iter().zip(cells.shape().closed).filter(|(_, closed)| !closed);
     let third: Vec<_> = third.map(|(order, _)| (order, 1.0)).collect();
     let plate = [((2, 0), 1.0), ((1, 1), 2.0), ((0, 2), 1.0)];
-    for (orders, share) in [(&third[..], THIRD), (&plate[..], PLATE)] {
+    let low = (0..2).any(|k| cells.shape().degree[k] < 3 && cells.knots()[k].n_segments() > 1);
+    let plate_share = if low { PLATE_OF_LOW_DEGREE } else { PLATE };
+    for (orders, share) in [(&third[..], THIRD), (&plate[..], plate_share)] {
         let trace: f64 = problem.gauss.iter().map(|p| 3.0 * p.weight * roughness(&p.row, orders, &mut products)).sum();
         if trace > 0.0 {
             for point in problem.gauss {
