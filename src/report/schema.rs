@@ -11,8 +11,10 @@ use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
-    let samples: Vec<Value> =
-        [full(), bare(), emptied(), in_space()].iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let samples: Vec<Value> = [full(), bare(), emptied(), in_space(), without_lanes()]
+        .iter()
+        .filter_map(|d| serde_json::to_value(d).ok())
+        .collect();
     let mut schema = merged(&samples.iter().collect::<Vec<_>>());
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = FIT_SCHEMA.into();
@@ -145,7 +147,7 @@ fn in_space() -> FitDocument {
         folds_refused: 1,
         smallest_jacobian: 0.5,
         fold_free: true,
-        lanes_monotone: None,
+        lanes_monotone: Some(true),
         against: 1,
         closed: [false; 2],
     });
@@ -153,6 +155,13 @@ fn in_space() -> FitDocument {
     document.surface.coefficients = vec![vec![Coefficient::Space([0.5; 3])]];
     document.surface.closed = Some([false; 2]);
     document.surface.support = Some(vec![[[0.5; 2]; 3]]);
+    document
+}
+
+/// A surface in space whose contacts nobody labelled.
+fn without_lanes() -> FitDocument {
+    let mut document = in_space();
+    document.fit.parametric.iter_mut().for_each(|part| part.lanes_monotone = None);
     document
 }
 

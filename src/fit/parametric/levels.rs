@@ -27,8 +27,8 @@ const PROBES: usize = 32;
 pub const FAIRNESS: f64 = 30.0;
 /// lambda's bounds: no fairness to speak of, and no change of bending to speak of.
 const FAIRNESS_RANGE: [f64; 2] = [1e-6, 1e4];
-/// Smallest noise that is told from rounding and from what a spline cannot follow, patch units and radians.
-const NO_NOISE: f64 = 1e-6;
+/// Least noise that is believed, patch units and radians: below it the descent's last digits are at odds with the ties.
+const NO_NOISE: f64 = 1e-4;
 /// Levels to begin with: half a percent of the half side, two degrees.
 const BEGIN: [f64; 2] = [0.005, 0.035];
 /// Coefficients of a paraboloid.
