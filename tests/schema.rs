@@ -57,7 +57,9 @@ fn check(at: &str, value: &Value, schema: &Value) {
 #[test]
 fn what_is_printed_obeys_the_schema() {
     let schema: Value = serde_json::from_str(&std::fs::read_to_string(FILE).unwrap()).unwrap();
-    let lines: [&[&str]; 4] = [
+    let lines: [&[&str]; 6] = [
+        &["run", "paper-fig6-r5.7-degree3", "--surface", "auto", "--json"],
+        &["run", "--surface", "parametric", "--sigma", "0.02,2", "--json"],
         &["run", "--json"],
         &["run", "paper-plane", "--json"],
         &["run", "--sigma", "0.01,1", "--json"],

@@ -27,8 +27,8 @@ pub fn gram(knots: &Knots, order: usize) -> Vec<Vec<f64>> {
     bands
 }
 
-/// Nodes and weights on [-1, 1] by Newton's method on the Legendre recurrence.
-fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
+/// Gauss-Legendre nodes and weights on [-1, 1], at most 10, by Newton's method on the Legendre recurrence.
+pub fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
     debug_assert!(n <= MAX_DEGREE + 1);
     let mut nodes = vec![0.0; n];
     let mut weights = vec![0.0; n];

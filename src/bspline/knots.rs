@@ -1,14 +1,16 @@
-//! Clamped knot vectors: `t_0 = .. = t_p < .. < t_n = .. = t_n+p`, n basis functions.
+//! Knot vectors: clamped, `t_0 = .. = t_p < .. < t_n = .. = t_n+p`, n basis functions; or closed, uniform from end to
+//! end, where the last p coefficients are the first p again and the spline has no seam.
 
 use super::{KnotError, MAX_DEGREE};
 
 /// Largest number of segments per direction: 2^20 keeps every index product below 2^53 and refuses typing errors.
 const MAX_SEGMENTS: usize = 1 << 20;
 
-/// A clamped knot vector with its degree.
+/// A knot vector with its degree; clamped unless it is closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knots {
     degree: usize,
+    closed: bool,
     knots: Vec<f64>,
     /// Index in `knots` of the left end of every segment of positive length.
     segment_starts: Vec<usize>,
@@ -73,7 +75,67 @@ impl Knots {
         }
         check_multiplicity(degree, &knots)?;
         let segment_starts = (degree..knots.len() - degree - 1).filter(|&i| knots[i] < knots[i + 1]).collect();
-        Ok(Knots { degree, knots, segment_starts, inverse_step: None })
+        Ok(Knots { degree, closed: false, knots, segment_starts, inverse_step: None })
+    }
+
+    /// Closed uniform knots: period `hi - lo`, knots `lo + (i - p) (hi - lo) / segments`, n = segments + p basis
+    /// functions of which the last p are the first p again ([`Knots::free`] counts the distinct ones).
+    ///
+    /// # Errors
+    /// As [`Knots::uniform`]; and fewer than degree + 1 segments, where a basis function would meet itself.
+    pub fn closed(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, KnotError> {
+        let open = Knots::uniform(degree, segments, lo, hi)?;
+        if segments <= degree {
+            return Err(KnotError::ClosedSegments { segments, needed: degree + 1 });
+        }
+        let step = (hi - lo) / segments as f64;
+        let at = |i: usize| match i.checked_sub(degree) {
+            Some(i) if i <= segments => open.knots[degree + i],
+            _ => lo + (i as f64 - degree as f64) * step,
+        };
+        let knots: Vec<f64> = (0..=segments + 2 * degree).map(at).collect();
+        let segment_starts = (degree..degree + segments).collect();
+        Ok(Knots { degree, closed: true, knots, segment_starts, inverse_step: open.inverse_step })
+    }
+
+    /// A closed knot vector read back: strictly increasing, `closed` as [`Knots::closed`] makes them.
+    ///
+    /// # Errors
+    /// Everything that [`KnotError`] names.
+    pub fn closed_from(degree: usize, knots: &[f64]) -> Result<Knots, KnotError> {
+        check_degree(degree)?;
+        let needed = 3 * degree + 2;
+        if knots.len() < needed {
+            return Err(KnotError::TooFew { found: knots.len(), needed, degree });
+        }
+        let segments = knots.len() - 2 * degree - 1;
+        let made = Knots::closed(degree, segments, knots[degree], knots[degree + segments])?;
+        let far = 1e-9 * (knots[degree + segments] - knots[degree]);
+        let off = |i: &usize| knots[*i].is_nan() || (knots[*i] - made.knots[*i]).abs() > far;
+        match (0..knots.len()).find(off) {
+            Some(index) => Err(KnotError::NotUniform { index, value: knots[index] }),
+            None => Ok(made),
+        }
+    }
+
+    /// Whether the spline closes on itself.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Distinct coefficients: n, or n - p where the last p are the first p again.
+    pub fn free(&self) -> usize {
+        if self.closed { self.n_basis() - self.degree } else { self.n_basis() }
+    }
+
+    /// `t` brought into the period of a closed direction; as it is in an open one.
+    pub fn wrapped(&self, t: f64) -> f64 {
+        if !self.closed {
+            return t;
+        }
+        let [lo, hi] = self.domain();
+        let r = lo + (t - lo).rem_euclid(hi - lo);
+        if r < hi { r } else { lo }
     }
 
     /// The same knots under `t -> (t - origin) / scale`.
@@ -81,6 +143,10 @@ impl Knots {
     /// # Errors
     /// When the map makes distinct ends equal or leaves the finite numbers.
     pub fn mapped(&self, origin: f64, scale: f64) -> Result<Knots, KnotError> {
+        if self.closed {
+            let [lo, hi] = self.domain().map(|t| (t - origin) / scale);
+            return Knots::closed(self.degree, self.segment_starts.len(), lo, hi);
+        }
         let mut made = Knots::new(self.degree, self.knots.iter().map(|t| (t - origin) / scale).collect())?;
         if made.segment_starts.len() == self.segment_starts.len() {
             made.inverse_step = self.inverse_step.map(|w| w * scale);
@@ -110,7 +176,7 @@ impl Knots {
 
     /// Both ends of the domain.
     pub fn domain(&self) -> [f64; 2] {
-        [self.knots[0], self.knots[self.knots.len() - 1]]
+        [self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree]]
     }
 
     /// Both ends of segment `s`.
@@ -129,7 +195,7 @@ impl Knots {
     pub fn segment_of(&self, x: f64) -> usize {
         let Some(inverse_step) = self.inverse_step else { return self.segment_by_search(x) };
         // `as` saturates, so values outside and NaN land on an end segment
-        let guess = (((x - self.knots[0]) * inverse_step) as i32).max(0) as usize;
+        let guess = (((x - self.knots[self.degree]) * inverse_step) as i32).max(0) as usize;
         let guess = guess.min(self.segment_starts.len() - 1);
         if self.knots[self.degree + guess] <= x && x < self.knots[self.degree + guess + 1] {
             return guess;
@@ -196,6 +262,24 @@ mod tests {
             assert_eq!((knots.segment_of(-5.0), general.segment_of(-5.0)), (0, 0));
             assert_eq!((knots.segment_of(5.0), general.segment_of(5.0)), (segments - 1, segments - 1));
         }
+    }
+
+    #[test]
+    fn closed_splines_have_no_seam() {
+        let knots = Knots::closed(3, 5, -1.0, 4.0).unwrap();
+        assert_eq!((knots.n_basis(), knots.free(), knots.domain()), (8, 5, [-1.0, 4.0]));
+        assert_eq!(Knots::closed_from(3, knots.as_slice()).unwrap(), knots);
+        assert!(matches!(Knots::closed(3, 3, 0.0, 1.0), Err(KnotError::ClosedSegments { needed: 4, .. })));
+        let c: Vec<f64> = (0..8).map(|i| ((i % 5) as f64).sin()).collect();
+        let at = |t: f64, k: usize| -> f64 {
+            let row = knots.basis(t);
+            row.derivative(k).iter().enumerate().map(|(a, n)| n * c[row.first + a]).sum()
+        };
+        for k in 0..3 {
+            assert!((at(-1.0, k) - at(4.0, k)).abs() < 1e-12, "derivative {k}");
+        }
+        assert_eq!(knots.wrapped(9.0), -1.0);
+        assert_eq!(knots.wrapped(-1.5), 3.5);
     }
 
     #[test]

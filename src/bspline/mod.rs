@@ -14,7 +14,7 @@ mod knots;
 
 pub use basis::{BasisRow, MAX_DEGREE, SegmentBasis};
 pub use coverage::{Coverage, coverage};
-pub use gram::gram;
+pub use gram::{gauss_legendre, gram};
 pub use knots::{Knots, linspace};
 
 /// What is wrong with a degree or a knot vector.
@@ -42,6 +42,22 @@ pub enum KnotError {
         lo: f64,
         /// Upper end.
         hi: f64,
+    },
+    /// A closed direction needs more segments.
+    #[error("{segments} segments are too few to close on themselves: at least {needed}")]
+    ClosedSegments {
+        /// Segments asked for.
+        segments: usize,
+        /// degree + 1.
+        needed: usize,
+    },
+    /// A closed knot vector is uniform.
+    #[error("knot {index} is {value}: the knots of a closed direction are equally spaced")]
+    NotUniform {
+        /// Position in the vector.
+        index: usize,
+        /// The offending knot.
+        value: f64,
     },
     /// Fewer than 2 (degree + 1) knots.
     #[error("{found} knots are too few for degree {degree}: at least {needed}")]

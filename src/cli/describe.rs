@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
-use crate::fit::{Declared, Fit, Statistic};
+use crate::fit::{Declared, Fit, FittedSurface, Statistic};
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
 use crate::report::{
-    FitDocument, FitPart, MeasurePart, PictureOptions, PromisePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart,
-    SpreadPart, TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture, write_table,
+    ChosenPart, FitDocument, FitPart, MeasurePart, PictureOptions, PromisePart, RmsPart, Seconds, ShapePart, Shares,
+    SigmaPart, SpreadPart, TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture,
+    write_table,
 };
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps};
@@ -21,7 +22,7 @@ use super::output::print;
 use super::scene::{INVERSE_CRIME, remark};
 
 /// Picture cells per side: at least, so that a coarse grid still shows the surface; at most, so that a browser opens it.
-const PICTURE_CELLS: [usize; 2] = [48, 100];
+pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 
 /// What a description needs besides the fit.
 pub(super) struct Subject<'a> {
@@ -39,6 +40,8 @@ pub(super) struct Subject<'a> {
     pub(super) read: f64,
     /// Seconds of fitting.
     pub(super) fitted: f64,
+    /// Kind of surface and why, where that was a question.
+    pub(super) chosen: Option<ChosenPart>,
 }
 
 /// Where it goes.
@@ -47,8 +50,15 @@ pub(super) struct Destination<'a> {
     pub(super) save: Option<&'a PathBuf>,
 }
 
-/// Describes `fit` wherever the flags ask for it.
-pub(super) fn describe(fit: &Fit, subject: &Subject, to: &Destination) -> Result<(), Failure> {
+/// Describes a fit of either kind wherever the flags ask for it.
+pub(super) fn describe(fit: &FittedSurface, subject: &Subject, to: &Destination) -> Result<(), Failure> {
+    match fit {
+        FittedSurface::Height(fit) => describe_height(fit, subject, to),
+        FittedSurface::Parametric(fit) => super::describe_space::describe(fit, subject, to),
+    }
+}
+
+fn describe_height(fit: &Fit, subject: &Subject, to: &Destination) -> Result<(), Failure> {
     let clock = Instant::now();
     let shape = fit.shape();
     let _ = fit.certificate();
@@ -74,14 +84,19 @@ pub(super) fn describe(fit: &Fit, subject: &Subject, to: &Destination) -> Result
         to.output
             .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
     }
+    tell(&document, subject.name, to)
+}
+
+/// The document on standard output, as JSON or as a table.
+pub(super) fn tell(document: &FitDocument, name: &str, to: &Destination) -> Result<(), Failure> {
     if to.output.json {
-        return print(&mut |out| write_json(&document, out));
+        return print(&mut |out| write_json(document, out));
     }
     // what was sent to standard output by --save - is not to be mixed with a table
     if to.output.quiet || to.save.is_some_and(|path| path.as_os_str() == "-") {
         return Ok(());
     }
-    print(&mut |out| write_table(subject.name, &document, out))
+    print(&mut |out| write_table(name, document, out))
 }
 
 fn picture(
@@ -135,7 +150,7 @@ fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Second
             Input::Grid(grid) => measured_pixels(grid),
         },
         frame: SavedFrame::of(fit.frame()),
-        fit: fit_part(fit, surface, &subject.notes),
+        fit: fit_part(fit, surface, subject),
         shape: shape_part(fit),
         truth: subject.truth.map(|truth| truth_part(fit, truth)),
         surface: SavedSurface::of(surface, &fit.certificate().unsupported),
@@ -149,7 +164,7 @@ fn measured_pixels(grid: &Grid) -> usize {
     grid.z.indexed_iter().filter(|(at, z)| !z.is_nan() || known(&grid.zx, *at) || known(&grid.zy, *at)).count()
 }
 
-fn fit_part(fit: &Fit, surface: &HeightField, reader_notes: &[String]) -> FitPart {
+fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
     let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
     let sigma = SigmaPart { z: noise.sigma_z, normal_deg: noise.sigma_normal_deg, slope: noise.sigma_slope };
     let finite = |v: f64| v.is_finite().then_some(v);
@@ -169,37 +184,44 @@ fn fit_part(fit: &Fit, surface: &HeightField, reader_notes: &[String]) -> FitPar
         rank: certificate.rank,
         condition: finite(certificate.condition),
         backward_error: finite(certificate.backward_error),
-        promise: PromisePart {
+        promise: Some(PromisePart {
             coefficients: certificate.promise.coefficients,
             shape_index: certificate.promise.shape_index,
             curvedness: certificate.promise.curvedness,
-        },
+        }),
         refinements: certificate.refinements,
         smooth: fit.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| *lambda),
-        rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy },
-        notes: reader_notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
+        chosen: subject.chosen.clone(),
+        parametric: None,
+        rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
+        notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
     }
 }
 
 fn shape_part(fit: &Fit) -> ShapePart {
     let shape = fit.shape();
-    let shares = |list: &[(ShapeClass, f64)]| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect());
     ShapePart {
         grid: fit.options().grid,
         shape_index: measure(&shape.shape_index),
         curvedness: measure(&shape.curvedness),
         radius: shape.radius,
         class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
-        class_probability: (!shape.class_probability.is_empty()).then(|| shares(&shape.class_probability)),
+        class_probability: shares(&shape.class_probability),
         k1: spread_part(shape.k1),
         k2: spread_part(shape.k2),
         direction_deg: shape.direction_deg,
+        direction: None,
         support: shape.support,
         plane_p: shape.plane_p,
     }
 }
 
-fn measure(statistic: &Statistic) -> MeasurePart {
+/// Probabilities of the classes; `None` of a plane.
+pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
+    (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
+}
+
+pub(super) fn measure(statistic: &Statistic) -> MeasurePart {
     let interval = statistic.interval.map(|i| [i.lo, i.hi]);
     MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval }
 }

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::contact::ContactError;
-use crate::fit::{Fit, FitError, FitOptions, fit_contacts, fit_grid};
+use crate::fit::{FitError, FitOptions, FittedSurface, SurfaceKind, fit_grid, fit_surface};
 use crate::io::{Input, ReadOptions, Reading, read_input};
+use crate::report::ChosenPart;
 
 use super::describe::{Destination, Subject, describe};
 use super::failure::Failure;
@@ -53,17 +54,30 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let found = found.map_err(|error| Failure::Input(placed(&error, &reading)))?;
     let fitted = clock.elapsed().as_secs_f64();
     let notes = notes(&reading);
-    let subject = Subject { name: &reading.file, input: &reading.input, truth: None, notes, began, read, fitted };
+    let (found, chosen) = found;
+    let subject =
+        Subject { chosen, name: &reading.file, input: &reading.input, truth: None, notes, began, read, fitted };
     drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
 }
 
-/// Fits whichever kind of data it is.
-pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<Fit, FitError> {
-    match input {
-        Input::Contacts(contacts) => fit_contacts(contacts, options),
-        Input::Grid(grid) => fit_grid(grid, options),
-    }
+/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
+pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
+    let (found, reason) = match input {
+        Input::Contacts(contacts) => fit_surface(contacts, options)?,
+        Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
+            return Err(FitError::Objective { objective: "--surface parametric", needed: "contacts, not a grid" });
+        }
+        Input::Grid(grid) => {
+            (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
+        }
+    };
+    let surface = match &found {
+        FittedSurface::Height(_) => SurfaceKind::Height,
+        FittedSurface::Parametric(_) => SurfaceKind::Parametric,
+    };
+    let asked = options.surface != SurfaceKind::Height;
+    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), reason })))
 }
 
 /// The error with its file, and its line where it is about one contact.

@@ -7,6 +7,7 @@
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
 mod describe;
+mod describe_space;
 mod failure;
 mod fit;
 mod options;
@@ -15,6 +16,7 @@ mod run;
 mod scene;
 mod scenes;
 mod show;
+mod show_space;
 mod simulate;
 mod values;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth};
+use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
 
 use super::values;
 
@@ -12,7 +12,13 @@ use super::values;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Fit")]
 pub(super) struct FitFlags {
-    /// Degree of the splines in x and y, 1 to 9 [default: 2]
+    /// height, parametric (a surface in space), or auto: whichever the contacts call for
+    #[arg(long, value_name = "KIND", value_parser = values::surface)]
+    surface: Option<SurfaceKind>,
+    /// Directions in which a parametric surface closes on itself: u (across the lanes), v (along them) or u,v
+    #[arg(long, value_name = "U,V", value_parser = values::closed)]
+    closed: Option<[bool; 2]>,
+    /// Degree of the splines in x and y, 1 to 9 [default: 2; of a parametric surface 3]
     #[arg(long, value_name = "P[,Q]", value_parser = values::degrees)]
     degree: Option<[usize; 2]>,
     /// Uniform segments in x and y [default: 1]
@@ -69,6 +75,12 @@ impl GridFlags {
 impl FitFlags {
     /// The options with everything that was typed put in.
     pub(super) fn over(&self, mut options: FitOptions) -> FitOptions {
+        set(&mut options.surface, self.surface);
+        set(&mut options.closed, self.closed);
+        if self.surface == Some(SurfaceKind::Parametric) && self.degree.is_none() {
+            // a biquadratic bends too little to go round
+            options.degree = options.degree.map(|p| p.max(3));
+        }
         set(&mut options.degree, self.degree);
         if let Some(segments) = self.segments {
             options.segments = segments;
@@ -148,6 +160,9 @@ mod tests {
             ..FitOptions::default()
         };
         assert_eq!(options, expected);
+        let space = typed(&["--surface", "parametric", "--closed", "u"]).unwrap();
+        assert_eq!((space.surface, space.closed, space.degree), (SurfaceKind::Parametric, [true, false], [3, 3]));
+        assert_eq!(typed(&["--surface", "parametric", "--degree", "2"]).unwrap().degree, [2, 2]);
         let weights = typed(&["--weights", "position"]).unwrap();
         assert_eq!(weights.objective, Objective::Slopes(SlopeWeights::Position));
     }

@@ -49,7 +49,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
     notes.extend(scene::remark(&truth));
-    let subject = Subject { name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
+    let (found, chosen) = found;
+    let subject = Subject { chosen, name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
     drop(spinner);
     describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
 }

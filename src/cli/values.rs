@@ -1,6 +1,6 @@
 //! Values of options as they are typed, with a message that says what would be right.
 
-use crate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+use crate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
 
 /// Largest count of segments or grid points per direction that is taken; beyond it a typing error is likelier.
 const MAX_COUNT: usize = 100_000;
@@ -63,6 +63,26 @@ pub(super) fn sigma(text: &str) -> Result<Objective, String> {
         .filter(|s| s.iter().all(|v| *v > 0.0))
         .ok_or("auto, or Z,DEG: the sd of z in input units and of the normals in degrees, such as 0.02,5")?;
     Ok(Objective::Normals(NormalSigma::Known { z, normal_deg }))
+}
+
+/// `height`, `parametric` or `auto`.
+pub(super) fn surface(text: &str) -> Result<SurfaceKind, String> {
+    match text {
+        "height" => Ok(SurfaceKind::Height),
+        "parametric" => Ok(SurfaceKind::Parametric),
+        "auto" => Ok(SurfaceKind::Auto),
+        _ => Err("height, parametric or auto".into()),
+    }
+}
+
+/// `u`, `v` or `u,v`.
+pub(super) fn closed(text: &str) -> Result<[bool; 2], String> {
+    match text {
+        "u" => Ok([true, false]),
+        "v" => Ok([false, true]),
+        "u,v" | "v,u" => Ok([true, true]),
+        _ => Err("u, v or u,v".into()),
+    }
 }
 
 /// `auto`, `cholesky`, `qr`, `kronecker` or `pcg`.

@@ -139,6 +139,31 @@ pub enum FitError {
         /// Last relative move.
         moved: f64,
     },
+    /// The contacts are not those of one sheet in space.
+    #[error("{contacts} contacts make no surface in space: {why}")]
+    Sheet {
+        /// Number of contacts.
+        contacts: usize,
+        /// What they are instead.
+        why: &'static str,
+    },
+    /// A closed direction needs lanes that close.
+    #[error("a closed direction needs fingers and stations that go round: {why}")]
+    Closed {
+        /// What is missing.
+        why: &'static str,
+    },
+    /// The surface fitted lies the wrong way round under some normals.
+    #[error("{against} of {contacts} normals are against the surface that the contacts make: check their side")]
+    Against {
+        /// Contacts whose normal is on the other side.
+        against: usize,
+        /// Number of contacts.
+        contacts: usize,
+    },
+    /// A map into space without a tangent plane somewhere.
+    #[error("the contacts start no surface in space: its map has no tangent plane somewhere")]
+    Degenerate,
     /// The result is not a finite surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),

@@ -41,6 +41,7 @@ mod noise;
 mod normals;
 mod observed;
 mod options;
+mod parametric;
 mod plan;
 mod plane_rows;
 mod promise;
@@ -57,6 +58,10 @@ pub use equations::{Block, Equations};
 pub use error::FitError;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+pub use parametric::{
+    FittedSurface, ParametricCertificate, ParametricFit, ParametricLevels, ParametricShape, SurfaceKind,
+    choose_surface, fit_parametric, fit_surface,
+};
 pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use promise::Promise;
 pub use rows::{Declared, NoiseLevels, Note, Rms};

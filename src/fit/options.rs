@@ -1,6 +1,6 @@
 //! What a user may choose about a fit; the same words on the command line, in a scene's `[fit]` and here.
 
-use super::FitError;
+use super::{FitError, SurfaceKind};
 
 /// Shape grids beyond this many points are typing errors: their maps alone would take gigabytes.
 const MAX_GRID_POINTS: usize = 100_000_000;
@@ -64,10 +64,10 @@ pub enum Method {
     Pcg,
 }
 
-/// Thin-plate roughness penalty.
+/// Thin-plate roughness penalty of a height field; of a surface in space the weight of its fairness, in patch units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Smooth {
-    /// No penalty.
+    /// No penalty; a surface in space, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
     #[default]
     None,
     /// Chosen by the data.
@@ -100,6 +100,10 @@ pub enum FrameChoice {
 /// Everything that decides a fit, with the design's defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitOptions {
+    /// Height field, surface in space, or whichever the contacts call for. Default: height field.
+    pub surface: SurfaceKind,
+    /// Directions u, v of a surface in space in which it closes on itself.
+    pub closed: [bool; 2],
     /// Degrees p (x) and q (y), 1 to 9. Default 2.
     pub degree: [usize; 2],
     /// Uniform segments per direction. Default 1.
@@ -129,6 +133,8 @@ pub struct FitOptions {
 impl Default for FitOptions {
     fn default() -> FitOptions {
         FitOptions {
+            surface: SurfaceKind::default(),
+            closed: [false; 2],
             degree: [2, 2],
             segments: [1, 1],
             knots: None,

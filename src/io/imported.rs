@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::scene::surface::ImportedSurface;
 use crate::surface::HeightField;
 
-use super::read_surface;
+use super::{AnySurface, read_surface};
 
 #[derive(Debug)]
 struct SavedHeights {
@@ -50,5 +50,8 @@ pub fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn Importe
             saved.unsupported.len()
         ));
     }
-    Ok(Arc::new(SavedHeights { label: file.to_string(), surface: saved.surface }))
+    match saved.surface {
+        AnySurface::Height(surface) => Ok(Arc::new(SavedHeights { label: file.to_string(), surface })),
+        _ => Err("a surface in space is not one height over each x and y; save a fit with --surface height".into()),
+    }
 }

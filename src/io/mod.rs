@@ -32,7 +32,9 @@ pub use atomic::{remove_unfinished, write_atomically};
 pub use error::IoError;
 pub use imported::import_surface;
 pub use place::{Place, Places};
-pub use surface_file::{FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes};
+pub use surface_file::{
+    AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,
+};
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.

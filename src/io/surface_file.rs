@@ -2,7 +2,9 @@
 //!
 //! Where the frame's axes are those of the input, `knots` and `coefficients` are in the input's own coordinates, so
 //! that SciPy's `bisplev` reproduces z(x, y) without a thought for the frame. Where they are not, the surface is a
-//! height field along the frame's axes A, in input units from the input's origin: `P = A' (u, v, S(u, v))`.
+//! height field along the frame's axes A, in input units from the input's origin: `P = A' (u, v, S(u, v))`. A surface in
+//! space has three numbers a coefficient, input units, and u, v are lengths of the input; its knots are SciPy's too, those
+//! of a closed direction going on beyond both ends.
 
 use std::path::Path;
 
@@ -11,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::bspline::Knots;
 use crate::contact::Frame;
-use crate::surface::HeightField;
+use crate::shape::UvSupport;
+use crate::surface::{HeightField, Parametric};
 
 use super::{IoError, read_bytes};
 
@@ -29,17 +32,42 @@ pub struct SavedFrame {
 /// `surface` of the document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedSurface {
-    /// `height`: z over x, y.
+    /// `height`: z over x, y; `parametric`: Q over u, v.
     pub kind: String,
     /// Degrees in x and y.
     pub degree: [usize; 2],
-    /// Full clamped knot vectors.
+    /// Full knot vectors, clamped in open directions.
     pub knots: [Vec<f64>; 2],
     /// `coefficients[i][j]` of `N_i(x) M_j(y)`.
-    pub coefficients: Vec<Vec<f64>>,
+    pub coefficients: Vec<Vec<Coefficient>>,
+    /// Directions that close (`parametric`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closed: Option<[bool; 2]>,
+    /// Triangles of (u, v) that contacts span (`parametric`); elsewhere S and R are masked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support: Option<Vec<[[f64; 2]; 3]>>,
     /// Coefficients (number `i m + j`) that no data hold; where they matter, S and R are masked.
     #[serde(default)]
     pub unsupported: Vec<usize>,
+}
+
+/// One coefficient: a height, or a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Coefficient {
+    /// Of a height field.
+    Height(f64),
+    /// Of a surface in space.
+    Space([f64; 3]),
+}
+
+/// A surface of either kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnySurface {
+    /// Input units, along the frame's axes.
+    Height(HeightField),
+    /// Input units, with the part of (u, v) that contacts reach.
+    Parametric(Parametric, UvSupport),
 }
 
 /// The part of a document that a surface is made from; what else stands in it is left alone.
@@ -60,8 +88,8 @@ pub struct Saved {
     pub file: String,
     /// The patch frame it was fitted in.
     pub frame: Frame,
-    /// Input units, along the frame's axes.
-    pub surface: HeightField,
+    /// The surface.
+    pub surface: AnySurface,
     /// Coefficients that no data hold.
     pub unsupported: Vec<usize>,
 }
@@ -81,26 +109,85 @@ impl SavedSurface {
             kind: "height".into(),
             degree: [x.degree(), y.degree()],
             knots: [x.as_slice().to_vec(), y.as_slice().to_vec()],
-            coefficients: surface.coefficients().rows().into_iter().map(|row| row.to_vec()).collect(),
+            coefficients: rows(surface.coefficients(), |c| Coefficient::Height(*c)),
+            closed: None,
+            support: None,
             unsupported: unsupported.to_vec(),
         }
     }
 
-    fn height_field(self) -> Result<HeightField, String> {
-        if self.kind != "height" {
-            return Err(format!("surface.kind is {:?}; this version reads \"height\"", self.kind));
+    /// As it is written.
+    pub fn of_parametric(surface: &Parametric, support: &UvSupport) -> SavedSurface {
+        let [u, v] = surface.knots();
+        SavedSurface {
+            kind: "parametric".into(),
+            degree: [u.degree(), v.degree()],
+            knots: [u.as_slice().to_vec(), v.as_slice().to_vec()],
+            coefficients: rows(surface.coefficients(), |c| Coefficient::Space(*c)),
+            closed: Some([u.is_closed(), v.is_closed()]),
+            support: Some(support.triangles().to_vec()),
+            unsupported: Vec::new(),
         }
-        let [kx, ky] = self.knots;
-        let axis = |name: &str, degree, knots| Knots::new(degree, knots).map_err(|e| format!("knots in {name}: {e}"));
-        let knots = [axis("x", self.degree[0], kx)?, axis("y", self.degree[1], ky)?];
+    }
+
+    fn surface(self) -> Result<AnySurface, String> {
+        match self.kind.as_str() {
+            "height" => self.height_field().map(AnySurface::Height),
+            "parametric" => self.parametric(),
+            other => Err(format!("surface.kind is {other:?}; this version reads \"height\" and \"parametric\"")),
+        }
+    }
+
+    fn height_field(self) -> Result<HeightField, String> {
+        let knots = self.read_knots([false; 2])?;
+        let coefficients = self.array(|c| match c {
+            Coefficient::Height(z) => Some(z),
+            Coefficient::Space(_) => None,
+        })?;
+        HeightField::new(knots, coefficients).map_err(|e| e.to_string())
+    }
+
+    fn parametric(self) -> Result<AnySurface, String> {
+        let knots = self.read_knots(self.closed.unwrap_or_default())?;
+        let period = [0, 1].map(|k: usize| {
+            let [lo, hi] = knots[k].domain();
+            knots[k].is_closed().then_some(hi - lo)
+        });
+        let triangles = self.support.clone().unwrap_or_default();
+        if triangles.iter().flatten().flatten().any(|t| !t.is_finite()) {
+            return Err("surface.support has a number that is not finite".into());
+        }
+        let coefficients = self.array(|c| match c {
+            Coefficient::Height(_) => None,
+            Coefficient::Space(p) => Some(p),
+        })?;
+        let surface = Parametric::new(knots, coefficients).map_err(|e| e.to_string())?;
+        Ok(AnySurface::Parametric(surface, UvSupport::new(triangles, period)))
+    }
+
+    fn read_knots(&self, closed: [bool; 2]) -> Result<[Knots; 2], String> {
+        let axis = |name: &str, k: usize| {
+            let (degree, knots) = (self.degree[k], &self.knots[k]);
+            let made = if closed[k] { Knots::closed_from(degree, knots) } else { Knots::new(degree, knots.clone()) };
+            made.map_err(|e| format!("knots in {name}: {e}"))
+        };
+        Ok([axis("x", 0)?, axis("y", 1)?])
+    }
+
+    /// Coefficients as an array, every one of the kind that `take` takes.
+    fn array<T: Clone>(&self, take: impl Fn(Coefficient) -> Option<T>) -> Result<Array2<T>, String> {
         let (n, m) = (self.coefficients.len(), self.coefficients.first().map_or(0, Vec::len));
         if let Some(row) = self.coefficients.iter().position(|row| row.len() != m) {
             return Err(format!("row {row} of surface.coefficients has not the {m} entries of row 0"));
         }
-        let flat = self.coefficients.into_iter().flatten().collect();
-        let coefficients = Array2::from_shape_vec((n, m), flat).map_err(|e| e.to_string())?;
-        HeightField::new(knots, coefficients).map_err(|e| e.to_string())
+        let flat: Option<Vec<T>> = self.coefficients.iter().flatten().map(|c| take(*c)).collect();
+        let flat = flat.ok_or_else(|| format!("surface.coefficients are not those of kind {:?}", self.kind))?;
+        Array2::from_shape_vec((n, m), flat).map_err(|e| e.to_string())
     }
+}
+
+fn rows<T>(array: &Array2<T>, make: impl Fn(&T) -> Coefficient) -> Vec<Vec<Coefficient>> {
+    array.rows().into_iter().map(|row| row.iter().map(&make).collect()).collect()
 }
 
 impl SavedFrame {
@@ -138,9 +225,13 @@ pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
     }
     let frame = document.frame.frame().map_err(wrong)?;
     let unsupported = document.surface.unsupported.clone();
-    let surface = document.surface.height_field().map_err(wrong)?;
-    match unsupported.iter().find(|u| **u >= surface.coefficients().len()) {
-        Some(u) => Err(wrong(format!("surface.unsupported names coefficient {u} of {}", surface.coefficients().len()))),
+    let surface = document.surface.surface().map_err(wrong)?;
+    let count = match &surface {
+        AnySurface::Height(field) => field.coefficients().len(),
+        AnySurface::Parametric(map, _) => map.coefficients().len(),
+    };
+    match unsupported.iter().find(|u| **u >= count) {
+        Some(u) => Err(wrong(format!("surface.unsupported names coefficient {u} of {count}"))),
         None => Ok(Saved { file: file.into(), frame, surface, unsupported }),
     }
 }
@@ -163,19 +254,30 @@ mod tests {
 
     #[test]
     fn a_surface_comes_back_to_the_bit() {
-        let saved = document(|_| ()).unwrap();
-        assert_eq!(saved.surface.coefficients()[[2, 1]], 8.0);
-        let again = SavedSurface::of(&saved.surface, &[]);
-        let text = serde_json::to_string(&again).unwrap();
-        assert_eq!(serde_json::from_str::<SavedSurface>(&text).unwrap().height_field().unwrap(), saved.surface);
+        let AnySurface::Height(field) = document(|_| ()).unwrap().surface else { panic!("a height field") };
+        assert_eq!(field.coefficients()[[2, 1]], 8.0);
+        let text = serde_json::to_string(&SavedSurface::of(&field, &[])).unwrap();
+        assert_eq!(serde_json::from_str::<SavedSurface>(&text).unwrap().height_field().unwrap(), field);
+    }
+
+    #[test]
+    fn a_closed_surface_in_space_comes_back_to_the_bit() {
+        let knots = [Knots::closed(2, 5, 0.0, 0.7).unwrap(), Knots::uniform(1, 1, -1.0, 1.0).unwrap()];
+        let free: Vec<[f64; 3]> = (0..10).map(|k| [0.1 * k as f64, (k as f64).sin(), 1.0 / 3.0]).collect();
+        let surface = Parametric::from_free(knots, &free).unwrap();
+        let support = UvSupport::new(vec![[[0.0, 0.0], [0.1, 0.0], [0.0, 0.3]]], [Some(0.7), None]);
+        let text = serde_json::to_string(&SavedSurface::of_parametric(&surface, &support)).unwrap();
+        let again = serde_json::from_str::<SavedSurface>(&text).unwrap().surface().unwrap();
+        assert_eq!(again, AnySurface::Parametric(surface, support));
     }
 
     #[test]
     fn every_broken_surface_is_refused_with_a_reason() {
         type Change = fn(&mut serde_json::Value);
-        let cases: [(Change, &str); 8] = [
+        let cases: [(Change, &str); 9] = [
             (|v| v["schema"] = "palpate.fit/2".into(), "palpate.fit/1"),
-            (|v| v["surface"]["kind"] = "parametric".into(), "height"),
+            (|v| v["surface"]["kind"] = "blob".into(), "height"),
+            (|v| v["surface"]["kind"] = "parametric".into(), "not those of kind"),
             (|v| v["surface"]["degree"][0] = 12.into(), "knots in x"),
             (|v| v["surface"]["knots"][1][2] = (-1.0).into(), "knots in y"),
             (|v| v["surface"]["coefficients"][1] = serde_json::json!([1.0]), "row 1"),

@@ -10,11 +10,13 @@
 //! [`Sites`] says where the data lie (scattered or gridded: two implementations that never meet), [`Metric`] how the
 //! rows are weighted, [`Targets`] what they should be. Everything else is written once over the three.
 
+mod blocks;
 mod condition;
 mod double_double;
 mod sites;
 mod stencil;
 
+pub use blocks::{BlockMatrix, MapShape};
 pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
 pub use double_double::DoubleDouble;
 pub use sites::{

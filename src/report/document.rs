@@ -40,6 +40,12 @@ pub struct FitPart {
     pub segments: [usize; 2],
     /// Weights of the slope rows as applied: z, zx, zy; `null` for normal rows.
     pub weights: Option<[f64; 3]>,
+    /// Which kind of surface it is and why, where that was a question.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<ChosenPart>,
+    /// Certificate of a surface in space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parametric: Option<ParametricPart>,
     /// Noise levels, declared or estimated.
     pub sigma: Option<SigmaPart>,
     /// Method that gave the answer.
@@ -56,9 +62,9 @@ pub struct FitPart {
     pub condition: Option<f64>,
     /// Oettli-Prager backward error of the augmented system.
     pub backward_error: Option<f64>,
-    /// Decimal digits that the answer has at least.
+    /// Decimal digits that the answer has at least; `null` for a surface in space, which promises none.
     #[serde(default)]
-    pub promise: PromisePart,
+    pub promise: Option<PromisePart>,
     /// Refinement steps from the rows.
     #[serde(default)]
     pub refinements: usize,
@@ -83,6 +89,38 @@ pub struct PromisePart {
     pub curvedness: f64,
 }
 
+/// Kind of surface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ChosenPart {
+    /// `height` or `parametric`.
+    pub surface: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Certificate of a surface in space.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ParametricPart {
+    /// How the contacts were flattened.
+    pub parametrisation: String,
+    /// Steps of the descent with corrected parameters.
+    pub iterations: usize,
+    /// The descent ended at a minimum.
+    pub settled: bool,
+    /// Steps refused because they would have folded the map.
+    pub folds_refused: usize,
+    /// Smallest Jacobian where contacts reach, over the mean one.
+    pub smallest_jacobian: f64,
+    /// The map turns over nowhere.
+    pub fold_free: bool,
+    /// Contacts stand in the order of their stations; `null` without stations.
+    pub lanes_monotone: Option<bool>,
+    /// Contacts whose normal is against the surface.
+    pub against: usize,
+    /// Directions that close.
+    pub closed: [bool; 2],
+}
+
 /// Noise levels.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SigmaPart {
@@ -105,6 +143,9 @@ pub struct RmsPart {
     pub zx: Option<f64>,
     /// Slopes in y.
     pub zy: Option<f64>,
+    /// Turn of the normals, degrees (surfaces in space, whose `z` is the distance to them).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal_deg: Option<f64>,
 }
 
 /// Shape over the grid.
@@ -130,6 +171,9 @@ pub struct ShapePart {
     pub k2: SpreadPart,
     /// Direction of k1 at the centre, from +x towards +y, in [0, 180).
     pub direction_deg: Option<f64>,
+    /// Unit direction of k1 in space at the centre (surfaces in space).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
     /// Points used / grid points.
     pub support: f64,
     /// p-value of the best plane against the fit.

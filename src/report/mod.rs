@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! FitDocument (palpate.fit/1)  ->  JSON | table for people
-//! ShapeMaps                    ->  maps.csv, maps.npz, shape.svg
+//! ShapeMaps, SpaceMaps         ->  maps.csv, maps.npz, shape.svg
 //! ```
 
 mod document;
@@ -11,15 +11,17 @@ mod maps;
 mod picture;
 mod points;
 mod schema;
+mod space;
 mod table;
 
 pub use document::{
-    FitDocument, FitPart, MeasurePart, PromisePart, RmsPart, Seconds, ShapePart, Shares, SigmaPart, SpreadPart,
-    TruthPart,
+    ChosenPart, FitDocument, FitPart, MeasurePart, ParametricPart, PromisePart, RmsPart, Seconds, ShapePart, Shares,
+    SigmaPart, SpreadPart, TruthPart,
 };
 pub use json::write_json;
 pub use maps::{write_maps_csv, write_maps_npz};
 pub use picture::{PictureOptions, write_picture};
 pub use points::{PointShape, write_points_csv};
 pub use schema::fit_schema;
+pub use space::{SpacePointShape, write_space_maps_csv, write_space_points_csv};
 pub use table::{significant, write_table};

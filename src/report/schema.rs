@@ -7,11 +7,14 @@ use serde_json::{Map, Value, json};
 
 use super::document::*;
 use crate::curvature::ShapeClass;
-use crate::io::{FIT_SCHEMA, SavedFrame, SavedSurface};
+use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
-    let samples: Vec<Value> = [full(), bare(), emptied()].iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let samples: Vec<Value> = [full(), bare(), emptied(), in_space(), without_lanes()]
+        .iter()
+        .filter_map(|d| serde_json::to_value(d).ok())
+        .collect();
     let mut schema = merged(&samples.iter().collect::<Vec<_>>());
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = FIT_SCHEMA.into();
@@ -23,16 +26,32 @@ pub fn fit_schema() -> Value {
 fn merged(samples: &[&Value]) -> Value {
     let nullable = samples.iter().any(|v| v.is_null());
     let present: Vec<&Value> = samples.iter().copied().filter(|v| !v.is_null()).collect();
-    let (kind, mut schema) = match present.first() {
-        Some(Value::Object(_)) => ("object", object(&present)),
-        Some(Value::Array(_)) => ("array", array(&present)),
-        Some(Value::Number(n)) if n.is_f64() => ("number", json!({})),
-        Some(Value::Number(_)) => ("integer", json!({})),
-        Some(Value::Bool(_)) => ("boolean", json!({})),
-        _ => ("string", json!({})),
+    let mut kinds: Vec<&str> = present.iter().map(|v| kind(v)).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    if kinds.is_empty() {
+        kinds.push("string");
+    }
+    let mut schema = match kinds[..] {
+        ["object"] => object(&present),
+        // a coefficient is a number or three of them
+        ["array", ..] => array(&present),
+        _ => json!({}),
     };
-    schema["type"] = if nullable { json!([kind, "null"]) } else { kind.into() };
+    kinds.extend(nullable.then_some("null"));
+    schema["type"] = if let [one] = kinds[..] { one.into() } else { json!(kinds) };
     schema
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Object(_) => "object",
+        Value::Array(_) => "array",
+        Value::Number(n) if n.is_f64() => "number",
+        Value::Number(_) => "integer",
+        Value::Bool(_) => "boolean",
+        _ => "string",
+    }
 }
 
 fn object(samples: &[&Value]) -> Value {
@@ -70,6 +89,8 @@ fn full() -> FitDocument {
             degree: [2, 2],
             segments: [1, 1],
             weights: Some([0.5; 3]),
+            chosen: Some(ChosenPart { surface: "height".into(), reason: "asked for".into() }),
+            parametric: None,
             sigma: Some(SigmaPart { z: Some(0.5), normal_deg: Some(0.5), slope: Some(0.5) }),
             method: "cholesky".into(),
             reason: "asked for".into(),
@@ -78,10 +99,10 @@ fn full() -> FitDocument {
             rank: 1,
             condition: Some(0.5),
             backward_error: Some(0.5),
-            promise: PromisePart { coefficients: 0.5, shape_index: 0.5, curvedness: 0.5 },
+            promise: Some(PromisePart { coefficients: 0.5, shape_index: 0.5, curvedness: 0.5 }),
             refinements: 1,
             smooth: 0.5,
-            rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5) },
+            rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5), normal_deg: Some(0.5) },
             notes: vec!["a note".into()],
         },
         shape: ShapePart {
@@ -94,6 +115,7 @@ fn full() -> FitDocument {
             k1: spread.clone(),
             k2: spread,
             direction_deg: Some(0.5),
+            direction: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
         },
@@ -107,11 +129,42 @@ fn full() -> FitDocument {
             kind: "height".into(),
             degree: [2, 2],
             knots: [vec![0.5], vec![0.5]],
-            coefficients: vec![vec![0.5]],
+            coefficients: vec![vec![Coefficient::Height(0.5)]],
+            closed: None,
+            support: None,
             unsupported: vec![1],
         },
         seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
     }
+}
+
+/// A surface in space.
+fn in_space() -> FitDocument {
+    let mut document = full();
+    document.fit.chosen = None;
+    document.fit.parametric = Some(ParametricPart {
+        parametrisation: "arc lengths of lanes".into(),
+        iterations: 1,
+        settled: true,
+        folds_refused: 1,
+        smallest_jacobian: 0.5,
+        fold_free: true,
+        lanes_monotone: Some(true),
+        against: 1,
+        closed: [false; 2],
+    });
+    document.surface.kind = "parametric".into();
+    document.surface.coefficients = vec![vec![Coefficient::Space([0.5; 3])]];
+    document.surface.closed = Some([false; 2]);
+    document.surface.support = Some(vec![[[0.5; 2]; 3]]);
+    document
+}
+
+/// A surface in space whose contacts nobody labelled.
+fn without_lanes() -> FitDocument {
+    let mut document = in_space();
+    document.fit.parametric.iter_mut().for_each(|part| part.lanes_monotone = None);
+    document
 }
 
 /// The same with every value missing that may be, under keys that stay.
@@ -129,7 +182,10 @@ fn bare() -> FitDocument {
     document.fit.sigma = None;
     document.fit.condition = None;
     document.fit.backward_error = None;
+    document.fit.promise = None;
+    document.fit.chosen = None;
     document.fit.rms = RmsPart::default();
+    document.shape.direction = None;
     document.shape.shape_index = MeasurePart::default();
     document.shape.curvedness = MeasurePart::default();
     document.shape.radius = None;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::document::{FitDocument, MeasurePart};
+use super::document::{FitDocument, MeasurePart, ParametricPart};
 
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
@@ -49,6 +49,9 @@ fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
     if let Some(direction) = shape.direction_deg {
         lines.add("direction", format!("{direction:.1} deg, of k1 from +x towards +y"));
     }
+    if let Some([x, y, z]) = shape.direction {
+        lines.add("direction", format!("({x:.3}, {y:.3}, {z:.3}), of k1 in space"));
+    }
     let [n, m] = shape.grid;
     let used = (shape.support * (n * m) as f64).round();
     lines.add("support", format!("{used} of {n} x {m} grid points"));
@@ -93,20 +96,43 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
     if fit.smooth != 0.0 {
         lines.add("smooth", format!("lambda {}", significant(fit.smooth, 3)));
     }
+    if let Some(chosen) = &fit.chosen {
+        lines.add("surface", format!("{}: {}", chosen.surface, chosen.reason));
+    }
+    if let Some(part) = &fit.parametric {
+        parametric_lines(part, lines);
+    }
     lines.add("method", format!("{}: {}", fit.method, fit.reason));
     let certificate = |value: Option<f64>| value.map_or("unknown".to_string(), |v| significant(v, 2));
     let (condition, backward) = (certificate(fit.condition), certificate(fit.backward_error));
     lines.add("numbers", format!("condition {condition}, backward error {backward}"));
-    let digits = &fit.promise;
-    let digits = format!(
-        "coefficients {:.0}, S {:.0}, R {:.0}",
-        digits.coefficients.floor(),
-        digits.shape_index.floor(),
-        digits.curvedness.floor()
+    if let Some(digits) = &fit.promise {
+        let digits = format!(
+            "coefficients {:.0}, S {:.0}, R {:.0}",
+            digits.coefficients.floor(),
+            digits.shape_index.floor(),
+            digits.curvedness.floor()
+        );
+        lines.add("digits", format!("at least {digits}"));
+    }
+    let mut rms: Vec<String> =
+        rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3)))).collect();
+    rms.extend(fit.rms.normal_deg.map(|value| format!("normals {} deg", significant(value, 3))));
+    lines.add("rms", rms.join("  "));
+}
+
+fn parametric_lines(part: &ParametricPart, lines: &mut Lines) {
+    lines.add("(u, v)", part.parametrisation.clone());
+    let folds = if part.fold_free { "free of folds" } else { "NOT free of folds" };
+    let settled = if part.settled { "" } else { ", not settled" };
+    lines.add(
+        "map",
+        format!(
+            "{folds}, smallest Jacobian {} of the mean, {} steps{settled}",
+            significant(part.smallest_jacobian, 2),
+            part.iterations
+        ),
     );
-    lines.add("digits", format!("at least {digits}"));
-    let rms = rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3))));
-    lines.add("rms", rms.collect::<Vec<_>>().join("  "));
 }
 
 fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {

@@ -1,6 +1,6 @@
 //! What is true of each contact, so that every report can say error and not only spread.
 
-use super::surface::{Surface, SurfacePoint};
+use super::surface::{Local, Surface, SurfacePoint};
 
 /// The truth behind contacts: index by index what the surface is where they were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +37,17 @@ impl Truth {
     /// The true surface over any (x, y), input units; `None` where it does not reach.
     pub fn at(&self, x: f64, y: f64) -> Option<SurfacePoint> {
         self.surface.at(x, y)
+    }
+
+    /// The true surface where a line through `point` along `normal` meets it, if within half of the touched extent.
+    pub fn near(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Local> {
+        let extent = (0..3).map(|k| {
+            let range = self.points.iter().map(|p| p.point[k]);
+            let (lo, hi) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            hi - lo
+        });
+        let along = self.surface.hit(point, normal).filter(|t| t.abs() <= 0.5 * extent.fold(0.0, f64::max))?;
+        self.surface.local([0, 1, 2].map(|k| point[k] + along * normal[k]))
     }
 
     /// The true surface.

@@ -12,12 +12,16 @@ mod gradient;
 mod grid;
 mod maps;
 mod plane;
+mod space_maps;
 mod summary;
 mod truth;
+mod uv_support;
 
 pub use gradient::{MeanGradients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
 pub use maps::{ShapeMaps, shape_maps};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub use space_maps::{SpaceMaps, space_maps, uv_grid};
 pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};
 pub use truth::{TrueShapeAt, TruthComparison, compare_with_truth};
+pub use uv_support::UvSupport;

@@ -4,12 +4,14 @@
 //! Cholesky   D E'E D = L L',  D = diag(1 / |column of E|)            [`Cholesky`]
 //! QR         E D = Q R, front by front, R kept, Q applied and gone    [`TriangularFactor`]
 //! grid       (U (x) V) diag (U (x) V)'                                [`GridSolver`], direct or as preconditioner
+//! blocks     D (A + mu diag A) D = L L', 3 x 3 blocks of a map         [`BlockCholesky`]
 //! dense QR   rows sorted by size, columns pivoted: reveals the rank   [`PivotedQr`]
 //! ```
 //!
 //! Every factor works on the column-equilibrated matrix, solves with `E'E` and estimates the condition of `E D`.
 
 mod band;
+mod blocks;
 mod cholesky;
 mod dense;
 mod fast_diagonalisation;
@@ -22,6 +24,7 @@ mod small;
 mod triangular;
 
 pub use band::{BandCholesky, band_flops};
+pub use blocks::BlockCholesky;
 pub use cholesky::{Cholesky, DENSE_LIMIT};
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use fast_diagonalisation::FastDiagonalisation;

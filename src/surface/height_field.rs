@@ -25,6 +25,14 @@ pub enum SurfaceError {
         /// Index in y.
         j: usize,
     },
+    /// In a closed direction the last coefficients must repeat the first.
+    #[error("coefficient ({i}, {j}) does not repeat the one it closes on")]
+    Seam {
+        /// Index in u.
+        i: usize,
+        /// Index in v.
+        j: usize,
+    },
     /// The knots are not usable.
     #[error(transparent)]
     Knots(#[from] KnotError),

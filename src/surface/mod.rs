@@ -1,10 +1,12 @@
 //! The fitted surface: `S(x, y) = sum_ij c_ij N_i(x) M_j(y)`, its derivatives, tangents and unit normal.
 //!
 //! Paper Eq. 5. A height field is the map `Q(x, y) = (x, y, S(x, y))`; curvature is written for any Q
-//! ([`crate::curvature::Derivatives`]), so a surface that stands up is a second type beside this one.
+//! ([`crate::curvature::Derivatives`]), so a surface that stands up, [`Parametric`], is a second type beside it.
 
 mod height_field;
+mod parametric;
 mod rows;
 
 pub use height_field::{HeightField, SurfaceError, SurfacePoint};
+pub use parametric::{Parametric, SpacePoint};
 pub use rows::CurvatureGrid;

@@ -2,7 +2,7 @@
 
 use super::SceneFileError;
 use super::section::{Section, as_array, as_count, as_number};
-use crate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+use crate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
 
 /// Highest degree of the splines.
 const MAX_DEGREE: u64 = 9;
@@ -11,6 +11,13 @@ const MAX_DEGREE: u64 = 9;
 pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileError> {
     let mut fit = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
     let Some(section) = section else { return Ok(fit) };
+    let kinds = [("height", SurfaceKind::Height), ("parametric", SurfaceKind::Parametric), ("auto", SurfaceKind::Auto)];
+    fit.surface = choice(&section, "surface", &kinds)?.unwrap_or_default();
+    let closed = [("u", [true, false]), ("v", [false, true]), ("u,v", [true, true])];
+    fit.closed = choice(&section, "closed", &closed)?.unwrap_or_default();
+    if fit.surface == SurfaceKind::Parametric {
+        fit.degree = [3, 3];
+    }
     if let Some(degree) = one_or_pair(&section, "degree", 1, MAX_DEGREE)? {
         fit.degree = degree;
     }

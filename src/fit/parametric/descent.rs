@@ -1,0 +1,150 @@
+//! Levenberg-Marquardt on the objective, every trial with its own feet, none that folds.
+//!
+//! ```text
+//! (A + mu diag A) dc = -1/2 grad F,   mu / 10 after a step that goes down, mu * 10 after one that does not or folds
+//! ```
+//!
+//! A trial folds when `Q_u x Q_v` has turned against the measured normal of a contact that it went along with before,
+//! or against its own direction at a Gauss point.
+
+use super::cells::Row;
+use super::foot::Feet;
+use super::problem::{Parts, Problem, Sums};
+use super::vector::{Vector, cross, dot};
+use crate::fit::FitError;
+use crate::linalg::BlockMatrix;
+use crate::solve::BlockCholesky;
+
+/// A step below this, patch units, ends the descent.
+const SETTLED: f64 = 1e-10;
+/// Steps of one descent; from the starts here 10 to 40 are taken.
+const MAX_STEPS: usize = 100;
+/// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
+const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
+
+/// A surface on its way.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Distinct coefficients.
+    pub coefficients: Vec<Vector>,
+    /// Feet of the contacts on it.
+    pub feet: Feet,
+}
+
+/// What a descent came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Descent {
+    /// F.
+    pub value: f64,
+    /// Its parts.
+    pub sums: Sums,
+    /// Steps taken.
+    pub steps: usize,
+    /// Trials refused because they folded.
+    pub folds_refused: usize,
+    /// The last step was below the tolerance, or nothing nearby is lower.
+    pub settled: bool,
+}
+
+/// Work space of the descent.
+#[derive(Debug)]
+pub struct Solver {
+    /// Gauss-Newton matrix.
+    pub matrix: BlockMatrix,
+    /// Its factor.
+    pub factor: BlockCholesky,
+}
+
+impl Solver {
+    /// For one numbering of coefficients.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(problem: &Problem) -> Result<Solver, FitError> {
+        let matrix = BlockMatrix::zeros(problem.cells.shape());
+        let factor = BlockCholesky::plan(&matrix).map_err(|source| FitError::Solve { source })?;
+        Ok(Solver { matrix, factor })
+    }
+
+    /// Minimises F from `state`.
+    ///
+    /// # Errors
+    /// A start without a tangent plane; a matrix without a factor even when damped.
+    pub fn descend(&mut self, problem: &Problem, state: &mut State) -> Result<Descent, FitError> {
+        state.feet = state.feet.moved(problem.cells, problem.touches, &state.coefficients);
+        let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
+        let mut reached = Descent { value, sums, steps: 0, folds_refused: 0, settled: false };
+        let mut damping = DAMPING[0];
+        let mut rhs = vec![0.0; self.matrix.order()];
+        while reached.steps < MAX_STEPS && !reached.settled {
+            self.matrix.clear();
+            rhs.fill(0.0);
+            problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut self.matrix, &mut rhs);
+            let Some(size) = self.step(problem, state, &rhs, &mut damping, &mut reached)? else {
+                reached.settled = true;
+                break;
+            };
+            reached.steps += 1;
+            reached.settled = size <= SETTLED;
+        }
+        Ok(reached)
+    }
+
+    /// One step downwards: its size, or `None` when no damping finds one.
+    fn step(
+        &mut self,
+        problem: &Problem,
+        state: &mut State,
+        rhs: &[f64],
+        damping: &mut f64,
+        reached: &mut Descent,
+    ) -> Result<Option<f64>, FitError> {
+        while *damping <= DAMPING[2] {
+            if let Err(source) = self.factor.factor(&self.matrix, *damping) {
+                *damping *= 10.0;
+                if *damping > DAMPING[2] {
+                    return Err(FitError::Solve { source });
+                }
+                continue;
+            }
+            let mut move_by = rhs.to_vec();
+            self.factor.solve(&mut move_by);
+            let size = move_by.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let next: Vec<Vector> = (0..state.coefficients.len())
+                .map(|k| [0, 1, 2].map(|d| state.coefficients[k][d] + move_by[3 * k + d]))
+                .collect();
+            if folds(problem, state, &next) {
+                reached.folds_refused += 1;
+            } else {
+                let feet = state.feet.moved(problem.cells, problem.touches, &next);
+                // F rounds to about 1e-15 of itself: a last step may not see itself go down
+                if let Some((value, sums)) = problem.value(&next, &feet)
+                    && value <= reached.value * (1.0 + 1e-14)
+                {
+                    *state = State { coefficients: next, feet };
+                    (reached.value, reached.sums) = (value, sums);
+                    *damping = (*damping / 10.0).max(DAMPING[1]);
+                    return Ok(Some(size));
+                }
+            }
+            if size <= SETTLED {
+                return Ok(None);
+            }
+            *damping *= 10.0;
+        }
+        *damping = DAMPING[0];
+        Ok(None)
+    }
+}
+
+/// Whether the map turns over somewhere on the way from `state` to `next`.
+fn folds(problem: &Problem, state: &State, next: &[Vector]) -> bool {
+    let cells = problem.cells;
+    let area = |row: &Row, c: &[Vector]| cross(cells.derivative(row, c, (1, 0)), cells.derivative(row, c, (0, 1)));
+    let turned = |before: Vector, after: Vector| dot(before, after) <= 0.0;
+    problem.gauss.iter().any(|p| turned(area(&p.row, &state.coefficients), area(&p.row, next)))
+        || state.feet.places.iter().any(|place| {
+            let row = cells.row(place[0], place[1]);
+            turned(area(&row, &state.coefficients), area(&row, next))
+        })
+}

@@ -1,0 +1,209 @@
+//! Unknown noise and unknown fairness, estimated with the fit as variance components.
+//!
+//! ```text
+//! Z^2 = |distances|^2 / (g - tr A^-1 A_P)        sigma^2 = |turns|^2 / (2 g - tr A^-1 A_n)
+//! lambda = (rank S - lambda tr A^-1 S) / E       S the Gauss-Newton matrix of E
+//! ```
+//!
+//! H. D. Patterson and R. Thompson, *Biometrika* 58 (1971) 545; for lambda S. N. Wood and M. Fasiolo, *Biometrics* 73
+//! (2017) 1071. The rank of S is the number of coefficients less the six of a paraboloid, which a change of bending does
+//! not see: moves along the surface have no E.
+
+use super::descent::{Descent, Solver, State};
+use super::problem::{Parts, Problem, Weights};
+use crate::fit::{FitError, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+use crate::linalg::BlockMatrix;
+
+/// Levels that have moved by less than this share of themselves stand.
+const STANDS: f64 = 1e-4;
+/// Updates; the map contracts by a half or better.
+const MAX_UPDATES: usize = 60;
+/// Up to this many unknowns traces are exact, one solve each.
+const EXACT_TRACE: usize = 300;
+/// Probes of Hutchinson's estimator beyond.
+const PROBES: usize = 32;
+/// lambda without data to tell it, patch units: bending that changes by 0.2 of 1/half side across the patch costs as
+/// much as one contact at one sigma. A ball of noise sd 0.02 on 4 keeps mean S above 0.97 with it.
+pub const FAIRNESS: f64 = 30.0;
+/// lambda's bounds: no fairness to speak of, and no change of bending to speak of.
+const FAIRNESS_RANGE: [f64; 2] = [1e-6, 1e4];
+/// Least noise that is believed, patch units and radians: below it the descent's last digits are at odds with the ties.
+const NO_NOISE: f64 = 1e-4;
+/// Levels to begin with: half a percent of the half side, two degrees.
+const BEGIN: [f64; 2] = [0.005, 0.035];
+/// Coefficients of a paraboloid.
+const PARABOLOID: f64 = 6.0;
+
+/// Which levels are estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// Z and sigma each.
+    pub both: bool,
+    /// One factor for both, their ratio being given.
+    pub common: bool,
+    /// lambda.
+    pub fairness: bool,
+}
+
+/// First levels and which of them to estimate. `scale` is the patch's length.
+pub fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2], scale: f64) -> (Weights, Unknown) {
+    let (levels, both, common) = match objective {
+        Objective::Normals(NormalSigma::Known { z, normal_deg }) => {
+            ([z / scale, normal_deg.to_radians()], false, false)
+        }
+        Objective::Normals(NormalSigma::Auto) | Objective::Auto | Objective::Slopes(SlopeWeights::Auto) => {
+            (BEGIN, true, false)
+        }
+        Objective::Slopes(SlopeWeights::Tangent) => ([0.1, 0.01], false, true),
+        Objective::Slopes(SlopeWeights::Position) => ([0.01, 0.1], false, true),
+        Objective::Slopes(SlopeWeights::Equal) => ([0.03, 0.03], false, true),
+        // the weights apply to lengths as they are; a weight of zero leaves its rows at a millionth
+        Objective::Slopes(SlopeWeights::Explicit([z, x, y])) => {
+            let (z, n) = (z * scale, x.min(y));
+            let largest = z.max(n);
+            ([0.01 * largest / z.max(1e-6 * largest), 0.01 * largest / n.max(1e-6 * largest)], false, true)
+        }
+    };
+    let (fairness, estimated) = match smooth {
+        Smooth::Auto | Smooth::None => (FAIRNESS, true),
+        Smooth::Lambda(lambda) => (lambda, false),
+    };
+    let weights = Weights { position: levels[0], normal: levels[1], fairness, slack, tie };
+    (weights, Unknown { both, common, fairness: estimated })
+}
+
+/// Descends, updating the unknown levels in between, until they stand.
+///
+/// # Errors
+/// As [`Solver::descend`].
+pub fn descend_with_levels(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    state: &mut State,
+    unknown: Unknown,
+) -> Result<(Descent, usize), FitError> {
+    let mut reached = solver.descend(problem, state)?;
+    let (mut steps, mut folds) = (reached.steps, reached.folds_refused);
+    if !(unknown.both || unknown.common || unknown.fairness) {
+        return Ok((reached, steps));
+    }
+    for _ in 0..MAX_UPDATES {
+        let next = updated(problem, solver, state, &reached, unknown)?;
+        let moved = relative_move(&problem.weights, &next);
+        problem.weights = next;
+        reached = solver.descend(problem, state)?;
+        (steps, folds) = (steps + reached.steps, folds + reached.folds_refused);
+        if moved < STANDS {
+            break;
+        }
+    }
+    reached.folds_refused = folds;
+    Ok((reached, steps))
+}
+
+fn relative_move(a: &Weights, b: &Weights) -> f64 {
+    let part = |a: f64, b: f64| if a == b { 0.0 } else { (b / a - 1.0).abs() };
+    part(a.position, b.position).max(part(a.normal, b.normal)).max(part(a.fairness, b.fairness))
+}
+
+fn updated(
+    problem: &Problem,
+    solver: &mut Solver,
+    state: &State,
+    reached: &Descent,
+    unknown: Unknown,
+) -> Result<Weights, FitError> {
+    let [position, normal, fairness] = traces(problem, solver, state)?;
+    let mut next = problem.weights;
+    let count = |w: &[f64]| w.iter().filter(|w| **w > 0.0).count() as f64;
+    let free =
+        [count(&problem.touches.position_weight) - position, 2.0 * count(&problem.touches.normal_weight) - normal];
+    let sums = [reached.sums.position, reached.sums.normal];
+    if unknown.both {
+        let level = |k: usize, old: f64| if free[k] > 0.5 { (sums[k] / free[k]).sqrt().max(NO_NOISE) } else { old };
+        (next.position, next.normal) = (level(0, next.position), level(1, next.normal));
+    }
+    if unknown.common && free[0] + free[1] > 0.5 {
+        let chi = sums[0] / next.position.powi(2) + sums[1] / next.normal.powi(2);
+        let factor = (chi / (free[0] + free[1])).sqrt();
+        (next.position, next.normal) = ((next.position * factor).max(NO_NOISE), (next.normal * factor).max(NO_NOISE));
+    }
+    if unknown.fairness {
+        let rank = (problem.cells.shape().coefficients() as f64 - PARABOLOID).max(1.0);
+        let lambda = (rank - fairness).max(1e-3 * rank) / reached.sums.fairness.max(f64::MIN_POSITIVE);
+        next.fairness = lambda.clamp(FAIRNESS_RANGE[0], FAIRNESS_RANGE[1]);
+    }
+    Ok(next)
+}
+
+/// `tr A^-1 B` for the parts of positions, normals and fairness (its own weight included).
+fn traces(problem: &Problem, solver: &mut Solver, state: &State) -> Result<[f64; 3], FitError> {
+    let mut unused = vec![0.0; solver.matrix.order()];
+    solver.matrix.clear();
+    problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut solver.matrix, &mut unused);
+    solver.factor.factor(&solver.matrix, 1e-14).map_err(|source| FitError::Solve { source })?;
+    let mut part = |parts: Parts| {
+        solver.matrix.clear();
+        problem.assemble(&state.coefficients, &state.feet, parts, &mut solver.matrix, &mut unused);
+        trace(&solver.factor, &solver.matrix)
+    };
+    Ok([
+        part(Parts { position: true, ..Parts::NONE }),
+        part(Parts { normal: true, ..Parts::NONE }),
+        part(Parts { fairness: true, ..Parts::NONE }),
+    ])
+}
+
+fn trace(factor: &crate::solve::BlockCholesky, b: &BlockMatrix) -> f64 {
+    let order = b.order();
+    let (mut probe, mut product) = (vec![0.0; order], vec![0.0; order]);
+    if order <= EXACT_TRACE {
+        return (0..order)
+            .map(|u| {
+                probe.fill(0.0);
+                probe[u] = 1.0;
+                b.multiply(&probe, &mut product);
+                factor.solve(&mut product);
+                product[u]
+            })
+            .sum();
+    }
+    // signs from Knuth's MMIX generator: any fixed +-1 sequence will do, and the result must not depend on a seed
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut sum = 0.0;
+    for _ in 0..PROBES {
+        for p in &mut probe {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *p = if state >> 63 == 0 { 1.0 } else { -1.0 };
+        }
+        b.multiply(&probe, &mut product);
+        factor.solve(&mut product);
+        sum += probe.iter().zip(&product).map(|(p, v)| p * v).sum::<f64>();
+    }
+    sum / PROBES as f64
+}
+
+/// Robust weights of positions and normals at the present residuals.
+pub fn robust_weights(robust: Robust, problem: &Problem, state: &State) -> Option<[Vec<f64>; 2]> {
+    if robust == Robust::None {
+        return None;
+    }
+    let residuals = problem.residuals(&state.coefficients, &state.feet);
+    let scale = |k: usize, to_sd: f64| {
+        let mut sizes: Vec<f64> = residuals.iter().map(|r| r[k].abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        (sizes[sizes.len() / 2] * to_sd).max(NO_NOISE)
+    };
+    // medians of a normal distribution's magnitude and of a Rayleigh distribution
+    let scales = [scale(0, 1.4826), scale(1, 0.849_3)];
+    Some([0, 1].map(|k| residuals.iter().map(|r| loss_weight(robust, r[k] / scales[k])).collect()))
+}
+
+/// Square root of the loss's weight, tuned for 95 % efficiency.
+fn loss_weight(robust: Robust, r: f64) -> f64 {
+    match robust {
+        Robust::None => 1.0,
+        Robust::Huber => (1.345 / r.abs().max(1.345)).sqrt(),
+        Robust::Tukey => (1.0 - (r / 4.685).powi(2)).max(0.0),
+    }
+}

@@ -1,0 +1,86 @@
+//! A surface in space as tables: its maps over (u, v), and its values at the user's own (u, v).
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::shape::SpaceMaps;
+
+/// Point, normal and shape at one (u, v). Input units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpacePointShape {
+    /// As given.
+    pub u: f64,
+    /// As given.
+    pub v: f64,
+    /// Whether contacts surround it.
+    pub inside: bool,
+    /// Q(u, v).
+    pub point: [f64; 3],
+    /// Unit normal to the free side.
+    pub normal: Option<[f64; 3]>,
+    /// Larger principal curvature.
+    pub k1: Option<f64>,
+    /// Smaller principal curvature.
+    pub k2: Option<f64>,
+    /// Unit direction of k1.
+    pub direction: Option<[f64; 3]>,
+    /// Shape index.
+    #[serde(rename = "S")]
+    pub shape_index: Option<f64>,
+    /// Curvedness.
+    #[serde(rename = "R")]
+    pub curvedness: Option<f64>,
+}
+
+const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R\n";
+
+/// `u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R`, one row a point, empty where undefined; d is the direction of k1.
+///
+/// # Errors
+/// What the system says.
+pub fn write_space_points_csv(points: &[SpacePointShape], out: &mut dyn Write) -> std::io::Result<()> {
+    let mut text = String::from(HEADER);
+    for p in points {
+        text.push_str(&row(p));
+    }
+    out.write_all(text.as_bytes())
+}
+
+/// The same rows for every point of the maps, u-major.
+///
+/// # Errors
+/// What the system says.
+pub fn write_space_maps_csv(maps: &SpaceMaps, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut text = String::from(HEADER);
+    for (i, u) in maps.grid.x.iter().enumerate() {
+        for (j, v) in maps.grid.y.iter().enumerate() {
+            let at = (i, j);
+            let inside = maps.supported[at];
+            let number = |value: f64| (inside && !value.is_nan()).then_some(value);
+            let vector = |value: [f64; 3]| (inside && !value[0].is_nan()).then_some(value);
+            text.push_str(&row(&SpacePointShape {
+                u: *u,
+                v: *v,
+                inside,
+                point: maps.points[at],
+                normal: vector(maps.normals[at]),
+                k1: number(maps.k1[at]),
+                k2: number(maps.k2[at]),
+                direction: vector(maps.direction[at]),
+                shape_index: number(maps.shape_index[at]),
+                curvedness: number(maps.curvedness[at]),
+            }));
+        }
+    }
+    out.write_all(text.as_bytes())
+}
+
+fn row(p: &SpacePointShape) -> String {
+    let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+    let vector = |value: Option<[f64; 3]>| value.map_or(",,".into(), |[x, y, z]| format!("{x},{y},{z}"));
+    let [x, y, z] = p.point;
+    let [k1, k2, s, r] = [p.k1, p.k2, p.shape_index, p.curvedness].map(number);
+    let (normal, direction) = (vector(p.normal), vector(p.direction));
+    format!("{},{},{},{x},{y},{z},{normal},{k1},{k2},{direction},{s},{r}\n", p.u, p.v, u8::from(p.inside))
+}

@@ -1,0 +1,109 @@
+//! S, R, curvatures and their directions over a grid in (u, v) of a surface in space.
+
+use ndarray::Array2;
+
+use super::{ShapeGrid, ShapeMaps, UvSupport};
+use crate::bspline::Knots;
+use crate::surface::{Parametric, SurfacePoint};
+
+type Vector = [f64; 3];
+
+/// Maps over (u, v), input units.
+#[derive(Clone, Debug)]
+pub struct SpaceMaps {
+    /// Where, in u (as `x`) and v (as `y`).
+    pub grid: ShapeGrid,
+    /// Points in space.
+    pub points: Array2<Vector>,
+    /// Unit normals to the free side.
+    pub normals: Array2<Vector>,
+    /// Larger principal curvature; NaN where undefined, as all of the following.
+    pub k1: Array2<f64>,
+    /// Smaller principal curvature.
+    pub k2: Array2<f64>,
+    /// Unit direction of k1 in space.
+    pub direction: Array2<Vector>,
+    /// Shape index.
+    pub shape_index: Array2<f64>,
+    /// Curvedness.
+    pub curvedness: Array2<f64>,
+    /// Whether contacts surround the point.
+    pub supported: Array2<bool>,
+}
+
+/// Points of a grid over (u, v): of a closed direction the upper end is the lower one again and left out.
+pub fn uv_grid(knots: [&Knots; 2], points: [usize; 2], inset: f64) -> ShapeGrid {
+    let domain = knots.map(Knots::domain);
+    let mut grid = ShapeGrid::over(domain, points, inset);
+    for (k, axis) in [&mut grid.x, &mut grid.y].into_iter().enumerate() {
+        if knots[k].is_closed() {
+            let ([lo, hi], n) = (domain[k], axis.len() as f64);
+            axis.iter_mut().enumerate().for_each(|(i, t)| *t = lo + (hi - lo) * i as f64 / n);
+        }
+    }
+    grid
+}
+
+/// Evaluates the surface and its shape over `grid`, where `support` holds.
+pub fn space_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) -> SpaceMaps {
+    let size = (grid.x.len(), grid.y.len());
+    let nan = Array2::from_elem(size, f64::NAN);
+    let mut maps = SpaceMaps {
+        points: Array2::from_elem(size, [0.0; 3]),
+        normals: Array2::from_elem(size, [f64::NAN; 3]),
+        direction: Array2::from_elem(size, [f64::NAN; 3]),
+        k1: nan.clone(),
+        k2: nan.clone(),
+        shape_index: nan.clone(),
+        curvedness: nan,
+        supported: Array2::from_elem(size, false),
+        grid,
+    };
+    for i in 0..size.0 {
+        for j in 0..size.1 {
+            let (u, v) = (maps.grid.x[i], maps.grid.y[j]);
+            let here = surface.at(u, v);
+            maps.points[[i, j]] = here.point;
+            let Some(p) = here.principal().filter(|_| support.holds(u, v)) else { continue };
+            maps.supported[[i, j]] = true;
+            (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
+            (maps.normals[[i, j]], maps.direction[[i, j]]) = (p.normal, p.direction1);
+            maps.shape_index[[i, j]] = p.shape_index().unwrap_or(f64::NAN);
+            maps.curvedness[[i, j]] = p.curvedness();
+        }
+    }
+    maps
+}
+
+impl SpaceMaps {
+    /// The same under `P -> origin + scale P`, u and v scaled alike.
+    pub fn placed(mut self, origin: Vector, scale: f64) -> SpaceMaps {
+        for axis in [&mut self.grid.x, &mut self.grid.y] {
+            axis.iter_mut().for_each(|t| *t *= scale);
+        }
+        self.points.mapv_inplace(|p| [0, 1, 2].map(|k| origin[k] + scale * p[k]));
+        for map in [&mut self.k1, &mut self.k2, &mut self.curvedness] {
+            map.mapv_inplace(|k| k / scale);
+        }
+        self
+    }
+
+    /// Over (u, v) as if it were (x, y), with z for a height: what pictures and arrays of maps take.
+    pub fn flat(&self) -> ShapeMaps {
+        ShapeMaps {
+            grid: self.grid.clone(),
+            points: self.points.mapv(|p| SurfacePoint { z: p[2], ..SurfacePoint::default() }),
+            k1: self.k1.clone(),
+            k2: self.k2.clone(),
+            shape_index: self.shape_index.clone(),
+            curvedness: self.curvedness.clone(),
+            supported: self.supported.clone(),
+        }
+    }
+
+    /// Values of `map` at the supported points where they are defined.
+    pub fn defined<'a>(&'a self, map: &'a Array2<f64>) -> impl Iterator<Item = f64> + Clone + 'a {
+        let places = self.supported.indexed_iter().filter(|(_, supported)| **supported);
+        places.map(|(at, _)| map[at]).filter(|v| !v.is_nan())
+    }
+}
