@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_closed_surface_in_space_comes_back_to_the_bit() {
-        let knots = [Knots::closed(2, 5, 0.0, 0.7).unwrap(), Knots::uniform(1, 1, -1.0, 1.0).unwrap()];
+        let knots = [Knots::closed(2, 5, 0.0, 0.7).unwrap(), Knots::new(1, vec![-1.0, -1.0, 1.0, 1.0]).unwrap()];
         let free: Vec<[f64; 3]> = (0..10).map(|k| [0.1 * k as f64, (k as f64).sin(), 1.0 / 3.0]).collect();
         let surface = Parametric::from_free(knots, &free).unwrap();
         let support = UvSupport::new(vec![[[0.0, 0.0], [0.1, 0.0], [0.0, 0.3]]], [Some(0.7), None]);
