@@ -43,14 +43,13 @@ impl Level {
 
     /// Every set of this machine, the portable one first.
     pub fn available() -> Vec<Level> {
-        let mut levels = vec![Level::PORTABLE];
-        #[cfg(target_arch = "x86_64")]
         match Level::best().0 {
-            Kind::Avx512 => levels.extend([Level(Kind::Avx2), Level(Kind::Avx512)]),
-            Kind::Avx2 => levels.push(Level(Kind::Avx2)),
-            Kind::Portable => {}
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => vec![Level::PORTABLE, Level(Kind::Avx2), Level(Kind::Avx512)],
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => vec![Level::PORTABLE, Level(Kind::Avx2)],
+            Kind::Portable => vec![Level::PORTABLE],
         }
-        levels
     }
 
     /// The set in use: the best, or the portable one after [`Level::force_portable`].
