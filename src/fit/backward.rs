@@ -10,7 +10,7 @@
 //! ratio compares rounding with rounding.
 
 use super::{Equations, Fit, Solution};
-use crate::linalg::{Sites, Targets, apply_rows, magnitudes};
+use crate::linalg::{RowMetric, Site, Sites, Targets, add_transposed, site_magnitudes, site_rows};
 
 /// A ratio above this is looked at again with the rows' norms: no row that solves anything is off by so much.
 const SUSPICIOUS: f64 = 1e-13;
@@ -30,22 +30,41 @@ pub struct Backward {
     pub columns: Vec<f64>,
     /// `|r|_2`.
     pub residual: f64,
+    /// Squared norms of E's columns.
+    pub norms: Vec<f64>,
 }
 
-/// The backward error of a fit with this condition.
+/// What one visit of the rows with the final r adds up.
+struct Sums {
+    /// `E'r`.
+    products: Vec<f64>,
+    /// `|E|'|r|`.
+    sizes: Vec<f64>,
+    /// Squared column norms.
+    norms: Vec<f64>,
+}
+
+/// The backward error of a fit with this condition: two visits of the rows, three where r is corrected twice.
 pub fn backward(fit: &Fit, condition: f64) -> Backward {
     let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
     let c = &solution.coefficients;
-    let computed = equations.residuals(c);
     let penalty = equations.roughness.as_ref().map(|(lambda, p)| {
         let mut bent = vec![0.0; c.len()];
         p.multiply(c, &mut bent);
         bent.iter_mut().for_each(|b| *b *= lambda);
         bent
     });
-    let r = orthogonal(equations, solution, &computed, penalty.as_deref(), condition);
-    let mut sizes = Targets::new();
-    magnitudes(&equations.sites, &equations.metric, c, &mut sizes);
+    let columns = equations.sites.shape().basis[1];
+    let (mut computed, mut sizes) = (vec![[0.0; 3]; equations.sites.len()], vec![[0.0; 3]; equations.sites.len()]);
+    let mut descent = vec![0.0; c.len()];
+    equations.sites.visit(|site| {
+        let m = equations.metric.at(site.index);
+        let (rows, target) = (site_rows(site, &m, c, columns), equations.targets[site.index]);
+        computed[site.index] = [0, 1, 2].map(|k| target[k] - rows[k]);
+        sizes[site.index] = site_magnitudes(site, &m, c, columns);
+        add_transposed(site, &m, computed[site.index], columns, &mut descent);
+    });
+    let (r, sums) = orthogonal(equations, solution, &computed, descent, penalty.as_deref(), condition);
     let (mut rows, mut residual) = (0.0_f64, 0.0_f64);
     for ((size, r), b) in sizes.iter_mut().zip(&r).zip(&equations.targets) {
         for k in 0..3 {
@@ -54,39 +73,66 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
             residual += r[k] * r[k];
         }
     }
-    let columns = column_sizes(equations, &r);
-    let error = row_error(equations, c, &computed, &r, &sizes).max(orthogonality(
-        equations,
-        solution,
-        &r,
-        &columns,
-        penalty.as_deref(),
-    ));
-    Backward { error, rows: rows.sqrt(), columns, residual: residual.sqrt() }
+    let error = row_error(equations, c, &computed, &r, &sizes).max(orthogonality(solution, &sums, penalty.as_deref()));
+    Backward { error, rows: rows.sqrt(), columns: sums.sizes, residual: residual.sqrt(), norms: sums.norms }
 }
 
-/// The residual less its part in the span of E.
+/// The residual less its part in the span of E, and what it adds up to; `descent` is `E'` times the residual.
 fn orthogonal(
     equations: &Equations,
     solution: &Solution,
     computed: &Targets,
+    mut descent: Vec<f64>,
     penalty: Option<&[f64]>,
     condition: f64,
-) -> Targets {
+) -> (Targets, Sums) {
+    let columns = equations.sites.shape().basis[1];
     let mut r = computed.clone();
-    let mut moved = Targets::new();
-    for _ in 0..if condition > CORRECT_TWICE { 2 } else { 1 } {
-        let mut delta = equations.transposed(&r);
+    let zeros = || vec![0.0; descent.len()];
+    let mut sums = Sums { products: zeros(), sizes: zeros(), norms: zeros() };
+    let last = if condition > CORRECT_TWICE { 1 } else { 0 };
+    for turn in 0..=last {
         if let Some(bent) = penalty {
-            delta.iter_mut().zip(bent).for_each(|(d, b)| *d -= b);
+            descent.iter_mut().zip(bent).for_each(|(d, b)| *d -= b);
         }
-        solution.clear_free(&mut delta);
-        solution.factor.solve(&mut delta);
-        solution.clear_free(&mut delta);
-        apply_rows(&equations.sites, &equations.metric, &delta, &mut moved);
-        r.iter_mut().zip(&moved).for_each(|(a, m)| (0..3).for_each(|k| a[k] -= m[k]));
+        solution.clear_free(&mut descent);
+        solution.factor.solve(&mut descent);
+        solution.clear_free(&mut descent);
+        equations.sites.visit(|site| {
+            let m = equations.metric.at(site.index);
+            let moved = site_rows(site, &m, &descent, columns);
+            (0..3).for_each(|k| r[site.index][k] -= moved[k]);
+            add_transposed(site, &m, r[site.index], columns, &mut sums.products);
+            if turn == last {
+                add_sizes(site, &m, r[site.index].map(f64::abs), columns, &mut sums);
+            }
+        });
+        if turn < last {
+            descent.copy_from_slice(&sums.products);
+            sums.products.fill(0.0);
+        }
     }
-    r
+    (r, sums)
+}
+
+/// `sizes += |E_site|'|r|`, `norms += ` squares of the rows.
+#[inline]
+fn add_sizes(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut Sums) {
+    // |a N' M + b N M'| is bounded by its two terms; b is zero but for normal rows
+    let (value, slope_x, slope_y) = (m.z.abs() * r[0], m.a.abs() * r[1], m.b.abs() * r[1] + m.d.abs() * r[2]);
+    for a in 0..site.x.len() {
+        let start = (site.first[0] + a) * columns + site.first[1];
+        let (x, dx) = (site.x[a], site.dx[a]);
+        let (along, across) = (value * x.abs() + slope_x * dx.abs(), slope_y * x.abs());
+        let range = start..start + site.y.len();
+        let (sizes, norms) = (&mut sums.sizes[range.clone()], &mut sums.norms[range]);
+        for b in 0..site.y.len() {
+            let (y, dy) = (site.y[b], site.dy[b]);
+            sizes[b] += along * y.abs() + across * dy.abs();
+            let rows = [m.z * x * y, m.a * dx * y + m.b * x * dy, m.d * x * dy];
+            norms[b] += rows[0] * rows[0] + rows[1] * rows[1] + rows[2] * rows[2];
+        }
+    }
 }
 
 /// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i`.
@@ -107,50 +153,26 @@ fn row_error(equations: &Equations, c: &[f64], computed: &Targets, r: &Targets, 
     if plain <= SUSPICIOUS {
         return plain;
     }
-    let mut norms = Targets::new();
-    let largest = c.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    magnitudes(&equations.sites, &equations.metric, &vec![largest; c.len()], &mut norms);
+    let largest = vec![c.iter().fold(0.0_f64, |m, v| m.max(v.abs())); c.len()];
+    let mut norms = vec![[0.0; 3]; r.len()];
+    let columns = equations.sites.shape().basis[1];
+    equations.sites.visit(|site| {
+        norms[site.index] = site_magnitudes(site, &equations.metric.at(site.index), &largest, columns);
+    });
     ratio(&|site, k| {
         let (size, norm) = (sizes[site][k], norms[site][k]);
         if size < TINY * norm { size + norm } else { size }
     })
 }
 
-/// `|E|'|r|`.
-fn column_sizes(equations: &Equations, r: &Targets) -> Vec<f64> {
-    let columns = equations.sites.shape().basis[1];
-    let mut sizes = vec![0.0; equations.unknowns()];
-    equations.sites.visit(|site| {
-        let m = equations.metric.at(site.index);
-        let v = r[site.index].map(f64::abs);
-        for a in 0..site.x.len() {
-            let row = &mut sizes[(site.first[0] + a) * columns + site.first[1]..][..site.y.len()];
-            let (n, dn) = (site.x[a].abs(), site.dx[a].abs());
-            // |a N' M + b N M'| is bounded by its two terms; b is zero but for normal rows
-            let by_value = m.z.abs() * n * v[0] + m.a.abs() * dn * v[1];
-            let by_slope = n * (m.b.abs() * v[1] + m.d.abs() * v[2]);
-            for ((size, y), dy) in row.iter_mut().zip(site.y).zip(site.dy) {
-                *size += by_value * y.abs() + by_slope * dy.abs();
-            }
-        }
-    });
-    sizes
-}
-
 /// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
-fn orthogonality(
-    equations: &Equations,
-    solution: &Solution,
-    r: &Targets,
-    sizes: &[f64],
-    penalty: Option<&[f64]>,
-) -> f64 {
-    let mut products = equations.transposed(r);
+fn orthogonality(solution: &Solution, sums: &Sums, penalty: Option<&[f64]>) -> f64 {
+    let mut products = sums.products.clone();
     if let Some(bent) = penalty {
         products.iter_mut().zip(bent).for_each(|(p, b)| *p -= b);
     }
     solution.clear_free(&mut products);
-    let size = |u: usize| sizes[u] + penalty.map_or(0.0, |bent| bent[u].abs());
+    let size = |u: usize| sums.sizes[u] + penalty.map_or(0.0, |bent| bent[u].abs());
     let ratios = products.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
     ratios.fold(0.0, f64::max)
 }

@@ -17,7 +17,6 @@ use super::backward::Backward;
 use super::{Fit, MethodUsed};
 use crate::bspline::BasisRow;
 use crate::curvature::{Principal, principal_curvatures};
-use crate::linalg::column_norms_squared;
 use crate::shape::{ShapeGrid, shape_gradient};
 use crate::surface::HeightField;
 
@@ -88,11 +87,9 @@ fn digits(bound: f64) -> f64 {
 impl Bound {
     /// `None` when no coefficient is held by data.
     fn new(fit: &Fit, condition: f64, backward: &Backward) -> Option<Bound> {
-        let equations = &fit.fitted.equations;
         let solution = &fit.fitted.solution;
         let c = &solution.coefficients;
-        let mut inverse = vec![0.0; c.len()];
-        column_norms_squared(&equations.sites, &equations.metric, &mut inverse);
+        let mut inverse = backward.norms.clone();
         inverse.iter_mut().for_each(|n| *n = if *n > 0.0 { 1.0 / n.sqrt() } else { 0.0 });
         solution.unsupported.iter().for_each(|&u| inverse[u] = 0.0);
         let largest = inverse.iter().fold(0.0_f64, |m, d| m.max(*d));

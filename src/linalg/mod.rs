@@ -20,7 +20,7 @@ pub use blocks::{BlockMatrix, MapShape};
 pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
 pub use double_double::DoubleDouble;
 pub use sites::{
-    Metric, RowMetric, Site, Sites, Targets, apply_rows, assemble, column_norms_squared, descent, magnitudes,
-    normal_rhs, residuals, site_rows,
+    Metric, RowMetric, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
+    site_magnitudes, site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

@@ -126,25 +126,23 @@ pub fn residuals(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f6
     });
 }
 
-/// `out = |E| |c|`, row by row: the magnitudes that a componentwise backward error is measured against.
-pub fn magnitudes(sites: &impl Sites, metric: &Metric, c: &[f64], out: &mut Targets) {
-    let columns = sites.shape().basis[1];
-    let c: Vec<f64> = c.iter().map(|v| v.abs()).collect();
-    let width = sites.shape().degree.map(|d| d + 1);
-    let mut buffer = vec![0.0; 2 * (width[0] + width[1])];
-    out.clear();
-    out.resize(sites.len(), [0.0; 3]);
-    sites.visit(|site| {
-        let (x, rest) = buffer.split_at_mut(width[0]);
-        let (dx, rest) = rest.split_at_mut(width[0]);
-        let (y, dy) = rest.split_at_mut(width[1]);
-        for (to, from) in [(&mut *x, site.x), (&mut *dx, site.dx), (&mut *y, site.y), (&mut *dy, site.dy)] {
-            to.iter_mut().zip(from).for_each(|(t, f)| *t = f.abs());
+/// `|E| |c|` of one site: what a componentwise backward error of its rows is measured against.
+#[inline]
+pub fn site_magnitudes(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
+    let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
+    for a in 0..site.x.len() {
+        let start = (site.first[0] + a) * columns + site.first[1];
+        let row = &c[start..start + site.y.len()];
+        let (mut along, mut slope) = (0.0, 0.0);
+        for (b, value) in row.iter().enumerate() {
+            along += (value * site.y[b]).abs();
+            slope += (value * site.dy[b]).abs();
         }
-        let m = metric.at(site.index);
-        let metric = RowMetric { z: m.z.abs(), a: m.a.abs(), b: m.b.abs(), d: m.d.abs() };
-        out[site.index] = site_rows(&Site { x, dx, y, dy, ..*site }, &metric, &c, columns);
-    });
+        s += site.x[a].abs() * along;
+        sx += site.dx[a].abs() * along;
+        sy += site.x[a].abs() * slope;
+    }
+    [metric.z.abs() * s, metric.a.abs() * sx + metric.b.abs() * sy, metric.d.abs() * sy]
 }
 
 /// `out = E' r` for weighted rows `r`.
@@ -165,9 +163,9 @@ pub fn descent(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64]
     });
 }
 
-/// `out += E_site' r`.
+/// `out += E_site' r` for the weighted rows `r` of one site; `columns` are the basis functions in y.
 #[inline]
-fn add_transposed(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: &mut [f64]) {
+pub fn add_transposed(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: &mut [f64]) {
     let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
     for a in 0..site.x.len() {
         let start = (site.first[0] + a) * columns + site.first[1];
@@ -177,24 +175,6 @@ fn add_transposed(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: 
             *target += along * site.y[b] + across * site.dy[b];
         }
     }
-}
-
-/// Squared norms of the columns of the weighted E: the diagonal of E'E from the rows themselves.
-pub fn column_norms_squared(sites: &impl Sites, metric: &Metric, out: &mut [f64]) {
-    let columns = sites.shape().basis[1];
-    out.fill(0.0);
-    sites.visit(|site| {
-        let m = metric.at(site.index);
-        for a in 0..site.x.len() {
-            let start = (site.first[0] + a) * columns + site.first[1];
-            for (b, target) in out[start..start + site.y.len()].iter_mut().enumerate() {
-                let value = m.z * site.x[a] * site.y[b];
-                let first = m.a * site.dx[a] * site.y[b] + m.b * site.x[a] * site.dy[b];
-                let second = m.d * site.x[a] * site.dy[b];
-                *target += value * value + first * first + second * second;
-            }
-        }
-    });
 }
 
 /// Adds `E'E` to `out`, cell by cell: a dense local matrix takes the rank-one updates, then is scattered once.
