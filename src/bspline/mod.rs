@@ -12,7 +12,7 @@ mod coverage;
 mod gram;
 mod knots;
 
-pub use basis::{BasisRow, MAX_DEGREE, SegmentBasis};
+pub use basis::{BasisRow, MAX_DEGREE};
 pub use coverage::{Coverage, coverage};
 pub use gram::{gauss_legendre, gram};
 pub use knots::{Knots, linspace};

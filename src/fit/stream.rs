@@ -110,10 +110,8 @@ impl TouchStream {
         }
         let [bx, by] = [(0, x), (1, y)].map(|(axis, at)| {
             let knots = &self.knots[axis];
-            let segment = knots.segment_of(at);
             let mut rows = [0.0; 2 * WIDTH];
-            knots.on_segment(segment).values_and_slopes(at, &mut rows[..2 * (knots.degree() + 1)]);
-            (knots.first_basis(segment), rows)
+            (knots.derivatives(at, 1, &mut rows[..2 * (knots.degree() + 1)]), rows)
         });
         let TensorShape { basis: [_, m], degree: [p, q] } = self.matrix.shape();
         let [wz, wx, wy] = self.weights;

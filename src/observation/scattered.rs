@@ -68,15 +68,11 @@ impl ScatteredSites {
             let range = self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize;
             let segment = [cell / across, cell % across];
             let first = [self.knots[0].first_basis(segment[0]), self.knots[1].first_basis(segment[1])];
-            if range.is_empty() {
-                continue;
-            }
-            let basis = [self.knots[0].on_segment(segment[0]), self.knots[1].on_segment(segment[1])];
             for &index in &self.order[range] {
                 let index = index as usize;
                 let point = self.points[index];
-                basis[0].values_and_slopes(point[0], &mut x[..2 * width[0]]);
-                basis[1].values_and_slopes(point[1], &mut y[..2 * width[1]]);
+                self.knots[0].derivatives_on(segment[0], point[0], 1, &mut x[..2 * width[0]]);
+                self.knots[1].derivatives_on(segment[1], point[1], 1, &mut y[..2 * width[1]]);
                 f(&Site {
                     index,
                     first,
