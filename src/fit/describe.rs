@@ -177,6 +177,14 @@ fn is_flat(fit: &Fit, local: &ShapeMaps) -> bool {
     let Some(r) = spread(points(local).map(|at| local.curvedness[at] / scale)).mean else { return false };
     let measured = fit.data.measured();
     let sites = &fit.fitted.equations.sites;
+    let largest = fit.data.largest_height(&fit.patch);
+    let rounding =
+        |deviation: f64| 100.0 * UNIT * fit.condition() * deviation * scale / side + 4.0 * UNIT * largest / side;
+    // no residual of the least squares plane is larger than all heights together
+    let heights = measured.z.iter().zip(&measured.z_weight).filter(|(_, weight)| **weight != 0.0);
+    if r * side >= rounding(heights.map(|(z, _)| z * z).sum::<f64>().sqrt()) {
+        return false;
+    }
     let one = Metric::Uniform(RowMetric { z: 1.0, ..RowMetric::default() });
     let mut places = vec![[0.0; 3]; sites.len()];
     let knots = sites.knots();
@@ -191,7 +199,5 @@ fn is_flat(fit: &Fit, local: &ShapeMaps) -> bool {
     }
     let heights = places.iter().enumerate().filter(|(r, _)| measured.z_weight[*r] != 0.0);
     let (_, deviation) = best_plane(heights.map(|(r, p)| [p[0], p[1], measured.z[r]]));
-    let rounding = 100.0 * UNIT * fit.condition() * deviation * scale / side
-        + 4.0 * UNIT * fit.data.largest_height(&fit.patch) / side;
-    r * side < rounding
+    r * side < rounding(deviation)
 }

@@ -30,6 +30,7 @@
 
 mod axes;
 mod backward;
+mod bounds;
 mod certificate;
 mod data;
 mod describe;

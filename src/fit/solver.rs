@@ -20,6 +20,8 @@ const PIVOT_IN_DOUBT: f64 = 1e-4;
 const HALF_THE_DIGITS: f64 = 1e8;
 /// Refinement from the rows stops here; each step gains about -log10(condition^2 u) digits, two are nearly always enough.
 const MAX_REFINEMENTS: usize = 4;
+/// A refinement that is foreseen to move no coefficient by more than this share of the largest is left out.
+const NOTHING_LEFT: f64 = f64::EPSILON / 64.0;
 /// Most entries of E that are written out for the dense rank-revealing factor (32 MB).
 const DENSE_ENTRIES: usize = 1 << 22;
 
@@ -394,8 +396,12 @@ pub(super) fn refine(equations: &Equations, solution: &mut Solution, free: &Free
         if step == 0 {
             first = size;
         }
+        // the first step, from zero, tells nothing of the next
+        let contraction = if step == 0 { 1.0 } else { size / last };
         last = size;
-        if size == 0.0 {
+        // the next step would be below the last bit of every coefficient that matters
+        let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if size * contraction <= NOTHING_LEFT * largest {
             break;
         }
     }

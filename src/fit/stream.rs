@@ -9,10 +9,10 @@
 //! and every contact costs the same. Slope rows with known noise, in the coordinates of the knots.
 
 use super::FitError;
-use crate::bspline::{Knots, MAX_DEGREE};
+use crate::bspline::{BasisRow, Knots, MAX_DEGREE};
 use crate::curvature::principal_curvatures;
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::shape::shape_gradient;
+use crate::shape::{by_coefficients, shape_gradient};
 use crate::solve::Cholesky;
 use crate::surface::SurfacePoint;
 
@@ -28,18 +28,11 @@ pub struct TouchStream {
     right: Vec<f64>,
     factor: Cholesky,
     coefficients: Vec<f64>,
-    grid: [Vec<AxisPoint>; 2],
+    grid: [Vec<BasisRow>; 2],
     /// d(mean S)/dc, d(mean R)/dc, and one of them after a solve.
     gradients: [Vec<f64>; 2],
     solved: Vec<f64>,
     contacts: usize,
-}
-
-/// Basis values and derivatives at one coordinate of the shape grid.
-#[derive(Clone, Copy, Debug)]
-struct AxisPoint {
-    first: usize,
-    values: [[f64; WIDTH]; 3],
 }
 
 /// One touch: where, how high, how steep.
@@ -84,7 +77,7 @@ impl TouchStream {
             TensorShape { basis: knots.each_ref().map(Knots::n_basis), degree: knots.each_ref().map(Knots::degree) };
         let factor = Cholesky::plan(shape).map_err(|source| FitError::Solve { source })?;
         let zeros = vec![0.0; shape.unknowns()];
-        let axis = |k: usize| grid[k].iter().map(|&at| AxisPoint::new(&knots[k], at)).collect();
+        let axis = |k: usize| grid[k].iter().map(|&at| knots[k].basis(at)).collect();
         Ok(TouchStream {
             weights: sigma.map(|sd| 1.0 / sd),
             matrix: StencilMatrix::zeros(shape),
@@ -159,31 +152,23 @@ impl TouchStream {
 
     /// Mean S and R over the grid, and their gradients.
     fn means(&mut self) -> (Option<f64>, f64) {
-        let TensorShape { basis: [_, m], degree: [p, q] } = self.matrix.shape();
+        let TensorShape { basis: [_, m], .. } = self.matrix.shape();
         let [of_index, of_curvedness] = &mut self.gradients;
         of_index.fill(0.0);
         of_curvedness.fill(0.0);
         let (mut index, mut defined, mut curved) = (0.0, 0_usize, 0.0);
-        for px in &self.grid[0] {
-            for py in &self.grid[1] {
-                let point = point_at(px, py, [p, q], m, &self.coefficients);
+        for bx in &self.grid[0] {
+            for by in &self.grid[1] {
+                let point = SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[i * m + j]);
                 let Some(principal) = principal_curvatures(&point.derivatives()) else { continue };
-                let (ds, dr) = shape_gradient(&point);
-                let here = principal.shape_index();
+                let gradient = shape_gradient(&point);
+                let at = |a: usize, b: usize| (bx.first + a) * m + by.first + b;
                 curved += principal.curvedness();
-                index += here.unwrap_or(0.0);
-                defined += usize::from(here.is_some());
-                for a in 0..=p {
-                    for b in 0..=q {
-                        let unknown = (px.first + a) * m + py.first + b;
-                        let row = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
-                            .map(|(k, l): (usize, usize)| px.values[k][a] * py.values[l][b]);
-                        let dot = |g: &[f64; 5]| (0..5).map(|k| g[k] * row[k]).sum::<f64>();
-                        of_curvedness[unknown] += dot(&dr);
-                        if here.is_some() {
-                            of_index[unknown] += dot(&ds);
-                        }
-                    }
+                by_coefficients(&gradient.curvedness, bx, by, |a, b, value| of_curvedness[at(a, b)] += value);
+                if let Some(here) = principal.shape_index() {
+                    index += here;
+                    defined += 1;
+                    by_coefficients(&gradient.shape_index, bx, by, |a, b, value| of_index[at(a, b)] += value);
                 }
             }
         }
@@ -200,34 +185,6 @@ impl TouchStream {
         let square: f64 = self.solved.iter().zip(&self.gradients[which]).map(|(v, g)| v * g).sum();
         square.max(0.0).sqrt()
     }
-}
-
-impl AxisPoint {
-    fn new(knots: &Knots, at: f64) -> AxisPoint {
-        let row = knots.basis(at);
-        let mut values = [[0.0; WIDTH]; 3];
-        for (k, line) in values.iter_mut().enumerate() {
-            line[..=knots.degree()].copy_from_slice(row.derivative(k));
-        }
-        AxisPoint { first: row.first, values }
-    }
-}
-
-fn point_at(px: &AxisPoint, py: &AxisPoint, [p, q]: [usize; 2], columns: usize, c: &[f64]) -> SurfacePoint {
-    let mut point = SurfacePoint::default();
-    for a in 0..=p {
-        let line = &c[(px.first + a) * columns + py.first..][..=q];
-        let along = |l: usize| line.iter().zip(&py.values[l]).map(|(c, m)| c * m).sum::<f64>();
-        let [s, sy, syy] = [along(0), along(1), along(2)];
-        let [n, dn, ddn] = [0, 1, 2].map(|k: usize| px.values[k][a]);
-        point.z += n * s;
-        point.zx += dn * s;
-        point.zxx += ddn * s;
-        point.zy += n * sy;
-        point.zxy += dn * sy;
-        point.zyy += n * syy;
-    }
-    point
 }
 
 #[cfg(test)]

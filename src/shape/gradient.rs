@@ -10,6 +10,7 @@
 //! S has a kink at an umbilic (d = 0): there the term of d is dropped, and the delta method sees only the mean curvature.
 
 use super::ShapeMaps;
+use crate::bspline::BasisRow;
 use crate::surface::{HeightField, SurfacePoint};
 
 /// The shape operator `[a b; b c]` and the derivatives of its entries.
@@ -48,48 +49,73 @@ fn operator(point: &SurfacePoint) -> Operator {
 
 /// Gradient of `k1 - k2` at `(x, y)` by the coefficients; zero at an umbilic.
 pub fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
-    let Operator { a, b, c, da, db, dc } = operator(&surface.at(x, y));
+    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
+    let Operator { a, b, c, da, db, dc } = operator(&surface.with_rows(&bx, &by));
     let gap = (a - c).hypot(2.0 * b);
     let mut out = vec![0.0; surface.coefficients().len()];
     if gap > 0.0 {
         let g = [0, 1, 2, 3, 4].map(|k| ((a - c) * (da[k] - dc[k]) + 4.0 * b * db[k]) / gap);
-        for_each_local(surface, x, y, |unknown, row| {
-            out[unknown] = g.iter().zip(row).map(|(g, v)| g * v).sum();
-        });
+        let columns = surface.coefficients().ncols();
+        by_coefficients(&g, &bx, &by, |a, b, value| out[(bx.first + a) * columns + by.first + b] = value);
     }
     out
 }
 
-/// Calls `visit(unknown, derivatives of its basis function)` for every basis function alive at `(x, y)`.
-fn for_each_local(surface: &HeightField, x: f64, y: f64, mut visit: impl FnMut(usize, [f64; 5])) {
-    let columns = surface.coefficients().ncols();
-    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
-    for a in 0..bx.derivative(0).len() {
-        for b in 0..by.derivative(0).len() {
-            let row = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(k, l)| bx.derivative(k)[a] * by.derivative(l)[b]);
-            visit((bx.first + a) * columns + by.first + b, row);
+/// Chain rule: from derivatives `g` by `(S_x, S_y, S_xx, S_xy, S_yy)` to those by the coefficients alive at a point,
+/// `visit(a, b, sum_k g_k d_k(N_a M_b))`.
+#[inline]
+pub fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut visit: impl FnMut(usize, usize, f64)) {
+    let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k));
+    let [m, dm, ddm] = [0, 1, 2].map(|k| by.derivative(k));
+    for a in 0..n.len() {
+        let of_m = g[0] * dn[a] + g[2] * ddn[a];
+        let of_dm = g[1] * n[a] + g[3] * dn[a];
+        let of_ddm = g[4] * n[a];
+        for b in 0..m.len() {
+            visit(a, b, of_m * m[b] + of_dm * dm[b] + of_ddm * ddm[b]);
         }
     }
 }
 
-/// Derivatives of S and of R by `(S_x, S_y, S_xx, S_xy, S_yy)` at one point.
-pub fn shape_gradient(point: &SurfacePoint) -> ([f64; 5], [f64; 5]) {
+/// Derivatives of S and of R by `(S_x, S_y, S_xx, S_xy, S_yy)` at one point, and the curvatures they belong to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeGradient {
+    /// Of S.
+    pub shape_index: [f64; 5],
+    /// Of R.
+    pub curvedness: [f64; 5],
+    /// `k1 + k2`.
+    pub sum: f64,
+    /// `k1 - k2`.
+    pub difference: f64,
+}
+
+impl ShapeGradient {
+    /// R.
+    pub fn size(&self) -> f64 {
+        0.5 * self.sum.hypot(self.difference)
+    }
+}
+
+/// Gradients of S and R at one point.
+pub fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
     let Operator { a, b, c, da, db, dc } = operator(point);
-    let gap = (a - c).hypot(2.0 * b);
+    let difference = (a - c).hypot(2.0 * b);
     let sum = a + c;
-    let size2 = sum * sum + gap * gap;
-    let curvedness = 0.5 * size2.sqrt();
-    let mut ds = [0.0; 5];
-    let mut dr = [0.0; 5];
+    let size2 = sum * sum + difference * difference;
+    let mut gradient = ShapeGradient { shape_index: [0.0; 5], curvedness: [0.0; 5], sum, difference };
     if size2 > 0.0 {
+        let inverse_gap = if difference > 0.0 { 1.0 / difference } else { 0.0 };
+        let (by_sum, by_gap) = (difference / size2, sum / size2);
+        let inverse_size = 1.0 / size2.sqrt();
         for k in 0..5 {
-            let d_gap = if gap > 0.0 { ((a - c) * (da[k] - dc[k]) + 4.0 * b * db[k]) / gap } else { 0.0 };
+            let d_gap = ((a - c) * (da[k] - dc[k]) + 4.0 * b * db[k]) * inverse_gap;
             let d_sum = da[k] + dc[k];
-            ds[k] = -std::f64::consts::FRAC_2_PI * (gap * d_sum - sum * d_gap) / size2;
-            dr[k] = (a * da[k] + c * dc[k] + 2.0 * b * db[k]) / (2.0 * curvedness);
+            gradient.shape_index[k] = -std::f64::consts::FRAC_2_PI * (by_sum * d_sum - by_gap * d_gap);
+            gradient.curvedness[k] = (a * da[k] + c * dc[k] + 2.0 * b * db[k]) * inverse_size;
         }
     }
-    (ds, dr)
+    gradient
 }
 
 /// Gradients of the grid means by the coefficients, number `i m + j`.
@@ -103,25 +129,23 @@ pub struct MeanGradients {
 
 /// d(mean S)/dc and d(mean R)/dc over the supported points where S is defined.
 pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps) -> MeanGradients {
-    let unknowns = surface.coefficients().len();
+    let (unknowns, columns) = (surface.coefficients().len(), surface.coefficients().ncols());
     let mut sums = MeanGradients { shape_index: vec![0.0; unknowns], curvedness: vec![0.0; unknowns] };
     let (mut defined, mut supported) = (0usize, 0usize);
-    for (i, &x) in maps.grid.x.iter().enumerate() {
-        for (j, &y) in maps.grid.y.iter().enumerate() {
+    let [along_x, along_y] = maps.grid.rows(surface.knots());
+    for (i, bx) in along_x.iter().enumerate() {
+        for (j, by) in along_y.iter().enumerate() {
             if !maps.supported[[i, j]] {
                 continue;
             }
-            let (ds, dr) = shape_gradient(&maps.points[[i, j]]);
-            let has_index = maps.shape_index_at(i, j).is_some();
-            defined += usize::from(has_index);
+            let gradient = shape_gradient(&maps.points[[i, j]]);
+            let at = |a: usize, b: usize| (bx.first + a) * columns + by.first + b;
+            if maps.shape_index_at(i, j).is_some() {
+                defined += 1;
+                by_coefficients(&gradient.shape_index, bx, by, |a, b, value| sums.shape_index[at(a, b)] += value);
+            }
             supported += 1;
-            for_each_local(surface, x, y, |unknown, row| {
-                let dot = |g: &[f64; 5]| g.iter().zip(row).map(|(x, y)| x * y).sum::<f64>();
-                if has_index {
-                    sums.shape_index[unknown] += dot(&ds);
-                }
-                sums.curvedness[unknown] += dot(&dr);
-            });
+            by_coefficients(&gradient.curvedness, bx, by, |a, b, value| sums.curvedness[at(a, b)] += value);
         }
     }
     sums.shape_index.iter_mut().for_each(|v| *v /= defined.max(1) as f64);
@@ -142,7 +166,7 @@ mod tests {
             [p.shape_index().unwrap(), p.curvedness()]
         };
         for v in [[0.3, -0.7, 0.5, 0.2, -0.9], [0.0, 0.0, -1.0, 0.3, -2.0], [4.0, 3.0, 0.1, -0.2, 0.4]] {
-            let (ds, dr) = shape_gradient(&at(v));
+            let ShapeGradient { shape_index: ds, curvedness: dr, .. } = shape_gradient(&at(v));
             for k in 0..5 {
                 let h = 1e-6;
                 let (mut up, mut down) = (v, v);

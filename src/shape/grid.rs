@@ -1,6 +1,6 @@
 //! The grid that shape is averaged over: linspace over the domain less an inset, both ends included.
 
-use crate::bspline::linspace;
+use crate::bspline::{BasisRow, Knots, linspace};
 
 /// Points of the shape grid, in the coordinates of the surface's knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,12 @@ impl ShapeGrid {
             linspace(lo + cut, hi - cut, n)
         };
         ShapeGrid { x: axis(domain[0], points[0]), y: axis(domain[1], points[1]) }
+    }
+
+    /// Basis rows of the two axes: every point's is the product of one each.
+    pub fn rows(&self, knots: &[Knots; 2]) -> [Vec<BasisRow>; 2] {
+        let along = |axis: &[f64], knots: &Knots| axis.iter().map(|at| knots.basis(*at)).collect();
+        [along(&self.x, &knots[0]), along(&self.y, &knots[1])]
     }
 
     /// Number of points.

@@ -3,6 +3,7 @@
 use ndarray::Array2;
 
 use super::ShapeGrid;
+use crate::bspline::BasisRow;
 use crate::curvature::principal_curvatures;
 use crate::surface::{CurvatureGrid, HeightField, SurfacePoint};
 
@@ -45,6 +46,7 @@ impl ShapeMaps {
 /// Evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
 pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
     let size = (grid.x.len(), grid.y.len());
+    let rows = grid.rows(surface.knots());
     let free = flags(surface, unsupported);
     let mut maps = ShapeMaps {
         points: Array2::default(size),
@@ -55,7 +57,7 @@ pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize])
         supported: Array2::from_elem(size, true),
         grid,
     };
-    fill_points(surface, &mut maps);
+    fill_points(surface, &rows, &mut maps);
     for i in 0..size.0 {
         for j in 0..size.1 {
             if let Some(p) = principal_curvatures(&maps.points[[i, j]].derivatives()) {
@@ -64,14 +66,14 @@ pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize])
                 maps.curvedness[[i, j]] = p.curvedness();
             }
             if let Some(free) = &free {
-                maps.supported[[i, j]] = is_supported(surface, free, maps.grid.x[i], maps.grid.y[j]);
+                maps.supported[[i, j]] = is_supported(free, &rows[0][i], &rows[1][j]);
             }
         }
     }
     maps
 }
 
-fn fill_points(surface: &HeightField, maps: &mut ShapeMaps) {
+fn fill_points(surface: &HeightField, [along_x, along_y]: &[Vec<BasisRow>; 2], maps: &mut ShapeMaps) {
     let ShapeMaps { grid, points, .. } = maps;
     let ascending = grid.y.is_sorted();
     let coefficients = surface.coefficients().as_standard_layout();
@@ -83,7 +85,7 @@ fn fill_points(surface: &HeightField, maps: &mut ShapeMaps) {
                 }
             });
         }
-        _ => points.indexed_iter_mut().for_each(|((i, j), point)| *point = surface.at(grid.x[i], grid.y[j])),
+        _ => points.indexed_iter_mut().for_each(|((i, j), point)| *point = surface.with_rows(&along_x[i], &along_y[j])),
     }
 }
 
@@ -97,13 +99,12 @@ fn flags(surface: &HeightField, unsupported: &[usize]) -> Option<Array2<bool>> {
     Some(free)
 }
 
-fn is_supported(surface: &HeightField, free: &Array2<bool>, x: f64, y: f64) -> bool {
-    let [bx, by] = [surface.knots()[0].basis(x), surface.knots()[1].basis(y)];
+fn is_supported(free: &Array2<bool>, bx: &BasisRow, by: &BasisRow) -> bool {
     // a basis function counts where it or a derivative up to the second enters the shape
-    let alive = |row: &crate::bspline::BasisRow, a: usize| (0..3).any(|k| row.derivative(k)[a] != 0.0);
+    let alive = |row: &BasisRow, a: usize| (0..3).any(|k| row.derivative(k)[a] != 0.0);
     (0..bx.derivative(0).len())
-        .filter(|&a| alive(&bx, a))
-        .all(|a| (0..by.derivative(0).len()).filter(|&b| alive(&by, b)).all(|b| !free[[bx.first + a, by.first + b]]))
+        .filter(|&a| alive(bx, a))
+        .all(|a| (0..by.derivative(0).len()).filter(|&b| alive(by, b)).all(|b| !free[[bx.first + a, by.first + b]]))
 }
 
 #[cfg(test)]

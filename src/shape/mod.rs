@@ -17,7 +17,7 @@ mod summary;
 mod truth;
 mod uv_support;
 
-pub use gradient::{MeanGradients, gap_gradient, mean_gradients, shape_gradient};
+pub use gradient::{MeanGradients, ShapeGradient, by_coefficients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
 pub use maps::{ShapeMaps, shape_maps};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};

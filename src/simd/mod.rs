@@ -8,6 +8,7 @@
 //! | [`factor_columns`] | Cholesky of 9, 16 or 25 unknowns |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`chacha8`] | standard normals from addressed random words |
+//! | [`quadratic_forms`] | `g'A g` and `|A g|'t` of many vectors g |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
 //!
 //! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction
@@ -26,6 +27,7 @@ mod level;
 mod moments;
 mod normals;
 mod patch_maps;
+mod quadratic_forms;
 mod replicate_lanes;
 mod shape_maps;
 
@@ -39,6 +41,7 @@ pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
+pub use quadratic_forms::{FORMS, quadratic_forms};
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_maps::{shape_maps, shape_maps_twin};
 

@@ -116,9 +116,7 @@ impl Cholesky {
             Kind::Patch(patch)
         } else if unknowns <= DENSE_LIMIT {
             Kind::Dense(PackedCholesky::default())
-        } else if std::env::var_os("PALPATE_ND").is_none()
-            && band_flops(shape) < BAND_ADVANTAGE * dissection_flops(shape)
-        {
+        } else if band_flops(shape) < BAND_ADVANTAGE * dissection_flops(shape) {
             Kind::Band(Box::new(BandCholesky::plan(shape)))
         } else {
             Kind::Sparse(Box::new(Sparse::plan(shape)?))

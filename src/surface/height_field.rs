@@ -56,6 +56,30 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// `S = sum c_ij N_i M_j` and its derivatives from the basis rows of a point and the coefficients `c(i, j)`.
+    #[inline]
+    pub(crate) fn of_rows(bx: &BasisRow, by: &BasisRow, c: impl Fn(usize, usize) -> f64) -> SurfacePoint {
+        let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k));
+        let [m, dm, ddm] = [0, 1, 2].map(|k| by.derivative(k));
+        let mut point = SurfacePoint::default();
+        for a in 0..n.len() {
+            let (mut s, mut sy, mut syy) = (0.0, 0.0, 0.0);
+            for b in 0..m.len() {
+                let c = c(bx.first + a, by.first + b);
+                s += c * m[b];
+                sy += c * dm[b];
+                syy += c * ddm[b];
+            }
+            point.z += n[a] * s;
+            point.zx += dn[a] * s;
+            point.zxx += ddn[a] * s;
+            point.zy += n[a] * sy;
+            point.zxy += dn[a] * sy;
+            point.zyy += n[a] * syy;
+        }
+        point
+    }
+
     /// Derivatives of the map `(x, y, S)`.
     pub fn derivatives(&self) -> Derivatives {
         Derivatives::of_height(self.zx, self.zy, self.zxx, self.zxy, self.zyy)
@@ -115,24 +139,7 @@ impl HeightField {
 
     /// The same from basis rows that are at hand.
     pub(crate) fn with_rows(&self, bx: &BasisRow, by: &BasisRow) -> SurfacePoint {
-        let mut point = SurfacePoint::default();
-        for a in 0..=self.knots[0].degree() {
-            let (mut s, mut sy, mut syy) = (0.0, 0.0, 0.0);
-            for b in 0..=self.knots[1].degree() {
-                let c = self.coefficients[[bx.first + a, by.first + b]];
-                s += c * by.derivative(0)[b];
-                sy += c * by.derivative(1)[b];
-                syy += c * by.derivative(2)[b];
-            }
-            let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k)[a]);
-            point.z += n * s;
-            point.zx += dn * s;
-            point.zxx += ddn * s;
-            point.zy += n * sy;
-            point.zxy += dn * sy;
-            point.zyy += n * syy;
-        }
-        point
+        SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[[i, j]])
     }
 
     /// The same surface under `x -> ox + s x`, `y -> oy + s y`, `z -> oz + s z`.
