@@ -57,23 +57,29 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
     let columns = equations.sites.shape().basis[1];
     let (mut computed, mut sizes) = (vec![[0.0; 3]; equations.sites.len()], vec![[0.0; 3]; equations.sites.len()]);
     let mut descent = vec![0.0; c.len()];
+    // in the order of the visit, in which all that follows goes from front to back
+    let mut places = computed.iter_mut().zip(&mut sizes);
     equations.sites.visit(|site| {
+        let Some((computed, size)) = places.next() else { return };
         let m = equations.metric.at(site.index);
         let (rows, target) = (site_rows(site, &m, c, columns), equations.targets[site.index]);
-        computed[site.index] = [0, 1, 2].map(|k| target[k] - rows[k]);
-        sizes[site.index] = site_magnitudes(site, &m, c, columns);
-        add_transposed(site, &m, computed[site.index], columns, &mut descent);
+        let magnitudes = site_magnitudes(site, &m, c, columns);
+        *computed = [0, 1, 2].map(|k| target[k] - rows[k]);
+        *size = [0, 1, 2].map(|k| magnitudes[k] + target[k].abs());
+        add_transposed(site, &m, *computed, columns, &mut descent);
     });
     let (r, sums) = orthogonal(equations, solution, &computed, descent, penalty.as_deref(), condition);
-    let (mut rows, mut residual) = (0.0_f64, 0.0_f64);
-    for ((size, r), b) in sizes.iter_mut().zip(&r).zip(&equations.targets) {
+    let (mut rows, mut residual, mut plain) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for ((size, r), computed) in sizes.iter_mut().zip(&r).zip(&computed) {
         for k in 0..3 {
-            size[k] += r[k].abs() + b[k].abs();
+            size[k] += r[k].abs();
             rows += size[k] * size[k];
             residual += r[k] * r[k];
+            plain = larger_ratio(plain, (computed[k] - r[k]).abs(), size[k]);
         }
     }
-    let error = row_error(equations, c, &computed, &r, &sizes).max(orthogonality(solution, &sums, penalty.as_deref()));
+    let of_rows = if plain <= SUSPICIOUS { plain } else { row_error(equations, c, &computed, &r, &sizes) };
+    let error = of_rows.max(orthogonality(solution, &sums, penalty.as_deref()));
     Backward { error, rows: rows.sqrt(), columns: sums.sizes, residual: residual.sqrt(), norms: sums.norms }
 }
 
@@ -98,13 +104,15 @@ fn orthogonal(
         solution.clear_free(&mut descent);
         solution.factor.solve(&mut descent);
         solution.clear_free(&mut descent);
+        let mut places = r.iter_mut();
         equations.sites.visit(|site| {
+            let Some(r) = places.next() else { return };
             let m = equations.metric.at(site.index);
             let moved = site_rows(site, &m, &descent, columns);
-            (0..3).for_each(|k| r[site.index][k] -= moved[k]);
-            add_transposed(site, &m, r[site.index], columns, &mut sums.products);
+            (0..3).for_each(|k| r[k] -= moved[k]);
+            add_transposed(site, &m, *r, columns, &mut sums.products);
             if turn == last {
-                add_sizes(site, &m, r[site.index].map(f64::abs), columns, &mut sums);
+                add_sizes(site, &m, r.map(f64::abs), columns, &mut sums);
             }
         });
         if turn < last {
@@ -118,6 +126,11 @@ fn orthogonal(
 /// `sizes += |E_site|'|r|`, `norms += ` squares of the rows.
 #[inline]
 fn add_sizes(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut Sums) {
+    site.unrolled(|site| add_sizes_of(site, m, r, columns, sums));
+}
+
+#[inline(always)]
+fn add_sizes_of(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut Sums) {
     // |a N' M + b N M'| is bounded by its two terms; b is zero but for normal rows
     let (value, slope_x, slope_y) = (m.z.abs() * r[0], m.a.abs() * r[1], m.b.abs() * r[1] + m.d.abs() * r[2]);
     for a in 0..site.x.len() {
@@ -135,34 +148,27 @@ fn add_sizes(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut
     }
 }
 
-/// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i`.
+/// The larger of `worst` and `gap / size`; divides only where it is that.
+#[inline]
+fn larger_ratio(worst: f64, gap: f64, size: f64) -> f64 {
+    if gap > worst * size { gap / size } else { worst }
+}
+
+/// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i` with the rows' norms where those sizes are next to nothing.
 fn row_error(equations: &Equations, c: &[f64], computed: &Targets, r: &Targets, sizes: &Targets) -> f64 {
-    let ratio = |size: &dyn Fn(usize, usize) -> f64| {
-        let mut worst = 0.0_f64;
-        for site in 0..r.len() {
-            for k in 0..3 {
-                let gap = (computed[site][k] - r[site][k]).abs();
-                if gap > 0.0 {
-                    worst = worst.max(gap / size(site, k));
-                }
-            }
-        }
-        worst
-    };
-    let plain = ratio(&|site, k| sizes[site][k]);
-    if plain <= SUSPICIOUS {
-        return plain;
-    }
     let largest = vec![c.iter().fold(0.0_f64, |m, v| m.max(v.abs())); c.len()];
-    let mut norms = vec![[0.0; 3]; r.len()];
     let columns = equations.sites.shape().basis[1];
+    let mut places = computed.iter().zip(r).zip(sizes);
+    let mut worst = 0.0;
     equations.sites.visit(|site| {
-        norms[site.index] = site_magnitudes(site, &equations.metric.at(site.index), &largest, columns);
+        let Some(((computed, r), sizes)) = places.next() else { return };
+        let norms = site_magnitudes(site, &equations.metric.at(site.index), &largest, columns);
+        for k in 0..3 {
+            let size = if sizes[k] < TINY * norms[k] { sizes[k] + norms[k] } else { sizes[k] };
+            worst = larger_ratio(worst, (computed[k] - r[k]).abs(), size);
+        }
     });
-    ratio(&|site, k| {
-        let (size, norm) = (sizes[site][k], norms[site][k]);
-        if size < TINY * norm { size + norm } else { size }
-    })
+    worst
 }
 
 /// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
