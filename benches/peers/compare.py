@@ -166,15 +166,33 @@ def row(r):
     ]) + " |"
 
 
-def scaling(results):
-    """Two threads against one, from the best times of palpate's own runs."""
-    best = {}
-    for r in results:
-        key = (r["work"], r["threads"])
-        best[key] = min(best.get(key, float("inf")), r["palpate"]["min"])
-    for work in WORK:
-        if (work, 1) in best and (work, 2) in best:
-            yield f"| {work} | {seconds(best[work, 1])} | {seconds(best[work, 2])} | {best[work, 1] / best[work, 2]:.2f} |"
+SCALING_HEADER = [
+    "| work | one thread | two threads | times faster | range |",
+    "|---|---|---|---|---|",
+]
+
+
+def scaling(work, made, directory, rounds):
+    """Two threads against one: palpate alternates with itself; the ratio of the medians of a round, as above."""
+    source, repetitions = os.path.join(directory, WORK[work][0]), 2 * WORK[work][1]
+    answers = [os.path.join(directory, f"threads{t}.bin") for t in (1, 2)]
+    times = {1: [], 2: []}
+    for _ in range(rounds):
+        for t in (1, 2):
+            command = [made["palpate"], work, source, answers[t - 1], str(repetitions), str(t), "--bench"]
+            times[t].append(run(command, t)[0])
+    with open(answers[0], "rb") as one, open(answers[1], "rb") as two:
+        same = one.read() == two.read()
+    ratios = [statistics.median(a) / statistics.median(b) for a, b in zip(times[1], times[2])]
+    middle = {t: statistics.median(s for r in times[t] for s in r) for t in times}
+    return {"work": work, "rounds": rounds, "median": middle, "same_bits": same, "raw": times,
+            "ratio": {"median": statistics.median(ratios), "min": min(ratios), "max": max(ratios)}}
+
+
+def scaling_row(r):
+    ratio = r["ratio"]
+    return (f"| {r['work']} | {seconds(r['median'][1])} | {seconds(r['median'][2])} | **{ratio['median']:.2f}** "
+            f"| {ratio['min']:.2f} to {ratio['max']:.2f}{'' if r['same_bits'] else ', BITS DIFFER'} |")
 
 
 def machine():
@@ -219,12 +237,18 @@ def main():
                     continue
                 lines.append(row(results[-1]))
                 print(lines[-1], flush=True)
-    lines += ["", "| work | one thread | two threads | times faster |", "|---|---|---|---|", *scaling(results)]
-    print("\n".join(lines[-1 - len(list(scaling(results))) - 2:]))
+    lines += ["", *SCALING_HEADER]
+    print("\n".join(["", *SCALING_HEADER]), flush=True)
+    scales = []
+    for work in options.work.split(",") if "2" in options.threads.split(",") else []:
+        if not work.startswith("w3"):
+            scales.append(scaling(work, made, options.data, options.rounds))
+            lines.append(scaling_row(scales[-1]))
+            print(lines[-1], flush=True)
     if options.record:
         stem = os.path.join(options.record, f"{about['date']}-{'-'.join(about['cpu'].split()[:2]).lower().replace('(r)', '')}")
         with open(stem + ".json", "w") as out:
-            json.dump({"about": about, "results": results}, out, indent=1)
+            json.dump({"about": about, "results": results, "scaling": scales}, out, indent=1)
         with open(stem + ".md", "w") as out:
             out.write("\n".join(["# Side by side", "", *lines]) + "\n")
         print("recorded", stem + ".json", stem + ".md")
