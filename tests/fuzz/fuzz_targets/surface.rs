@@ -1,8 +1,14 @@
 //! Saved surfaces. The fault planted here stands behind a whole document: coefficients without data.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
+mod numbers;
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use palpate::io::read_surface_bytes;
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    numbers::mutate(data, size, max_size, seed)
+});
 
 fuzz_target!(|bytes: &[u8]| {
     let saved = read_surface_bytes("-", bytes);
