@@ -190,7 +190,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
             curvedness: certificate.promise.curvedness,
         }),
         refinements: certificate.refinements,
-        smooth: fit.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| *lambda),
+        smooth: fit.smoothing(),
         chosen: subject.chosen.clone(),
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },

@@ -43,7 +43,7 @@ pub enum FitError {
         unknowns: usize,
     },
     /// All contacts lie on one line (or one point): they span no patch.
-    #[error("all {contacts} contacts lie on one line in x, y: a surface needs contacts beside it")]
+    #[error("the certificate's support failed: all {contacts} contacts lie on one line in x, y, and nothing is known beside it")]
     Collinear {
         /// Number of contacts.
         contacts: usize,
@@ -111,7 +111,7 @@ pub enum FitError {
         why: &'static str,
     },
     /// No height rows and no slopes: nothing holds the surface.
-    #[error("every weight is zero: nothing is left to fit")]
+    #[error("the certificate's rank failed: every weight is zero, nothing is left to fit")]
     NoWeight,
     /// The factorisation failed and no further method is allowed by the options.
     #[error("{source}; --method auto may answer with a reduced rank")]

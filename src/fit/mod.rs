@@ -167,6 +167,16 @@ impl Fit {
         &self.fitted.equations
     }
 
+    /// lambda of the roughness penalty as it was asked for or found; 0 without.
+    pub fn smoothing(&self) -> f64 {
+        // extreme weights are divided by a power of two, and the penalty with them
+        let unit = match self.fitted.levels {
+            rows::Levelled::Weights { unit, .. } => unit,
+            rows::Levelled::Known(_) => 1.0,
+        };
+        self.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| lambda / unit / unit)
+    }
+
     /// Method, reasons, rank, refinement.
     pub fn solution(&self) -> &Solution {
         &self.fitted.solution
