@@ -5,8 +5,9 @@
 //! not asked for   (fit, then its rank, method and reasons  -  fit) / fit
 //! ```
 //!
-//! Fits of slope rows by `fit_contacts`, the call that a user makes, at 36 contacts (degree 2, one segment) and at 200,000
-//! (degree 3, 64 x 64 segments). The three ways take turns in one process; the ratios are medians over the rounds.
+//! By `fit_contacts`, the call that a user makes: slope rows with given weights at 36 contacts (degree 2, one segment) and
+//! at 200,000 (degree 3, 64 x 64 segments), and the same 36 with normals and no word about their noise, which is what
+//! `palpate fit` does by default. The ways take turns in one process; the ratios are medians over the rounds.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -14,10 +15,12 @@ use std::time::Instant;
 use criterion::{BenchmarkId, Criterion, criterion_group};
 use palpate::Contacts;
 use palpate::cases::Lcg;
+use palpate::contact::Orientation;
 use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
 use palpate::scene::linspace;
 
 struct Problem {
+    rows: &'static str,
     contacts: Contacts,
     options: FitOptions,
     rounds: usize,
@@ -34,17 +37,24 @@ fn touched(x: Vec<f64>, y: Vec<f64>) -> Contacts {
     Contacts::from_positions(x.clone(), y.clone(), z).with_slopes(zx, zy)
 }
 
-fn problems() -> [Problem; 2] {
+fn problems() -> [Problem; 3] {
     let objective = Objective::Slopes(SlopeWeights::Tangent);
     let (lanes, stations) = (linspace(-1.0, 1.0, 4), linspace(-1.0, 1.0, 9));
     let sites: Vec<(f64, f64)> = lanes.iter().flat_map(|x| stations.iter().map(move |y| (*x, *y))).collect();
     let (x, y) = sites.into_iter().unzip();
+    let contacts = touched(x, y);
+    let mut felt = contacts.clone();
+    if let Orientation::Slopes { zx, zy } = &contacts.orientation {
+        let turned = |slopes: &[f64]| slopes.iter().map(|s| -s).collect();
+        felt = felt.with_normals(turned(zx), turned(zy), vec![1.0; zx.len()]);
+    }
     let small =
-        Problem { contacts: touched(x, y), options: FitOptions { objective, ..FitOptions::default() }, rounds: 2001 };
+        Problem { rows: "slopes", contacts, options: FitOptions { objective, ..FitOptions::default() }, rounds: 2001 };
+    let by_default = Problem { rows: "normals", contacts: felt, options: FitOptions::default(), rounds: 401 };
     let lcg = &mut Lcg::new(200_000);
     let (x, y) = (0..200_000).map(|_| (2.0 * lcg.uniform() - 1.0, 2.0 * lcg.uniform() - 1.0)).unzip();
     let options = FitOptions { degree: [3, 3], segments: [64, 64], objective, ..FitOptions::default() };
-    [small, Problem { contacts: touched(x, y), options, rounds: 21 }]
+    [small, by_default, Problem { rows: "slopes", contacts: touched(x, y), options, rounds: 21 }]
 }
 
 impl Problem {
@@ -75,11 +85,11 @@ impl Problem {
 fn timed(c: &mut Criterion) {
     for problem in problems() {
         let mut group = c.benchmark_group("certificate");
-        let size = problem.contacts.len();
+        let size = format!("{}_{}", problem.contacts.len(), problem.rows);
         group.sample_size(10.max(problem.rounds / 100));
-        group.bench_function(BenchmarkId::new("fit", size), |b| b.iter(|| problem.fit()));
-        group.bench_function(BenchmarkId::new("fit_shape", size), |b| b.iter(|| problem.described()));
-        group.bench_function(BenchmarkId::new("fit_shape_certificate", size), |b| b.iter(|| problem.certified()));
+        group.bench_function(BenchmarkId::new("fit", &size), |b| b.iter(|| problem.fit()));
+        group.bench_function(BenchmarkId::new("fit_shape", &size), |b| b.iter(|| problem.described()));
+        group.bench_function(BenchmarkId::new("fit_shape_certificate", &size), |b| b.iter(|| problem.certified()));
         group.finish();
     }
 }
@@ -98,7 +108,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn compare() {
-    println!("contacts      fit      shape  certificate   asked for   not asked for");
+    println!("contacts    rows       fit      shape  certificate   asked for   not asked for");
     for problem in problems() {
         let rounds: Vec<[f64; 4]> = (0..problem.rounds)
             .map(|_| {
@@ -110,8 +120,9 @@ fn compare() {
         let of = |value: &dyn Fn(&[f64; 4]) -> f64| median(rounds.iter().map(value).collect());
         let fit = of(&|r| r[0]);
         println!(
-            "{:>8} {:>8.1} us {:>7.1} us {:>8.1} us {:>8.1} % {:>10.1} %",
+            "{:>8} {:>7} {:>8.1} us {:>7.1} us {:>8.1} us {:>8.1} % {:>10.1} %",
             problem.contacts.len(),
+            problem.rows,
             fit * 1e6,
             of(&|r| r[2] - r[0]) * 1e6,
             of(&|r| r[3] - r[2]) * 1e6,

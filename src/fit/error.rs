@@ -43,7 +43,9 @@ pub enum FitError {
         unknowns: usize,
     },
     /// All contacts lie on one line (or one point): they span no patch.
-    #[error("the certificate's support failed: all {contacts} contacts lie on one line in x, y, and nothing is known beside it")]
+    #[error(
+        "the certificate's support failed: all {contacts} contacts lie on one line in x, y, and nothing is known beside it"
+    )]
     Collinear {
         /// Number of contacts.
         contacts: usize,

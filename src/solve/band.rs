@@ -213,12 +213,12 @@ impl BandCholesky {
             self.left.vector[end + k] = v[end + k];
             self.right.vector[end + k] = v[end + middle - 1 - k];
         }
-        let (left, right, ends) = (&mut self.left, &mut self.right, self.end_block);
-        rayon::join(|| left.back(level, ends, end), || right.back(level, ends, end));
-        v[..end].copy_from_slice(&self.left.vector[..end]);
-        for (target, value) in v[end + middle..].iter_mut().rev().zip(&self.right.vector[..end]) {
-            *target = *value;
-        }
+        let ends = self.end_block;
+        let [mut left, mut right] = [&mut self.left, &mut self.right].map(|part| std::mem::take(&mut part.vector));
+        rayon::join(|| self.left.back(level, ends, end, &mut left), || self.right.back(level, ends, end, &mut right));
+        v[..end].copy_from_slice(&left[..end]);
+        v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(target, value)| *target = *value);
+        (self.left.vector, self.right.vector) = (left, right);
     }
 
     /// `v <- (D A D)^-1 v` with the factor at hand.
@@ -233,12 +233,10 @@ impl BandCholesky {
         if end > 0 {
             left[..end].copy_from_slice(&v[..end]);
             right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
-            for b in 0..end / WIDTH {
-                let span = b * WIDTH..b * WIDTH + ends.height;
-                let columns = b * ends.len()..(b + 1) * ends.len();
-                forward_block(level, ends, &self.left.blocks[columns.clone()], &mut left[span.clone()]);
-                forward_block(level, ends, &self.right.blocks[columns], &mut right[span]);
-            }
+            rayon::join(
+                || self.left.forth(level, ends, end, &mut left),
+                || self.right.forth(level, ends, end, &mut right),
+            );
             for k in 0..middle {
                 centre[k] += left[end + k] + right[end + middle - 1 - k];
             }
@@ -258,12 +256,10 @@ impl BandCholesky {
                 left[end + k] = centre[k];
                 right[end + middle - 1 - k] = centre[k];
             }
-            for b in (0..end / WIDTH).rev() {
-                let span = b * WIDTH..b * WIDTH + ends.height;
-                let columns = b * ends.len()..(b + 1) * ends.len();
-                backward_block(level, ends, &self.left.blocks[columns.clone()], &mut left[span.clone()]);
-                backward_block(level, ends, &self.right.blocks[columns], &mut right[span]);
-            }
+            rayon::join(
+                || self.left.back(level, ends, end, &mut left),
+                || self.right.back(level, ends, end, &mut right),
+            );
             v[..end].copy_from_slice(&left[..end]);
             v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(t, s)| *t = *s);
         }
@@ -299,10 +295,19 @@ impl Part {
         Ok(smallest)
     }
 
-    fn back(&mut self, level: Level, block: BlockShape, end: usize) {
+    /// `v <- L^-1 v` down to the middle.
+    fn forth(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
+        for b in 0..end / WIDTH {
+            let columns = &self.blocks[b * block.len()..(b + 1) * block.len()];
+            forward_block(level, block, columns, &mut v[b * WIDTH..b * WIDTH + block.height]);
+        }
+    }
+
+    /// `v <- L'^-1 v` up from the middle.
+    fn back(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in (0..end / WIDTH).rev() {
             let columns = &self.blocks[b * block.len()..(b + 1) * block.len()];
-            backward_block(level, block, columns, &mut self.vector[b * WIDTH..b * WIDTH + block.height]);
+            backward_block(level, block, columns, &mut v[b * WIDTH..b * WIDTH + block.height]);
         }
     }
 }
