@@ -57,6 +57,7 @@ pub fn bilinear(level: Level, terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]])
 
 #[cfg(test)]
 mod tests {
+    use super::super::Twins;
     use super::*;
 
     /// Twin: the sum as it is written.
@@ -71,6 +72,7 @@ mod tests {
         for level in Level::available() {
             let mut out = vec![[0.25; 16]; 10];
             bilinear(level, &terms, &mut out);
+            let mut twins = Twins::new("bilinear", level);
             for r in 0..10 {
                 for k in 0..16 {
                     let mut expected = 0.25;
@@ -81,9 +83,10 @@ mod tests {
                             }
                         }
                     }
-                    assert!((out[r][k] - expected).abs() < 1e-13, "{} ({r}, {k})", level.name());
+                    twins.compare(out[r][k], expected);
                 }
             }
+            twins.hold(64.0);
         }
     }
 }

@@ -125,6 +125,7 @@ mod tests {
                 let mut words = [[0; BLOCKS]; WORDS];
                 chacha8(level, &key, stream, block, &mut words);
                 assert_eq!(words, expected, "{} stream {stream} block {block}", level.name());
+                println!("{:<18} {:<9} the same words", "chacha8", level.name());
             }
         }
     }

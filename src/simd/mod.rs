@@ -79,3 +79,37 @@ pub fn ulps(value: f64, expected: f64) -> f64 {
     let unit = (expected.abs().next_up() - expected.abs()).max(f64::MIN_POSITIVE * f64::EPSILON);
     (value - expected).abs() / unit
 }
+
+/// The largest differences between a kernel and its twin, printed and held: `cargo test --lib simd -- --nocapture`.
+#[cfg(test)]
+struct Twins {
+    kernel: &'static str,
+    level: Level,
+    difference: f64,
+    size: f64,
+}
+
+#[cfg(test)]
+impl Twins {
+    fn new(kernel: &'static str, level: Level) -> Twins {
+        Twins { kernel, level, difference: 0.0, size: 0.0 }
+    }
+
+    fn compare(&mut self, value: f64, expected: f64) {
+        let gap = (value - expected).abs();
+        // NaN is the largest difference of all
+        self.difference = if gap <= self.difference { self.difference } else { gap };
+        self.size = self.size.max(expected.abs());
+    }
+
+    /// Prints the largest difference in ulp of the largest number and holds it below `most` of them.
+    fn hold(&self, most: f64) {
+        let found = self.difference / (self.size * f64::EPSILON);
+        println!(
+            "{:<18} {:<9} largest difference {found:>6.1} ulp of the largest number",
+            self.kernel,
+            self.level.name()
+        );
+        assert!(found < most, "{} {}: {found} ulp", self.kernel, self.level.name());
+    }
+}

@@ -194,10 +194,12 @@ mod tests {
             {
                 let sum: f64 = p.iter().map(|v| v.powi(power)).sum();
                 let sigmas = (sum / n - mean) / (variance / n).sqrt();
+                println!("normals {}: moment {power} is {sigmas:+.2} sigma off", level.name());
                 assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");
             }
             let tail = p.iter().filter(|v| v.abs() > 4.0).count() as f64;
             let expected = 6.334_248_366_623_984e-5 * n;
+            println!("normals {}: {tail} of {n} beyond 4, expected {expected:.0}", level.name());
             assert!((tail - expected).abs() < 5.0 * expected.sqrt(), "tail {tail} of {expected}");
             p.sort_by(f64::total_cmp);
             let normal = Normal::standard();
