@@ -1,5 +1,7 @@
 //! S and R of a height field over a whole grid of points, row by row, derivatives never leaving the first-level cache.
 
+use std::sync::Mutex;
+
 use super::HeightField;
 use crate::bspline::Knots;
 use crate::simd::{Level, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
@@ -13,7 +15,8 @@ pub struct CurvatureGrid {
     basis: [Vec<f64>; 3],
     width: usize,
     columns: usize,
-    scratch: Vec<RowScratch>,
+    /// One for every thread that is at work: each stays in the cache of its own.
+    scratch: Mutex<Vec<RowScratch>>,
 }
 
 /// Rows of points that one task takes: long enough to pay for handing it over, short enough to share evenly.
@@ -32,10 +35,8 @@ impl CurvatureGrid {
                 table.extend_from_slice(row.derivative(d));
             }
         }
-        let tasks = x.len().div_ceil(ROWS);
         let columns = knots[1].n_basis();
-        let scratch = (0..tasks).map(|_| RowScratch::default()).collect();
-        CurvatureGrid { pieces: pieces_of(&knots[1], y), first, basis, width, columns, scratch }
+        CurvatureGrid { pieces: pieces_of(&knots[1], y), first, basis, width, columns, scratch: Mutex::default() }
     }
 
     /// S and R at every point, row-major; S is NaN where the surface is flat. `coefficients` are n x m, row-major.
@@ -48,9 +49,7 @@ impl CurvatureGrid {
         if self.on_one_segment(coefficients, shape_index, curvedness) {
             return;
         }
-        let mut scratch = std::mem::take(&mut self.scratch);
-        self.range(0, coefficients, shape_index, curvedness, &mut scratch);
-        self.scratch = scratch;
+        self.range(0, coefficients, shape_index, curvedness);
     }
 
     /// Height and derivatives along every row of points, one after the other: `row(i, [S, S_x, S_y, S_xx, S_xy, S_yy])`.
@@ -58,14 +57,32 @@ impl CurvatureGrid {
     /// # Panics
     /// When `coefficients` are fewer than the knots' basis functions.
     pub fn derivatives(&mut self, coefficients: &[f64], mut row: impl FnMut(usize, [&[f64]; 6])) {
-        let Some(scratch) = self.scratch.first_mut() else { return };
+        let mut scratch = self.take_scratch();
         let level = Level::active();
         let mut out: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; self.pieces.len()]);
         for (i, &first) in self.first.iter().enumerate() {
             let basis = self.basis.each_ref().map(|table| &table[i * self.width..(i + 1) * self.width]);
             let lines = &coefficients[first * self.columns..];
-            derivative_row(level, &self.pieces, basis, lines, scratch, out.each_mut().map(|column| &mut column[..]));
+            derivative_row(
+                level,
+                &self.pieces,
+                basis,
+                lines,
+                &mut scratch,
+                out.each_mut().map(|column| &mut column[..]),
+            );
             row(i, out.each_ref().map(|column| &column[..]));
+        }
+        self.put_scratch(scratch);
+    }
+
+    fn take_scratch(&self) -> RowScratch {
+        self.scratch.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default()
+    }
+
+    fn put_scratch(&self, scratch: RowScratch) {
+        if let Ok(mut pool) = self.scratch.lock() {
+            pool.push(scratch);
         }
     }
 
@@ -91,27 +108,25 @@ impl CurvatureGrid {
         }
     }
 
-    fn range(&self, from: usize, c: &[f64], s: &mut [f64], r: &mut [f64], scratch: &mut [RowScratch]) {
-        let m = self.pieces.len();
-        if scratch.len() > 1 {
-            let half = scratch.len() / 2;
-            let (s_a, s_b) = s.split_at_mut(half * ROWS * m);
-            let (r_a, r_b) = r.split_at_mut(half * ROWS * m);
-            let (scratch_a, scratch_b) = scratch.split_at_mut(half);
-            rayon::join(
-                || self.range(from, c, s_a, r_a, scratch_a),
-                || self.range(from + half * ROWS, c, s_b, r_b, scratch_b),
-            );
+    /// Halves the rows until one task is left.
+    fn range(&self, from: usize, c: &[f64], s: &mut [f64], r: &mut [f64]) {
+        let (m, rows) = (self.pieces.len(), (self.first.len() - from).min(s.len() / self.pieces.len().max(1)));
+        if rows > ROWS {
+            let half = rows.div_ceil(ROWS) / 2 * ROWS;
+            let (s_a, s_b) = s.split_at_mut(half * m);
+            let (r_a, r_b) = r.split_at_mut(half * m);
+            rayon::join(|| self.range(from, c, s_a, r_a), || self.range(from + half, c, s_b, r_b));
             return;
         }
-        let Some(scratch) = scratch.first_mut() else { return };
+        let mut scratch = self.take_scratch();
         let level = Level::active();
-        for (k, (s, r)) in s.chunks_mut(m).zip(r.chunks_mut(m)).take(ROWS).enumerate() {
-            let Some(&first) = self.first.get(from + k) else { return };
+        for (k, (s, r)) in s.chunks_mut(m).zip(r.chunks_mut(m)).take(rows).enumerate() {
             let values = (from + k) * self.width..(from + k + 1) * self.width;
             let basis = self.basis.each_ref().map(|table| &table[values.clone()]);
-            curvature_row(level, &self.pieces, basis, &c[first * self.columns..], scratch, s, r);
+            let lines = &c[self.first[from + k] * self.columns..];
+            curvature_row(level, &self.pieces, basis, lines, &mut scratch, s, r);
         }
+        self.put_scratch(scratch);
     }
 }
 
