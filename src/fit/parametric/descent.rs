@@ -9,14 +9,19 @@
 
 use super::cells::Row;
 use super::foot::Feet;
+use super::parallel;
 use super::problem::{Parts, Problem, Sums};
-use super::vector::{Vector, cross, dot};
+use super::vector::{Vector, dot};
 use crate::fit::FitError;
 use crate::linalg::BlockMatrix;
 use crate::solve::BlockCholesky;
 
-/// A step below this, patch units, ends the descent.
-const SETTLED: f64 = 1e-10;
+/// Coefficients nearer to the minimum than this, patch units, end the descent.
+pub const SETTLED: f64 = 1e-10;
+/// The same while noise levels are still to move.
+pub const ON_THE_WAY: f64 = 1e-6;
+/// Ratio of two steps in a row up to which what is still to come is told from them as from a geometric series.
+const GEOMETRIC: f64 = 0.5;
 /// Steps of one descent; from the starts here 10 to 40 are taken.
 const MAX_STEPS: usize = 100;
 /// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
@@ -66,26 +71,29 @@ impl Solver {
         Ok(Solver { matrix, factor })
     }
 
-    /// Minimises F from `state`.
+    /// Minimises F from `state` until the coefficients are nearer than `near` to the minimum.
     ///
     /// # Errors
     /// A start without a tangent plane; a matrix without a factor even when damped.
-    pub fn descend(&mut self, problem: &Problem, state: &mut State) -> Result<Descent, FitError> {
+    pub fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
         state.feet = state.feet.moved(problem.cells, problem.touches, &state.coefficients);
         let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
         let mut reached = Descent { value, sums, steps: 0, folds_refused: 0, settled: false };
         let mut damping = DAMPING[0];
         let mut rhs = vec![0.0; self.matrix.order()];
+        let mut before: Option<f64> = None;
         while reached.steps < MAX_STEPS && !reached.settled {
             self.matrix.clear();
             rhs.fill(0.0);
             problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut self.matrix, &mut rhs);
-            let Some(size) = self.step(problem, state, &rhs, &mut damping, &mut reached)? else {
+            let Some(size) = self.step(problem, state, &rhs, &mut damping, &mut reached, near)? else {
                 reached.settled = true;
                 break;
             };
             reached.steps += 1;
-            reached.settled = size <= SETTLED;
+            let left = before.filter(|b| size <= GEOMETRIC * b).map_or(size, |b| size * size / (b - size));
+            reached.settled = left <= near;
+            before = Some(size);
         }
         Ok(reached)
     }
@@ -98,6 +106,7 @@ impl Solver {
         rhs: &[f64],
         damping: &mut f64,
         reached: &mut Descent,
+        near: f64,
     ) -> Result<Option<f64>, FitError> {
         while *damping <= DAMPING[2] {
             if let Err(source) = self.factor.factor(&self.matrix, *damping) {
@@ -127,7 +136,7 @@ impl Solver {
                     return Ok(Some(size));
                 }
             }
-            if size <= SETTLED {
+            if size <= near {
                 return Ok(None);
             }
             *damping *= 10.0;
@@ -140,11 +149,8 @@ impl Solver {
 /// Whether the map turns over somewhere on the way from `state` to `next`.
 fn folds(problem: &Problem, state: &State, next: &[Vector]) -> bool {
     let cells = problem.cells;
-    let area = |row: &Row, c: &[Vector]| cross(cells.derivative(row, c, (1, 0)), cells.derivative(row, c, (0, 1)));
-    let turned = |before: Vector, after: Vector| dot(before, after) <= 0.0;
-    problem.gauss.iter().any(|p| turned(area(&p.row, &state.coefficients), area(&p.row, next)))
-        || state.feet.places.iter().any(|place| {
-            let row = cells.row(place[0], place[1]);
-            turned(area(&row, &state.coefficients), area(&row, next))
-        })
+    let turned = |row: &Row| dot(cells.area(row, &state.coefficients), cells.area(row, next)) <= 0.0;
+    let places = &state.feet.places;
+    parallel::any(problem.gauss.len(), |k| turned(&problem.gauss[k].row))
+        || parallel::any(places.len(), |r| turned(&cells.row(places[r][0], places[r][1], 1)))
 }
