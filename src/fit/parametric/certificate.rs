@@ -44,7 +44,7 @@ pub struct ParametricCertificate {
     /// Contacts whose normal is against the surface.
     pub against: usize,
     /// Largest curvature at contacts and supported grid points, over the largest that the turn of the normals of
-    /// neighbouring contacts allows there; a fit whose bending is beyond 3 is refused.
+    /// neighbouring contacts allows there; a fit whose bending is beyond 2.5 is refused.
     pub bending: f64,
     /// How often fairness was raised tenfold because the bending was beyond that.
     pub fairness_raised: usize,

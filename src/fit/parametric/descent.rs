@@ -27,6 +27,12 @@ const MAX_STEPS: usize = 100;
 /// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
 const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
 
+/// Damping up to which two steps in a row tell a ratio, and not the damping's change.
+const FREE: f64 = 1e-5;
+/// Cosine of two steps above which they are one series, and the ratios that are summed: below, the next step does it.
+const PARALLEL: f64 = 0.9;
+const RATIOS: [f64; 2] = [0.2, 0.98];
+
 /// A surface on its way.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -58,6 +64,7 @@ pub struct Solver {
     pub matrix: BlockMatrix,
     /// Its factor.
     pub factor: BlockCholesky,
+    last: Vec<f64>,
 }
 
 impl Solver {
@@ -68,7 +75,7 @@ impl Solver {
     pub fn new(problem: &Problem) -> Result<Solver, FitError> {
         let matrix = BlockMatrix::zeros(problem.cells.shape());
         let factor = BlockCholesky::plan(&matrix).map_err(|source| FitError::Solve { source })?;
-        Ok(Solver { matrix, factor })
+        Ok(Solver { matrix, factor, last: Vec::new() })
     }
 
     /// Minimises F from `state` until the coefficients are nearer than `near` to the minimum.
@@ -82,6 +89,7 @@ impl Solver {
         let mut damping = DAMPING[0];
         let mut rhs = vec![0.0; self.matrix.order()];
         let mut before: Option<f64> = None;
+        self.last.clear();
         while reached.steps < MAX_STEPS && !reached.settled {
             self.matrix.clear();
             rhs.fill(0.0);
@@ -119,23 +127,17 @@ impl Solver {
             let mut move_by = rhs.to_vec();
             self.factor.solve(&mut move_by);
             let size = move_by.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let next: Vec<Vector> = (0..state.coefficients.len())
-                .map(|k| [0, 1, 2].map(|d| state.coefficients[k][d] + move_by[3 * k + d]))
-                .collect();
-            if folds(problem, state, &next) {
-                reached.folds_refused += 1;
-            } else {
-                let feet = state.feet.moved(problem.cells, problem.touches, &next);
-                // F rounds to about 1e-15 of itself: a last step may not see itself go down
-                if let Some((value, sums)) = problem.value(&next, &feet)
-                    && value <= reached.value * (1.0 + 1e-14)
-                {
-                    *state = State { coefficients: next, feet };
-                    (reached.value, reached.sums) = (value, sums);
-                    *damping = (*damping / 10.0).max(DAMPING[1]);
-                    return Ok(Some(size));
-                }
+            let stretch = if *damping <= FREE { stretch(&self.last, &move_by) } else { 1.0 };
+            if stretch != 1.0 && accepted(problem, state, &move_by, stretch, reached) {
+                self.last.clear();
+                return Ok(Some(stretch * size));
             }
+            if accepted(problem, state, &move_by, 1.0, reached) {
+                *damping = (*damping / 10.0).max(DAMPING[1]);
+                self.last = move_by;
+                return Ok(Some(size));
+            }
+            self.last.clear();
             if size <= near {
                 return Ok(None);
             }
@@ -144,6 +146,38 @@ impl Solver {
         *damping = DAMPING[0];
         Ok(None)
     }
+}
+
+/// Takes the step `factor * move_by` if it folds nothing and goes down.
+fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, reached: &mut Descent) -> bool {
+    let along = move_by.as_chunks::<3>().0;
+    let moved = |(c, m): (&Vector, &Vector)| [0, 1, 2].map(|d| c[d] + factor * m[d]);
+    let next: Vec<Vector> = state.coefficients.iter().zip(along).map(moved).collect();
+    if folds(problem, state, &next) {
+        reached.folds_refused += 1;
+        return false;
+    }
+    let feet = state.feet.moved(problem.cells, problem.touches, &next);
+    match problem.value(&next, &feet) {
+        // F rounds to about 1e-15 of itself: a last step may not see itself go down
+        Some((value, sums)) if value <= reached.value * (1.0 + 1e-14) => {
+            *state = State { coefficients: next, feet };
+            (reached.value, reached.sums) = (value, sums);
+            true
+        }
+        _ => false,
+    }
+}
+
+/// `1/(1 - q)` where two steps in a row are as those of a geometric series with ratio q, else 1: the sum of what is still
+/// to come. Gauss-Newton leaves out the bending of the residuals, so along one direction it may creep, or
+/// swing from side to side.
+fn stretch(last: &[f64], now: &[f64]) -> f64 {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let (both, before, after) = (product(last, now), product(last, last), product(now, now));
+    let ratio = both / before;
+    let parallel = both.abs() > PARALLEL * (before * after).sqrt();
+    if parallel && RATIOS[0] < ratio.abs() && ratio.abs() < RATIOS[1] { 1.0 / (1.0 - ratio) } else { 1.0 }
 }
 
 /// Whether the map turns over somewhere on the way from `state` to `next`.

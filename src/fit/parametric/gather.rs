@@ -5,9 +5,8 @@
 //! ```
 
 use super::cells::Row;
-use super::vector::Vector;
 use crate::linalg::BlockMatrix;
-use crate::simd::{Level, gram_rows};
+use crate::simd::{Level, RowTerm, combine_rows, gram_rows};
 
 /// Rows that are gathered before they are multiplied out: with 56 columns they fill a level-1 cache.
 const CHUNK: usize = 64;
@@ -15,6 +14,7 @@ const CHUNK: usize = 64;
 /// Sums over the rows of one cell, and the buffers that they are made in.
 #[derive(Clone, Debug)]
 pub struct Gather {
+    level: Level,
     local: usize,
     stride: usize,
     rows: Vec<f64>,
@@ -28,7 +28,7 @@ impl Gather {
     pub fn new(local: usize) -> Gather {
         let stride = (3 * local + 1).next_multiple_of(8);
         let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
-        Gather { local, stride, rows, filled: 0, gram, any: false }
+        Gather { level: Level::active(), local, stride, rows, filled: 0, gram, any: false }
     }
 
     /// For the next cell.
@@ -39,25 +39,19 @@ impl Gather {
 
     /// Adds the row `sum_k direction_k (x) products_k` with its target.
     #[inline]
-    pub fn add(&mut self, terms: &[(Vector, &[f64])], target: f64) {
+    pub fn add(&mut self, terms: &[RowTerm<'_>], target: f64) {
         if self.filled == CHUNK {
             self.multiply_out();
         }
         self.any = true;
         let row = &mut self.rows[self.filled * self.stride..(self.filled + 1) * self.stride];
         self.filled += 1;
-        for (d, part) in row.chunks_exact_mut(self.local).take(3).enumerate() {
-            let Some(((direction, products), more)) = terms.split_first() else { continue };
-            part.iter_mut().zip(*products).for_each(|(r, p)| *r = direction[d] * p);
-            for (direction, products) in more {
-                part.iter_mut().zip(*products).for_each(|(r, p)| *r += direction[d] * p);
-            }
-        }
+        combine_rows(self.level, self.local, terms, row);
         row[3 * self.local] = target;
     }
 
     fn multiply_out(&mut self) {
-        gram_rows(Level::active(), self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
+        gram_rows(self.level, self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
         self.filled = 0;
     }
 
