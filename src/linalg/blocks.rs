@@ -97,6 +97,16 @@ impl BlockMatrix {
         (&self.columns[range.clone()], &self.values[range])
     }
 
+    /// Adds a matrix of the same pattern.
+    pub fn add_matrix(&mut self, other: &BlockMatrix) {
+        debug_assert_eq!(self.columns, other.columns);
+        for (a, b) in
+            self.values.as_flattened_mut().as_flattened_mut().iter_mut().zip(other.values.as_flattened().as_flattened())
+        {
+            *a += b;
+        }
+    }
+
     /// Calls `visit(row, column, entry)` for every stored block, rows ascending, columns ascending in each.
     pub fn for_each(&self, mut visit: impl FnMut(usize, usize, &[[f64; 3]; 3])) {
         for row in 0..self.coefficients() {

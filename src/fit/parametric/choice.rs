@@ -1,8 +1,8 @@
 //! `--surface auto`: when a height field cannot stand up to what was felt.
 //!
 //! ```text
-//! turn      one smoothed normal in twenty more than 20 degrees, and their noise, from the mean one
-//! steep     some smoothed normal more than 56 degrees (slope 1.5), and their noise, from z
+//! turn      one smoothed normal in twenty more than 20 degrees, and 1.5 sd of their noise, from the mean one
+//! steep     some smoothed normal more than 56 degrees (slope 1.5), and 1.5 sd of their noise, from z
 //! ```
 //!
 //! On the paper's patches a height field of degree 2 is off in R by 3 % where normals turn by 12 degrees and by 12 % where
@@ -22,6 +22,8 @@ const STEEP_DEG: f64 = 56.0;
 const TURN_DEG: f64 = 20.0;
 /// Share of the normals that may turn by more.
 const BEYOND: f64 = 0.05;
+/// Sd of the noise that the limits rise by: half of one is left in the smoothed normals, one is what a third degree costs.
+const NOISE: f64 = 1.5;
 /// Contacts that one normal is smoothed over: a sweep of three fingers; fewer leave noise in, more lose what bends.
 const NEAREST: usize = 27;
 /// Numbers fitted to them.
@@ -85,13 +87,13 @@ fn by_normals(contacts: &Contacts, options: &FitOptions) -> (SurfaceKind, String
     let turn = turns[((1.0 - BEYOND) * (turns.len() - 1) as f64).floor() as usize];
     let steepest = normals.iter().map(|n| n[0].hypot(n[1]).atan2(n[2]).to_degrees()).fold(0.0, f64::max);
     let of = format!("smoothed normals (noise {noise:.1} degrees)");
-    if turn > TURN_DEG + noise {
+    if turn > TURN_DEG + NOISE * noise {
         return (SurfaceKind::Parametric, format!("{of} turn by {turn:.0} degrees from the mean one"));
     }
-    if steepest > STEEP_DEG + noise {
+    if steepest > STEEP_DEG + NOISE * noise {
         return (SurfaceKind::Parametric, format!("{of} are up to {steepest:.0} degrees from z"));
     }
-    let limit = TURN_DEG + noise;
+    let limit = TURN_DEG + NOISE * noise;
     (SurfaceKind::Height, format!("{of} turn by {turn:.0} degrees from the mean one, not above {limit:.0}"))
 }
 

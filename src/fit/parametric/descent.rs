@@ -22,8 +22,8 @@ pub const SETTLED: f64 = 1e-10;
 pub const ON_THE_WAY: f64 = 1e-6;
 /// Ratio of two steps in a row up to which what is still to come is told from them as from a geometric series.
 const GEOMETRIC: f64 = 0.5;
-/// Steps of one descent; from the starts here 10 to 40 are taken.
-const MAX_STEPS: usize = 100;
+/// Steps of one descent; from the starts here 5 to 40 are taken, on rings that swing up to 150.
+const MAX_STEPS: usize = 300;
 /// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
 const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
 
@@ -31,7 +31,7 @@ const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
 const FREE: f64 = 1e-5;
 /// Cosine of two steps above which they are one series, and the ratios that are summed: below, the next step does it.
 const PARALLEL: f64 = 0.9;
-const RATIOS: [f64; 2] = [0.2, 0.98];
+const RATIOS: [f64; 2] = [0.2, 0.998];
 
 /// A surface on its way.
 #[derive(Clone, Debug)]

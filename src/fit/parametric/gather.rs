@@ -5,6 +5,7 @@
 //! ```
 
 use super::cells::Row;
+use super::vector::Vector;
 use crate::linalg::BlockMatrix;
 use crate::simd::{Level, RowTerm, combine_rows, gram_rows};
 
@@ -48,6 +49,15 @@ impl Gather {
         self.filled += 1;
         combine_rows(self.level, self.local, terms, row);
         row[3 * self.local] = target;
+    }
+
+    /// Adds `direction (x) products` to the right-hand side alone.
+    pub fn add_right(&mut self, direction: Vector, products: &[f64]) {
+        self.any = true;
+        let last = 3 * self.local * self.stride;
+        for (part, w) in self.gram[last..last + 3 * self.local].chunks_exact_mut(self.local).zip(direction) {
+            part.iter_mut().zip(products).for_each(|(r, p)| *r += w * p);
+        }
     }
 
     fn multiply_out(&mut self) {

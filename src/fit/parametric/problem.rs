@@ -55,6 +55,8 @@ pub struct Problem<'a> {
     /// Weights.
     pub weights: Weights,
     tied: Buckets,
+    /// Matrix of the ties, which no step changes.
+    ties: BlockMatrix,
 }
 
 /// The parts of F, unweighted sums.
@@ -154,7 +156,26 @@ impl<'a> Problem<'a> {
         weights: Weights,
     ) -> Problem<'a> {
         let tied = Buckets::new(cells.count(), flattened.iter().map(|p| cells.cell_of(*p)));
-        Problem { cells, touches, flattened, gauss, weights, tied }
+        let ties = BlockMatrix::zeros(cells.shape());
+        let mut problem = Problem { cells, touches, flattened, gauss, weights, tied, ties };
+        if weights.tie > 0.0 {
+            let (mut ties, weight) = (problem.ties.clone(), problem.tie_weight().sqrt());
+            let mut unused = vec![0.0; ties.order()];
+            problem.gather(&mut ties, &mut unused, |cell, sums, products| {
+                for &r in problem.tied.of(cell) {
+                    products.fill(&cells.row(flattened[r][0], flattened[r][1], 0), &[(0, 0)]);
+                    for e in across(touches.normals[r]) {
+                        sums.add(&[(e.map(|v| weight * v), products.of(0))], 0.0);
+                    }
+                }
+            });
+            problem.ties = ties;
+        }
+        problem
+    }
+
+    fn tie_weight(&self) -> f64 {
+        self.weights.tie / self.flattened.len() as f64
     }
 
     /// F and its parts at these coefficients and feet; `None` where the map has no tangent plane.
@@ -223,6 +244,9 @@ impl<'a> Problem<'a> {
         } else {
             Buckets::default()
         };
+        if parts.slack {
+            matrix.add_matrix(&self.ties);
+        }
         self.gather(matrix, rhs, |cell, sums, products| {
             if parts.position || parts.normal {
                 standing.of(cell).iter().for_each(|r| self.add_contact(*r, c, feet.places[*r], parts, sums, products));
@@ -302,14 +326,14 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The right-hand side of a tie; its matrix is known.
     fn add_tie(&self, r: usize, c: &[Vector], sums: &mut Gather, products: &mut Products) {
-        let weight = (self.weights.tie / self.flattened.len() as f64).sqrt();
         let row = self.cells.row(self.flattened[r][0], self.flattened[r][1], 0);
         let off = minus(self.touches.points[r], self.cells.jet::<0>(&row, c)[0][0]);
+        let (weight, n) = (self.tie_weight(), self.touches.normals[r]);
+        let lift = dot(n, off);
         products.fill(&row, &[(0, 0)]);
-        for e in across(self.touches.normals[r]) {
-            sums.add(&[(e.map(|v| weight * v), products.of(0))], weight * dot(e, off));
-        }
+        sums.add_right([0, 1, 2].map(|d| weight * (off[d] - lift * n[d])), products.of(0));
     }
 
     fn add_rule_point(
