@@ -24,6 +24,8 @@ pub const ON_THE_WAY: f64 = 1e-6;
 const GEOMETRIC: f64 = 0.5;
 /// Steps of one descent; from the starts here 5 to 40 are taken, on rings that swing up to 150.
 const MAX_STEPS: usize = 300;
+/// The same while noise levels are still to move: a ring that swings does it with them.
+const MAX_ON_THE_WAY: usize = 30;
 /// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
 const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
 
@@ -90,7 +92,8 @@ impl Solver {
         let mut rhs = vec![0.0; self.matrix.order()];
         let mut before: Option<f64> = None;
         self.last.clear();
-        while reached.steps < MAX_STEPS && !reached.settled {
+        let most = if near > SETTLED { MAX_ON_THE_WAY } else { MAX_STEPS };
+        while reached.steps < most && !reached.settled {
             self.matrix.clear();
             rhs.fill(0.0);
             problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut self.matrix, &mut rhs);
