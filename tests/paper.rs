@@ -129,6 +129,10 @@ fn table_2_model_part() {
 fn cholesky_and_qr_agree_on_every_built_in_scene_without_effects() {
     let mut worst = 0.0_f64;
     for scene in palpate::io::scene_file::builtin_scenes() {
+        // surfaces in space have no height field to compare
+        if palpate::io::scene_file::builtin(&scene.name).unwrap().fit.surface == palpate::fit::SurfaceKind::Parametric {
+            continue;
+        }
         let (a, b) = (fit_scene(&scene.name, Method::Cholesky), fit_scene(&scene.name, Method::Qr));
         let (a, b) = (&a.solution().coefficients, &b.solution().coefficients);
         let largest = a.iter().fold(0.0_f64, |m, c| m.max(c.abs()));

@@ -1,9 +1,9 @@
 //! Scene files: what is wrong is said with its line and column, the nearest known word, and the numbers that clash.
 #![cfg(feature = "cli")]
 
-use palpate::fit::fit_contacts;
+use palpate::fit::{FittedSurface, fit_contacts, fit_surface};
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-use palpate::io::scene_file::{builtin, builtin_scenes, read_scene};
+use palpate::io::scene_file::{SceneFileError, builtin, builtin_scenes, read_scene};
 use palpate::scene::Effect;
 
 const SCENE: &str = "[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-4.0, 0.0, 4.0]\nfrom = -4.0\nto = 4.0\nstations = 9\n";
@@ -168,13 +168,43 @@ fn imported_surfaces_are_labelled() {
 }
 
 #[test]
+fn sweeps_that_go_around_say_what_they_cannot() {
+    let scene = |kind: &str, path: &str, effect: &str| {
+        let text = format!(
+            "[surface]\nkind = \"{kind}\"\nradius = 5.0\n[sweep]\npath = \"{path}\"\nfingers = [0.0, 2.0]\nstations = 4\n{effect}"
+        );
+        read_scene(&text)
+    };
+    let contacts = scene("cylinder", "around", "").unwrap().world.compile().unwrap().noise_free();
+    assert_eq!(contacts.len(), 8);
+    // 0, 90, 180, 270 degrees round the bar, whose axis lies 5 under the origin
+    for (k, [y, z]) in [[0.0, 0.0], [5.0, -5.0], [0.0, -10.0], [-5.0, -5.0]].into_iter().enumerate() {
+        assert!((contacts.y[k] - y).abs() < 1e-12 && (contacts.z[k] - z).abs() < 1e-12, "station {k}");
+        let n = contacts.unit_normal(k).unwrap();
+        assert!((n[1] - y / 5.0).abs() < 1e-12 && (n[2] - (z + 5.0) / 5.0).abs() < 1e-12, "station {k}");
+    }
+    let said = |result: Result<palpate::io::scene_file::SceneFile, SceneFileError>| result.err().unwrap().to_string();
+    let word = said(scene("cylinder", "arround", ""));
+    assert!(word.contains("line 5") && word.contains("around"), "{word}");
+    let ball = said(scene("sphere", "around", ""));
+    assert!(ball.contains("only a cylinder and a torus"), "{ball}");
+    let rubbed = said(scene("cylinder", "around", "[effects.lane_noise]\nsigma_deg = 1.0\nlength = 2.0\n"));
+    assert!(rubbed.contains("lane_noise"), "{rubbed}");
+    let stations = said(scene("cylinder", "down", ""));
+    assert!(stations.contains("from"), "{stations}");
+}
+
+#[test]
 fn every_built_in_scene_runs() {
     for listed in builtin_scenes() {
         let scene = builtin(&listed.name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
-        let fit = fit_contacts(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
-        let shape = fit.shape();
-        assert!(shape.curvedness.mean.is_some_and(f64::is_finite), "{}", listed.name);
+        let (fit, _) = fit_surface(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
+        let curvedness = match fit {
+            FittedSurface::Height(fit) => fit.shape().curvedness,
+            FittedSurface::Parametric(fit) => fit.shape().curvedness,
+        };
+        assert!(curvedness.mean.is_some_and(f64::is_finite), "{}", listed.name);
         assert!(truth.points.len() == contacts.len() && listed.line.len() > 20, "{}", listed.name);
     }
 }

@@ -89,6 +89,8 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             fold_free: certificate.fold_free,
             lanes_monotone: certificate.lanes_monotone,
             against: certificate.against,
+            bending: certificate.bending,
+            fairness_raised: certificate.fairness_raised,
             closed: [0, 1].map(|k| knots[k].is_closed()),
         }),
         sigma: Some(SigmaPart { z: Some(levels.position), normal_deg: Some(levels.normal_deg), slope: None }),
@@ -115,6 +117,12 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
     }
     if !certificate.fold_free {
         notes.push("the map is not free of folds: do not trust S and R where it turns over".into());
+    }
+    if certificate.fairness_raised > 0 {
+        notes.push(format!(
+            "the surface bent more than neighbouring contacts felt: fairness was raised {} times tenfold",
+            certificate.fairness_raised
+        ));
     }
     if certificate.against > 0 {
         notes.push(format!("{} normals are against the surface", certificate.against));

@@ -155,6 +155,16 @@ pub enum FitError {
         /// What is missing.
         why: &'static str,
     },
+    /// The surface bends more than the turn of neighbouring contacts' normals allows: between them it oscillates.
+    #[error(
+        "the surface bends {bending:.1} times as much as neighbouring contacts felt, {most} at most is believed: take fewer segments, a lower degree or a larger --smooth"
+    )]
+    Runaway {
+        /// Largest curvature over what was felt there.
+        bending: f64,
+        /// What is believed.
+        most: f64,
+    },
     /// The surface fitted lies the wrong way round under some normals.
     #[error("{against} of {contacts} normals are against the surface that the contacts make: check their side")]
     Against {

@@ -91,11 +91,19 @@ impl BlockMatrix {
         }
     }
 
-    /// Adds `factor * other`, block by block.
-    pub fn add_scaled(&mut self, factor: f64, other: &BlockMatrix) {
+    /// Columns and blocks stored of one row of blocks, columns ascending; the last one is the diagonal's.
+    pub fn row(&self, row: usize) -> (&[usize], &[[[f64; 3]; 3]]) {
+        let range = self.starts[row]..self.starts[row + 1];
+        (&self.columns[range.clone()], &self.values[range])
+    }
+
+    /// Adds a matrix of the same pattern.
+    pub fn add_matrix(&mut self, other: &BlockMatrix) {
         debug_assert_eq!(self.columns, other.columns);
-        for (a, b) in self.values.iter_mut().flatten().flatten().zip(other.values.iter().flatten().flatten()) {
-            *a += factor * b;
+        for (a, b) in
+            self.values.as_flattened_mut().as_flattened_mut().iter_mut().zip(other.values.as_flattened().as_flattened())
+        {
+            *a += b;
         }
     }
 
@@ -111,6 +119,19 @@ impl BlockMatrix {
     /// Diagonal entries, one per unknown.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.order()).map(|u| self.values[self.starts[u / 3 + 1] - 1][u % 3][u % 3]).collect()
+    }
+
+    /// `sum_kl A_kl B_kl` with a full symmetric B, given by columns.
+    pub fn contracted(&self, b: &[Vec<f64>]) -> f64 {
+        let mut sum = 0.0;
+        self.for_each(|row, column, block| {
+            let twice = if row == column { 1.0 } else { 2.0 };
+            for (a, line) in block.iter().enumerate() {
+                let values = &b[3 * row + a][3 * column..3 * column + 3];
+                sum += twice * line.iter().zip(values).map(|(x, y)| x * y).sum::<f64>();
+            }
+        });
+        sum
     }
 
     /// `out = A v`.

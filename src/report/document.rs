@@ -117,6 +117,10 @@ pub struct ParametricPart {
     pub lanes_monotone: Option<bool>,
     /// Contacts whose normal is against the surface.
     pub against: usize,
+    /// Largest curvature over the largest that neighbouring contacts can have felt there.
+    pub bending: f64,
+    /// Times fairness was raised tenfold because that was above 2.5.
+    pub fairness_raised: usize,
     /// Directions that close.
     pub closed: [bool; 2],
 }

@@ -149,6 +149,8 @@ fn in_space() -> FitDocument {
         folds_refused: 1,
         smallest_jacobian: 0.5,
         fold_free: true,
+        bending: 1.2,
+        fairness_raised: 0,
         lanes_monotone: Some(true),
         against: 1,
         closed: [false; 2],

@@ -128,8 +128,9 @@ fn parametric_lines(part: &ParametricPart, lines: &mut Lines) {
     lines.add(
         "map",
         format!(
-            "{folds}, smallest Jacobian {} of the mean, {} steps{settled}",
+            "{folds}, smallest Jacobian {} of the mean, bends {} times what neighbours felt, {} steps{settled}",
             significant(part.smallest_jacobian, 2),
+            significant(part.bending, 2),
             part.iterations
         ),
     );

@@ -20,7 +20,7 @@ pub use effects::Effect;
 pub use error::SceneError;
 pub use simulate::{Block, Simulator};
 pub use surface::{Body, Surface, SurfacePoint};
-pub use sweep::{MAX_TOUCHES, Site, Sweep, linspace};
+pub use sweep::{MAX_TOUCHES, Site, Sweep, SweepPath, linspace};
 pub use truth::{TrueShape, Truth};
 
 /// A world to be touched.

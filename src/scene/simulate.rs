@@ -10,7 +10,7 @@
 
 use super::effects::{Context, Effect, Stage};
 use super::surface::{Surface, SurfacePoint};
-use super::sweep::{Site, Sweep, Touched};
+use super::sweep::{Site, Sweep, SweepPath, Touched};
 use super::truth::Truth;
 use super::{SceneError, World};
 use crate::contact::Contacts;
@@ -160,6 +160,15 @@ impl World {
                 first: format!("sweep.tip_radius = {tip_radius}"),
                 second: format!("sweep.second.tip_radius = {}", other.tip_radius),
                 why: "both sweeps are made with the same hand".into(),
+            });
+        }
+        if let Some(effect) = effects.iter().find(|effect| !effect.goes_around())
+            && self.sweeps.iter().any(|sweep| sweep.path == SweepPath::Around)
+        {
+            return Err(SceneError::Clash {
+                first: "sweep.path = \"around\"".into(),
+                second: format!("effects.{}", effect.name()),
+                why: "that effect belongs to fingers that come down from above".into(),
             });
         }
         let mut context =

@@ -39,14 +39,22 @@ impl Truth {
         self.surface.at(x, y)
     }
 
-    /// The true surface where a line through `point` along `normal` meets it, if within half of the touched extent.
+    /// The true surface where a line through `point` along `normal` meets it (cylinder, torus: its nearest point), if
+    /// within half of the touched extent.
     pub fn near(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Local> {
         let extent = (0..3).map(|k| {
             let range = self.points.iter().map(|p| p.point[k]);
             let (lo, hi) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             hi - lo
         });
-        let along = self.surface.hit(point, normal).filter(|t| t.abs() <= 0.5 * extent.fold(0.0, f64::max))?;
+        let reach = 0.5 * extent.fold(0.0, f64::max);
+        if let Some(nearest) = self.surface.nearest_around(point) {
+            // round a torus the line would meet the far side of the ring first
+            let off = [0, 1, 2].map(|k| point[k] - nearest.point[k]);
+            let there = super::vector::norm(off) <= reach && super::vector::dot(nearest.local.normal, normal) > 0.0;
+            return there.then_some(nearest.local);
+        }
+        let along = self.surface.hit(point, normal).filter(|t| t.abs() <= reach)?;
         self.surface.local([0, 1, 2].map(|k| point[k] + along * normal[k]))
     }
 

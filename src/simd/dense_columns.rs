@@ -51,6 +51,44 @@ pub fn factor_columns<const N: usize, const PADDED: usize>(
     dispatch!(level, factor [N, PADDED](columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize>)
 }
 
+#[inline(always)]
+fn factor_any<V: Lanes>(order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
+    let mut smallest = f64::INFINITY;
+    for k in 0..order {
+        let (done, rest) = columns.split_at_mut((k + 1) * stride);
+        let column = &mut done[k * stride..];
+        let pivot = column[k];
+        if pivot.is_nan() || pivot <= 0.0 {
+            return Err(k);
+        }
+        smallest = f64::min(smallest, pivot);
+        let inverse = V::splat(1.0 / pivot.sqrt());
+        for i in (k / V::N * V::N..stride).step_by(V::N) {
+            (V::load(&column[i..]) * inverse).store(&mut column[i..]);
+        }
+        for (j, target) in rest.chunks_exact_mut(stride).take(order - k - 1).enumerate() {
+            let j = k + 1 + j;
+            let factor = V::splat(column[j]);
+            for i in (j / V::N * V::N..stride).step_by(V::N) {
+                V::load(&column[i..]).neg_mul_add(factor, V::load(&target[i..])).store(&mut target[i..]);
+            }
+        }
+    }
+    Ok(smallest)
+}
+
+/// As [`factor_columns`] for any order, columns one after another, `stride` numbers each, a multiple of 8.
+///
+/// # Errors
+/// `Err(column)`.
+///
+/// # Panics
+/// When `columns` is shorter than its shape, or `stride` no multiple of 8.
+pub fn factor_dense(level: Level, order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
+    assert!(stride.is_multiple_of(8) && stride >= order && columns.len() >= order * stride);
+    dispatch!(level, factor_any [](order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize>)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Twins;
@@ -94,6 +132,18 @@ mod tests {
             }
             factor.hold(16.0);
             forwards.hold(16.0);
+            let mut flat = vec![0.0; N * PADDED];
+            for j in 0..N {
+                (j..N).for_each(|i| flat[j * PADDED + i] = a[i][j]);
+            }
+            factor_dense(level, N, PADDED, &mut flat).unwrap();
+            let mut flattened = Twins::new("factor_dense", level);
+            for i in 0..N {
+                for j in 0..=i {
+                    flattened.compare(flat[j * PADDED + i], expected[i][j]);
+                }
+            }
+            flattened.hold(16.0);
             columns[3] = [0.0; PADDED];
             assert!(factor_columns(level, &mut columns).is_err());
         }

@@ -5,7 +5,8 @@
 //! | [`shape_maps`] | S and R from the five derivatives of a height field |
 //! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points |
 //! | [`patch_maps`] | the same over a small grid on one segment, all rows in one call |
-//! | [`factor_columns`] | Cholesky of 9, 16 or 25 unknowns |
+//! | [`factor_columns`], [`factor_dense`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred |
+//! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`chacha8`] | standard normals from addressed random words |
 //! | [`quadratic_forms`] | `g'A g` and `|A g|'t` of many vectors g |
@@ -19,9 +20,11 @@ mod arctangent;
 mod bilinear;
 mod block_columns;
 mod chacha8;
+mod combine_rows;
 mod contract_rows;
 mod curvature_row;
 mod dense_columns;
+mod gram_rows;
 mod lanes;
 mod level;
 mod moments;
@@ -34,9 +37,11 @@ mod shape_maps;
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
+pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
-pub use dense_columns::{DenseColumns, factor_columns};
+pub use dense_columns::{DenseColumns, factor_columns, factor_dense};
+pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normals};

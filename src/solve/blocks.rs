@@ -9,24 +9,32 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
-use super::small::PackedCholesky;
 use crate::linalg::{BlockMatrix, inverse_norm1_estimate};
+use crate::simd::{Level, factor_dense};
 
-/// Up to this many unknowns the packed dense factor wins: its 4.5 million multiply-adds cost what a symbolic step does.
+/// Up to this many unknowns the dense factor wins: its 4.5 million multiply-adds cost what a symbolic step does.
 const DENSE_LIMIT: usize = 300;
 
 /// A reusable Cholesky solver for matrices of one block pattern.
 #[derive(Debug)]
 pub struct BlockCholesky {
     scale: Vec<f64>,
+    sums: Vec<f64>,
     norm: f64,
     kind: Kind,
 }
 
 #[derive(Debug)]
 enum Kind {
-    Dense(PackedCholesky),
+    Dense(Dense),
     Sparse(Box<Sparse>),
+}
+
+/// Columns of L, padded to whole sets of lanes.
+#[derive(Debug)]
+struct Dense {
+    stride: usize,
+    columns: Vec<f64>,
 }
 
 #[derive(Debug)]
@@ -46,11 +54,12 @@ impl BlockCholesky {
     pub fn plan(matrix: &BlockMatrix) -> Result<BlockCholesky, SolveError> {
         let order = matrix.order();
         let kind = if order <= DENSE_LIMIT {
-            Kind::Dense(PackedCholesky::default())
+            let stride = order.next_multiple_of(8);
+            Kind::Dense(Dense { stride, columns: vec![0.0; order * stride] })
         } else {
             Kind::Sparse(Box::new(Sparse::plan(matrix)?))
         };
-        Ok(BlockCholesky { scale: vec![1.0; order], norm: 0.0, kind })
+        Ok(BlockCholesky { scale: vec![1.0; order], sums: vec![0.0; order], norm: 0.0, kind })
     }
 
     /// Factors `matrix + damping diag(matrix)`, reusing all memory.
@@ -67,30 +76,35 @@ impl BlockCholesky {
             }
             *scale = 1.0 / diagonal.sqrt();
         }
-        let (scale, mut sums) = (&self.scale, vec![0.0; self.scale.len()]);
-        let entry = |row: usize, column: usize, value: f64| {
-            if row == column { 1.0 + damping } else { value * scale[row] * scale[column] }
+        let (scale, sums) = (&self.scale, &mut self.sums);
+        sums.fill(0.0);
+        let (values, stride) = match &mut self.kind {
+            Kind::Dense(dense) => {
+                // blocks that do not meet stay zero
+                dense.columns.fill(0.0);
+                (&mut dense.columns, Some(dense.stride))
+            }
+            Kind::Sparse(sparse) => (&mut sparse.values, None),
         };
-        let mut values = Vec::new();
+        let mut next = 0;
         for_each_lower(matrix, |row, column, value| {
-            let scaled = entry(row, column, value);
-            values.push((row, column, scaled));
+            let scaled = if row == column { 1.0 + damping } else { value * scale[row] * scale[column] };
+            values[stride.map_or(next, |stride| column * stride + row)] = scaled;
+            next += 1;
             sums[row] += scaled.abs();
             if row != column {
                 sums[column] += scaled.abs();
             }
         });
-        self.norm = sums.into_iter().fold(0.0, f64::max);
+        self.norm = sums.iter().copied().fold(0.0, f64::max);
         if !self.norm.is_finite() {
             return Err(SolveError::NotFinite { unknown: 0 });
         }
         match &mut self.kind {
-            Kind::Dense(dense) => {
-                dense.reset(scale.len());
-                values.iter().for_each(|&(row, column, value)| dense.set(row, column, value));
-                dense.factor().map_err(|unknown| SolveError::NotPositiveDefinite { unknown })
-            }
-            Kind::Sparse(sparse) => sparse.factor(&values),
+            Kind::Dense(dense) => factor_dense(Level::active(), scale.len(), dense.stride, &mut dense.columns)
+                .map(|_| ())
+                .map_err(|unknown| SolveError::NotPositiveDefinite { unknown }),
+            Kind::Sparse(sparse) => sparse.factor(),
         }
     }
 
@@ -117,22 +131,42 @@ impl BlockCholesky {
 
 /// Entries of the lower triangle in the order of a compressed row form: row after row, columns ascending.
 fn for_each_lower(matrix: &BlockMatrix, mut visit: impl FnMut(usize, usize, f64)) {
-    let mut blocks: Vec<(usize, [[f64; 3]; 3])> = Vec::new();
-    let mut flush = |row: usize, blocks: &mut Vec<(usize, [[f64; 3]; 3])>| {
+    for row in 0..matrix.coefficients() {
+        let (columns, blocks) = matrix.row(row);
         for a in 0..3 {
-            for (column, block) in blocks.iter() {
+            for (column, block) in columns.iter().zip(blocks) {
                 let width = if *column == row { a + 1 } else { 3 };
                 (0..width).for_each(|b| visit(3 * row + a, 3 * column + b, block[a][b]));
             }
         }
-        blocks.clear();
-    };
-    matrix.for_each(|row, column, block| {
-        blocks.push((column, *block));
-        if row == column {
-            flush(row, &mut blocks);
+    }
+}
+
+impl Dense {
+    fn solve(&self, v: &mut [f64]) {
+        let n = v.len();
+        for k in 0..n {
+            let column = &self.columns[k * self.stride..k * self.stride + n];
+            let value = v[k] / column[k];
+            v[k] = value;
+            v[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(w, l)| *w -= value * l);
         }
-    });
+        for k in (0..n).rev() {
+            let column = &self.columns[k * self.stride..k * self.stride + n];
+            v[k] = (v[k] - dot(&column[k + 1..], &v[k + 1..])) / column[k];
+        }
+    }
+}
+
+/// `a . b` in four sums, which do not wait for one another.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 4];
+    for (x, y) in a.zip(b) {
+        (0..4).for_each(|k| sums[k] += x[k] * y[k]);
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 impl Sparse {
@@ -154,9 +188,9 @@ impl Sparse {
         Ok(Sparse { starts, rows, symbolic, values, factor })
     }
 
-    fn factor(&mut self, entries: &[(usize, usize, f64)]) -> Result<(), SolveError> {
+    /// Factors `values`.
+    fn factor(&mut self) -> Result<(), SolveError> {
         let unknowns = self.starts.len() - 1;
-        self.values.iter_mut().zip(entries).for_each(|(v, (_, _, entry))| *v = *entry);
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::Memory { unknowns })?;
         let pattern = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &self.starts, None, &self.rows);

@@ -4,6 +4,7 @@
 //! Q_kl = sum_ab c_(first_u + a, first_v + b) N_a^(k) M_b^(l)
 //! ```
 
+use super::vector::{Vector, cross};
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::MapShape;
 
@@ -11,6 +12,9 @@ use crate::linalg::MapShape;
 const WIDTH: usize = MAX_DEGREE + 1;
 /// Orders of derivatives that are kept: 0 to 3.
 const ORDERS: usize = 4;
+
+/// Derivatives of a map by their orders `[k][l]`.
+pub type Jet = [[Vector; ORDERS]; ORDERS];
 
 /// Knots of a map and the numbering of its distinct coefficients.
 #[derive(Clone, Debug)]
@@ -55,15 +59,26 @@ impl Cells {
         (self.shape.degree[0] + 1) * (self.shape.degree[1] + 1)
     }
 
-    /// The basis at (u, v); closed directions wrap.
-    pub fn row(&self, u: f64, v: f64) -> Row {
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.knots[0].n_segments() * self.knots[1].n_segments()
+    }
+
+    /// The cell of (u, v).
+    pub fn cell_of(&self, [u, v]: [f64; 2]) -> usize {
+        let segment = |k: usize, t: f64| self.knots[k].segment_of(self.knots[k].wrapped(t));
+        segment(0, u) * self.knots[1].n_segments() + segment(1, v)
+    }
+
+    /// The basis at (u, v) with derivatives up to `order`; closed directions wrap.
+    pub fn row(&self, u: f64, v: f64, order: usize) -> Row {
         let mut row = Row { cell: 0, first: [0; 2], values: [[0.0; ORDERS * WIDTH]; 2], width: [0; 2] };
         for (k, t) in [u, v].into_iter().enumerate() {
             let knots = &self.knots[k];
             let t = knots.wrapped(t);
             let width = knots.degree() + 1;
             let segment = knots.segment_of(t);
-            knots.derivatives_on(segment, t, ORDERS - 1, &mut row.values[k][..ORDERS * width]);
+            knots.derivatives_on(segment, t, order, &mut row.values[k][..(order + 1) * width]);
             row.first[k] = knots.first_basis(segment);
             row.width[k] = width;
             row.cell = row.cell * knots.n_segments() + segment;
@@ -81,32 +96,49 @@ impl Cells {
         }
     }
 
-    /// Derivative `(k, l)` of the map with these coefficients.
-    pub fn derivative(&self, row: &Row, c: &[[f64; 3]], (k, l): (usize, usize)) -> [f64; 3] {
+    /// Derivatives `[k][l]` of the map with these coefficients, `k + l <= ORDER`.
+    #[inline]
+    pub fn jet<const ORDER: usize>(&self, row: &Row, c: &[Vector]) -> Jet {
+        let mut out = [[[0.0; 3]; ORDERS]; ORDERS];
         let [n, m] = self.shape.free;
-        let mut sum = [0.0; 3];
-        for a in 0..row.width[0] {
-            let i = (row.first[0] + a) % n;
-            let mut along = [0.0; 3];
-            for b in 0..row.width[1] {
-                let weight = row.values[1][l * row.width[1] + b];
-                let c = &c[i * m + (row.first[1] + b) % m];
-                (0..3).for_each(|d| along[d] += weight * c[d]);
+        let [wide_u, wide_v] = row.width;
+        for a in 0..wide_u {
+            // a closed direction has more coefficients than the p + 1 alive, so once round is enough
+            let i = row.first[0] + a;
+            let line = &c[if i < n { i } else { i - n } * m..][..m];
+            let mut along = [[0.0; 3]; ORDERS];
+            for b in 0..wide_v {
+                let j = row.first[1] + b;
+                let point = &line[if j < m { j } else { j - m }];
+                for (l, sum) in along.iter_mut().enumerate().take(ORDER + 1) {
+                    let weight = row.values[1][l * wide_v + b];
+                    (0..3).for_each(|d| sum[d] += weight * point[d]);
+                }
             }
-            let weight = row.values[0][k * row.width[0] + a];
-            (0..3).for_each(|d| sum[d] += weight * along[d]);
+            for (k, line) in out.iter_mut().enumerate().take(ORDER + 1) {
+                let weight = row.values[0][k * wide_u + a];
+                for (sum, along) in line.iter_mut().zip(&along).take(ORDER + 1 - k) {
+                    (0..3).for_each(|d| sum[d] += weight * along[d]);
+                }
+            }
         }
-        sum
+        out
+    }
+
+    /// `Q_u x Q_v` at a row.
+    pub fn area(&self, row: &Row, c: &[Vector]) -> Vector {
+        let jet = self.jet::<1>(row, c);
+        cross(jet[1][0], jet[0][1])
     }
 }
 
 impl Row {
-    /// Products `N_a^(k) M_b^(l)`, a-major.
-    pub fn products(&self, (k, l): (usize, usize), out: &mut Vec<f64>) {
-        out.clear();
-        for a in 0..self.width[0] {
-            let outer = self.values[0][k * self.width[0] + a];
-            out.extend((0..self.width[1]).map(|b| outer * self.values[1][l * self.width[1] + b]));
+    /// Products `N_a^(k) M_b^(l)`, a-major, one for each place of `out`.
+    #[inline]
+    pub fn products(&self, (k, l): (usize, usize), out: &mut [f64]) {
+        let inner = &self.values[1][l * self.width[1]..(l + 1) * self.width[1]];
+        for (line, outer) in out.chunks_exact_mut(self.width[1]).zip(&self.values[0][k * self.width[0]..]) {
+            line.iter_mut().zip(inner).for_each(|(o, i)| *o = outer * i);
         }
     }
 }

@@ -88,11 +88,11 @@ pub fn describe(fit: &ParametricFit) -> ParametricShape {
 fn uncertainties(fit: &ParametricFit, maps: &SpaceMaps, defined: usize) -> [f64; 2] {
     let unknowns = 3 * fit.cells.shape().coefficients();
     let mut sums = [vec![0.0; unknowns], vec![0.0; unknowns]];
-    let (mut alive, mut products) = (Vec::new(), Vec::new());
+    let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
     for (at, _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
         let (u, v) = (maps.grid.x[at.0], maps.grid.y[at.1]);
         let Some((by_s, by_r)) = shape_gradient(&fit.surface.at(u, v).derivatives) else { continue };
-        let row = fit.cells.row(u, v);
+        let row = fit.cells.row(u, v, 2);
         fit.cells.alive(&row, &mut alive);
         for (k, order) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
             row.products(order, &mut products);

@@ -9,15 +9,16 @@
 //! (2017) 1071. The rank of S is the number of coefficients less the six of a paraboloid, which a change of bending does
 //! not see: moves along the surface have no E.
 
-use super::descent::{Descent, Solver, State};
+use super::descent::{Descent, ON_THE_WAY, SETTLED, Solver, State};
 use super::problem::{Parts, Problem, Weights};
-use crate::fit::{FitError, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-use crate::linalg::BlockMatrix;
+use crate::fit::{FitError, NormalSigma, Objective, SlopeWeights, Smooth};
 
 /// Levels that have moved by less than this share of themselves stand.
 const STANDS: f64 = 1e-4;
 /// Updates; the map contracts by a half or better.
 const MAX_UPDATES: usize = 60;
+/// Largest ratio of two updates in a row that is followed to its limit.
+const MOST_RATIO: f64 = 0.95;
 /// Up to this many unknowns traces are exact, one solve each.
 const EXACT_TRACE: usize = 300;
 /// Probes of Hutchinson's estimator beyond.
@@ -28,7 +29,7 @@ pub const FAIRNESS: f64 = 30.0;
 /// lambda's bounds: no fairness to speak of, and no change of bending to speak of.
 const FAIRNESS_RANGE: [f64; 2] = [1e-6, 1e4];
 /// Least noise that is believed, patch units and radians: below it the descent's last digits are at odds with the ties.
-const NO_NOISE: f64 = 1e-4;
+pub const NO_NOISE: f64 = 1e-4;
 /// Levels to begin with: half a percent of the half side, two degrees.
 const BEGIN: [f64; 2] = [0.005, 0.035];
 /// Coefficients of a paraboloid.
@@ -43,6 +44,13 @@ pub struct Unknown {
     pub common: bool,
     /// lambda.
     pub fairness: bool,
+}
+
+impl Unknown {
+    /// Anything at all.
+    pub fn any(self) -> bool {
+        self.both || self.common || self.fairness
+    }
 }
 
 /// First levels and which of them to estimate. `scale` is the patch's length.
@@ -82,23 +90,49 @@ pub fn descend_with_levels(
     state: &mut State,
     unknown: Unknown,
 ) -> Result<(Descent, usize), FitError> {
-    let mut reached = solver.descend(problem, state)?;
-    let (mut steps, mut folds) = (reached.steps, reached.folds_refused);
-    if !(unknown.both || unknown.common || unknown.fairness) {
-        return Ok((reached, steps));
+    if !unknown.any() {
+        let reached = solver.descend(problem, state, SETTLED)?;
+        return Ok((reached, reached.steps));
     }
-    for _ in 0..MAX_UPDATES {
+    let mut reached = solver.descend(problem, state, ON_THE_WAY)?;
+    let (mut steps, mut folds) = (reached.steps, reached.folds_refused);
+    let mut path = vec![problem.weights];
+    for update in 1..=MAX_UPDATES {
         let next = updated(problem, solver, state, &reached, unknown)?;
-        let moved = relative_move(&problem.weights, &next);
+        path.push(next);
+        let last = relative_move(&problem.weights, &next) < STANDS || update == MAX_UPDATES;
         problem.weights = next;
-        reached = solver.descend(problem, state)?;
+        if let ([before, between, after], false) = (&path[..], last) {
+            problem.weights = ahead([before, between, after]);
+            path = vec![problem.weights];
+        }
+        reached = solver.descend(problem, state, if last { SETTLED } else { ON_THE_WAY })?;
         (steps, folds) = (steps + reached.steps, folds + reached.folds_refused);
-        if moved < STANDS {
+        if last {
             break;
         }
     }
     reached.folds_refused = folds;
     Ok((reached, steps))
+}
+
+/// Where three levels in a row are heading, each as a geometric series of logarithms (A. C. Aitken, *Proc. R. Soc.
+/// Edinburgh* 46 (1926) 289): the plain iteration takes 60 updates where this takes 10.
+fn ahead([before, between, after]: [&Weights; 3]) -> Weights {
+    let limit = |a: f64, b: f64, c: f64| {
+        let (first, second) = ((b / a).ln(), (c / b).ln());
+        let ratio = second / first;
+        // a ratio near 1 is no series yet; e^2 is as far as one looks
+        let more = if ratio.abs() < MOST_RATIO { second * ratio / (1.0 - ratio) } else { 0.0 };
+        c * more.clamp(-2.0, 2.0).exp()
+    };
+    let fairness = limit(before.fairness, between.fairness, after.fairness);
+    Weights {
+        position: limit(before.position, between.position, after.position).max(NO_NOISE),
+        normal: limit(before.normal, between.normal, after.normal).max(NO_NOISE),
+        fairness: fairness.clamp(FAIRNESS_RANGE[0], FAIRNESS_RANGE[1]),
+        ..*after
+    }
 }
 
 fn relative_move(a: &Weights, b: &Weights) -> f64 {
@@ -138,14 +172,37 @@ fn updated(
 
 /// `tr A^-1 B` for the parts of positions, normals and fairness (its own weight included).
 fn traces(problem: &Problem, solver: &mut Solver, state: &State) -> Result<[f64; 3], FitError> {
-    let mut unused = vec![0.0; solver.matrix.order()];
+    let order = solver.matrix.order();
+    let mut unused = vec![0.0; order];
     solver.matrix.clear();
     problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut solver.matrix, &mut unused);
     solver.factor.factor(&solver.matrix, 1e-14).map_err(|source| FitError::Solve { source })?;
+    let probes = if order <= EXACT_TRACE { Vec::new() } else { signs(order) };
+    // the columns of A^-1, or A^-1 times the probes
+    let solved: Vec<Vec<f64>> = if order <= EXACT_TRACE {
+        (0..order).map(|u| (0..order).map(|k| f64::from(u8::from(k == u))).collect()).collect()
+    } else {
+        probes.clone()
+    };
+    let solved: Vec<Vec<f64>> = solved
+        .into_iter()
+        .map(|mut v| {
+            solver.factor.solve(&mut v);
+            v
+        })
+        .collect();
     let mut part = |parts: Parts| {
         solver.matrix.clear();
         problem.assemble(&state.coefficients, &state.feet, parts, &mut solver.matrix, &mut unused);
-        trace(&solver.factor, &solver.matrix)
+        if order <= EXACT_TRACE {
+            return solver.matrix.contracted(&solved);
+        }
+        let mut product = vec![0.0; order];
+        let of = |(probe, solved): (&Vec<f64>, &Vec<f64>)| {
+            solver.matrix.multiply(probe, &mut product);
+            product.iter().zip(solved).map(|(p, v)| p * v).sum::<f64>()
+        };
+        probes.iter().zip(&solved).map(of).sum::<f64>() / PROBES as f64
     };
     Ok([
         part(Parts { position: true, ..Parts::NONE }),
@@ -154,56 +211,13 @@ fn traces(problem: &Problem, solver: &mut Solver, state: &State) -> Result<[f64;
     ])
 }
 
-fn trace(factor: &crate::solve::BlockCholesky, b: &BlockMatrix) -> f64 {
-    let order = b.order();
-    let (mut probe, mut product) = (vec![0.0; order], vec![0.0; order]);
-    if order <= EXACT_TRACE {
-        return (0..order)
-            .map(|u| {
-                probe.fill(0.0);
-                probe[u] = 1.0;
-                b.multiply(&probe, &mut product);
-                factor.solve(&mut product);
-                product[u]
-            })
-            .sum();
-    }
-    // signs from Knuth's MMIX generator: any fixed +-1 sequence will do, and the result must not depend on a seed
+/// Probes of Hutchinson's estimator: signs from Knuth's MMIX generator. Any fixed sequence will do, and the result must
+/// not depend on a seed.
+fn signs(order: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut sum = 0.0;
-    for _ in 0..PROBES {
-        for p in &mut probe {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            *p = if state >> 63 == 0 { 1.0 } else { -1.0 };
-        }
-        b.multiply(&probe, &mut product);
-        factor.solve(&mut product);
-        sum += probe.iter().zip(&product).map(|(p, v)| p * v).sum::<f64>();
-    }
-    sum / PROBES as f64
-}
-
-/// Robust weights of positions and normals at the present residuals.
-pub fn robust_weights(robust: Robust, problem: &Problem, state: &State) -> Option<[Vec<f64>; 2]> {
-    if robust == Robust::None {
-        return None;
-    }
-    let residuals = problem.residuals(&state.coefficients, &state.feet);
-    let scale = |k: usize, to_sd: f64| {
-        let mut sizes: Vec<f64> = residuals.iter().map(|r| r[k].abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        (sizes[sizes.len() / 2] * to_sd).max(NO_NOISE)
+    let mut sign = |_| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if state >> 63 == 0 { 1.0 } else { -1.0 }
     };
-    // medians of a normal distribution's magnitude and of a Rayleigh distribution
-    let scales = [scale(0, 1.4826), scale(1, 0.849_3)];
-    Some([0, 1].map(|k| residuals.iter().map(|r| loss_weight(robust, r[k] / scales[k])).collect()))
-}
-
-/// Square root of the loss's weight, tuned for 95 % efficiency.
-fn loss_weight(robust: Robust, r: f64) -> f64 {
-    match robust {
-        Robust::None => 1.0,
-        Robust::Huber => (1.345 / r.abs().max(1.345)).sqrt(),
-        Robust::Tukey => (1.0 - (r / 4.685).powi(2)).max(0.0),
-    }
+    (0..PROBES).map(|_| (0..order).map(&mut sign).collect()).collect()
 }

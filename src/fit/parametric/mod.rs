@@ -10,7 +10,9 @@
 //!
 //! Everything is made of scalar products, so S and R do not change when the contacts are turned in space.
 
+mod bending;
 mod cells;
+mod certificate;
 mod choice;
 mod descent;
 mod describe;
@@ -19,17 +21,21 @@ mod fairness;
 mod fitted;
 mod flattening;
 mod foot;
+mod gather;
 mod gradient;
 mod lanes;
 mod levels;
+mod parallel;
 mod problem;
 mod quadrature;
+mod robust;
 mod start;
 mod touches;
 mod vector;
 
 use std::sync::OnceLock;
 
+pub use certificate::ParametricCertificate;
 pub use choice::{SurfaceKind, choose_surface};
 pub use describe::ParametricShape;
 pub use fitted::{FittedSurface, fit_surface};
@@ -40,13 +46,12 @@ use crate::contact::{Contacts, Frame};
 use crate::shape::UvSupport;
 use crate::surface::Parametric;
 use cells::Cells;
-use descent::{Solver, State};
+use descent::{Descent, Solver, State};
 use foot::Feet;
 use lanes::Flat;
 use levels::Unknown;
 use problem::{Problem, Weights};
 use touches::Touches;
-use vector::Vector;
 
 /// tau of T: Christoffel symbols of 0.2 over the patch cost as much as one contact at one sigma. The parametrisation
 /// follows; 1 lets the corners of noisy patches fold together, 1000 begins to hold back small balls.
@@ -56,41 +61,10 @@ const SLACK: f64 = 30.0;
 const TIE: f64 = 1e4;
 /// Share of the contacts whose normals may be against the surface that was fitted.
 const MOST_AGAINST: f64 = 0.1;
-/// A Jacobian below this share of the mean one is a fold about to happen.
-const FOLD: f64 = 1e-3;
+/// Times that an estimated fairness is raised tenfold when the surface bends more than was felt.
+const MOST_RAISES: usize = 6;
 /// Segments of a closed direction where none are asked for: a cubic's curvature of a circle is then off by 2 % at worst.
 const ROUND: usize = 12;
-/// Reweightings of a robust fit.
-const REWEIGHTINGS: usize = 20;
-
-/// How far to trust a surface in space.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParametricCertificate {
-    /// How the contacts were flattened, and why so.
-    pub parametrisation: String,
-    /// Scalar rows: one a position, two a normal.
-    pub equations: usize,
-    /// Unknowns, three a coefficient.
-    pub unknowns: usize,
-    /// Steps of the descent, all levels together.
-    pub iterations: usize,
-    /// The last descent ended at a minimum.
-    pub settled: bool,
-    /// Steps that were refused because they folded the map.
-    pub folds_refused: usize,
-    /// Smallest `Q_u x Q_v . n` over contacts and supported grid points, over the mean.
-    pub smallest_jacobian: f64,
-    /// The map turns over nowhere among contacts and supported grid points.
-    pub fold_free: bool,
-    /// Along every lane the feet come in the order of the stations, but for steps within their noise.
-    pub lanes_monotone: Option<bool>,
-    /// Contacts whose normal is against the surface.
-    pub against: usize,
-    /// Condition of the equilibrated Gauss-Newton rows.
-    pub condition: f64,
-    /// Largest equilibrated gradient left over the largest of its terms' sizes.
-    pub gradient: f64,
-}
 
 /// Noise levels and the weight of fairness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +100,8 @@ pub struct ParametricFit {
 /// Fits a surface in space to contacts with normals.
 ///
 /// # Errors
-/// Every [`FitError`]: contacts on one curve or of several sheets, normals that change sides, too few of them.
+/// Every [`FitError`]: contacts on one curve or of several sheets, normals that change sides, too few of them, a surface
+/// that bends more than neighbouring contacts can have felt.
 pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, FitError> {
     options.check()?;
     let mut touches = Touches::new(contacts)?;
@@ -137,65 +112,58 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     check_rows(&touches, &cells)?;
     let gauss = quadrature::gauss_points(&cells);
     let (weights, unknown) = levels::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
-    let mut problem = Problem { cells: &cells, touches: &touches, flattened: &flat.places, gauss: &gauss, weights };
+    let mut problem = Problem::new(&cells, &touches, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
-    let coefficients = start::start(&problem, &mut solver, &flat.places)?;
-    let mut state = State { coefficients, feet: Feet { places: flat.places.clone() } };
-    // fairness first, levels after: from a rough start a long way down is a way into a fold
-    problem.weights.fairness = weights.fairness.max(levels::FAIRNESS);
-    let mut iterations = solver.descend(&problem, &mut state)?.steps;
-    problem.weights = weights;
-    let (mut reached, steps) = levels::descend_with_levels(&mut problem, &mut solver, &mut state, unknown)?;
-    iterations += steps;
-    let mut weighted = touches.clone();
+    let (mut state, mut reached) = descend(&mut problem, &mut solver, &flat, unknown)?;
     let mut weights = problem.weights;
+    let mut weighted = touches.clone();
     if options.robust != super::Robust::None {
-        for _ in 0..REWEIGHTINGS {
-            let again = Problem { cells: &cells, touches: &touches, flattened: &flat.places, gauss: &gauss, weights };
-            let Some([p, n]) = levels::robust_weights(options.robust, &again, &state) else { break };
-            weighted = touches.clone();
-            weighted.position_weight.iter_mut().zip(p).for_each(|(w, v)| *w *= v);
-            weighted.normal_weight.iter_mut().zip(n).for_each(|(w, v)| *w *= v);
-            let before = state.coefficients.clone();
-            let again = Problem { cells: &cells, touches: &weighted, flattened: &flat.places, gauss: &gauss, weights };
-            reached = solver.descend(&again, &mut state)?;
-            iterations += reached.steps;
-            let moved = before.iter().zip(&state.coefficients).map(|(a, b)| vector::norm(vector::minus(*a, *b)));
-            if moved.fold(0.0, f64::max) < 1e-9 {
-                break;
-            }
-        }
+        robust::reweigh(options.robust, &problem, &mut weighted, &mut solver, &mut state, &mut reached)?;
     }
-    let problem = Problem { cells: &cells, touches: &weighted, flattened: &flat.places, gauss: &gauss, weights };
-    let (condition, gradient) = final_factor(&problem, &mut solver, &state)?;
+    let mut problem = Problem::new(&cells, &weighted, &flat.places, &gauss, weights);
+    let mut found = certificate::findings(&problem, &state, &support(&flat, &state.feet.places, cells.knots()));
+    let mut fairness_raised = 0;
+    while !found.is_felt() && unknown.fairness && fairness_raised < MOST_RAISES {
+        problem.weights.fairness = (10.0 * problem.weights.fairness).max(1.0);
+        fairness_raised += 1;
+        let declared = Unknown { both: false, common: false, fairness: false };
+        let (again, steps) = descend(&mut problem, &mut solver, &flat, declared)?;
+        (state, reached.steps) = (again, reached.steps + steps.steps);
+        (reached.settled, weights) = (steps.settled, problem.weights);
+        found = certificate::findings(&problem, &state, &support(&flat, &state.feet.places, cells.knots()));
+    }
+    if found.against as f64 > MOST_AGAINST * touches.len() as f64 {
+        return Err(FitError::Against { against: found.against, contacts: touches.len() });
+    }
+    if !found.is_felt() {
+        return Err(FitError::Runaway { bending: found.bending, most: bending::MOST_BENDING });
+    }
+    let (condition, gradient) = certificate::final_factor(&problem, &mut solver, &state)?;
     let residuals = problem.residuals(&state.coefficients, &state.feet);
-    weights = problem.weights;
-    let surface = Parametric::from_free(cells.knots().clone(), &state.coefficients)?;
-    let support = support(&flat, &state.feet.places, cells.knots());
-    let mut certificate = ParametricCertificate {
+    let certificate = ParametricCertificate {
         parametrisation: format!("{}{reason}", flat.method),
         equations: equations(&touches),
         unknowns: 3 * cells.shape().coefficients(),
-        iterations,
+        iterations: reached.steps,
         settled: reached.settled,
         folds_refused: reached.folds_refused,
-        smallest_jacobian: f64::NAN,
-        fold_free: false,
-        lanes_monotone: None,
-        against: 0,
+        smallest_jacobian: found.smallest_jacobian,
+        fold_free: found.fold_free,
+        lanes_monotone: found.lanes_monotone,
+        against: found.against,
+        bending: found.bending,
+        fairness_raised,
         condition,
         gradient,
     };
-    certify(&mut certificate, &cells, &touches, &state, &support, &weights);
-    if certificate.against as f64 > MOST_AGAINST * touches.len() as f64 {
-        return Err(FitError::Against { against: certificate.against, contacts: touches.len() });
-    }
     let levels = ParametricLevels {
         position: weights.position * frame.scale,
         normal_deg: weights.normal.to_degrees(),
         fairness: weights.fairness,
         estimated: unknown != Unknown { both: false, common: false, fairness: false },
     };
+    let surface = Parametric::from_free(cells.knots().clone(), &state.coefficients)?;
+    let support = support(&flat, &state.feet.places, cells.knots());
     Ok(ParametricFit {
         options: options.clone(),
         frame,
@@ -211,6 +179,28 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         touches: weighted,
         shape: OnceLock::new(),
     })
+}
+
+/// From the linear rows down to the minimum, levels and fairness estimated on the way; all steps are counted.
+fn descend(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    flat: &Flat,
+    unknown: Unknown,
+) -> Result<(State, Descent), FitError> {
+    let coefficients = start::start(problem, solver, &flat.places)?;
+    let mut state = State { coefficients, feet: Feet { places: flat.places.clone() } };
+    let weights = problem.weights;
+    let mut before = 0;
+    if unknown.any() || weights.fairness < levels::FAIRNESS {
+        // fairness first, levels after: from a rough start a long way down is a way into a fold
+        problem.weights.fairness = weights.fairness.max(levels::FAIRNESS);
+        before = solver.descend(problem, &mut state, descent::ON_THE_WAY)?.steps;
+        problem.weights = weights;
+    }
+    let (mut reached, steps) = levels::descend_with_levels(problem, solver, &mut state, unknown)?;
+    reached.steps = before + steps;
+    Ok((state, reached))
 }
 
 /// Lanes where they are known and make a net, else the contacts alone.
@@ -284,79 +274,6 @@ fn check_rows(touches: &Touches, cells: &Cells) -> Result<(), FitError> {
         return Err(FitError::TooFew { contacts: touches.len(), equations, unknowns });
     }
     Ok(())
-}
-
-/// Leaves the undamped factor at the minimum in `solver`; condition and the gradient that is left.
-fn final_factor(problem: &Problem, solver: &mut Solver, state: &State) -> Result<(f64, f64), FitError> {
-    let mut rhs = vec![0.0; solver.matrix.order()];
-    solver.matrix.clear();
-    problem.assemble(&state.coefficients, &state.feet, problem::Parts::ALL, &mut solver.matrix, &mut rhs);
-    solver.factor.factor(&solver.matrix, 1e-14).map_err(|source| FitError::Solve { source })?;
-    let value = problem.value(&state.coefficients, &state.feet).map_or(0.0, |(value, _)| value);
-    let diagonal = solver.matrix.diagonal();
-    let scaled = rhs.iter().zip(&diagonal).map(|(g, d)| g.abs() / d.sqrt());
-    let gradient = scaled.fold(0.0, f64::max) / value.sqrt().max(f64::MIN_POSITIVE);
-    Ok((solver.factor.condition(), gradient))
-}
-
-fn certify(
-    certificate: &mut ParametricCertificate,
-    cells: &Cells,
-    touches: &Touches,
-    state: &State,
-    support: &UvSupport,
-    weights: &Weights,
-) {
-    let c = &state.coefficients;
-    let jacobian = |u: f64, v: f64| {
-        let row = cells.row(u, v);
-        vector::cross(cells.derivative(&row, c, (1, 0)), cells.derivative(&row, c, (0, 1)))
-    };
-    let mut sizes = Vec::new();
-    for (place, normal) in state.feet.places.iter().zip(&touches.normals) {
-        let area = jacobian(place[0], place[1]);
-        certificate.against += usize::from(vector::dot(area, *normal) <= 0.0);
-        sizes.push(vector::norm(area));
-    }
-    let [u, v] = [0, 1].map(|k| cells.knots()[k].domain());
-    let grid = crate::shape::ShapeGrid::over([u, v], [17, 17], 0.0);
-    let mut turned = false;
-    for pair in grid.x.iter().flat_map(|u| grid.y.windows(2).map(move |v| (*u, [v[0], v[1]]))) {
-        let (u, v) = pair;
-        if support.holds(u, v[0]) && support.holds(u, v[1]) {
-            let (a, b) = (jacobian(u, v[0]), jacobian(u, v[1]));
-            sizes.extend([vector::norm(a), vector::norm(b)]);
-            turned |= vector::dot(a, b) <= 0.0;
-        }
-    }
-    let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
-    certificate.smallest_jacobian = sizes.iter().fold(f64::INFINITY, |m, s| m.min(*s)) / mean;
-    certificate.lanes_monotone = monotone(touches, state, weights, c, cells);
-    certificate.fold_free = !turned
-        && certificate.smallest_jacobian > FOLD
-        && certificate.against == 0
-        && certificate.lanes_monotone != Some(false);
-}
-
-/// Feet follow the stations along every lane, but for steps within six sd of a position.
-fn monotone(touches: &Touches, state: &State, weights: &Weights, c: &[Vector], cells: &Cells) -> Option<bool> {
-    let labels = touches.labels.as_ref()?;
-    let mut order: Vec<usize> = (0..labels.len()).collect();
-    order.sort_by_key(|r| labels[*r]);
-    let mut forward = [true; 2];
-    for pair in order.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        if labels[a][0] != labels[b][0] || labels[a][1] == labels[b][1] {
-            continue;
-        }
-        let [from, to] = [state.feet.places[a], state.feet.places[b]];
-        let row = cells.row(from[0], from[1]);
-        let speed = vector::norm(cells.derivative(&row, c, (0, 1)));
-        let step = (to[1] - from[1]) * speed;
-        forward[0] &= step > -6.0 * weights.position;
-        forward[1] &= step < 6.0 * weights.position;
-    }
-    Some(forward[0] || forward[1])
 }
 
 impl ParametricFit {

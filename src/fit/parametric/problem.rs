@@ -17,12 +17,14 @@
 //!
 //! With it a mere change of (u, v) has no rows at all, and Gauss-Newton converges as if it were not there.
 
-use super::cells::{Cells, Row};
-use super::fairness::{INPUTS, ORDERS, RESIDUALS, ThirdJet, residuals};
+use super::cells::{Cells, Jet};
+use super::fairness::{ORDERS, RESIDUALS, ThirdJet, residuals, values};
 use super::foot::Feet;
+use super::gather::{Buckets, Gather, Products};
+use super::parallel;
 use super::quadrature::GaussPoint;
 use super::touches::Touches;
-use super::vector::{Vector, cross, dot, minus, norm};
+use super::vector::{Vector, cross, dot, minus, norm, unit};
 use crate::linalg::BlockMatrix;
 
 /// Weights of the four parts of the objective, patch units.
@@ -48,10 +50,13 @@ pub struct Problem<'a> {
     pub touches: &'a Touches,
     /// Where the contacts were flattened to.
     pub flattened: &'a [[f64; 2]],
-    /// Rule for E and T.
+    /// Rule for E and T, cell after cell.
     pub gauss: &'a [GaussPoint],
     /// Weights.
     pub weights: Weights,
+    tied: Buckets,
+    /// Matrix of the ties, which no step changes.
+    ties: BlockMatrix,
 }
 
 /// The parts of F, unweighted sums.
@@ -104,8 +109,8 @@ struct Tangents {
     dual: [[f64; 2]; 2],
 }
 
-fn tangents(cells: &Cells, row: &Row, c: &[Vector]) -> Option<Tangents> {
-    let [point, qu, qv] = [(0, 0), (1, 0), (0, 1)].map(|order| cells.derivative(row, c, order));
+fn tangents(jet: &Jet) -> Option<Tangents> {
+    let [point, qu, qv] = [jet[0][0], jet[1][0], jet[0][1]];
     let area = cross(qu, qv);
     let (jacobian, length) = (norm(area), norm(qu));
     if !(jacobian > 0.0 && jacobian.is_finite() && length > 0.0) {
@@ -121,13 +126,13 @@ fn tangents(cells: &Cells, row: &Row, c: &[Vector]) -> Option<Tangents> {
 }
 
 /// `V_ka = H_kb (M^-1)_ba`: turn of the normal by what moves the foot; zero where the foot was held back from its place.
-fn foot_turn(cells: &Cells, row: &Row, c: &[Vector], t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
+fn foot_turn(jet: &Jet, t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
     let distance = dot(t.normal, off);
     let aside = t.frame.map(|e| dot(e, off));
     if aside[0].hypot(aside[1]) > HELD {
         return [[0.0; 2]; 2];
     }
-    let [huu, huv, hvv] = [(2, 0), (1, 1), (0, 2)].map(|order| dot(t.normal, cells.derivative(row, c, order)));
+    let [huu, huv, hvv] = [jet[2][0], jet[1][1], jet[0][2]].map(|w| dot(t.normal, w));
     let h = [[huu, huv], [huv, hvv]];
     let m = |a: usize, b: usize| dot(t.along[a], t.along[b]) - distance * h[a][b];
     let (m00, m01, m11) = (m(0, 0), m(0, 1), m(1, 1));
@@ -141,41 +146,81 @@ fn foot_turn(cells: &Cells, row: &Row, c: &[Vector], t: &Tangents, off: Vector) 
     })
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// At these weights.
+    pub fn new(
+        cells: &'a Cells,
+        touches: &'a Touches,
+        flattened: &'a [[f64; 2]],
+        gauss: &'a [GaussPoint],
+        weights: Weights,
+    ) -> Problem<'a> {
+        let tied = Buckets::new(cells.count(), flattened.iter().map(|p| cells.cell_of(*p)));
+        let ties = BlockMatrix::zeros(cells.shape());
+        let mut problem = Problem { cells, touches, flattened, gauss, weights, tied, ties };
+        if weights.tie > 0.0 {
+            let (mut ties, weight) = (problem.ties.clone(), problem.tie_weight().sqrt());
+            let mut unused = vec![0.0; ties.order()];
+            problem.gather(&mut ties, &mut unused, |cell, sums, products| {
+                for &r in problem.tied.of(cell) {
+                    products.fill(&cells.row(flattened[r][0], flattened[r][1], 0), &[(0, 0)]);
+                    for e in across(touches.normals[r]) {
+                        sums.add(&[(e.map(|v| weight * v), products.of(0))], 0.0);
+                    }
+                }
+            });
+            problem.ties = ties;
+        }
+        problem
+    }
+
+    fn tie_weight(&self) -> f64 {
+        self.weights.tie / self.flattened.len() as f64
+    }
+
     /// F and its parts at these coefficients and feet; `None` where the map has no tangent plane.
     pub fn value(&self, c: &[Vector], feet: &Feet) -> Option<(f64, Sums)> {
-        let mut sums = Sums::default();
-        for (r, foot) in feet.places.iter().enumerate() {
-            let t = tangents(self.cells, &self.cells.row(foot[0], foot[1]), c)?;
-            let (wp, wn) = (self.touches.position_weight[r], self.touches.normal_weight[r]);
-            let distance = wp * dot(t.normal, minus(self.touches.points[r], t.point));
-            let turn = minus(self.touches.normals[r], t.normal);
-            sums.position += distance * distance;
-            sums.normal += wn * wn * dot(turn, turn);
-            let tied = self.flattened[r];
-            let off =
-                minus(self.touches.points[r], self.cells.derivative(&self.cells.row(tied[0], tied[1]), c, (0, 0)));
-            let lift = dot(off, self.touches.normals[r]);
-            sums.tie += (dot(off, off) - lift * lift) / feet.places.len() as f64;
-        }
-        for point in self.gauss {
-            let values = residuals(&self.jet(point, c))?;
-            let part = |range: std::ops::Range<usize>| values[range].iter().map(|v| v.value * v.value).sum::<f64>();
-            sums.fairness += point.weight * part(0..4);
-            sums.slack += point.weight * part(4..RESIDUALS);
-        }
+        let contacts = parallel::sum(feet.places.len(), |r| self.contact_sums(r, c, feet.places[r]))?;
+        let rule = parallel::sum(self.gauss.len(), |k| {
+            let point = &self.gauss[k];
+            let values = values(&self.third_jet(point, c))?;
+            let part = |range: std::ops::Range<usize>| values[range].iter().map(|v| v * v).sum::<f64>();
+            Some([point.weight * part(0..4), point.weight * part(4..RESIDUALS), 0.0])
+        })?;
+        let [position, normal, tie] = contacts;
+        let sums = Sums { position, normal, fairness: rule[0], slack: rule[1], tie };
         let value = self.total(&sums);
         value.is_finite().then_some((value, sums))
     }
 
+    /// Squared distance, squared turn and share of the ties of one contact.
+    fn contact_sums(&self, r: usize, c: &[Vector], foot: [f64; 2]) -> Option<[f64; 3]> {
+        let jet = self.cells.jet::<1>(&self.cells.row(foot[0], foot[1], 1), c);
+        let t = tangents(&jet)?;
+        let (point, normal) = (self.touches.points[r], self.touches.normals[r]);
+        let (wp, wn) = (self.touches.position_weight[r], self.touches.normal_weight[r]);
+        let distance = wp * dot(t.normal, minus(point, t.point));
+        let turn = minus(normal, t.normal);
+        let tied = self.flattened[r];
+        let off = minus(point, self.cells.jet::<0>(&self.cells.row(tied[0], tied[1], 0), c)[0][0]);
+        let lift = dot(off, normal);
+        Some([
+            distance * distance,
+            wn * wn * dot(turn, turn),
+            (dot(off, off) - lift * lift) / self.flattened.len() as f64,
+        ])
+    }
+
     /// Distance and turn of the normal of every contact, without weights.
     pub fn residuals(&self, c: &[Vector], feet: &Feet) -> Vec<[f64; 2]> {
-        let of = |(r, place): (usize, &[f64; 2])| {
-            let t = tangents(self.cells, &self.cells.row(place[0], place[1]), c)?;
+        parallel::map(feet.places.len(), |r| {
+            let [u, v] = feet.places[r];
+            let Some(t) = tangents(&self.cells.jet::<1>(&self.cells.row(u, v, 1), c)) else {
+                return [f64::INFINITY; 2];
+            };
             let turn = norm(minus(self.touches.normals[r], t.normal));
-            Some([dot(t.normal, minus(self.touches.points[r], t.point)), turn])
-        };
-        feet.places.iter().enumerate().map(|at| of(at).unwrap_or([f64::INFINITY; 2])).collect()
+            [dot(t.normal, minus(self.touches.points[r], t.point)), turn]
+        })
     }
 
     fn total(&self, s: &Sums) -> f64 {
@@ -187,195 +232,137 @@ impl Problem<'_> {
             + w.tie * s.tie
     }
 
-    fn jet(&self, point: &GaussPoint, c: &[Vector]) -> ThirdJet {
-        ORDERS.map(|order| self.cells.derivative(&point.row, c, order))
+    fn third_jet(&self, point: &GaussPoint, c: &[Vector]) -> ThirdJet {
+        let jet = self.cells.jet::<3>(&point.row, c);
+        ORDERS.map(|(k, l)| jet[k][l])
     }
 
     /// Adds the Gauss-Newton matrix of `parts` to `matrix` and `-1/2` the gradient to `rhs`.
     pub fn assemble(&self, c: &[Vector], feet: &Feet, parts: Parts, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        if parts.position || parts.normal {
-            self.add_contacts(c, feet, parts, matrix, rhs);
+        let standing = if parts.position || parts.normal {
+            Buckets::new(self.cells.count(), feet.places.iter().map(|p| self.cells.cell_of(*p)))
+        } else {
+            Buckets::default()
+        };
+        if parts.slack {
+            matrix.add_matrix(&self.ties);
         }
-        let fairness = if parts.fairness { self.weights.fairness } else { 0.0 };
-        let slack = if parts.slack { self.weights.slack } else { 0.0 };
-        if parts.slack && self.weights.tie > 0.0 {
-            self.add_ties(c, matrix, rhs);
-        }
-        if fairness > 0.0 || slack > 0.0 {
-            self.add_fairness(c, [fairness, slack], matrix, rhs);
-        }
-    }
-
-    fn add_contacts(&self, c: &[Vector], feet: &Feet, parts: Parts, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        let rows: Vec<Row> = feet.places.iter().map(|p| self.cells.row(p[0], p[1])).collect();
-        let mut order: Vec<usize> = (0..rows.len()).collect();
-        order.sort_by_key(|&r| rows[r].cell);
-        let mut local = LocalNormals::new(self.cells.local());
-        for group in order.chunk_by(|a, b| rows[*a].cell == rows[*b].cell) {
-            local.clear();
-            self.cells.alive(&rows[group[0]], &mut local.alive);
-            for &r in group {
-                self.add_contact(r, &rows[r], c, parts, &mut local);
+        self.gather(matrix, rhs, |cell, sums, products| {
+            if parts.position || parts.normal {
+                standing.of(cell).iter().for_each(|r| self.add_contact(*r, c, feet.places[*r], parts, sums, products));
             }
-            local.scatter(matrix, rhs);
-        }
+            if parts.slack && self.weights.tie > 0.0 {
+                self.tied.of(cell).iter().for_each(|r| self.add_tie(*r, c, sums, products));
+            }
+            let fairness = if parts.fairness { self.weights.fairness } else { 0.0 };
+            let slack = if parts.slack { self.weights.slack } else { 0.0 };
+            if fairness > 0.0 || slack > 0.0 {
+                self.rule_of(cell).iter().for_each(|p| self.add_rule_point(p, c, [fairness, slack], sums, products));
+            }
+        });
     }
 
-    fn add_contact(&self, r: usize, row: &Row, c: &[Vector], parts: Parts, local: &mut LocalNormals) {
-        let Some(t) = tangents(self.cells, row, c) else { return };
+    /// Gauss points of one cell.
+    pub fn rule_of(&self, cell: usize) -> &[GaussPoint] {
+        let count = self.cells.local();
+        &self.gauss[cell * count..(cell + 1) * count]
+    }
+
+    /// Adds the rows that `fill` finds for every cell to matrix and right-hand side.
+    pub fn gather(
+        &self,
+        matrix: &mut BlockMatrix,
+        rhs: &mut [f64],
+        fill: impl Fn(usize, &mut Gather, &mut Products) + Sync,
+    ) {
+        let local = self.cells.local();
+        let mut alive = Vec::with_capacity(local);
+        let new = || (Gather::new(local), Products::new(local, ORDERS.len()));
+        parallel::in_order(
+            self.cells.count(),
+            new,
+            |cell, (sums, products)| {
+                sums.clear();
+                fill(cell, sums, products);
+                sums.finish();
+            },
+            |cell, (sums, _)| {
+                self.cells.alive(&self.rule_of(cell)[0].row, &mut alive);
+                sums.scatter(&alive, matrix, rhs);
+            },
+        );
+    }
+
+    fn add_contact(
+        &self,
+        r: usize,
+        c: &[Vector],
+        [u, v]: [f64; 2],
+        parts: Parts,
+        sums: &mut Gather,
+        products: &mut Products,
+    ) {
+        let row = self.cells.row(u, v, 2);
+        let jet = self.cells.jet::<2>(&row, c);
+        let Some(t) = tangents(&jet) else { return };
         let off = minus(self.touches.points[r], t.point);
-        for (out, order) in local.products.iter_mut().zip([(0, 0), (1, 0), (0, 1)]) {
-            row.products(order, out);
-        }
-        let mut scaled = std::mem::take(&mut local.row);
+        let distance = dot(t.normal, off);
+        products.fill(&row, &[(0, 0), (1, 0), (0, 1)]);
         if parts.position {
             let weight = self.touches.position_weight[r] / self.weights.position;
-            let n = t.normal.map(|n| weight * n);
-            for (s, b) in scaled.chunks_exact_mut(3).zip(&local.products[0]) {
-                (0..3).for_each(|d| s[d] = n[d] * b);
-            }
-            local.add(&scaled, dot(n, off));
+            sums.add(&[(t.normal.map(|n| weight * n), products.of(0))], weight * distance);
         }
         if parts.normal {
             let weight = self.touches.normal_weight[r] / self.weights.normal;
-            let turn = foot_turn(self.cells, row, c, &t, off);
-            let distance = dot(t.normal, off);
+            let turn = foot_turn(&jet, &t, off);
             for k in 0..2 {
                 let moved: Vector =
                     [0, 1, 2].map(|d| weight * (turn[k][0] * t.along[0][d] + turn[k][1] * t.along[1][d]));
                 let [a, b] = [0, 1].map(|a| -weight * (t.dual[a][k] + distance * turn[k][a]));
-                let (q, [u, v]) = (&local.products[0], [&local.products[1], &local.products[2]]);
-                for (alpha, s) in scaled.chunks_exact_mut(3).enumerate() {
-                    let bent = a * u[alpha] + b * v[alpha];
-                    (0..3).for_each(|d| s[d] = moved[d] * q[alpha] + bent * t.normal[d]);
-                }
-                local.add(&scaled, weight * dot(t.frame[k], self.touches.normals[r]));
-            }
-        }
-        local.row = scaled;
-    }
-
-    fn add_ties(&self, c: &[Vector], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        let weight = self.weights.tie / self.flattened.len() as f64;
-        let (mut alive, mut products) = (Vec::new(), Vec::new());
-        for (r, place) in self.flattened.iter().enumerate() {
-            let row = self.cells.row(place[0], place[1]);
-            let (n, off) =
-                (self.touches.normals[r], minus(self.touches.points[r], self.cells.derivative(&row, c, (0, 0))));
-            let lift = dot(n, off);
-            let across = [0, 1, 2].map(|a| [0, 1, 2].map(|b| f64::from(u8::from(a == b)) - n[a] * n[b]));
-            self.cells.alive(&row, &mut alive);
-            row.products((0, 0), &mut products);
-            for (a, &i) in alive.iter().enumerate() {
-                (0..3).for_each(|d| rhs[3 * i + d] += weight * products[a] * (off[d] - lift * n[d]));
-                for (b, &j) in alive[..=a].iter().enumerate() {
-                    let v = weight * products[a] * products[b];
-                    matrix.add(i.max(j), i.min(j), &across.map(|line| line.map(|w| v * w)));
-                }
+                let bent = |factor: f64| t.normal.map(|n| factor * n);
+                let terms = [(moved, products.of(0)), (bent(a), products.of(1)), (bent(b), products.of(2))];
+                sums.add(&terms, weight * dot(t.frame[k], self.touches.normals[r]));
             }
         }
     }
 
-    fn add_fairness(&self, c: &[Vector], weights: [f64; 2], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        let width = 3 * self.cells.local();
-        let (mut local, mut alive, mut products) = (vec![0.0; width * width], Vec::new(), Vec::new());
-        let mut right = vec![0.0; width];
-        let mut rows = vec![0.0; RESIDUALS * width];
-        for group in self.gauss_by_cell() {
-            local.fill(0.0);
-            right.fill(0.0);
-            self.cells.alive(&group[0].row, &mut alive);
-            for point in &group {
-                let Some(values) = residuals(&self.jet(point, c)) else { continue };
-                rows.fill(0.0);
-                for (k, order) in ORDERS.iter().enumerate() {
-                    point.row.products(*order, &mut products);
-                    for (r, value) in values.iter().enumerate() {
-                        let slope = &value.slope[3 * k..3 * k + 3];
-                        for (alpha, product) in products.iter().enumerate() {
-                            (0..3).for_each(|d| rows[r * width + 3 * alpha + d] += slope[d] * product);
-                        }
-                    }
+    /// The right-hand side of a tie; its matrix is known.
+    fn add_tie(&self, r: usize, c: &[Vector], sums: &mut Gather, products: &mut Products) {
+        let row = self.cells.row(self.flattened[r][0], self.flattened[r][1], 0);
+        let off = minus(self.touches.points[r], self.cells.jet::<0>(&row, c)[0][0]);
+        let (weight, n) = (self.tie_weight(), self.touches.normals[r]);
+        let lift = dot(n, off);
+        products.fill(&row, &[(0, 0)]);
+        sums.add_right([0, 1, 2].map(|d| weight * (off[d] - lift * n[d])), products.of(0));
+    }
+
+    fn add_rule_point(
+        &self,
+        point: &GaussPoint,
+        c: &[Vector],
+        weights: [f64; 2],
+        sums: &mut Gather,
+        products: &mut Products,
+    ) {
+        let Some((values, slopes)) = residuals(&self.third_jet(point, c)) else { return };
+        products.fill(&point.row, &ORDERS);
+        for (r, (value, slope)) in values.iter().zip(&slopes).enumerate() {
+            let weight = (point.weight * weights[usize::from(r >= 4)]).sqrt();
+            if weight > 0.0 {
+                let term = |k: usize| (slope[k].map(|s| weight * s), products.of(k));
+                if r < 4 {
+                    sums.add(&std::array::from_fn::<_, 9, _>(term), -weight * value);
+                } else {
+                    sums.add(&[term(0), term(1), term(2 + (r - 4) / 2)], -weight * value);
                 }
-                for (r, value) in values.iter().enumerate() {
-                    let weight = point.weight * weights[usize::from(r >= 4)];
-                    rank_one(&mut local, &mut right, &rows[r * width..(r + 1) * width], weight, -value.value);
-                }
-            }
-            scatter_full(&local, &right, &alive, matrix, rhs);
-        }
-    }
-
-    fn gauss_by_cell(&self) -> Vec<Vec<&GaussPoint>> {
-        let mut order: Vec<&GaussPoint> = self.gauss.iter().collect();
-        order.sort_by_key(|p| p.row.cell);
-        order.chunk_by(|a, b| a.row.cell == b.row.cell).map(<[&GaussPoint]>::to_vec).collect()
-    }
-}
-
-const _: () = assert!(INPUTS == 3 * ORDERS.len());
-
-/// `A += w s s'`, `b += w s target`, lower triangle.
-fn rank_one(matrix: &mut [f64], right: &mut [f64], s: &[f64], weight: f64, target: f64) {
-    let width = s.len();
-    for i in 0..width {
-        let scaled = weight * s[i];
-        right[i] += scaled * target;
-        for (m, v) in matrix[i * width..=i * width + i].iter_mut().zip(s) {
-            *m += scaled * v;
-        }
-    }
-}
-
-fn scatter_full(local: &[f64], right: &[f64], alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-    let width = right.len();
-    for (alpha, &row) in alive.iter().enumerate() {
-        (0..3).for_each(|d| rhs[3 * row + d] += right[3 * alpha + d]);
-        for (beta, &column) in alive[..=alpha].iter().enumerate() {
-            let at = |a: usize, b: usize| {
-                let (i, j) = (3 * alpha + a, 3 * beta + b);
-                local[i.max(j) * width + i.min(j)]
-            };
-            if column <= row {
-                matrix.add(row, column, &[0, 1, 2].map(|a| [0, 1, 2].map(|b| at(a, b))));
-            } else {
-                matrix.add(column, row, &[0, 1, 2].map(|a| [0, 1, 2].map(|b| at(b, a))));
             }
         }
     }
 }
 
-/// Sums of rows over one cell's contacts, and the buffers they are made in.
-struct LocalNormals {
-    alive: Vec<usize>,
-    products: [Vec<f64>; 3],
-    row: Vec<f64>,
-    matrix: Vec<f64>,
-    right: Vec<f64>,
-}
-
-impl LocalNormals {
-    fn new(local: usize) -> LocalNormals {
-        let width = 3 * local;
-        LocalNormals {
-            alive: Vec::new(),
-            products: Default::default(),
-            row: vec![0.0; width],
-            matrix: vec![0.0; width * width],
-            right: vec![0.0; width],
-        }
-    }
-
-    fn clear(&mut self) {
-        self.matrix.fill(0.0);
-        self.right.fill(0.0);
-    }
-
-    fn add(&mut self, row: &[f64], residual: f64) {
-        rank_one(&mut self.matrix, &mut self.right, row, 1.0, residual);
-    }
-
-    fn scatter(&self, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        scatter_full(&self.matrix, &self.right, &self.alive, matrix, rhs);
-    }
+/// Two unit vectors across a unit vector and each other.
+fn across(n: Vector) -> [Vector; 2] {
+    let axis = if n[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
+    let e1 = unit(cross(n, axis));
+    [e1, cross(n, e1)]
 }

@@ -12,13 +12,16 @@ pub struct GaussPoint {
     pub weight: f64,
 }
 
-/// The rule over the whole domain.
+/// The rule over the whole domain, cell after cell.
 pub fn gauss_points(cells: &Cells) -> Vec<GaussPoint> {
     let [nodes_u, nodes_v] = [0, 1].map(|k| nodes(&cells.knots()[k]));
+    let [wide_u, wide_v] = [0, 1].map(|k| cells.knots()[k].degree() + 1);
     let mut points = Vec::with_capacity(nodes_u.len() * nodes_v.len());
-    for (u, wu) in &nodes_u {
-        for (v, wv) in &nodes_v {
-            points.push(GaussPoint { row: cells.row(*u, *v), weight: wu * wv });
+    for across in nodes_u.chunks_exact(wide_u) {
+        for along in nodes_v.chunks_exact(wide_v) {
+            for (u, wu) in across {
+                points.extend(along.iter().map(|(v, wv)| GaussPoint { row: cells.row(*u, *v, 3), weight: wu * wv }));
+            }
         }
     }
     points

@@ -10,6 +10,7 @@
 
 use super::cells::Row;
 use super::descent::Solver;
+use super::gather::{Buckets, Gather, Products};
 use super::problem::Problem;
 use super::vector::Vector;
 use crate::fit::FitError;
@@ -30,63 +31,56 @@ pub fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Res
     let matrix = &mut solver.matrix;
     matrix.clear();
     let mut rhs = vec![0.0; matrix.order()];
-    let (mut alive, mut products) = (Vec::new(), Vec::new());
-    for (r, place) in places.iter().enumerate() {
-        let row = cells.row(place[0], place[1]);
-        cells.alive(&row, &mut alive);
-        let (point, normal) = (problem.touches.points[r], problem.touches.normals[r]);
-        let weight = (problem.touches.position_weight[r] / problem.weights.position).powi(2);
-        row.products((0, 0), &mut products);
-        add(&alive, &products, weight, &IDENTITY, matrix);
-        for (k, product) in alive.iter().zip(&products) {
-            (0..3).for_each(|d| rhs[3 * k + d] += weight * product * point[d]);
-        }
-        let weight = (problem.touches.normal_weight[r] / problem.weights.normal).powi(2);
-        let outer = normal.map(|a| normal.map(|b| a * b));
-        for order in [(1, 0), (0, 1)] {
-            row.products(order, &mut products);
-            add(&alive, &products, weight, &outer, matrix);
-        }
-    }
+    let standing = Buckets::new(cells.count(), places.iter().map(|p| cells.cell_of(*p)));
+    problem.gather(matrix, &mut rhs, |cell, sums, products| {
+        standing.of(cell).iter().for_each(|r| add_contact(problem, *r, places[*r], sums, products));
+    });
     let data: f64 = matrix.diagonal().iter().sum();
     let third = [(3, 0), (0, 3)].into_iter().zip(cells.shape().closed).filter(|(_, closed)| !closed);
     let third: Vec<_> = third.map(|(order, _)| (order, 1.0)).collect();
     let plate = [((2, 0), 1.0), ((1, 1), 2.0), ((0, 2), 1.0)];
     let low = (0..2).any(|k| cells.shape().degree[k] < 3 && cells.knots()[k].n_segments() > 1);
     let plate_share = if low { PLATE_OF_LOW_DEGREE } else { PLATE };
+    let mut buffer = vec![0.0; cells.local()];
     for (orders, share) in [(&third[..], THIRD), (&plate[..], plate_share)] {
-        let trace: f64 = problem.gauss.iter().map(|p| 3.0 * p.weight * roughness(&p.row, orders, &mut products)).sum();
-        if trace > 0.0 {
-            for point in problem.gauss {
-                cells.alive(&point.row, &mut alive);
+        let trace: f64 = problem.gauss.iter().map(|p| 3.0 * p.weight * roughness(&p.row, orders, &mut buffer)).sum();
+        if trace <= 0.0 {
+            continue;
+        }
+        problem.gather(matrix, &mut rhs, |cell, sums, products| {
+            for point in problem.rule_of(cell) {
                 for (order, factor) in orders {
-                    point.row.products(*order, &mut products);
-                    add(&alive, &products, share * data / trace * factor * point.weight, &IDENTITY, matrix);
+                    products.fill(&point.row, &[*order]);
+                    let weight = (share * data / trace * factor * point.weight).sqrt();
+                    axes(weight).iter().for_each(|e| sums.add(&[(*e, products.of(0))], 0.0));
                 }
             }
-        }
+        });
     }
     solver.factor.factor(&solver.matrix, 0.0).map_err(|source| FitError::Solve { source })?;
     solver.factor.solve(&mut rhs);
     Ok(rhs.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect())
 }
 
-const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+fn add_contact(problem: &Problem, r: usize, [u, v]: [f64; 2], sums: &mut Gather, products: &mut Products) {
+    products.fill(&problem.cells.row(u, v, 1), &[(0, 0), (1, 0), (0, 1)]);
+    let weight = problem.touches.position_weight[r] / problem.weights.position;
+    for (e, p) in axes(weight).iter().zip(problem.touches.points[r]) {
+        sums.add(&[(*e, products.of(0))], weight * p);
+    }
+    let weight = problem.touches.normal_weight[r] / problem.weights.normal;
+    let normal = problem.touches.normals[r].map(|n| weight * n);
+    (1..3).for_each(|k| sums.add(&[(normal, products.of(k))], 0.0));
+}
 
-fn roughness(row: &Row, orders: &[((usize, usize), f64)], products: &mut Vec<f64>) -> f64 {
+fn axes(length: f64) -> [Vector; 3] {
+    [[length, 0.0, 0.0], [0.0, length, 0.0], [0.0, 0.0, length]]
+}
+
+fn roughness(row: &Row, orders: &[((usize, usize), f64)], products: &mut [f64]) -> f64 {
     let square = |(order, factor): &((usize, usize), f64)| {
         row.products(*order, products);
         factor * products.iter().map(|v| v * v).sum::<f64>()
     };
     orders.iter().map(square).sum()
-}
-
-/// `A += w (s s') (x) block`, block symmetric.
-fn add(alive: &[usize], s: &[f64], w: f64, block: &[[f64; 3]; 3], matrix: &mut crate::linalg::BlockMatrix) {
-    for (a, &row) in alive.iter().enumerate() {
-        for (b, &column) in alive[..=a].iter().enumerate() {
-            let factor = w * s[a] * s[b];
-            matrix.add(row.max(column), row.min(column), &block.map(|line| line.map(|v| factor * v)));
-        }
-    }
 }

@@ -37,6 +37,8 @@ const FILES: &[(&str, &str)] = files![
     "paper-table1",
     "paper-table2",
     "poor-normals",
+    "around-cylinder",
+    "around-torus",
 ];
 
 /// Radii of the paper's Figures 5 and 6: the range 5.7 to 1000.

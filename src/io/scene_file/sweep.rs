@@ -2,7 +2,7 @@
 
 use super::SceneFileError;
 use super::section::Section;
-use crate::scene::{MAX_TOUCHES, Sweep, linspace};
+use crate::scene::{MAX_TOUCHES, Sweep, SweepPath, linspace};
 
 /// The sweep, and the second one where there is one: it inherits every key it does not name.
 pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
@@ -29,7 +29,14 @@ fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, Scene
         Some(first) => Sweep { fingers, ..first.clone() },
         None => Sweep::new(fingers, Vec::new()),
     };
-    if let Some(stations) = read_stations(section, inherited.is_some())? {
+    let paths = ["down", "around"];
+    match section.word("path")? {
+        None => {}
+        Some(("down", _)) => sweep.path = SweepPath::Down,
+        Some(("around", _)) => sweep.path = SweepPath::Around,
+        Some((other, value)) => return Err(section.unknown_word("word", value, other, &paths)),
+    }
+    if let Some(stations) = read_stations(section, inherited.is_some(), sweep.path)? {
         sweep.stations = stations;
     }
     if let Some(repeats) = section.count("repeats", 1)? {
@@ -49,8 +56,9 @@ fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, Scene
     Ok(sweep)
 }
 
-/// `at = [...]`, or `from`, `to`, `stations`; `None` when nothing of it stands there and may be inherited.
-fn read_stations(section: &Section, may_inherit: bool) -> Result<Option<Vec<f64>>, SceneFileError> {
+/// `at = [...]`, or `from`, `to`, `stations`, or all the way round `stations` alone; `None` when nothing of it stands there
+/// and may be inherited.
+fn read_stations(section: &Section, may_inherit: bool, path: SweepPath) -> Result<Option<Vec<f64>>, SceneFileError> {
     let at = section.numbers("at")?;
     let (from, to, stations) = (section.number("from")?, section.number("to")?, section.count("stations", 1)?);
     let spaced = [("from", from.is_some()), ("to", to.is_some()), ("stations", stations.is_some())];
@@ -62,6 +70,11 @@ fn read_stations(section: &Section, may_inherit: bool) -> Result<Option<Vec<f64>
     if at.is_some() || (may_inherit && spaced.iter().all(|(_, there)| !there)) {
         return Ok(at);
     }
+    let round = path == SweepPath::Around && from.is_none() && to.is_none();
+    if let Some(count) = stations.filter(|count| round && *count <= MAX_TOUCHES as u64) {
+        return Ok(Some((0..count).map(|k| 360.0 * k as f64 / count as f64).collect()));
+    }
+    let (from, to) = if round { (Some(0.0), Some(360.0)) } else { (from, to) };
     let (Some(from), Some(to), Some(stations)) = (from, to, stations) else {
         let (key, _) = spaced.iter().find(|(_, there)| !there).unwrap_or(&spaced[0]);
         return Err(section.missing(key, "give from, to and stations, or at = [...]"));

@@ -152,4 +152,9 @@ impl Effect {
     pub fn order(&self) -> usize {
         Effect::ORDER.iter().position(|name| *name == self.name()).unwrap_or(usize::MAX)
     }
+
+    /// It asks for no direction of the fingers, so it acts on sweeps that go around too.
+    pub(crate) fn goes_around(&self) -> bool {
+        matches!(self, Effect::PositionNoise(_) | Effect::NormalNoise(_) | Effect::Dropout(_))
+    }
 }

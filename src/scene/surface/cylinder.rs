@@ -28,4 +28,15 @@ impl Cylinder {
     pub(crate) fn local(&self, p: Vector) -> Local {
         Local::known(self.quadric().normal(p), 0.0, -1.0 / self.radius)
     }
+
+    /// The point at `x` along the bar and `turn` round it from its top, radians.
+    pub(crate) fn around(&self, x: f64, turn: f64) -> Vector {
+        let half = (0.5 * turn).sin();
+        [x, self.radius * turn.sin(), -2.0 * self.radius * half * half]
+    }
+
+    /// Length along the bar and turn round it of the nearest point.
+    pub(crate) fn nearest(&self, p: Vector) -> [f64; 2] {
+        [p[0], p[1].atan2(p[2] + self.radius)]
+    }
 }

@@ -134,6 +134,38 @@ impl Surface {
         Some(SurfacePoint { point, local: self.local(point)? })
     }
 
+    /// The point at `across` (length along a cylinder, degrees round a torus) and `turn_deg` round it from its top;
+    /// `None` for bodies that are not gone round.
+    pub fn around(&self, across: f64, turn_deg: f64) -> Option<SurfacePoint> {
+        let mut body = match &self.body {
+            Body::Cylinder(cylinder) => cylinder.around(across, turn_deg.to_radians()),
+            Body::Torus(torus) => torus.around(across.to_radians(), turn_deg.to_radians()),
+            _ => return None,
+        };
+        if self.concave {
+            body[2] = -body[2];
+        }
+        let point = self.pose.to_world(body);
+        Some(SurfacePoint { point, local: self.local(point)? })
+    }
+
+    /// The point of a cylinder or torus nearest to `point`; `None` for other bodies, and where many are as near.
+    pub(crate) fn nearest_around(&self, point: Vector) -> Option<SurfacePoint> {
+        let mut body = self.pose.to_body(point);
+        if self.concave {
+            body[2] = -body[2];
+        }
+        let [across, turn] = match &self.body {
+            Body::Cylinder(cylinder) => cylinder.nearest(body),
+            Body::Torus(torus) => {
+                let [ring, turn] = torus.nearest(body);
+                [ring.to_degrees(), turn]
+            }
+            _ => return None,
+        };
+        self.around(across, turn.to_degrees())
+    }
+
     /// The label of an imported surface, here or in a union: scenes with one are an inverse crime and say so.
     pub fn inverse_crime(&self) -> Option<&str> {
         match &self.body {

@@ -43,6 +43,12 @@ impl Pose {
         turned_back(&self.matrix, [p[0] - self.offset[0], p[1] - self.offset[1], p[2] - self.offset[2]])
     }
 
+    /// A point of the body in the world.
+    pub(crate) fn to_world(self, p: Vector) -> Vector {
+        let turned = turned(&self.matrix, p);
+        [0, 1, 2].map(|k| turned[k] + self.offset[k])
+    }
+
     /// A direction of the body in the world.
     #[inline]
     pub(crate) fn direction_to_world(self, v: Vector) -> Vector {

@@ -47,4 +47,17 @@ impl Torus {
         let (_, s) = self.across(p[0], p[1]);
         p[2] + 0.5 * (s * s + p[2] * p[2]) / self.minor
     }
+
+    /// The point at `ring` round the ring and `turn` round the tube from its top, radians.
+    pub(crate) fn around(&self, ring: f64, turn: f64) -> Vector {
+        let out = self.major + self.minor * turn.sin();
+        let half = (0.5 * turn).sin();
+        [out * ring.cos() - self.major, out * ring.sin(), -2.0 * self.minor * half * half]
+    }
+
+    /// Angles round ring and tube of the nearest point.
+    pub(crate) fn nearest(&self, p: Vector) -> [f64; 2] {
+        let (_, s) = self.across(p[0], p[1]);
+        [p[1].atan2(p[0] + self.major), s.atan2(p[2] + self.minor)]
+    }
 }

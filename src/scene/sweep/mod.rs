@@ -4,6 +4,8 @@
 //! lane f, station s:  (x, y) = centre + f (cos a, sin a) + s (-sin a, cos a)       a = 0: fingers slide along y
 //! point tip           contact over (x, y)
 //! spherical tip       contact P with P + rho n(P) over (x, y): tip and surface share their normal
+//! path = around       lane f at length f along a cylinder or at angle f round a torus, station s at angle s round the
+//!                     bar or the tube, 0 on top
 //! ```
 //!
 //! Order: finger, then station, then repeat. A second sweep has lanes of its own, numbered onwards.
@@ -15,12 +17,24 @@ use super::error::{finite, not_negative};
 use super::surface::{Surface, SurfacePoint};
 use super::vector::sin_cos_deg;
 
+/// How the fingers of a sweep come to the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SweepPath {
+    /// Down onto it, from above.
+    #[default]
+    Down,
+    /// Round it: a cylinder or a torus.
+    Around,
+}
+
 /// Lanes, stations and tips of one sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Offsets of the lanes across the sweep, one per finger, input units.
+    /// Down onto the surface, or round it.
+    pub path: SweepPath,
+    /// Offsets of the lanes across the sweep, one per finger, input units; round a torus degrees.
     pub fingers: Vec<f64>,
-    /// Stops along the sweep, in the order they are made; any spacing.
+    /// Stops along the sweep, in the order they are made; any spacing; degrees where it goes around.
     pub stations: Vec<f64>,
     /// Touches at each stop; the same site, fresh draws.
     pub repeats: usize,
@@ -67,6 +81,7 @@ impl Sweep {
     /// Point tips at `fingers` x `stations`, once each, along y.
     pub fn new(fingers: Vec<f64>, stations: Vec<f64>) -> Sweep {
         Sweep {
+            path: SweepPath::Down,
             fingers,
             stations,
             repeats: 1,
@@ -113,7 +128,10 @@ impl Sweep {
     pub(crate) fn site(&self, first_finger: u32, finger: u32, station: u32, touch: SurfacePoint) -> Site {
         let [sin, cos] = self.turn();
         let along = self.stations[station as usize];
-        let aim = self.aim([sin, cos], self.fingers[(finger - first_finger) as usize], along);
+        let aim = match self.path {
+            SweepPath::Down => self.aim([sin, cos], self.fingers[(finger - first_finger) as usize], along),
+            SweepPath::Around => [touch.point[0], touch.point[1]],
+        };
         Site { finger, station, aim, direction: [-sin, cos], along, touch }
     }
 
@@ -123,6 +141,13 @@ impl Sweep {
     /// Numbers out of range; a site off the surface, unless those are skipped (then: when none is left).
     pub(crate) fn touch(&self, surface: &Surface, first_finger: u32, into: &mut Touched) -> Result<(), SceneError> {
         self.check()?;
+        if self.path == SweepPath::Around && surface.around(0.0, 0.0).is_none() {
+            return Err(SceneError::Clash {
+                first: "sweep.path = \"around\"".into(),
+                second: format!("surface.kind = \"{}\"", surface.body.kind()),
+                why: "only a cylinder and a torus can be gone round".into(),
+            });
+        }
         let total = self.fingers.len() * self.stations.len();
         into.reserve(total * self.repeats);
         let turn = self.turn();
@@ -131,7 +156,11 @@ impl Sweep {
         for (finger, &across) in self.fingers.iter().enumerate() {
             for (station, &along) in self.stations.iter().enumerate() {
                 let aim = self.aim(turn, across, along);
-                match contact(surface, aim, self.tip_radius) {
+                let found = match self.path {
+                    SweepPath::Down => contact(surface, aim, self.tip_radius),
+                    SweepPath::Around => surface.around(across, along),
+                };
+                match found {
                     Some(touch) => {
                         reachable += 1;
                         into.add(touch, first_finger + finger as u32, station as u32, self.repeats);

@@ -1,0 +1,151 @@
+//! Rows of one cell, gathered into the normal matrix: `A += J' J`, `b += J' t`.
+//!
+//! ```text
+//! [ J t ]' [ J t ]     J: one row a residual, columns d L + alpha (coordinate d, coefficient alpha of L alive), t last
+//! ```
+
+use super::cells::Row;
+use super::vector::Vector;
+use crate::linalg::BlockMatrix;
+use crate::simd::{Level, RowTerm, combine_rows, gram_rows};
+
+/// Rows that are gathered before they are multiplied out: with 56 columns they fill a level-1 cache.
+const CHUNK: usize = 64;
+
+/// Sums over the rows of one cell, and the buffers that they are made in.
+#[derive(Clone, Debug)]
+pub struct Gather {
+    level: Level,
+    local: usize,
+    stride: usize,
+    rows: Vec<f64>,
+    filled: usize,
+    gram: Vec<f64>,
+    any: bool,
+}
+
+impl Gather {
+    /// For cells of so many coefficients alive.
+    pub fn new(local: usize) -> Gather {
+        let stride = (3 * local + 1).next_multiple_of(8);
+        let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
+        Gather { level: Level::active(), local, stride, rows, filled: 0, gram, any: false }
+    }
+
+    /// For the next cell.
+    pub fn clear(&mut self) {
+        self.gram.fill(0.0);
+        (self.filled, self.any) = (0, false);
+    }
+
+    /// Adds the row `sum_k direction_k (x) products_k` with its target.
+    #[inline]
+    pub fn add(&mut self, terms: &[RowTerm<'_>], target: f64) {
+        if self.filled == CHUNK {
+            self.multiply_out();
+        }
+        self.any = true;
+        let row = &mut self.rows[self.filled * self.stride..(self.filled + 1) * self.stride];
+        self.filled += 1;
+        combine_rows(self.level, self.local, terms, row);
+        row[3 * self.local] = target;
+    }
+
+    /// Adds `direction (x) products` to the right-hand side alone.
+    pub fn add_right(&mut self, direction: Vector, products: &[f64]) {
+        self.any = true;
+        let last = 3 * self.local * self.stride;
+        for (part, w) in self.gram[last..last + 3 * self.local].chunks_exact_mut(self.local).zip(direction) {
+            part.iter_mut().zip(products).for_each(|(r, p)| *r += w * p);
+        }
+    }
+
+    fn multiply_out(&mut self) {
+        gram_rows(self.level, self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
+        self.filled = 0;
+    }
+
+    /// Ends a cell.
+    pub fn finish(&mut self) {
+        if self.filled > 0 {
+            self.multiply_out();
+        }
+    }
+
+    /// Adds the cell, whose coefficients are `alive`, to the matrix and its right-hand side.
+    pub fn scatter(&self, alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
+        if !self.any {
+            return;
+        }
+        let (local, last) = (self.local, 3 * self.local * self.stride);
+        for (alpha, &row) in alive.iter().enumerate() {
+            (0..3).for_each(|d| rhs[3 * row + d] += self.gram[last + d * local + alpha]);
+            for (beta, &column) in alive[..=alpha].iter().enumerate() {
+                let at = |a: usize, b: usize| {
+                    let (i, j) = (a * local + alpha, b * local + beta);
+                    self.gram[i.max(j) * self.stride + i.min(j)]
+                };
+                if column <= row {
+                    matrix.add(row, column, &[0, 1, 2].map(|a| [0, 1, 2].map(|b| at(a, b))));
+                } else {
+                    matrix.add(column, row, &[0, 1, 2].map(|a| [0, 1, 2].map(|b| at(b, a))));
+                }
+            }
+        }
+    }
+}
+
+/// Products of a basis row for several orders, one after another.
+#[derive(Clone, Debug)]
+pub struct Products {
+    local: usize,
+    values: Vec<f64>,
+}
+
+impl Products {
+    /// For so many coefficients alive and orders.
+    pub fn new(local: usize, orders: usize) -> Products {
+        Products { local, values: vec![0.0; local * orders] }
+    }
+
+    /// Fills in those of `row`.
+    pub fn fill(&mut self, row: &Row, orders: &[(usize, usize)]) {
+        for (out, order) in self.values.chunks_exact_mut(self.local).zip(orders) {
+            row.products(*order, out);
+        }
+    }
+
+    /// Those of the k-th order.
+    #[inline]
+    pub fn of(&self, k: usize) -> &[f64] {
+        &self.values[k * self.local..(k + 1) * self.local]
+    }
+}
+
+/// Members of every cell, in their own order.
+#[derive(Clone, Debug, Default)]
+pub struct Buckets {
+    starts: Vec<usize>,
+    members: Vec<usize>,
+}
+
+impl Buckets {
+    /// By counting.
+    pub fn new(count: usize, cells: impl Iterator<Item = usize> + Clone) -> Buckets {
+        let mut starts = vec![0; count + 1];
+        cells.clone().for_each(|cell| starts[cell + 1] += 1);
+        (0..count).for_each(|cell| starts[cell + 1] += starts[cell]);
+        let mut next = starts.clone();
+        let mut members = vec![0; starts[count]];
+        for (r, cell) in cells.enumerate() {
+            members[next[cell]] = r;
+            next[cell] += 1;
+        }
+        Buckets { starts, members }
+    }
+
+    /// Members of one cell.
+    pub fn of(&self, cell: usize) -> &[usize] {
+        &self.members[self.starts[cell]..self.starts[cell + 1]]
+    }
+}

@@ -1,0 +1,58 @@
+//! Loops over contacts, Gauss points and cells: on all threads where there are many, the same digits on any number.
+//!
+//! Sums run over blocks of fixed size and add the blocks in their order.
+
+use rayon::prelude::*;
+
+/// Items a block; below it a thread's start costs more than the items, 100 ns each.
+const BLOCK: usize = 2048;
+/// Cells that are gathered side by side before they are added to the matrix in their order.
+const CELLS: usize = 128;
+
+/// `sum_k f(k)`; `None` where one is.
+pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> + Sync) -> Option<[f64; N]> {
+    let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|k| a[k] + b[k]);
+    let block =
+        |b: usize| (b * BLOCK..((b + 1) * BLOCK).min(count)).try_fold([0.0; N], |sum, k| f(k).map(|v| add(sum, v)));
+    if count <= BLOCK {
+        return block(0);
+    }
+    let blocks: Option<Vec<[f64; N]>> = (0..count.div_ceil(BLOCK)).into_par_iter().map(block).collect();
+    Some(blocks?.into_iter().fold([0.0; N], add))
+}
+
+/// `f(0), f(1), ...`.
+pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    if count <= BLOCK {
+        return (0..count).map(f).collect();
+    }
+    (0..count).into_par_iter().with_min_len(BLOCK / 4).map(&f).collect()
+}
+
+/// Whether one of them is true.
+pub fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
+    if count <= BLOCK { (0..count).any(f) } else { (0..count).into_par_iter().with_min_len(BLOCK / 4).any(&f) }
+}
+
+/// `make` for every item with a work space of its own, then `take` for each in order.
+pub fn in_order<W: Send>(
+    count: usize,
+    new: impl Fn() -> W + Sync,
+    make: impl Fn(usize, &mut W) + Sync,
+    mut take: impl FnMut(usize, &W),
+) {
+    if count < CELLS {
+        let mut work = new();
+        for k in 0..count {
+            make(k, &mut work);
+            take(k, &work);
+        }
+        return;
+    }
+    let mut works: Vec<W> = (0..CELLS).map(|_| new()).collect();
+    for from in (0..count).step_by(CELLS) {
+        let to = (from + CELLS).min(count);
+        works[..to - from].par_iter_mut().enumerate().for_each(|(k, work)| make(from + k, work));
+        works[..to - from].iter().enumerate().for_each(|(k, work)| take(from + k, work));
+    }
+}

@@ -1,0 +1,64 @@
+//! `row[d L + a] = sum_k g_k[d] p_k[a]`: one row of a normal matrix of maps into space, from the derivatives g of a residual
+//! by the vectors of a jet and the products p of basis functions.
+//!
+//! Plain loops: compiled for each instruction set they are as wide as it is.
+
+use super::lanes::Lanes;
+use super::{Level, dispatch};
+
+/// One term: direction and products.
+pub type RowTerm<'a> = ([f64; 3], &'a [f64]);
+
+#[inline(always)]
+fn generic<V: Lanes>(local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
+    let _ = V::N;
+    let Some(((direction, products), more)) = terms.split_first() else { return };
+    let (x, rest) = row.split_at_mut(local);
+    let (y, rest) = rest.split_at_mut(local);
+    let z = &mut rest[..local];
+    let products = &products[..local];
+    for a in 0..local {
+        x[a] = direction[0] * products[a];
+        y[a] = direction[1] * products[a];
+        z[a] = direction[2] * products[a];
+    }
+    for (direction, products) in more {
+        let products = &products[..local];
+        for a in 0..local {
+            x[a] += direction[0] * products[a];
+            y[a] += direction[1] * products[a];
+            z[a] += direction[2] * products[a];
+        }
+    }
+}
+
+/// Overwrites the first `3 local` numbers of `row`.
+///
+/// # Panics
+/// When `row` or the products of a term are shorter than that needs.
+pub fn combine_rows(level: Level, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
+    dispatch!(level, generic [](local: usize, terms: &[RowTerm<'_>], row: &mut [f64]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_agrees_with_the_formula() {
+        let products: Vec<f64> = (0..48).map(|k| (k as f64 * 1.3).sin()).collect();
+        for local in [4, 9, 16] {
+            let directions = [[1.0, -0.5, 0.25], [0.3, 0.7, -2.0], [-1.0, 0.1, 0.9]];
+            let terms: Vec<RowTerm<'_>> =
+                directions.iter().enumerate().map(|(k, d)| (*d, &products[16 * k..16 * k + local])).collect();
+            for level in Level::available() {
+                let mut row = vec![9.0; 3 * local];
+                combine_rows(level, local, &terms, &mut row);
+                for (k, value) in row.iter().enumerate() {
+                    let expected: f64 = terms.iter().map(|(g, p)| g[k / local] * p[k % local]).sum();
+                    assert!((value - expected).abs() < 1e-15, "{} {k}", level.name());
+                }
+            }
+        }
+    }
+}

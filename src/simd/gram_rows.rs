@@ -1,0 +1,97 @@
+//! `G += J' J`, lower triangle: what every normal matrix is made of, for the few hundred rows of one cell.
+//!
+//! J is row-major with `stride` columns, a multiple of 8; tiles of G stay in registers over all rows.
+
+use super::lanes::Lanes;
+use super::{Level, dispatch};
+
+/// Rows of G a tile: with two sets of lanes that is eight sums, enough to hide the latency of multiply-adds.
+const TALL: usize = 4;
+
+#[inline(always)]
+fn tile<V: Lanes, const SETS: usize>(stride: usize, rows: &[f64], [i, j]: [usize; 2], out: &mut [f64]) {
+    let mut sums = [[V::splat(0.0); SETS]; TALL];
+    for (a, line) in sums.iter_mut().enumerate() {
+        for (k, sum) in line.iter_mut().enumerate() {
+            *sum = V::load(&out[(i + a) * stride + j + k * V::N..]);
+        }
+    }
+    for row in rows.chunks_exact(stride) {
+        let mut right = [V::splat(0.0); SETS];
+        for (k, r) in right.iter_mut().enumerate() {
+            *r = V::load(&row[j + k * V::N..]);
+        }
+        for (line, left) in sums.iter_mut().zip(&row[i..i + TALL]) {
+            let left = V::splat(*left);
+            for (sum, r) in line.iter_mut().zip(&right) {
+                *sum = left.mul_add(*r, *sum);
+            }
+        }
+    }
+    for (a, line) in sums.iter().enumerate() {
+        for (k, sum) in line.iter().enumerate() {
+            sum.store(&mut out[(i + a) * stride + j + k * V::N..]);
+        }
+    }
+}
+
+#[inline(always)]
+fn generic<V: Lanes>(stride: usize, rows: &[f64], out: &mut [f64]) {
+    for i in (0..stride).step_by(TALL) {
+        let mut j = 0;
+        while j < i + TALL {
+            if j + 2 * V::N <= stride {
+                tile::<V, 2>(stride, rows, [i, j], out);
+                j += 2 * V::N;
+            } else {
+                tile::<V, 1>(stride, rows, [i, j], out);
+                j += V::N;
+            }
+        }
+    }
+}
+
+/// Adds `J' J` to the lower triangle of `out`, `stride` x `stride`; what stands above the diagonal is not to be read.
+///
+/// # Panics
+/// When `out` is shorter than that, or `stride` no multiple of 8.
+pub fn gram_rows(level: Level, stride: usize, rows: &[f64], out: &mut [f64]) {
+    assert!(stride.is_multiple_of(8) && out.len() >= stride * stride);
+    dispatch!(level, generic [](stride: usize, rows: &[f64], out: &mut [f64]))
+}
+
+/// The safe twin: plain loops.
+pub fn gram_rows_twin(stride: usize, rows: &[f64], out: &mut [f64]) {
+    for row in rows.chunks_exact(stride) {
+        for i in 0..stride {
+            for j in 0..=i {
+                out[i * stride + j] += row[i] * row[j];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_agrees_with_its_twin() {
+        for (stride, count) in [(8, 3), (32, 17), (56, 64), (80, 5)] {
+            let rows: Vec<f64> = (0..stride * count).map(|r| (r as f64 * 78.233).sin()).collect();
+            let mut expected = vec![0.5; stride * stride];
+            gram_rows_twin(stride, &rows, &mut expected);
+            for level in Level::available() {
+                let mut made = vec![0.5; stride * stride];
+                gram_rows(level, stride, &rows, &mut made);
+                for i in 0..stride {
+                    for j in 0..=i {
+                        let difference = (made[i * stride + j] - expected[i * stride + j]).abs();
+                        // at most 65 terms of size 1
+                        assert!(difference < 100.0 * f64::EPSILON, "{} ({i}, {j}): {difference:e}", level.name());
+                    }
+                }
+            }
+        }
+    }
+}
