@@ -5,7 +5,9 @@
 
 use libfuzzer_sys::fuzz_target;
 use palpate::Contacts;
-use palpate::fit::{FitOptions, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, fit_contacts};
+use palpate::fit::{
+    FitOptions, FittedSurface, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, fit_surface,
+};
 
 /// Touches at most: hard enough. Loss, smoothing and noise levels iterate, so that a fit in ten takes a tenth of a second.
 const MOST: usize = 40;
@@ -23,10 +25,18 @@ fuzz_target!(|bytes: &[u8]| {
         1 => contacts = contacts.with_slopes(column(3), column(4)),
         _ => contacts = contacts.with_normals(column(3), column(4), column(5)),
     }
-    if let Ok(fit) = fit_contacts(&contacts, &options(head)) {
-        assert!(fit.surface().coefficients().iter().all(|c| c.is_finite()));
-        let _ = (fit.shape(), fit.certificate(), fit.rms());
-        assert!(!cfg!(feature = "planted") || fit.solution().unsupported.is_empty(), "the planted fault");
+    match fit_surface(&contacts, &options(head)) {
+        Ok((FittedSurface::Height(fit), _)) => {
+            assert!(fit.surface().coefficients().iter().all(|c| c.is_finite()));
+            let _ = (fit.shape(), fit.certificate(), fit.rms());
+            assert!(!cfg!(feature = "planted") || fit.solution().unsupported.is_empty(), "the planted fault");
+        }
+        Ok((FittedSurface::Parametric(fit), _)) => {
+            let largest = fit.shape().curvedness.mean;
+            assert!(largest.is_none_or(f64::is_finite));
+            assert!(!cfg!(feature = "planted") || fit.certificate().settled, "the planted fault");
+        }
+        Err(_) => {}
     }
 });
 
@@ -53,6 +63,8 @@ fn options(head: &[u8]) -> FitOptions {
         smooth: [Smooth::None, Smooth::Auto, Smooth::Lambda(0.01)][pick(5, 3)],
         robust: [Robust::None, Robust::Huber, Robust::Tukey][pick(5, 9) / 3],
         grid: [3, 3],
+        surface: [SurfaceKind::Height, SurfaceKind::Parametric, SurfaceKind::Auto][pick(0, 9) / 3],
+        closed: [pick(0, 36) / 9 % 2 == 1, pick(0, 36) / 18 == 1],
         ..FitOptions::default()
     }
 }
