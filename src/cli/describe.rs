@@ -113,7 +113,9 @@ fn picture(
         Input::Grid(_) => None,
     };
     let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
-    output.file("shape.svg", &mut |out| write_picture(&maps, &PictureOptions { title: &title, contacts }, out))
+    output.file("shape.svg", &mut |out| {
+        write_picture(&maps, &PictureOptions { title: &title, contacts, ..Default::default() }, out)
+    })
 }
 
 /// Maps over the whole domain, fine enough to look at.

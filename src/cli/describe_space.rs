@@ -36,7 +36,7 @@ pub(super) fn describe(fit: &ParametricFit, subject: &Subject, to: &Destination)
         let fine = picture_maps(&surface, fit.options().grid, &fit.input_support());
         let title = headline(subject.name, &document);
         let (u, v): (Vec<f64>, Vec<f64>) = fit.feet().iter().map(|p| (p[0], p[1])).unzip();
-        let picture = PictureOptions { title: &title, contacts: Some((&u, &v)) };
+        let picture = PictureOptions { title: &title, contacts: Some((&u, &v)), axes: ["u", "v"] };
         to.output.file("shape.svg", &mut |out| write_picture(&fine.flat(), &picture, out))?;
     }
     if let Input::Contacts(contacts) = subject.input {

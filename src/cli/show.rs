@@ -110,7 +110,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, surface: &HeightField, bytes: &[u8
     args.output.file("maps.npz", &mut |out| write_maps_npz(&maps, out))?;
     let title = headline(&saved.file, &document);
     let fine = picture_maps(surface, options.grid, &saved.unsupported);
-    let picture = PictureOptions { title: &title, contacts: None };
+    let picture = PictureOptions { title: &title, ..PictureOptions::default() };
     args.output.file("shape.svg", &mut |out| write_picture(&fine, &picture, out))?;
     finish(args, saved, &document)
 }

@@ -79,7 +79,7 @@ pub(super) fn shape(
     args.output.file("maps.npz", &mut |out| write_maps_npz(&maps.flat(), out))?;
     let title = headline(&saved.file, &document);
     let fine = picture_maps(surface, options.grid, support);
-    let picture = PictureOptions { title: &title, contacts: None };
+    let picture = PictureOptions { title: &title, contacts: None, axes: ["u", "v"] };
     args.output.file("shape.svg", &mut |out| write_picture(&fine.flat(), &picture, out))?;
     finish(args, saved, &document)
 }

@@ -12,12 +12,20 @@ use plotters::prelude::*;
 use crate::shape::ShapeMaps;
 
 /// What is drawn besides the maps.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct PictureOptions<'a> {
     /// Line above the panels.
     pub title: &'a str,
     /// x and y of the contacts, in the coordinates of the maps' grid; drawn where few enough to be told apart.
     pub contacts: Option<(&'a [f64], &'a [f64])>,
+    /// What the axes are called: x, y of a height field, u, v of a surface in space.
+    pub axes: [&'a str; 2],
+}
+
+impl Default for PictureOptions<'_> {
+    fn default() -> Self {
+        PictureOptions { title: "", contacts: None, axes: ["x", "y"] }
+    }
 }
 
 type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -97,7 +105,14 @@ fn panel_of(
         let inside = x.iter().zip(y).filter(|(x, y)| ends(&edges[0]).contains(x) && ends(&edges[1]).contains(y));
         chart.draw_series(inside.map(|(x, y)| Circle::new((*x, *y), radius, BLACK.mix(0.7).filled())))?;
     }
-    chart.configure_mesh().disable_mesh().x_desc("x").y_desc("y").x_labels(5).y_labels(5).draw()?;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc(options.axes[0])
+        .y_desc(options.axes[1])
+        .x_labels(5)
+        .y_labels(5)
+        .draw()?;
     Ok(())
 }
 
@@ -196,10 +211,11 @@ mod tests {
     fn every_cell_is_painted_twice_and_every_contact_dotted_twice() {
         let mut svg = Vec::new();
         let contacts = ([0.0, 1.0, 99.0], [1.0, 2.0, 1.0]);
-        let options = PictureOptions { title: "a groove", contacts: Some((&contacts.0, &contacts.1)) };
+        let options =
+            PictureOptions { title: "a groove", contacts: Some((&contacts.0, &contacts.1)), axes: ["u", "v"] };
         write_picture(&groove([9, 7]), &options, &mut svg).unwrap();
         let text = String::from_utf8(svg).unwrap();
-        for word in ["a groove", "S, shape index", "R, curvedness"] {
+        for word in ["a groove", "S, shape index", "R, curvedness", ">\nu\n<", ">\nv\n<"] {
             assert!(text.contains(word), "{word}");
         }
         assert_eq!(text.matches("<circle").count(), 4);
