@@ -45,6 +45,7 @@ mod options;
 mod parametric;
 mod plan;
 mod plane_rows;
+mod probes;
 mod promise;
 mod robust;
 mod rows;

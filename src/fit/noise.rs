@@ -9,6 +9,7 @@
 
 use super::equations::{Block, Equations, data_normal_matrix, only};
 use super::normals::Levels;
+use super::probes::Signs;
 use super::solver::Solution;
 use super::{FitError, Note};
 use crate::linalg::{Sites, StencilMatrix};
@@ -66,13 +67,11 @@ fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
         }
         return sum;
     }
-    // signs from Knuth's MMIX generator: any fixed +-1 sequence will do, and the result must not depend on a seed
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut signs = Signs::new();
     let mut sum = 0.0;
     for _ in 0..PROBES {
         for (u, p) in probe.iter_mut().enumerate() {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let sign = if state >> 63 == 0 { 1.0 } else { -1.0 };
+            let sign = signs.sign();
             *p = if free(u) { 0.0 } else { sign };
         }
         b.multiply(&probe, &mut product);

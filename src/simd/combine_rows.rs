@@ -42,6 +42,7 @@ pub fn combine_rows(level: Level, local: usize, terms: &[RowTerm<'_>], row: &mut
 
 #[cfg(test)]
 mod tests {
+    use super::super::Twins;
     use super::*;
 
     #[test]
@@ -54,10 +55,12 @@ mod tests {
             for level in Level::available() {
                 let mut row = vec![9.0; 3 * local];
                 combine_rows(level, local, &terms, &mut row);
+                let mut twins = Twins::new("combine_rows", level);
                 for (k, value) in row.iter().enumerate() {
                     let expected: f64 = terms.iter().map(|(g, p)| g[k / local] * p[k % local]).sum();
-                    assert!((value - expected).abs() < 1e-15, "{} {k}", level.name());
+                    twins.compare(*value, expected);
                 }
+                twins.hold(2.0);
             }
         }
     }

@@ -73,6 +73,7 @@ pub fn gram_rows_twin(stride: usize, rows: &[f64], out: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Twins;
     use super::*;
 
     #[test]
@@ -84,13 +85,14 @@ mod tests {
             for level in Level::available() {
                 let mut made = vec![0.5; stride * stride];
                 gram_rows(level, stride, &rows, &mut made);
+                let mut twins = Twins::new("gram_rows", level);
                 for i in 0..stride {
                     for j in 0..=i {
-                        let difference = (made[i * stride + j] - expected[i * stride + j]).abs();
-                        // at most 65 terms of size 1
-                        assert!(difference < 100.0 * f64::EPSILON, "{} ({i}, {j}): {difference:e}", level.name());
+                        twins.compare(made[i * stride + j], expected[i * stride + j]);
                     }
                 }
+                // at most 65 terms a sum
+                twins.hold(8.0);
             }
         }
     }

@@ -10,6 +10,9 @@
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`chacha8`] | standard normals from addressed random words |
 //! | [`quadratic_forms`] | `g'A g` and `|A g|'t` of many vectors g |
+//! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
+//! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
+//! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
 //!
 //! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction

@@ -12,6 +12,9 @@
 
 use std::fmt;
 
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
 use super::vector::{Vector, dot, minus, unit};
 use crate::contact::{Contacts, Orientation};
 use crate::fit::FitOptions;
@@ -145,26 +148,17 @@ fn local_plane(from: Vector, near: &[(f64, &(Vector, Vector))]) -> impl Fn(Vecto
         let d = minus(p, from);
         [1.0, d[0] / reach, d[1] / reach, d[2] / reach]
     };
-    let (mut a, mut b) = ([[0.0; COLUMNS]; COLUMNS], [[0.0; 3]; COLUMNS]);
-    for (_, (p, n)) in near {
-        let row = columns(*p);
-        for i in 0..COLUMNS {
-            (0..COLUMNS).for_each(|j| a[i][j] += row[i] * row[j]);
-            (0..3).for_each(|k| b[i][k] += row[i] * n[k]);
-        }
-    }
+    let rows: Vec<[f64; COLUMNS]> = near.iter().map(|(_, (p, _))| columns(*p)).collect();
+    let sum = |f: &dyn Fn(usize) -> f64| (0..rows.len()).map(f).sum::<f64>();
     // flat contacts have no third offset: a millionth of the trace keeps its slope at zero
-    (0..COLUMNS).for_each(|i| a[i][i] += 1e-6 * near.len() as f64);
-    for k in 0..COLUMNS {
-        for i in 0..COLUMNS {
-            if i != k {
-                let factor = a[i][k] / a[k][k];
-                (0..COLUMNS).for_each(|j| a[i][j] -= factor * a[k][j]);
-                (0..3).for_each(|d| b[i][d] -= factor * b[k][d]);
-            }
-        }
-    }
-    let solved: [Vector; COLUMNS] = std::array::from_fn(|k| b[k].map(|v| v / a[k][k]));
+    let small = |i: usize, j: usize| if i == j { 1e-6 * rows.len() as f64 } else { 0.0 };
+    let normal = Mat::from_fn(COLUMNS, COLUMNS, |i, j| sum(&|r| rows[r][i] * rows[r][j]) + small(i, j));
+    let right = Mat::from_fn(COLUMNS, 3, |i, d| sum(&|r| rows[r][i] * near[r].1.1[d]));
+    // no factor only where numbers overflow: normals that are not finite choose a height field, whose checks name them
+    let solved: [Vector; COLUMNS] = normal.llt(Side::Lower).map_or([[f64::NAN; 3]; COLUMNS], |factor| {
+        let solved = factor.solve(&right);
+        std::array::from_fn(|k| [0, 1, 2].map(|d| solved[(k, d)]))
+    });
     move |p| {
         let row = columns(p);
         [0, 1, 2].map(|d| (0..COLUMNS).map(|k| row[k] * solved[k][d]).sum())

@@ -11,6 +11,7 @@
 
 use super::descent::{Descent, ON_THE_WAY, SETTLED, Solver, State};
 use super::problem::{Parts, Problem, Weights};
+use crate::fit::probes::Signs;
 use crate::fit::{FitError, NormalSigma, Objective, SlopeWeights, Smooth};
 
 /// Levels that have moved by less than this share of themselves stand.
@@ -177,7 +178,9 @@ fn traces(problem: &Problem, solver: &mut Solver, state: &State) -> Result<[f64;
     solver.matrix.clear();
     problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut solver.matrix, &mut unused);
     solver.factor.factor(&solver.matrix, 1e-14).map_err(|source| FitError::Solve { source })?;
-    let probes = if order <= EXACT_TRACE { Vec::new() } else { signs(order) };
+    let mut signs = Signs::new();
+    let mut probe = |_| (0..order).map(|_| signs.sign()).collect();
+    let probes: Vec<Vec<f64>> = if order <= EXACT_TRACE { Vec::new() } else { (0..PROBES).map(&mut probe).collect() };
     // the columns of A^-1, or A^-1 times the probes
     let solved: Vec<Vec<f64>> = if order <= EXACT_TRACE {
         (0..order).map(|u| (0..order).map(|k| f64::from(u8::from(k == u))).collect()).collect()
@@ -209,15 +212,4 @@ fn traces(problem: &Problem, solver: &mut Solver, state: &State) -> Result<[f64;
         part(Parts { normal: true, ..Parts::NONE }),
         part(Parts { fairness: true, ..Parts::NONE }),
     ])
-}
-
-/// Probes of Hutchinson's estimator: signs from Knuth's MMIX generator. Any fixed sequence will do, and the result must
-/// not depend on a seed.
-fn signs(order: usize) -> Vec<Vec<f64>> {
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut sign = |_| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        if state >> 63 == 0 { 1.0 } else { -1.0 }
-    };
-    (0..PROBES).map(|_| (0..order).map(&mut sign).collect()).collect()
 }

@@ -35,6 +35,7 @@ mod vector;
 
 use std::sync::OnceLock;
 
+use certificate::Findings;
 pub use certificate::ParametricCertificate;
 pub use choice::{SurfaceKind, choose_surface};
 pub use describe::ParametricShape;
@@ -115,29 +116,14 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let mut problem = Problem::new(&cells, &touches, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
     let (mut state, mut reached) = descend(&mut problem, &mut solver, &flat, unknown)?;
-    let mut weights = problem.weights;
+    let weights = problem.weights;
     let mut weighted = touches.clone();
     if options.robust != super::Robust::None {
         robust::reweigh(options.robust, &problem, &mut weighted, &mut solver, &mut state, &mut reached)?;
     }
     let mut problem = Problem::new(&cells, &weighted, &flat.places, &gauss, weights);
-    let mut found = certificate::findings(&problem, &state, &support(&flat, &state.feet.places, cells.knots()));
-    let mut fairness_raised = 0;
-    while !found.is_felt() && unknown.fairness && fairness_raised < MOST_RAISES {
-        problem.weights.fairness = (10.0 * problem.weights.fairness).max(1.0);
-        fairness_raised += 1;
-        let declared = Unknown { both: false, common: false, fairness: false };
-        let (again, steps) = descend(&mut problem, &mut solver, &flat, declared)?;
-        (state, reached.steps) = (again, reached.steps + steps.steps);
-        (reached.settled, weights) = (steps.settled, problem.weights);
-        found = certificate::findings(&problem, &state, &support(&flat, &state.feet.places, cells.knots()));
-    }
-    if found.against as f64 > MOST_AGAINST * touches.len() as f64 {
-        return Err(FitError::Against { against: found.against, contacts: touches.len() });
-    }
-    if !found.is_felt() {
-        return Err(FitError::Runaway { bending: found.bending, most: bending::MOST_BENDING });
-    }
+    let (found, fairness_raised) = felt(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
+    let weights = problem.weights;
     let (condition, gradient) = certificate::final_factor(&problem, &mut solver, &state)?;
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let certificate = ParametricCertificate {
@@ -179,6 +165,42 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         touches: weighted,
         shape: OnceLock::new(),
     })
+}
+
+/// What the map tells, its fairness raised until it bends no more than was felt, and how often that was.
+///
+/// # Errors
+/// Normals against the surface; bending that a declared fairness, or none, does not hold back.
+fn felt(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    flat: &Flat,
+    unknown: Unknown,
+    state: &mut State,
+    reached: &mut Descent,
+) -> Result<(Findings, usize), FitError> {
+    let cells = problem.cells;
+    let look = |problem: &Problem, state: &State| {
+        certificate::findings(problem, state, &support(flat, &state.feet.places, cells.knots()))
+    };
+    let (mut found, mut raised) = (look(problem, state), 0);
+    while !found.is_felt() && unknown.fairness && raised < MOST_RAISES {
+        problem.weights.fairness = (10.0 * problem.weights.fairness).max(1.0);
+        raised += 1;
+        let declared = Unknown { both: false, common: false, fairness: false };
+        let (again, descent) = descend(problem, solver, flat, declared)?;
+        *state = again;
+        *reached = Descent { steps: reached.steps + descent.steps, ..descent };
+        found = look(problem, state);
+    }
+    let contacts = problem.touches.len();
+    if found.against as f64 > MOST_AGAINST * contacts as f64 {
+        return Err(FitError::Against { against: found.against, contacts });
+    }
+    if !found.is_felt() {
+        return Err(FitError::Runaway { bending: found.bending, most: bending::MOST_BENDING });
+    }
+    Ok((found, raised))
 }
 
 /// From the linear rows down to the minimum, levels and fairness estimated on the way; all steps are counted.
