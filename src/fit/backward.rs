@@ -9,8 +9,9 @@
 //! `|E_i|_1 max|c|` (M. Arioli, J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), for there the plain
 //! ratio compares rounding with rounding.
 
-use super::{Equations, Fit, Solution};
-use crate::linalg::{RowMetric, Site, Sites, Targets, add_transposed, site_magnitudes, site_rows};
+use super::row_passes::{RowPasses, Sums};
+use super::{Fit, Solution};
+use crate::simd::{RowSums, SITES, add_lanes};
 
 /// A ratio above this is looked at again with the rows' norms: no row that solves anything is off by so much.
 const SUSPICIOUS: f64 = 1e-13;
@@ -34,16 +35,6 @@ pub struct Backward {
     pub norms: Vec<f64>,
 }
 
-/// What one visit of the rows with the final r adds up.
-struct Sums {
-    /// `E'r`.
-    products: Vec<f64>,
-    /// `|E|'|r|`.
-    sizes: Vec<f64>,
-    /// Squared column norms.
-    norms: Vec<f64>,
-}
-
 /// The backward error of a fit with this condition: two visits of the rows, three where r is corrected twice.
 pub fn backward(fit: &Fit, condition: f64) -> Backward {
     let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
@@ -54,120 +45,51 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
         bent.iter_mut().for_each(|b| *b *= lambda);
         bent
     });
-    let columns = equations.sites.shape().basis[1];
-    let (mut computed, mut sizes) = (vec![[0.0; 3]; equations.sites.len()], vec![[0.0; 3]; equations.sites.len()]);
-    let mut descent = vec![0.0; c.len()];
-    // in the order of the visit, in which all that follows goes from front to back
-    let mut places = computed.iter_mut().zip(&mut sizes);
-    equations.sites.visit(|site| {
-        let Some((computed, size)) = places.next() else { return };
-        let m = equations.metric.at(site.index);
-        let (rows, target) = (site_rows(site, &m, c, columns), equations.targets[site.index]);
-        let magnitudes = site_magnitudes(site, &m, c, columns);
-        *computed = [0, 1, 2].map(|k| target[k] - rows[k]);
-        *size = [0, 1, 2].map(|k| magnitudes[k] + target[k].abs());
-        add_transposed(site, &m, *computed, columns, &mut descent);
-    });
-    let (r, sums) = orthogonal(equations, solution, &computed, descent, penalty.as_deref(), condition);
-    let (mut rows, mut residual, mut plain) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for ((size, r), computed) in sizes.iter_mut().zip(&r).zip(&computed) {
-        for k in 0..3 {
-            size[k] += r[k].abs();
-            rows += size[k] * size[k];
-            residual += r[k] * r[k];
-            plain = larger_ratio(plain, (computed[k] - r[k]).abs(), size[k]);
-        }
+    let mut passes = RowPasses::new(equations, c);
+    let rows = orthogonal(&mut passes, solution, penalty.as_deref(), condition);
+    let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
+    let of_columns = orthogonality(solution, &passes.sums, penalty.as_deref());
+    let of_rows = if worst <= SUSPICIOUS { worst } else { row_error(&mut passes, c) };
+    let error = of_rows.max(of_columns);
+    Backward {
+        error,
+        rows: add_lanes(&rows.sizes).sqrt(),
+        columns: passes.sums.sizes,
+        residual: add_lanes(&rows.residual).sqrt(),
+        norms: passes.sums.norms,
     }
-    let of_rows = if plain <= SUSPICIOUS { plain } else { row_error(equations, c, &computed, &r, &sizes) };
-    let error = of_rows.max(orthogonality(solution, &sums, penalty.as_deref()));
-    Backward { error, rows: rows.sqrt(), columns: sums.sizes, residual: residual.sqrt(), norms: sums.norms }
 }
 
-/// The residual less its part in the span of E, and what it adds up to; `descent` is `E'` times the residual.
-fn orthogonal(
-    equations: &Equations,
-    solution: &Solution,
-    computed: &Targets,
-    mut descent: Vec<f64>,
-    penalty: Option<&[f64]>,
-    condition: f64,
-) -> (Targets, Sums) {
-    let columns = equations.sites.shape().basis[1];
-    let mut r = computed.clone();
-    let zeros = || vec![0.0; descent.len()];
-    let mut sums = Sums { products: zeros(), sizes: zeros(), norms: zeros() };
+/// Takes the part in the span of E off the residual, and sums up what is left.
+fn orthogonal(passes: &mut RowPasses, solution: &Solution, penalty: Option<&[f64]>, condition: f64) -> RowSums {
+    let mut rows = RowSums::default();
     let last = if condition > CORRECT_TWICE { 1 } else { 0 };
     for turn in 0..=last {
+        let mut descent = passes.sums.products.clone();
         if let Some(bent) = penalty {
             descent.iter_mut().zip(bent).for_each(|(d, b)| *d -= b);
         }
         solution.clear_free(&mut descent);
         solution.factor.solve(&mut descent);
         solution.clear_free(&mut descent);
-        let mut places = r.iter_mut();
-        equations.sites.visit(|site| {
-            let Some(r) = places.next() else { return };
-            let m = equations.metric.at(site.index);
-            let moved = site_rows(site, &m, &descent, columns);
-            (0..3).for_each(|k| r[k] -= moved[k]);
-            add_transposed(site, &m, *r, columns, &mut sums.products);
-            if turn == last {
-                add_sizes(site, &m, r.map(f64::abs), columns, &mut sums);
-            }
-        });
-        if turn < last {
-            descent.copy_from_slice(&sums.products);
-            sums.products.fill(0.0);
-        }
+        passes.again(&descent, (turn == last).then_some(&mut rows));
     }
-    (r, sums)
-}
-
-/// `sizes += |E_site|'|r|`, `norms += ` squares of the rows.
-#[inline]
-fn add_sizes(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut Sums) {
-    site.unrolled(|site| add_sizes_of(site, m, r, columns, sums));
-}
-
-#[inline(always)]
-fn add_sizes_of(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, sums: &mut Sums) {
-    // |a N' M + b N M'| is bounded by its two terms; b is zero but for normal rows
-    let (value, slope_x, slope_y) = (m.z.abs() * r[0], m.a.abs() * r[1], m.b.abs() * r[1] + m.d.abs() * r[2]);
-    for a in 0..site.x.len() {
-        let start = (site.first[0] + a) * columns + site.first[1];
-        let (x, dx) = (site.x[a], site.dx[a]);
-        let (along, across) = (value * x.abs() + slope_x * dx.abs(), slope_y * x.abs());
-        let range = start..start + site.y.len();
-        let (sizes, norms) = (&mut sums.sizes[range.clone()], &mut sums.norms[range]);
-        for b in 0..site.y.len() {
-            let (y, dy) = (site.y[b], site.dy[b]);
-            sizes[b] += along * y.abs() + across * dy.abs();
-            let rows = [m.z * x * y, m.a * dx * y + m.b * x * dy, m.d * x * dy];
-            norms[b] += rows[0] * rows[0] + rows[1] * rows[1] + rows[2] * rows[2];
-        }
-    }
-}
-
-/// The larger of `worst` and `gap / size`; divides only where it is that.
-#[inline]
-fn larger_ratio(worst: f64, gap: f64, size: f64) -> f64 {
-    if gap > worst * size { gap / size } else { worst }
+    rows
 }
 
 /// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i` with the rows' norms where those sizes are next to nothing.
-fn row_error(equations: &Equations, c: &[f64], computed: &Targets, r: &Targets, sizes: &Targets) -> f64 {
+fn row_error(passes: &mut RowPasses, c: &[f64]) -> f64 {
     let largest = vec![c.iter().fold(0.0_f64, |m, v| m.max(v.abs())); c.len()];
-    let columns = equations.sites.shape().basis[1];
-    let mut places = computed.iter().zip(r).zip(sizes);
+    let norms = passes.magnitudes(&largest);
     let mut worst = 0.0;
-    equations.sites.visit(|site| {
-        let Some(((computed, r), sizes)) = places.next() else { return };
-        let norms = site_magnitudes(site, &equations.metric.at(site.index), &largest, columns);
-        for k in 0..3 {
-            let size = if sizes[k] < TINY * norms[k] { sizes[k] + norms[k] } else { sizes[k] };
-            worst = larger_ratio(worst, (computed[k] - r[k]).abs(), size);
+    for (rows, norms) in passes.blocks.iter().zip(&norms) {
+        for (k, l) in (0..3 * SITES).map(|p| (p / SITES, p % SITES)) {
+            let (size, norm) = (rows.sizes[k][l], norms[k][l]);
+            let size = if size < TINY * norm { size + norm } else { size };
+            let gap = (rows.computed[k][l] - rows.residual[k][l]).abs();
+            worst = if gap > worst * size { gap / size } else { worst };
         }
-    });
+    }
     worst
 }
 

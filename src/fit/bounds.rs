@@ -14,7 +14,7 @@
 
 use super::backward::Backward;
 use super::{Fit, MethodUsed};
-use crate::simd::{FORMS, Level, quadratic_forms};
+use crate::simd::{BoundTerms, DirectedTerms};
 
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
 const ESTIMATOR: f64 = 10.0;
@@ -98,81 +98,33 @@ impl Directed {
     }
 }
 
-/// The worst bounds of three kinds of functionals `g'c / size`, worked out eight at a time.
-pub struct Functionals<'a> {
-    bound: &'a Bound,
-    /// Gradients side by side, where they are asked about in their own direction.
-    gradients: Vec<[f64; FORMS]>,
-    waiting: Vec<Waiting>,
-    worst: [f64; 3],
-}
-
-/// All but the directed part of one functional's bound.
-struct Waiting {
-    kind: usize,
-    plain: f64,
-    /// `|g|_1`.
-    left: f64,
-    rounding: f64,
-    size: f64,
-}
-
-impl Functionals<'_> {
-    /// None yet: all bounds zero.
-    pub fn new(bound: &Bound) -> Functionals<'_> {
-        let order = if bound.directed.is_some() { bound.inverse.len() } else { 0 };
-        Functionals { bound, gradients: vec![[0.0; FORMS]; order], waiting: Vec::with_capacity(FORMS), worst: [0.0; 3] }
-    }
-
-    /// Takes in `(bound of sum g_u c_u + rounding) / size` of one kind.
-    pub fn add(&mut self, kind: usize, gradient: &[(usize, f64)], rounding: f64, size: f64) {
-        let slot = self.waiting.len();
-        let (mut square, mut left) = (0.0, 0.0);
-        for &(u, g) in gradient {
-            let scaled = self.bound.inverse[u] * g;
-            square += scaled * scaled;
-            left += g.abs();
-            if let Some(side_by_side) = self.gradients.get_mut(u) {
-                side_by_side[slot] = g;
-            }
-        }
-        self.waiting.push(Waiting { kind, plain: self.bound.moved * square.sqrt(), left, rounding, size });
-        if self.waiting.len() == FORMS {
-            self.settle();
-        }
-    }
-
-    /// One of this kind can be off by anything.
-    pub fn unknown(&mut self, kind: usize) {
-        self.worst[kind] = f64::NAN;
-    }
-
-    /// The worst of each kind; NaN where one was not finite.
-    pub fn finish(mut self) -> [f64; 3] {
-        self.settle();
-        self.worst
-    }
-
-    fn settle(&mut self) {
-        let directed = self.bound.directed.as_ref().map(|directed| {
-            let [squares, sizes] =
-                quadratic_forms(Level::active(), &directed.inverse, &directed.columns, &self.gradients);
-            self.gradients.fill([0.0; FORMS]);
-            let along = |k: usize| squares[k].max(0.0).sqrt() * directed.rows + sizes[k];
-            (directed, std::array::from_fn::<f64, FORMS, _>(|k| directed.backward * along(k)))
+impl Bound {
+    /// What the kernel needs of it.
+    pub fn terms(&self) -> BoundTerms<'_> {
+        let directed = self.directed.as_ref().map(|d| DirectedTerms {
+            matrix: &d.inverse,
+            weights: &d.columns,
+            rows: d.rows,
+            backward: d.backward,
+            settled: d.settled,
         });
-        for (k, functional) in self.waiting.drain(..).enumerate() {
-            let mut bound = functional.plain;
-            if let Some((directed, along)) = &directed {
-                bound = bound.min(along[k] + directed.settled * functional.left);
-            }
-            let worst = &mut self.worst[functional.kind];
-            *worst = maximum(*worst, (bound + functional.rounding) / functional.size);
-        }
+        BoundTerms { scales: &self.inverse, moved: self.moved, directed }
+    }
+
+    /// The worst bound of a coefficient, `g = e_u`.
+    pub fn of_coefficients(&self) -> f64 {
+        let plain = self.inverse.iter().map(|d| self.moved * d);
+        let Some(directed) = &self.directed else { return plain.fold(0.0, maximum) };
+        let rows = directed.inverse.chunks_exact(directed.columns.len());
+        let along = rows.enumerate().map(|(u, row)| {
+            let weighted: f64 = row.iter().zip(&directed.columns).map(|(a, t)| a.abs() * t).sum();
+            directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.settled
+        });
+        plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)
     }
 }
 
 /// The larger one, or NaN if there is one.
-fn maximum(a: f64, b: f64) -> f64 {
+pub fn maximum(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

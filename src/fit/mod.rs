@@ -48,6 +48,7 @@ mod plane_rows;
 mod probes;
 mod promise;
 mod robust;
+mod row_passes;
 mod rows;
 mod smoothing;
 mod solver;

@@ -9,9 +9,11 @@
 
 use super::Fit;
 use super::backward::Backward;
-use super::bounds::{Bound, Functionals, PLACING};
+use super::bounds::{Bound, PLACING, maximum};
 use crate::bspline::BasisRow;
-use crate::shape::{ShapeGradient, ShapeGrid, by_coefficients, shape_gradient};
+use crate::simd::{
+    BoundTerms, CellGradients, CellPoints, Level, POINTS, ShapeGradients, functional_bounds, shape_gradients,
+};
 use crate::surface::HeightField;
 
 /// Unit roundoff 2^-53.
@@ -39,11 +41,8 @@ pub fn promise(fit: &Fit, condition: f64, backward: &Backward) -> Promise {
     let frame = fit.frame();
     let origin = if frame.keeps_axes() { frame.origin[2] } else { frame.turn(frame.origin)[2] };
     let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / frame.scale + v).abs()));
-    let mut worst = Functionals::new(&bound);
-    let [of_coefficient, of_shape_index, of_curvedness] = [0, 1, 2];
-    (0..c.len()).for_each(|u| worst.add(of_coefficient, &[(u, 1.0)], 0.0, 1.0));
-    at_points(fit, &bound, &mut worst, [of_shape_index, of_curvedness]);
-    let [coefficients, shape_index, curvedness] = worst.finish();
+    let coefficients = bound.of_coefficients();
+    let [shape_index, curvedness] = at_points(fit, &bound);
     Promise {
         coefficients: digits(if largest > 0.0 { coefficients / largest } else { 0.0 }),
         shape_index: digits(shape_index),
@@ -56,103 +55,166 @@ fn digits(bound: f64) -> f64 {
     if bound.is_nan() { 0.0 } else { (-(bound + UNIT).log10()).max(0.0) }
 }
 
-/// Bounds on `|dS|` and `|dR| / R` at every supported point of the shape grid.
-fn at_points<'a>(fit: &Fit, bound: &'a Bound, worst: &mut Functionals<'a>, of: [usize; 2]) {
+/// The worst bounds on `|dS|` and `|dR| / R` over the supported points of the shape grid, up to eight of a row at once.
+fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
     let surface = fit.surface();
-    let domain = [surface.knots()[0].domain(), surface.knots()[1].domain()];
-    let grid = ShapeGrid::over(domain, fit.options().grid, fit.options().inset);
-    let [along_x, along_y] =
-        grid.rows(surface.knots()).map(|rows| rows.into_iter().map(Along::new).collect::<Vec<_>>());
     let maps = &fit.shape().maps;
-    let mut space = Vec::new();
+    let [along_x, along_y] = &*maps.rows;
+    let pieces = Piece::of(along_y);
+    let mut at = Points::new(surface, bound);
+    let mut worst = [0.0; 2];
     for (i, bx) in along_x.iter().enumerate() {
-        for (j, by) in along_y.iter().enumerate() {
-            if maps.shape_index_at(i, j).is_some() {
-                at_point(surface, [bx, by], bound, worst, of, &mut space);
+        for piece in &pieces {
+            let is_asked = |lane: usize| maps.shape_index_at(i, piece.start + lane).is_some();
+            if !(0..piece.count).any(is_asked) {
+                continue;
+            }
+            let found = at.bounds(bx, piece);
+            for lane in (0..piece.count).filter(|lane| is_asked(*lane)) {
+                (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][lane]));
             }
         }
     }
+    worst
 }
 
-/// The basis functions at one coordinate of the grid, and the 2-norms of their values and derivatives.
-struct Along {
-    row: BasisRow,
-    lengths: [f64; 3],
+/// Up to eight neighbours of the grid's y axis in one segment, one a lane; the last one fills up.
+struct Piece {
+    start: usize,
+    count: usize,
+    first: usize,
+    /// M, M', M''.
+    values: [Vec<[f64; POINTS]>; 3],
+    /// Their 2-norms over the basis functions.
+    lengths: [[f64; POINTS]; 3],
 }
 
-impl Along {
-    fn new(row: BasisRow) -> Along {
-        let length = |k: usize| row.derivative(k).iter().map(|v| v * v).sum::<f64>().sqrt();
-        Along { lengths: [0, 1, 2].map(length), row }
+impl Piece {
+    fn of(along_y: &[BasisRow]) -> Vec<Piece> {
+        let mut pieces = Vec::with_capacity(along_y.len().div_ceil(POINTS));
+        let mut start = 0;
+        for rows in along_y.chunk_by(|a, b| a.first == b.first).flat_map(|run| run.chunks(POINTS)) {
+            let lanes = |of: &dyn Fn(&BasisRow) -> f64| std::array::from_fn(|l| of(&rows[l.min(rows.len() - 1)]));
+            let width = rows[0].derivative(0).len();
+            let values = [0, 1, 2].map(|k| (0..width).map(|b| lanes(&|row| row.derivative(k)[b])).collect());
+            let lengths = [0, 1, 2].map(|k| lanes(&|row| length(row.derivative(k))));
+            pieces.push(Piece { start, count: rows.len(), first: rows[0].first, values, lengths });
+            start += rows.len();
+        }
+        pieces
     }
 }
 
-/// Bounds at one point; `space` for a gradient by the coefficients alive there.
-fn at_point<'a>(
-    surface: &HeightField,
-    along: [&Along; 2],
+fn length(v: &[f64]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// Bounds at eight points, with room for their gradients.
+struct Points<'a> {
+    level: Level,
+    surface: &'a HeightField,
     bound: &'a Bound,
-    worst: &mut Functionals<'a>,
-    of: [usize; 2],
-    space: &mut Vec<(usize, f64)>,
-) {
-    let [bx, by] = along.map(|axis| &axis.row);
-    let columns = surface.coefficients().ncols();
-    let gradient = shape_gradient(&surface.with_rows(bx, by));
-    let curvedness = gradient.size();
-    if !curvedness.is_finite() || (gradient.shape_index == [0.0; 5] && curvedness > 0.0) {
-        // curvatures whose squares overflow or vanish: the gradient is not there to be relied on
-        return of.into_iter().for_each(|k| worst.unknown(k));
-    }
-    let terms = term_sizes(surface, bx, by);
-    let kinks = [kink(&gradient, surface, along, bound, &terms), 0.0];
-    let sizes = [1.0, curvedness];
-    for (k, by_point) in [&gradient.shape_index, &gradient.curvedness].into_iter().enumerate() {
-        space.clear();
-        by_coefficients(by_point, bx, by, |a, b, g| space.push(((bx.first + a) * columns + by.first + b, g)));
-        let rounding: f64 = (0..5).map(|k| by_point[k].abs() * TERM * terms[k]).sum();
-        worst.add(of[k], space, rounding + kinks[k] + TERM * sizes[k], sizes[k]);
-    }
+    terms: BoundTerms<'a>,
+    gradients: ShapeGradients,
+    /// First unknown of the cell in every row of coefficients.
+    runs: Vec<usize>,
+    curves: Vec<[f64; 3]>,
+    curve_sizes: Vec<[f64; 3]>,
 }
 
-/// `sum |c_ij| |N_i^(k)| |M_j^(l)|` for the five derivatives: what their rounding is relative to.
-fn term_sizes(surface: &HeightField, bx: &BasisRow, by: &BasisRow) -> [f64; 5] {
-    let mut sizes = [0.0; 5];
-    for a in 0..bx.derivative(0).len() {
-        let mut along = [0.0; 3];
-        for b in 0..by.derivative(0).len() {
-            let c = surface.coefficients()[[bx.first + a, by.first + b]].abs();
-            (0..3).for_each(|l| along[l] += c * by.derivative(l)[b].abs());
+impl Points<'_> {
+    fn new<'a>(surface: &'a HeightField, bound: &'a Bound) -> Points<'a> {
+        let width = [0, 1].map(|axis| surface.knots()[axis].degree() + 1);
+        Points {
+            level: Level::active(),
+            surface,
+            bound,
+            terms: bound.terms(),
+            gradients: ShapeGradients::new(width[0] * width[1]),
+            runs: vec![0; width[0]],
+            curves: vec![[0.0; 3]; width[1]],
+            curve_sizes: vec![[0.0; 3]; width[1]],
         }
-        let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k)[a].abs());
-        let terms = [dn * along[0], n * along[1], ddn * along[0], dn * along[1], n * along[2]];
-        (0..5).for_each(|k| sizes[k] += terms[k]);
     }
-    sizes
-}
 
-/// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
-fn kink(gradient: &ShapeGradient, surface: &HeightField, along: [&Along; 2], bound: &Bound, terms: &[f64; 5]) -> f64 {
-    let bend = 0.5 * (gradient.sum.abs() + gradient.difference);
-    let opens = |off: [f64; 5]| 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
-    // most points are far from umbilic: the derivatives' errors are bounded by norms before they are worked out
-    let at_most = opens(std::array::from_fn(|k| {
-        let (i, j) = ORDERS[k];
-        bound.moved * along[0].lengths[i] * along[1].lengths[j] + TERM * terms[k]
-    }));
-    if gradient.difference > at_most {
-        return 0.0;
-    }
-    let ([bx, by], columns) = (along.map(|axis| &axis.row), surface.coefficients().ncols());
-    let gap = opens(std::array::from_fn(|k| {
-        let (i, j) = ORDERS[k];
-        let mut spread = 0.0;
-        for (a, n) in bx.derivative(i).iter().enumerate() {
-            for (b, m) in by.derivative(j).iter().enumerate() {
-                spread += (n * m * bound.inverse[(bx.first + a) * columns + by.first + b]).powi(2);
+    /// Bounds of `|dS|` and of `|dR| / R`; NaN where curvatures are so large or small that their squares are lost.
+    fn bounds(&mut self, bx: &BasisRow, piece: &Piece) -> [[f64; POINTS]; 2] {
+        self.enter(bx, piece);
+        let x = [0, 1, 2].map(|k| bx.derivative(k));
+        let y = piece.values.each_ref().map(|values| &values[..]);
+        let points = CellPoints { x, y, curves: &self.curves, curve_sizes: &self.curve_sizes };
+        shape_gradients(self.level, &points, &mut self.gradients);
+        let found = &self.gradients;
+        let curvedness: [f64; POINTS] = std::array::from_fn(|l| {
+            0.5 * (found.sum[l] * found.sum[l] + found.difference[l] * found.difference[l]).sqrt()
+        });
+        let kinks = self.kinks(bx, piece, &curvedness);
+        let sizes = [[1.0; POINTS], curvedness];
+        let mut rounding = [kinks, [0.0; POINTS]];
+        for (rounding, (gradient, size)) in rounding.iter_mut().zip(found.roundings.iter().zip(&sizes)) {
+            (0..POINTS).for_each(|l| rounding[l] += TERM * (gradient[l] + size[l]));
+        }
+        let entries = found.by_coefficients.each_ref().map(|entries| &entries[..]);
+        let gradients = CellGradients { runs: &self.runs, entries };
+        let mut bounds = functional_bounds(self.level, &self.terms, &gradients, &rounding, &sizes);
+        for l in 0..POINTS {
+            if !curvedness[l].is_finite() || found.reach[l] == 0.0 {
+                (0..2).for_each(|k| bounds[k][l] = f64::NAN);
             }
         }
-        bound.moved * spread.sqrt() + TERM * terms[k]
-    }));
-    if gradient.difference > gap { 0.0 } else { std::f64::consts::FRAC_2_PI * gap / (2.0 * gradient.size()) }
+        bounds
+    }
+
+    /// The cell's unknowns, and its coefficients summed along x.
+    fn enter(&mut self, bx: &BasisRow, piece: &Piece) {
+        let coefficients = self.surface.coefficients();
+        let (columns, width) = (coefficients.ncols(), self.curves.len());
+        self.curves.fill([0.0; 3]);
+        self.curve_sizes.fill([0.0; 3]);
+        for a in 0..bx.derivative(0).len() {
+            let n = [0, 1, 2].map(|k| bx.derivative(k)[a]);
+            let row = bx.first + a;
+            self.runs[a] = row * columns + piece.first;
+            for b in 0..width {
+                let c = coefficients[[row, piece.first + b]];
+                for k in 0..3 {
+                    self.curves[b][k] += n[k] * c;
+                    self.curve_sizes[b][k] += (n[k] * c).abs();
+                }
+            }
+        }
+    }
+
+    /// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
+    fn kinks(&self, bx: &BasisRow, piece: &Piece, curvedness: &[f64; POINTS]) -> [f64; POINTS] {
+        let ShapeGradients { sum, difference, terms, .. } = &self.gradients;
+        let lengths = [0, 1, 2].map(|k| length(bx.derivative(k)));
+        std::array::from_fn(|l| {
+            let bend = 0.5 * (sum[l].abs() + difference[l]);
+            let opens = |off: [f64; 5]| 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
+            // most points are far from umbilic: the derivatives' errors are bounded by norms before they are worked out
+            let at_most = opens(std::array::from_fn(|k| {
+                let (i, j) = ORDERS[k];
+                self.bound.moved * lengths[i] * piece.lengths[j][l] + TERM * terms[k][l]
+            }));
+            if difference[l] > at_most {
+                return 0.0;
+            }
+            let gap = opens(std::array::from_fn(|k| {
+                self.bound.moved * self.spread(bx, piece, ORDERS[k], l) + TERM * terms[k][l]
+            }));
+            if difference[l] > gap { 0.0 } else { std::f64::consts::FRAC_2_PI * gap / (2.0 * curvedness[l]) }
+        })
+    }
+
+    /// `|D g|_2` of the derivative of these orders in x and y at one point.
+    fn spread(&self, bx: &BasisRow, piece: &Piece, (i, j): (usize, usize), lane: usize) -> f64 {
+        let mut spread = 0.0;
+        for (n, &start) in bx.derivative(i).iter().zip(&self.runs) {
+            for (m, d) in piece.values[j].iter().zip(&self.bound.inverse[start..]) {
+                spread += (n * m[lane] * d).powi(2);
+            }
+        }
+        spread.sqrt()
+    }
 }

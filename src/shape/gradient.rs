@@ -90,13 +90,6 @@ pub struct ShapeGradient {
     pub difference: f64,
 }
 
-impl ShapeGradient {
-    /// R.
-    pub fn size(&self) -> f64 {
-        0.5 * self.sum.hypot(self.difference)
-    }
-}
-
 /// Gradients of S and R at one point.
 pub fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
     let Operator { a, b, c, da, db, dc } = operator(point);
@@ -132,7 +125,7 @@ pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps) -> MeanGradients 
     let (unknowns, columns) = (surface.coefficients().len(), surface.coefficients().ncols());
     let mut sums = MeanGradients { shape_index: vec![0.0; unknowns], curvedness: vec![0.0; unknowns] };
     let (mut defined, mut supported) = (0usize, 0usize);
-    let [along_x, along_y] = maps.grid.rows(surface.knots());
+    let [along_x, along_y] = &*maps.rows;
     for (i, bx) in along_x.iter().enumerate() {
         for (j, by) in along_y.iter().enumerate() {
             if !maps.supported[[i, j]] {

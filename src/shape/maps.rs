@@ -1,5 +1,7 @@
 //! Heights, principal curvatures, S and R at every point of a grid.
 
+use std::sync::Arc;
+
 use ndarray::Array2;
 
 use super::ShapeGrid;
@@ -28,6 +30,9 @@ pub struct ShapeMaps {
     pub curvedness: Array2<f64>,
     /// Whether the data determine every coefficient that this point depends on.
     pub supported: Array2<bool>,
+    /// Basis rows along both axes, by the knots of the surface that the maps were made of; empty where that
+    /// is a surface in space.
+    pub rows: Arc<[Vec<BasisRow>; 2]>,
 }
 
 impl ShapeMaps {
@@ -46,7 +51,7 @@ impl ShapeMaps {
 /// Evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
 pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
     let size = (grid.x.len(), grid.y.len());
-    let rows = grid.rows(surface.knots());
+    let rows = Arc::new(grid.rows(surface.knots()));
     let free = flags(surface, unsupported);
     let mut maps = ShapeMaps {
         points: Array2::default(size),
@@ -55,6 +60,7 @@ pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize])
         shape_index: Array2::zeros(size),
         curvedness: Array2::zeros(size),
         supported: Array2::from_elem(size, true),
+        rows: rows.clone(),
         grid,
     };
     fill_points(surface, &rows, &mut maps);

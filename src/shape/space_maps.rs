@@ -91,6 +91,7 @@ impl SpaceMaps {
     /// Over (u, v) as if it were (x, y), with z for a height: what pictures and arrays of maps take.
     pub fn flat(&self) -> ShapeMaps {
         ShapeMaps {
+            rows: Default::default(),
             grid: self.grid.clone(),
             points: self.points.mapv(|p| SurfacePoint { z: p[2], ..SurfacePoint::default() }),
             k1: self.k1.clone(),

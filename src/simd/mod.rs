@@ -9,7 +9,9 @@
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`chacha8`] | standard normals from addressed random words |
-//! | [`quadratic_forms`] | `g'A g` and `|A g|'t` of many vectors g |
+//! | [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
+//! | [`first_pass`], [`second_pass`], [`last_sums`] | residuals, their sizes and `E'r` over eight sites of a cell |
+//! | [`functional_bounds`] | how far eight functionals of the coefficients can be off |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
@@ -27,15 +29,17 @@ mod combine_rows;
 mod contract_rows;
 mod curvature_row;
 mod dense_columns;
+mod functional_bounds;
 mod gram_rows;
 mod lanes;
 mod level;
 mod moments;
 mod normals;
 mod patch_maps;
-mod quadratic_forms;
 mod replicate_lanes;
+mod shape_gradients;
 mod shape_maps;
+mod site_passes;
 
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
@@ -44,14 +48,18 @@ pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
 pub use dense_columns::{DenseColumns, factor_columns, factor_dense};
+pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
 pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
-pub use quadratic_forms::{FORMS, quadratic_forms};
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
+pub use shape_gradients::{CellPoints, POINTS, ShapeGradients, shape_gradients};
 pub use shape_maps::{shape_maps, shape_maps_twin};
+pub use site_passes::{
+    CellSites, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass,
+};
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.
 macro_rules! dispatch {
@@ -78,6 +86,27 @@ macro_rules! dispatch {
     }};
 }
 use dispatch;
+
+/// Calls `kernel::<_, P, Q>` with literal widths for cells of 3 x 3, 4 x 4 and 5 x 5 coefficients, with zeros, which
+/// stand for "as long as the slices are", for all others. Loops of known length take half the time.
+macro_rules! by_width {
+    ($level:expr, $widths:expr, $kernel:ident($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {
+        match $widths {
+            [3, 3] => by_width!(@ $level, $kernel, 3, ($($arg: $ty),*) $(-> $ret)?),
+            [4, 4] => by_width!(@ $level, $kernel, 4, ($($arg: $ty),*) $(-> $ret)?),
+            [5, 5] => by_width!(@ $level, $kernel, 5, ($($arg: $ty),*) $(-> $ret)?),
+            _ => by_width!(@ $level, $kernel, 0, ($($arg: $ty),*) $(-> $ret)?),
+        }
+    };
+    (@ $level:expr, $kernel:ident, $width:literal, ($($arg:ident : $ty:ty),*) $(-> $ret:ty)?) => {{
+        #[inline(always)]
+        fn generic<V: Lanes>($($arg: $ty),*) $(-> $ret)? {
+            $kernel::<V, $width, $width>($($arg),*)
+        }
+        dispatch!($level, generic []($($arg: $ty),*) $(-> $ret)?)
+    }};
+}
+use by_width;
 
 /// Distance of two numbers in units of the last place of `expected`; for tests and accuracy tables.
 pub fn ulps(value: f64, expected: f64) -> f64 {

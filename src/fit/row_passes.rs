@@ -1,0 +1,164 @@
+//! Visits of the rows behind a certificate, eight sites at a time.
+//!
+//! ```text
+//! computed = b - E c      r = computed - E v      |E||c| + |b| + |r|, |E|'|r|, E'r, squares of E's columns
+//! ```
+//!
+//! What belongs to rows is kept block by block in the order of the visit; what belongs to columns is summed in the cell
+//! first and added to the unknowns when the visit leaves it.
+
+use super::Equations;
+use crate::linalg::{SiteBlock, Sites, visit_blocks};
+use crate::simd::{ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass};
+
+/// Three rows of eight sites.
+type Rows = [SiteLanes; 3];
+
+/// What is kept of eight sites.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockRows {
+    /// `b - E c`.
+    pub computed: Rows,
+    /// `|E||c| + |b|`, and `|r|` after the last visit.
+    pub sizes: Rows,
+    /// The residual as it stands.
+    pub residual: Rows,
+}
+
+/// Sums over all rows, one an unknown.
+#[derive(Debug)]
+pub struct Sums {
+    /// `E'r`.
+    pub products: Vec<f64>,
+    /// `|E|'|r|`.
+    pub sizes: Vec<f64>,
+    /// Squared column norms.
+    pub norms: Vec<f64>,
+}
+
+/// The rows of one fit under visit.
+pub struct RowPasses<'a> {
+    equations: &'a Equations,
+    level: Level,
+    /// In the order of the visit.
+    pub blocks: Vec<BlockRows>,
+    /// Sums of the latest visit.
+    pub sums: Sums,
+    block: SiteBlock,
+    cell: Cell,
+}
+
+/// The cell that a visit is in.
+struct Cell {
+    first: Option<[usize; 2]>,
+    width: [usize; 2],
+    columns: usize,
+    /// The cell's part of the vector that the rows are applied to.
+    part: Vec<f64>,
+    sums: ColumnSums,
+}
+
+impl Cell {
+    fn new(equations: &Equations) -> Cell {
+        let shape = equations.sites.shape();
+        let width = shape.degree.map(|d| d + 1);
+        let local = width[0] * width[1];
+        Cell { first: None, width, columns: shape.basis[1], part: vec![0.0; local], sums: ColumnSums::new(local) }
+    }
+
+    /// Goes to the cell of these first basis functions, the sums of the one before brought home.
+    fn enter(&mut self, first: [usize; 2], v: &[f64], home: &mut Sums) {
+        if self.first == Some(first) {
+            return;
+        }
+        self.leave(home);
+        self.first = Some(first);
+        for (a, part) in self.part.chunks_exact_mut(self.width[1]).enumerate() {
+            part.copy_from_slice(&v[(first[0] + a) * self.columns + first[1]..][..part.len()]);
+        }
+    }
+
+    fn leave(&mut self, home: &mut Sums) {
+        let Some(first) = self.first.take() else { return };
+        let ColumnSums { products, sizes, norms } = &mut self.sums;
+        for (local, home) in [(products, &mut home.products), (sizes, &mut home.sizes), (norms, &mut home.norms)] {
+            for (a, local) in local.chunks_exact_mut(self.width[1]).enumerate() {
+                let home = &mut home[(first[0] + a) * self.columns + first[1]..][..local.len()];
+                for (home, lanes) in home.iter_mut().zip(local) {
+                    *home += add_lanes(lanes);
+                    *lanes = [0.0; SITES];
+                }
+            }
+        }
+    }
+}
+
+impl<'a> RowPasses<'a> {
+    /// The first visit: computed residuals, sizes, and `E'computed` as products.
+    pub fn new(equations: &'a Equations, c: &[f64]) -> RowPasses<'a> {
+        let zeros = || vec![0.0; c.len()];
+        let mut passes = RowPasses {
+            equations,
+            level: Level::active(),
+            blocks: Vec::with_capacity(equations.sites.len().div_ceil(SITES)),
+            sums: Sums { products: zeros(), sizes: zeros(), norms: zeros() },
+            block: SiteBlock::new(equations.sites.shape().degree),
+            cell: Cell::new(equations),
+        };
+        let RowPasses { blocks, sums, block, cell, level, .. } = &mut passes;
+        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+            cell.enter(block.first, c, sums);
+            let mut rows = BlockRows {
+                computed: [[0.0; SITES]; 3],
+                sizes: [[0.0; SITES]; 3],
+                residual: targets(equations, block),
+            };
+            let out = [&mut rows.computed, &mut rows.sizes];
+            first_pass(*level, &block.lanes(), &cell.part, &rows.residual, out, &mut cell.sums.products);
+            rows.residual = rows.computed;
+            blocks.push(rows);
+        });
+        cell.leave(sums);
+        passes
+    }
+
+    /// A later visit: `r -= E v`, and `E'r` as products; with `totals` the last one, which sums up everything.
+    pub fn again(&mut self, v: &[f64], mut totals: Option<&mut RowSums>) {
+        let RowPasses { equations, level, blocks, sums, block, cell } = self;
+        sums.products.fill(0.0);
+        let mut places = blocks.iter_mut();
+        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+            let Some(rows) = places.next() else { return };
+            cell.enter(block.first, v, sums);
+            let lanes = block.lanes();
+            second_pass(*level, &lanes, &cell.part, &mut rows.residual, &mut cell.sums.products);
+            if let Some(totals) = totals.as_deref_mut() {
+                last_sums(*level, &lanes, [&rows.residual, &rows.computed], &mut rows.sizes, &mut cell.sums, totals);
+            }
+        });
+        cell.leave(sums);
+    }
+
+    /// `|E| |v|`, block by block. The products are those of another vector then.
+    pub fn magnitudes(&mut self, v: &[f64]) -> Vec<Rows> {
+        let RowPasses { equations, level, block, cell, sums, blocks } = self;
+        let mut found = Vec::with_capacity(blocks.len());
+        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+            cell.enter(block.first, v, sums);
+            let [mut unused, mut sizes] = [[[0.0; SITES]; 3]; 2];
+            let (targets, out) = ([[0.0; SITES]; 3], [&mut unused, &mut sizes]);
+            first_pass(*level, &block.lanes(), &cell.part, &targets, out, &mut cell.sums.products);
+            found.push(sizes);
+        });
+        cell.leave(sums);
+        found
+    }
+}
+
+fn targets(equations: &Equations, block: &SiteBlock) -> Rows {
+    let mut targets = [[0.0; SITES]; 3];
+    for (lane, &index) in block.indices().iter().enumerate() {
+        (0..3).for_each(|k| targets[k][lane] = equations.targets[index][k]);
+    }
+    targets
+}

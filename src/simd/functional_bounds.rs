@@ -1,0 +1,245 @@
+//! How far functionals `g'c` can be off, of which only the unknowns of one cell are part: two kinds at eight points.
+//!
+//! ```text
+//! bound = (min(m |D g|_2, v (sqrt(g'A g) rho + |A g|'t) + s |g|_1) + rounding) / size
+//! ```
+//!
+//! A is symmetric, n x n row by row; the eight vectors g of a kind stand side by side, entry u of all
+//! eight, then entry u + 1. Two kinds at once share the reading of A.
+
+use super::lanes::Lanes;
+use super::{Level, by_width, dispatch};
+
+/// Functionals of one kind taken at once.
+pub const FUNCTIONALS: usize = 8;
+/// Kinds of functionals taken at once: S and R.
+pub const KINDS: usize = 2;
+
+/// One number a functional.
+pub type OfKinds = [[f64; FUNCTIONALS]; KINDS];
+
+/// The bound in the direction that is asked about.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectedTerms<'a> {
+    /// A, row by row.
+    pub matrix: &'a [f64],
+    /// t, one number a row.
+    pub weights: &'a [f64],
+    /// rho.
+    pub rows: f64,
+    /// v.
+    pub backward: f64,
+    /// s.
+    pub settled: f64,
+}
+
+/// What does not change from functional to functional.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundTerms<'a> {
+    /// D, one number an unknown.
+    pub scales: &'a [f64],
+    /// m.
+    pub moved: f64,
+    /// The second bound, where there is one.
+    pub directed: Option<DirectedTerms<'a>>,
+}
+
+/// The unknowns of one cell and the gradients by them.
+#[derive(Clone, Copy, Debug)]
+pub struct CellGradients<'a> {
+    /// First unknown of each run of neighbours, ascending.
+    pub runs: &'a [usize],
+    /// Run after run, all of one length; one slice a kind.
+    pub entries: [&'a [[f64; FUNCTIONALS]]; KINDS],
+}
+
+impl<'a> CellGradients<'a> {
+    #[inline(always)]
+    fn cut<const P: usize, const Q: usize>(&self) -> CellGradients<'a> {
+        if P * Q == 0 {
+            return *self;
+        }
+        CellGradients { runs: &self.runs[..P], entries: self.entries.map(|entries| &entries[..P * Q]) }
+    }
+
+    #[inline(always)]
+    fn width(&self) -> usize {
+        self.entries[0].len() / self.runs.len()
+    }
+
+    #[inline(always)]
+    fn entry<V: Lanes>(&self, place: usize, lanes: usize) -> [V; KINDS] {
+        [V::load(&self.entries[0][place][lanes..]), V::load(&self.entries[1][place][lanes..])]
+    }
+
+    /// `sum_u values[u] g_u` over the unknowns of the cell.
+    #[inline(always)]
+    fn times<V: Lanes>(&self, values: &[f64], lanes: usize) -> [V; KINDS] {
+        let width = self.width();
+        let mut sums = [V::splat(0.0); KINDS];
+        for (r, start) in self.runs.iter().enumerate() {
+            for (k, value) in values[*start..*start + width].iter().enumerate() {
+                let [g, h] = self.entry::<V>(r * width + k, lanes);
+                let value = V::splat(*value);
+                sums = [value.mul_add(g, sums[0]), value.mul_add(h, sums[1])];
+            }
+        }
+        sums
+    }
+
+    /// `[sum_u (scales[u] g_u)^2, sum_u |g_u|]` of each kind.
+    #[inline(always)]
+    fn lengths<V: Lanes>(&self, scales: &[f64], lanes: usize) -> [[V; KINDS]; 2] {
+        let width = self.width();
+        let [mut squares, mut lengths] = [[V::splat(0.0); KINDS]; 2];
+        for (r, start) in self.runs.iter().enumerate() {
+            for (k, scale) in scales[*start..*start + width].iter().enumerate() {
+                let entry = self.entry::<V>(r * width + k, lanes);
+                for kind in 0..KINDS {
+                    let scaled = V::splat(*scale) * entry[kind];
+                    squares[kind] = scaled.mul_add(scaled, squares[kind]);
+                    lengths[kind] = lengths[kind] + entry[kind].abs();
+                }
+            }
+        }
+        [squares, lengths]
+    }
+}
+
+#[inline(always)]
+fn bounds<V: Lanes, const P: usize, const Q: usize>(
+    terms: &BoundTerms,
+    gradients: &CellGradients,
+    rounding: &OfKinds,
+    size: &OfKinds,
+) -> OfKinds {
+    let gradients = &gradients.cut::<P, Q>();
+    let mut out = [[0.0; FUNCTIONALS]; KINDS];
+    let zero = V::splat(0.0);
+    for lanes in (0..FUNCTIONALS).step_by(V::N) {
+        let [squares, lengths] = gradients.lengths::<V>(terms.scales, lanes);
+        let mut bounds = squares;
+        for kind in 0..KINDS {
+            bounds[kind] = V::splat(terms.moved) * squares[kind].sqrt();
+        }
+        if let Some(directed) = &terms.directed {
+            let [forms, weighted] = forms::<V>(directed, gradients, lanes);
+            for kind in 0..KINDS {
+                let along = forms[kind].max(zero).sqrt().mul_add(V::splat(directed.rows), weighted[kind]);
+                let other = along.mul_add(V::splat(directed.backward), V::splat(directed.settled) * lengths[kind]);
+                // a NaN on the right is less than nothing: it leaves the plain bound
+                bounds[kind] = V::select(other.less(bounds[kind]), other, bounds[kind]);
+            }
+        }
+        for kind in 0..KINDS {
+            let whole = bounds[kind] + V::load(&rounding[kind][lanes..]);
+            whole.div(V::load(&size[kind][lanes..])).store(&mut out[kind][lanes..]);
+        }
+    }
+    out
+}
+
+/// `[g'A g, |A g|'t]`.
+#[inline(always)]
+fn forms<V: Lanes>(directed: &DirectedTerms, gradients: &CellGradients, lanes: usize) -> [[V; KINDS]; 2] {
+    let [mut forms, mut weighted] = [[V::splat(0.0); KINDS]; 2];
+    let (order, width) = (directed.weights.len(), gradients.width());
+    // own entries in the order of the rows: run r, place k
+    let (mut r, mut k) = (0, 0);
+    for (u, (row, weight)) in directed.matrix.chunks_exact(order).zip(directed.weights).enumerate() {
+        let products: [V; KINDS] = gradients.times(row, lanes);
+        let own = r < gradients.runs.len() && u == gradients.runs[r] + k;
+        for kind in 0..KINDS {
+            weighted[kind] = products[kind].abs().mul_add(V::splat(*weight), weighted[kind]);
+            if own {
+                forms[kind] = products[kind].mul_add(gradients.entry::<V>(r * width + k, lanes)[kind], forms[kind]);
+            }
+        }
+        if own {
+            k += 1;
+            if k == width {
+                (r, k) = (r + 1, 0);
+            }
+        }
+    }
+    [forms, weighted]
+}
+
+/// The bounds.
+///
+/// # Panics
+/// When an unknown has no scale or no column in the matrix, or there are fewer entries than runs need.
+pub fn functional_bounds(
+    level: Level,
+    terms: &BoundTerms,
+    gradients: &CellGradients,
+    rounding: &OfKinds,
+    size: &OfKinds,
+) -> OfKinds {
+    let widths = [gradients.runs.len(), gradients.width()];
+    by_width!(level, widths, bounds(
+        terms: &BoundTerms,
+        gradients: &CellGradients,
+        rounding: &OfKinds,
+        size: &OfKinds,
+    ) -> OfKinds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Twins;
+    use super::*;
+
+    /// Twin: the sums as they are written, over all unknowns.
+    fn twin(terms: &BoundTerms, gradient: &[f64], rounding: f64, size: f64) -> f64 {
+        let n = gradient.len();
+        let square: f64 = (0..n).map(|u| (terms.scales[u] * gradient[u]).powi(2)).sum();
+        let mut bound = terms.moved * square.sqrt();
+        if let Some(d) = &terms.directed {
+            let product = |u: usize| (0..n).map(|v| d.matrix[u * n + v] * gradient[v]).sum::<f64>();
+            let form: f64 = (0..n).map(|u| gradient[u] * product(u)).sum();
+            let weighted: f64 = (0..n).map(|u| product(u).abs() * d.weights[u]).sum();
+            let length: f64 = gradient.iter().map(|g| g.abs()).sum();
+            bound = bound.min(d.backward * (form.max(0.0).sqrt() * d.rows + weighted) + d.settled * length);
+        }
+        (bound + rounding) / size
+    }
+
+    #[test]
+    fn every_level_agrees_with_the_written_sums() {
+        let value = |a: usize, b: usize| ((a * 7 + b * 5 + 1) as f64 * 0.41).sin();
+        let cells: [(usize, usize, Vec<usize>); 4] =
+            [(9, 3, vec![0, 3, 6]), (23, 3, vec![2, 9]), (1, 1, vec![0]), (25, 4, vec![1, 6, 12, 18])];
+        for (n, width, runs) in cells {
+            let alive: Vec<usize> = runs.iter().flat_map(|&start| start..start + width).collect();
+            // a Gram matrix, as a covariance is
+            let gram = |a: usize, b: usize| (0..n + 3).map(|k| value(a, k) * value(b, k)).sum::<f64>();
+            let matrix: Vec<f64> = (0..n * n).map(|k| gram(k / n, k % n)).collect();
+            let weights: Vec<f64> = (0..n).map(|u| value(u, 3).abs()).collect();
+            let scales: Vec<f64> = (0..n).map(|u| value(u, 5).abs() + 0.1).collect();
+            let entries = [11, 29].map(|from| {
+                alive.iter().map(|&u| std::array::from_fn(|k| value(u, k + from))).collect::<Vec<[f64; FUNCTIONALS]>>()
+            });
+            let gradients = CellGradients { runs: &runs, entries: entries.each_ref().map(|entries| &entries[..]) };
+            let rounding = [[1e-3; FUNCTIONALS], [2e-3; FUNCTIONALS]];
+            let size = [[1.0; FUNCTIONALS], std::array::from_fn(|k| 1.0 + k as f64)];
+            let directed =
+                DirectedTerms { matrix: &matrix, weights: &weights, rows: 0.3, backward: 0.7, settled: 0.01 };
+            for directed in [None, Some(directed)] {
+                for moved in [0.02, 20.0] {
+                    let terms = BoundTerms { scales: &scales, moved, directed };
+                    for level in Level::available() {
+                        let bounds = functional_bounds(level, &terms, &gradients, &rounding, &size);
+                        let mut twins = Twins::new("functional_bounds", level);
+                        for (kind, k) in (0..KINDS * FUNCTIONALS).map(|p| (p / FUNCTIONALS, p % FUNCTIONALS)) {
+                            let mut whole = vec![0.0; n];
+                            alive.iter().zip(&entries[kind]).for_each(|(&u, g)| whole[u] = g[k]);
+                            twins.compare(bounds[kind][k], twin(&terms, &whole, rounding[kind][k], size[kind][k]));
+                        }
+                        twins.hold(4.0);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Derivatives of S and R at eight points of one cell by the cell's coefficients.
+//!
+//! ```text
+//! l^2 = 1 + p^2, w^2 = 1 + p^2 + q^2, s = p q / l^2          a = r/(l^2 w)
+//! S = -(2/pi) atan2(a + c, d)                                b = (t - s r)/w^2
+//! R = sqrt((a^2 + c^2)/2 + b^2)                              c = l^2 (u - 2 s t + s^2 r)/w^3
+//! d = sqrt((a - c)^2 + 4 b^2)                                p, q, r, t, u = S_x, S_y, S_xx, S_xy, S_yy
+//! dS/dc_ij = sum_k (dS/d_k) D_k(N_i M_j)                     d_k the five derivatives, D_k the same of the basis
+//! ```
+//!
+//! The points share their x. With the gradients come the sizes of the terms that the five derivatives are sums of, which
+//! is what their rounding is relative to.
+
+use super::lanes::Lanes;
+use super::{Level, dispatch};
+
+/// Points taken at once.
+pub const POINTS: usize = 8;
+
+/// Eight points of a cell with one x.
+#[derive(Clone, Copy, Debug)]
+pub struct CellPoints<'a> {
+    /// N, N', N'' at x, `p + 1` each.
+    pub x: [&'a [f64]; 3],
+    /// M, M', M'' at the points, `q + 1` each.
+    pub y: [&'a [[f64; POINTS]]; 3],
+    /// `sum_a N_a^(k) c_ab` for k = 0, 1, 2, one entry a basis function b in y.
+    pub curves: &'a [[f64; 3]],
+    /// `sum_a |N_a^(k) c_ab|`.
+    pub curve_sizes: &'a [[f64; 3]],
+}
+
+/// What [`shape_gradients`] finds at the eight points.
+#[derive(Clone, Debug, Default)]
+pub struct ShapeGradients {
+    /// dS/dc and dR/dc, entry `a (q + 1) + b`.
+    pub by_coefficients: [Vec<[f64; POINTS]>; 2],
+    /// `sum_k |dS/d_k| |terms of d_k|`, and R's.
+    pub roundings: [[f64; POINTS]; 2],
+    /// `sum_ab |c_ab| |D_k(N_a M_b)|`.
+    pub terms: [[f64; POINTS]; 5],
+    /// `k1 + k2`.
+    pub sum: [f64; POINTS],
+    /// `k1 - k2`.
+    pub difference: [f64; POINTS],
+    /// `sum_k |dS/d_k|`: zero where curvatures are so large or small that their squares are lost.
+    pub reach: [f64; POINTS],
+}
+
+/// The five derivatives, and the sizes of their terms.
+#[inline(always)]
+fn derivatives<V: Lanes>(points: &CellPoints, lanes: usize) -> [[V; 5]; 2] {
+    let (mut d, mut sizes) = ([V::splat(0.0); 5], [V::splat(0.0); 5]);
+    for (b, (curve, size)) in points.curves.iter().zip(points.curve_sizes).enumerate() {
+        let m = points.y.map(|y| V::load(&y[b][lanes..]));
+        let [c, s] = [curve, size].map(|k| k.map(V::splat));
+        for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
+            d[k] = c[i].mul_add(m[j], d[k]);
+            sizes[k] = s[i].mul_add(m[j].abs(), sizes[k]);
+        }
+    }
+    [d, sizes]
+}
+
+/// `1/v`, 0 where v is not above 0.
+#[inline(always)]
+fn inverse<V: Lanes>(v: V) -> V {
+    let (zero, one) = (V::splat(0.0), V::splat(1.0));
+    V::select(zero.less(v), one.div(v), zero)
+}
+
+/// `[dS/d_k, dR/d_k]`, `k1 + k2`, `k1 - k2`.
+#[inline(always)]
+fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
+    let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(V::splat);
+    let l2 = p.mul_add(p, one);
+    let (by_l2, by_w2) = (one.div(l2), one.div(q.mul_add(q, l2)));
+    let by_w = by_w2.sqrt();
+    let s = p * q * by_l2;
+    let a = r * by_l2 * by_w;
+    let b = s.neg_mul_add(r, t) * by_w2;
+    let outer = l2 * by_w2 * by_w;
+    let bend_s = two * s.neg_mul_add(r, t);
+    // u - 2 s t + s^2 r
+    let c = outer * s.neg_mul_add(t + s.neg_mul_add(r, t), u);
+    let s_p = q * p.neg_mul_add(p, one) * by_l2 * by_l2;
+    let s_q = p * by_l2;
+    let (along, over, across) = (two * p * by_l2, p * by_w2, q * by_w2);
+    let da = [zero - a * (along + over), zero - a * across, by_l2 * by_w];
+    let r_w = r * by_w2;
+    let db =
+        [zero - s_p.mul_add(r_w, two * b * over), zero - s_q.mul_add(r_w, two * b * across), zero - s * by_w2, by_w2];
+    let turned = outer * bend_s;
+    let dc = [
+        (c * three.neg_mul_add(over, along)) - turned * s_p,
+        zero - three.mul_add(c * across, turned * s_q),
+        outer * s * s,
+        zero - two * outer * s,
+        outer,
+    ];
+    let (sum, half) = (a + c, a - c);
+    let twice = b + b;
+    let gap2 = half.mul_add(half, twice * twice);
+    let gap = gap2.sqrt();
+    let by_size2 = inverse(sum.mul_add(sum, gap2));
+    let (by_gap, by_size) = (inverse(gap), by_size2.sqrt());
+    let (of_sum, of_gap) = (gap * by_size2, sum * by_size2);
+    let mut out = [[zero; 5]; 2];
+    for k in 0..5 {
+        let ak = if k < 3 { da[k] } else { zero };
+        let bk = if k < 4 { db[k] } else { zero };
+        let d_gap = half.mul_add(ak - dc[k], two * twice * bk) * by_gap;
+        out[0][k] = of_gap.neg_mul_add(d_gap, of_sum * (ak + dc[k])) * V::splat(-std::f64::consts::FRAC_2_PI);
+        out[1][k] = a.mul_add(ak, c.mul_add(dc[k], twice * bk)) * by_size;
+    }
+    (out, sum, gap)
+}
+
+#[inline(always)]
+fn generic<V: Lanes>(points: &CellPoints, out: &mut ShapeGradients) {
+    let width = points.curves.len();
+    for lanes in (0..POINTS).step_by(V::N) {
+        let [d, sizes] = derivatives::<V>(points, lanes);
+        let (gradients, sum, difference) = gradient(d);
+        for (k, g) in gradients.iter().enumerate() {
+            let mut rounding = V::splat(0.0);
+            (0..5).for_each(|k| rounding = g[k].abs().mul_add(sizes[k], rounding));
+            rounding.store(&mut out.roundings[k][lanes..]);
+            for (a, target) in out.by_coefficients[k].chunks_exact_mut(width).enumerate() {
+                let [n, dn, ddn] = points.x.map(|x| V::splat(x[a]));
+                let of_m = g[0].mul_add(dn, g[2] * ddn);
+                let of_dm = g[1].mul_add(n, g[3] * dn);
+                let of_ddm = g[4] * n;
+                for (b, value) in target.iter_mut().enumerate() {
+                    let [m, dm, ddm] = points.y.map(|y| V::load(&y[b][lanes..]));
+                    of_m.mul_add(m, of_dm.mul_add(dm, of_ddm * ddm)).store(&mut value[lanes..]);
+                }
+            }
+        }
+        let mut reach = V::splat(0.0);
+        gradients[0].iter().for_each(|g| reach = reach + g.abs());
+        (0..5).for_each(|k| sizes[k].store(&mut out.terms[k][lanes..]));
+        sum.store(&mut out.sum[lanes..]);
+        difference.store(&mut out.difference[lanes..]);
+        reach.store(&mut out.reach[lanes..]);
+    }
+}
+
+impl ShapeGradients {
+    /// Room for cells of `(p + 1)(q + 1)` coefficients.
+    pub fn new(coefficients: usize) -> ShapeGradients {
+        let by_coefficients = [vec![[0.0; POINTS]; coefficients], vec![[0.0; POINTS]; coefficients]];
+        ShapeGradients { by_coefficients, ..ShapeGradients::default() }
+    }
+}
+
+/// The gradients at eight points.
+///
+/// # Panics
+/// When basis rows are shorter than the curves or than `out` asks for.
+pub fn shape_gradients(level: Level, points: &CellPoints, out: &mut ShapeGradients) {
+    dispatch!(level, generic [](points: &CellPoints, out: &mut ShapeGradients));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Twins;
+    use super::*;
+    use crate::bspline::Knots;
+    use crate::shape::{by_coefficients, shape_gradient};
+    use crate::surface::HeightField;
+    use ndarray::Array2;
+
+    /// Points of one cell of a wavy surface with slopes up to `steep`, every one against the shape room's formulas.
+    fn compare(level: Level, degree: [usize; 2], steep: f64) {
+        let knots = [Knots::uniform(degree[0], 1, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 1, -1.0, 1.0).unwrap()];
+        let size = degree.map(|d| d + 1);
+        let c = Array2::from_shape_fn(size, |(i, j)| steep * (i as f64 * 1.7 + j as f64 * 0.9).sin());
+        let surface = HeightField::new(knots.clone(), c.clone()).unwrap();
+        let bx = knots[0].basis(0.37);
+        let rows: Vec<_> = (0..POINTS).map(|k| knots[1].basis(k as f64 / 4.0 - 0.9)).collect();
+        let y = [0, 1, 2].map(|k| (0..size[1]).map(|b| std::array::from_fn(|l| rows[l].derivative(k)[b])).collect());
+        let y: [Vec<[f64; POINTS]>; 3] = y;
+        let x = [0, 1, 2].map(|k| bx.derivative(k));
+        let sums = |b: usize, of: fn(f64) -> f64| x.map(|n| (0..size[0]).map(|a| of(n[a] * c[[a, b]])).sum::<f64>());
+        let curves: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, |v| v)).collect();
+        let curve_sizes: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, f64::abs)).collect();
+        let points = CellPoints { x, y: y.each_ref().map(|y| &y[..]), curves: &curves, curve_sizes: &curve_sizes };
+        let mut made = ShapeGradients::new(size[0] * size[1]);
+        shape_gradients(level, &points, &mut made);
+        let (mut gradients, mut terms) = (Twins::new("shape_gradients", level), Twins::new("their terms", level));
+        for (l, by) in rows.iter().enumerate() {
+            let expected = shape_gradient(&surface.with_rows(&bx, by));
+            for (k, by_point) in [&expected.shape_index, &expected.curvedness].into_iter().enumerate() {
+                by_coefficients(by_point, &bx, by, |a, b, value| {
+                    gradients.compare(made.by_coefficients[k][a * size[1] + b][l], value);
+                });
+            }
+            gradients.compare(made.sum[l], expected.sum);
+            gradients.compare(made.difference[l], expected.difference);
+            gradients.compare(made.reach[l], expected.shape_index.iter().map(|g| g.abs()).sum());
+            for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
+                let term = |a: usize, b: usize| (c[[a, b]] * bx.derivative(i)[a] * by.derivative(j)[b]).abs();
+                terms.compare(made.terms[k][l], (0..size[0] * size[1]).map(|u| term(u / size[1], u % size[1])).sum());
+            }
+            let sums = [&expected.shape_index, &expected.curvedness]
+                .map(|g| (0..5).map(|k| g[k].abs() * made.terms[k][l]).sum::<f64>());
+            (0..2).for_each(|k| terms.compare(made.roundings[k][l], sums[k]));
+        }
+        gradients.hold(32.0);
+        terms.hold(8.0);
+    }
+
+    #[test]
+    fn every_level_agrees_with_the_shape_room() {
+        for level in Level::available() {
+            for degree in [[2, 2], [3, 3], [2, 4]] {
+                [0.1, 1.0, 20.0].into_iter().for_each(|steep| compare(level, degree, steep));
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_does_not_depend_on_its_lane_and_flat_ones_have_no_gradient() {
+        let x = [&[0.5, 0.5][..], &[-1.0, 1.0], &[0.0, 0.0]];
+        let y: [Vec<[f64; POINTS]>; 3] =
+            [vec![[0.3; POINTS], [0.7; POINTS]], vec![[-1.0; POINTS], [1.0; POINTS]], vec![[0.0; POINTS]; 2]];
+        let y = y.each_ref().map(|y| &y[..]);
+        for level in Level::available() {
+            for (twist, alive) in [(0.3, true), (0.0, false)] {
+                let curves = [[0.1, 0.2, 0.0], [0.1, 0.2 + twist, 0.0]];
+                let mut made = ShapeGradients::new(4);
+                shape_gradients(level, &CellPoints { x, y, curves: &curves, curve_sizes: &curves }, &mut made);
+                assert!(made.reach.iter().all(|r| *r == made.reach[0] && (*r > 0.0) == alive));
+            }
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! The two visits of the rows that a backward error takes, eight sites of one cell at once.
+//!
+//! ```text
+//! E_r c = [ z S,  a S_x + b S_y,  d S_y ]        S = sum N_i c_ij M_j, and so on; [z; a b; 0 d] the weights of site r
+//! first     computed = b - E c      sizes = |E| |c| + |b|                          E'computed
+//! second    r -= E v                E'r       and the last time       |E|'|r|,  squares of E's columns,
+//!           sizes += |r|            |sizes|^2, |r|^2,  max_i |computed - r|_i / sizes_i
+//! ```
+//!
+//! Sums over sites stay apart lane by lane; [`add_lanes`] brings them together. Lanes whose weights are zero add nothing.
+
+use super::lanes::Lanes;
+use super::{Level, by_width, dispatch};
+
+/// Sites taken at once.
+pub const SITES: usize = 8;
+
+/// One number a site.
+pub type SiteLanes = [f64; SITES];
+
+/// Eight sites of one cell.
+#[derive(Clone, Copy, Debug)]
+pub struct CellSites<'a> {
+    /// N and N', `p + 1` each.
+    pub x: [&'a [SiteLanes]; 2],
+    /// M and M', `q + 1` each.
+    pub y: [&'a [SiteLanes]; 2],
+    /// z, a, b, d.
+    pub weights: &'a [SiteLanes; 4],
+}
+
+/// Sums over the sites of a cell, an entry a coefficient of the cell, still lane by lane.
+#[derive(Clone, Debug)]
+pub struct ColumnSums {
+    /// `E'r`.
+    pub products: Vec<SiteLanes>,
+    /// `|E|'|r|`.
+    pub sizes: Vec<SiteLanes>,
+    /// Squares of the columns.
+    pub norms: Vec<SiteLanes>,
+}
+
+impl<'a> CellSites<'a> {
+    /// The same with lengths that the compiler knows where P and Q are not 0, which halves the time.
+    #[inline(always)]
+    fn cut<const P: usize, const Q: usize>(&self) -> CellSites<'a> {
+        if P * Q == 0 {
+            return *self;
+        }
+        CellSites { x: self.x.map(|x| &x[..P]), y: self.y.map(|y| &y[..Q]), weights: self.weights }
+    }
+}
+
+impl ColumnSums {
+    /// Zeros for this many coefficients.
+    pub fn new(coefficients: usize) -> ColumnSums {
+        let zeros = vec![[0.0; SITES]; coefficients];
+        ColumnSums { products: zeros.clone(), sizes: zeros.clone(), norms: zeros }
+    }
+}
+
+/// What the last visit adds up over rows, lane by lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RowSums {
+    /// Squares of the sizes.
+    pub sizes: SiteLanes,
+    /// Squares of r.
+    pub residual: SiteLanes,
+    /// The largest ratio.
+    pub worst: SiteLanes,
+}
+
+/// `[S, S_x, S_y]` with every term through `of`.
+#[inline(always)]
+fn rows_of<V: Lanes>(sites: &CellSites, c: &[f64], lanes: usize, of: impl Fn(V) -> V) -> [V; 3] {
+    let width = sites.y[0].len();
+    let at = |row: &SiteLanes| of(V::load(&row[lanes..]));
+    let mut out = [V::splat(0.0); 3];
+    for (a, c) in c[..sites.x[0].len() * width].chunks_exact(width).enumerate() {
+        let (mut along, mut slope) = (V::splat(0.0), V::splat(0.0));
+        for (b, value) in c.iter().enumerate() {
+            let value = of(V::splat(*value));
+            along = value.mul_add(at(&sites.y[0][b]), along);
+            slope = value.mul_add(at(&sites.y[1][b]), slope);
+        }
+        let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
+        out = [n.mul_add(along, out[0]), dn.mul_add(along, out[1]), n.mul_add(slope, out[2])];
+    }
+    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    [z * out[0], wa.mul_add(out[1], wb * out[2]), d * out[2]]
+}
+
+/// `sums += E'r` with every number of E through `of`.
+#[inline(always)]
+fn transposed<V: Lanes>(sites: &CellSites, r: [V; 3], lanes: usize, of: impl Fn(V) -> V, sums: &mut [SiteLanes]) {
+    let at = |row: &SiteLanes| of(V::load(&row[lanes..]));
+    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    let (value, slope_x, slope_y) = (z * r[0], wa * r[1], wb.mul_add(r[1], d * r[2]));
+    let width = sites.y[0].len();
+    for (a, sums) in sums[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+        let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
+        let (along, across) = (value.mul_add(n, slope_x * dn), slope_y * n);
+        for (b, sum) in sums.iter_mut().enumerate() {
+            let terms = across.mul_add(at(&sites.y[1][b]), V::load(&sum[lanes..]));
+            along.mul_add(at(&sites.y[0][b]), terms).store(&mut sum[lanes..]);
+        }
+    }
+}
+
+/// `norms += ` squares of the rows, row by row.
+#[inline(always)]
+fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, norms: &mut [SiteLanes]) {
+    let at = |row: &SiteLanes| V::load(&row[lanes..]);
+    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    let width = sites.y[0].len();
+    for (a, norms) in norms[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+        let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
+        let [zn, an, bn, d_n] = [z * n, wa * dn, wb * n, d * n];
+        for (b, norm) in norms.iter_mut().enumerate() {
+            let (m, dm) = (at(&sites.y[0][b]), at(&sites.y[1][b]));
+            let (value, slope_x, slope_y) = (zn * m, an.mul_add(m, bn * dm), d_n * dm);
+            let sum = value.mul_add(value, at(norm));
+            slope_y.mul_add(slope_y, slope_x.mul_add(slope_x, sum)).store(&mut norm[lanes..]);
+        }
+    }
+}
+
+#[inline(always)]
+fn first<V: Lanes, const P: usize, const Q: usize>(
+    sites: &CellSites,
+    c: &[f64],
+    targets: &[SiteLanes; 3],
+    [computed, sizes]: [&mut [SiteLanes; 3]; 2],
+    products: &mut [SiteLanes],
+) {
+    let sites = &sites.cut::<P, Q>();
+    for lanes in (0..SITES).step_by(V::N) {
+        let targets = targets.each_ref().map(|t| V::load(&t[lanes..]));
+        let (rows, magnitudes) = (rows_of::<V>(sites, c, lanes, |v| v), rows_of::<V>(sites, c, lanes, V::abs));
+        let mut left = [V::splat(0.0); 3];
+        for k in 0..3 {
+            left[k] = targets[k] - rows[k];
+            left[k].store(&mut computed[k][lanes..]);
+            (magnitudes[k] + targets[k].abs()).store(&mut sizes[k][lanes..]);
+        }
+        transposed::<V>(sites, left, lanes, |v| v, products);
+    }
+}
+
+#[inline(always)]
+fn second<V: Lanes, const P: usize, const Q: usize>(
+    sites: &CellSites,
+    v: &[f64],
+    r: &mut [SiteLanes; 3],
+    products: &mut [SiteLanes],
+) {
+    let sites = &sites.cut::<P, Q>();
+    for lanes in (0..SITES).step_by(V::N) {
+        let moved = rows_of::<V>(sites, v, lanes, |v| v);
+        let mut left = [V::splat(0.0); 3];
+        for k in 0..3 {
+            left[k] = V::load(&r[k][lanes..]) - moved[k];
+            left[k].store(&mut r[k][lanes..]);
+        }
+        transposed::<V>(sites, left, lanes, |v| v, products);
+    }
+}
+
+#[inline(always)]
+fn last<V: Lanes, const P: usize, const Q: usize>(
+    sites: &CellSites,
+    [r, computed]: [&[SiteLanes; 3]; 2],
+    sizes: &mut [SiteLanes; 3],
+    columns: &mut ColumnSums,
+    rows: &mut RowSums,
+) {
+    let sites = &sites.cut::<P, Q>();
+    for lanes in (0..SITES).step_by(V::N) {
+        let left = r.each_ref().map(|r| V::load(&r[lanes..]));
+        let [mut square, mut residual, mut worst] =
+            [&rows.sizes, &rows.residual, &rows.worst].map(|sum| V::load(&sum[lanes..]));
+        for k in 0..3 {
+            let size = V::load(&sizes[k][lanes..]) + left[k].abs();
+            size.store(&mut sizes[k][lanes..]);
+            square = size.mul_add(size, square);
+            residual = left[k].mul_add(left[k], residual);
+            let gap = (V::load(&computed[k][lanes..]) - left[k]).abs();
+            worst = V::select((worst * size).less(gap), gap.div(size), worst);
+        }
+        square.store(&mut rows.sizes[lanes..]);
+        residual.store(&mut rows.residual[lanes..]);
+        worst.store(&mut rows.worst[lanes..]);
+        transposed::<V>(sites, left.map(V::abs), lanes, V::abs, &mut columns.sizes);
+        add_norms::<V>(sites, lanes, &mut columns.norms);
+    }
+}
+
+/// The first visit: `computed = targets - E c`, `sizes = |E||c| + |targets|`, `products += E'computed`.
+///
+/// # Panics
+/// When slices are shorter than the cell's `(p + 1)(q + 1)` coefficients.
+pub fn first_pass(
+    level: Level,
+    sites: &CellSites,
+    c: &[f64],
+    targets: &[SiteLanes; 3],
+    out: [&mut [SiteLanes; 3]; 2],
+    products: &mut [SiteLanes],
+) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], first(
+        sites: &CellSites,
+        c: &[f64],
+        targets: &[SiteLanes; 3],
+        out: [&mut [SiteLanes; 3]; 2],
+        products: &mut [SiteLanes],
+    ));
+}
+
+/// The second visit: `r -= E v`, `products += E'r`.
+///
+/// # Panics
+/// As [`first_pass`].
+pub fn second_pass(level: Level, sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], products: &mut [SiteLanes]) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], second(sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], products: &mut [SiteLanes]));
+}
+
+/// What remains to be summed when r is final (`residuals`: r and computed): `sizes += |r|`, then the sums of `columns` (all but products) and `rows`.
+///
+/// # Panics
+/// As [`first_pass`].
+pub fn last_sums(
+    level: Level,
+    sites: &CellSites,
+    residuals: [&[SiteLanes; 3]; 2],
+    sizes: &mut [SiteLanes; 3],
+    columns: &mut ColumnSums,
+    rows: &mut RowSums,
+) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], last(
+        sites: &CellSites,
+        residuals: [&[SiteLanes; 3]; 2],
+        sizes: &mut [SiteLanes; 3],
+        columns: &mut ColumnSums,
+        rows: &mut RowSums,
+    ));
+}
+
+/// The sum of all lanes, by pairs.
+pub fn add_lanes(v: &SiteLanes) -> f64 {
+    ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Twins;
+    use super::*;
+
+    const DEGREE: [usize; 2] = [2, 3];
+
+    fn value(a: usize, b: usize) -> f64 {
+        ((a * 7 + b * 5 + 1) as f64 * 0.41).sin()
+    }
+
+    fn lanes(seed: usize) -> SiteLanes {
+        std::array::from_fn(|l| value(seed, l))
+    }
+
+    struct Cell {
+        x: [Vec<SiteLanes>; 2],
+        y: [Vec<SiteLanes>; 2],
+        weights: [SiteLanes; 4],
+        c: Vec<f64>,
+    }
+
+    impl Cell {
+        fn new() -> Cell {
+            let rows = |axis: usize, from: usize| (0..=DEGREE[axis]).map(|a| lanes(from + a)).collect();
+            let mut weights = [lanes(31), lanes(32), lanes(33), lanes(34)];
+            // the last lane is empty
+            weights.iter_mut().for_each(|w| w[SITES - 1] = 0.0);
+            let c = (0..(DEGREE[0] + 1) * (DEGREE[1] + 1)).map(|u| value(u, 40)).collect();
+            Cell { x: [rows(0, 1), rows(0, 9)], y: [rows(1, 17), rows(1, 24)], weights, c }
+        }
+
+        fn sites(&self) -> CellSites<'_> {
+            CellSites { x: [&self.x[0], &self.x[1]], y: [&self.y[0], &self.y[1]], weights: &self.weights }
+        }
+
+        /// Row k of E at site l, entry u, written out.
+        fn entry(&self, l: usize, k: usize, u: usize) -> f64 {
+            let (a, b) = (u / (DEGREE[1] + 1), u % (DEGREE[1] + 1));
+            let ([n, dn], [m, dm]) = ([0, 1].map(|d| self.x[d][a][l]), [0, 1].map(|d| self.y[d][b][l]));
+            let [z, wa, wb, d] = self.weights.map(|w| w[l]);
+            [z * n * m, wa * dn * m + wb * n * dm, d * n * dm][k]
+        }
+
+        /// A bound of its size: the sum of the two terms' sizes.
+        fn size(&self, l: usize, k: usize, u: usize) -> f64 {
+            let (a, b) = (u / (DEGREE[1] + 1), u % (DEGREE[1] + 1));
+            let ([n, dn], [m, dm]) = ([0, 1].map(|d| self.x[d][a][l].abs()), [0, 1].map(|d| self.y[d][b][l].abs()));
+            let [z, wa, wb, d] = self.weights.map(|w| w[l].abs());
+            [z * n * m, wa * dn * m + wb * n * dm, d * n * dm][k]
+        }
+    }
+
+    /// Twin: every sum over the entries of E as they are written.
+    #[test]
+    fn every_level_agrees_with_the_rows_written_out() {
+        let cell = Cell::new();
+        let unknowns = cell.c.len();
+        let targets = [lanes(51), lanes(52), lanes(53)];
+        let v: Vec<f64> = (0..unknowns).map(|u| 0.01 * value(u, 61)).collect();
+        let apply = |l: usize, k: usize, v: &[f64]| (0..unknowns).map(|u| cell.entry(l, k, u) * v[u]).sum::<f64>();
+        for level in Level::available() {
+            let [mut computed, mut sizes] = [[[0.0; SITES]; 3]; 2];
+            let mut sums = ColumnSums::new(unknowns);
+            first_pass(level, &cell.sites(), &cell.c, &targets, [&mut computed, &mut sizes], &mut sums.products);
+            let mut twins = Twins::new("site_passes", level);
+            let mut over = |l: usize, k: usize| {
+                let size: f64 = (0..unknowns).map(|u| cell.size(l, k, u) * cell.c[u].abs()).sum();
+                twins.compare(computed[k][l], targets[k][l] - apply(l, k, &cell.c));
+                twins.compare(sizes[k][l], size + targets[k][l].abs());
+            };
+            (0..3 * SITES).for_each(|p| over(p / 3, p % 3));
+            let mut r = computed;
+            let mut again = ColumnSums::new(unknowns);
+            second_pass(level, &cell.sites(), &v, &mut r, &mut again.products);
+            let (before, mut rows) = (sizes, RowSums::default());
+            last_sums(level, &cell.sites(), [&r, &computed], &mut sizes, &mut again, &mut rows);
+            let mut expected = RowSums::default();
+            for (l, k) in (0..3 * SITES).map(|p| (p / 3, p % 3)) {
+                twins.compare(r[k][l], computed[k][l] - apply(l, k, &v));
+                let size = before[k][l] + r[k][l].abs();
+                twins.compare(sizes[k][l], size);
+                expected.sizes[l] += size * size;
+                expected.residual[l] += r[k][l] * r[k][l];
+                expected.worst[l] = expected.worst[l].max((computed[k][l] - r[k][l]).abs() / size);
+            }
+            for l in 0..SITES {
+                twins.compare(rows.sizes[l], expected.sizes[l]);
+                twins.compare(rows.residual[l], expected.residual[l]);
+                twins.compare(rows.worst[l], expected.worst[l]);
+            }
+            for u in 0..unknowns {
+                let sum = |of: &dyn Fn(usize, usize) -> f64| (0..3 * SITES).map(|p| of(p / 3, p % 3)).sum::<f64>();
+                twins.compare(add_lanes(&sums.products[u]), sum(&|l, k| cell.entry(l, k, u) * computed[k][l]));
+                twins.compare(add_lanes(&again.products[u]), sum(&|l, k| cell.entry(l, k, u) * r[k][l]));
+                twins.compare(add_lanes(&again.sizes[u]), sum(&|l, k| cell.size(l, k, u) * r[k][l].abs()));
+                twins.compare(add_lanes(&again.norms[u]), sum(&|l, k| cell.entry(l, k, u).powi(2)));
+            }
+            twins.hold(4.0);
+        }
+    }
+}
