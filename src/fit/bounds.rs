@@ -26,27 +26,27 @@ const INVERTED: usize = 100;
 const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// What bounds a linear functional of the coefficients.
-pub struct Bound {
+pub struct Bound<'a> {
     /// D over its largest entry; zero for unsupported coefficients.
     pub inverse: Vec<f64>,
     /// The bound on `|D^-1 dc|` times D's largest entry.
     pub moved: f64,
-    directed: Option<Directed>,
+    directed: Option<Directed<'a>>,
 }
 
 /// The bound in the direction asked about.
-struct Directed {
+struct Directed<'a> {
     /// A^-1, row by row.
     inverse: Vec<f64>,
     rows: f64,
-    columns: Vec<f64>,
+    columns: &'a [f64],
     backward: f64,
     settled: f64,
 }
 
-impl Bound {
+impl<'a> Bound<'a> {
     /// `None` when no coefficient is held by data.
-    pub fn new(fit: &Fit, condition: f64, backward: &Backward) -> Option<Bound> {
+    pub fn new(fit: &Fit, condition: f64, backward: &'a Backward) -> Option<Bound<'a>> {
         let solution = &fit.fitted.solution;
         let c = &solution.coefficients;
         let mut inverse = backward.norms.clone();
@@ -70,9 +70,9 @@ impl Bound {
     }
 }
 
-impl Directed {
+impl<'a> Directed<'a> {
     /// `None` where A^-1 is dear, not to be trusted, or not the inverse of E'E.
-    fn new(fit: &Fit, condition: f64, backward: &Backward, settled: f64) -> Option<Directed> {
+    fn new(fit: &Fit, condition: f64, backward: &'a Backward, settled: f64) -> Option<Directed<'a>> {
         let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
         let order = equations.unknowns();
         let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
@@ -80,30 +80,26 @@ impl Directed {
         if order > INVERTED || !whole || solution.rank < order || condition > invertible {
             return None;
         }
-        let mut inverse = vec![0.0; order * order];
-        for (u, row) in inverse.chunks_exact_mut(order).enumerate() {
-            row[u] = 1.0;
-            solution.factor.solve(row);
-        }
+        let inverse = solution.factor.inverse(order);
         let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let error = backward.error.max(PLACING);
         let second_order = 1.0 - ESTIMATOR * error * condition;
         (second_order > 0.5).then_some(Directed {
             inverse,
             rows: backward.rows,
-            columns: backward.columns.clone(),
+            columns: &backward.columns,
             backward: error / second_order,
             settled: settled * largest,
         })
     }
 }
 
-impl Bound {
+impl Bound<'_> {
     /// What the kernel needs of it.
     pub fn terms(&self) -> BoundTerms<'_> {
         let directed = self.directed.as_ref().map(|d| DirectedTerms {
             matrix: &d.inverse,
-            weights: &d.columns,
+            weights: d.columns,
             rows: d.rows,
             backward: d.backward,
             settled: d.settled,
@@ -117,7 +113,7 @@ impl Bound {
         let Some(directed) = &self.directed else { return plain.fold(0.0, maximum) };
         let rows = directed.inverse.chunks_exact(directed.columns.len());
         let along = rows.enumerate().map(|(u, row)| {
-            let weighted: f64 = row.iter().zip(&directed.columns).map(|(a, t)| a.abs() * t).sum();
+            let weighted: f64 = row.iter().zip(directed.columns).map(|(a, t)| a.abs() * t).sum();
             directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.settled
         });
         plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)

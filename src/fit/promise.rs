@@ -14,7 +14,6 @@ use crate::bspline::BasisRow;
 use crate::simd::{
     BoundTerms, CellGradients, CellPoints, Level, POINTS, ShapeGradients, functional_bounds, shape_gradients,
 };
-use crate::surface::HeightField;
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = PLACING;
@@ -57,21 +56,26 @@ fn digits(bound: f64) -> f64 {
 
 /// The worst bounds on `|dS|` and `|dR| / R` over the supported points of the shape grid, up to eight of a row at once.
 fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
-    let surface = fit.surface();
     let maps = &fit.shape().maps;
     let [along_x, along_y] = &*maps.rows;
     let pieces = Piece::of(along_y);
-    let mut at = Points::new(surface, bound);
+    let mut at = Points::new(fit, bound);
     let mut worst = [0.0; 2];
     for (i, bx) in along_x.iter().enumerate() {
         for piece in &pieces {
-            let is_asked = |lane: usize| maps.shape_index_at(i, piece.start + lane).is_some();
-            if !(0..piece.count).any(is_asked) {
+            let asked: [bool; POINTS] =
+                std::array::from_fn(|l| l < piece.count && maps.shape_index_at(i, piece.start + l).is_some());
+            if asked == [false; POINTS] {
                 continue;
             }
             let found = at.bounds(bx, piece);
-            for lane in (0..piece.count).filter(|lane| is_asked(*lane)) {
-                (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][lane]));
+            for k in 0..2 {
+                for l in 0..POINTS {
+                    let is_worse = found[k][l] > worst[k] || found[k][l].is_nan();
+                    if asked[l] && is_worse {
+                        worst[k] = maximum(worst[k], found[k][l]);
+                    }
+                }
             }
         }
     }
@@ -83,10 +87,10 @@ struct Piece {
     start: usize,
     count: usize,
     first: usize,
-    /// M, M', M''.
-    values: [Vec<[f64; POINTS]>; 3],
-    /// Their 2-norms over the basis functions.
-    lengths: [[f64; POINTS]; 3],
+    /// M, M', M'', one after the other.
+    values: Vec<[f64; POINTS]>,
+    /// Their largest 2-norms over the basis functions.
+    lengths: [f64; 3],
 }
 
 impl Piece {
@@ -94,14 +98,31 @@ impl Piece {
         let mut pieces = Vec::with_capacity(along_y.len().div_ceil(POINTS));
         let mut start = 0;
         for rows in along_y.chunk_by(|a, b| a.first == b.first).flat_map(|run| run.chunks(POINTS)) {
-            let lanes = |of: &dyn Fn(&BasisRow) -> f64| std::array::from_fn(|l| of(&rows[l.min(rows.len() - 1)]));
             let width = rows[0].derivative(0).len();
-            let values = [0, 1, 2].map(|k| (0..width).map(|b| lanes(&|row| row.derivative(k)[b])).collect());
-            let lengths = [0, 1, 2].map(|k| lanes(&|row| length(row.derivative(k))));
-            pieces.push(Piece { start, count: rows.len(), first: rows[0].first, values, lengths });
+            let (mut values, mut lengths) = (vec![[0.0; POINTS]; 3 * width], [0.0_f64; 3]);
+            for (k, values) in values.chunks_exact_mut(width).enumerate() {
+                for l in 0..POINTS {
+                    let row = rows[l.min(rows.len() - 1)].derivative(k);
+                    values.iter_mut().zip(row).for_each(|(lanes, v)| lanes[l] = *v);
+                    lengths[k] = lengths[k].max(row.iter().map(|v| v * v).sum());
+                }
+            }
+            pieces.push(Piece {
+                start,
+                count: rows.len(),
+                first: rows[0].first,
+                values,
+                lengths: lengths.map(f64::sqrt),
+            });
             start += rows.len();
         }
         pieces
+    }
+
+    /// M, M', M''.
+    fn rows(&self) -> [&[[f64; POINTS]]; 3] {
+        let width = self.values.len() / 3;
+        [0, 1, 2].map(|k| &self.values[k * width..(k + 1) * width])
     }
 }
 
@@ -112,8 +133,10 @@ fn length(v: &[f64]) -> f64 {
 /// Bounds at eight points, with room for their gradients.
 struct Points<'a> {
     level: Level,
-    surface: &'a HeightField,
-    bound: &'a Bound,
+    coefficients: &'a [f64],
+    /// Basis functions in y.
+    columns: usize,
+    bound: &'a Bound<'a>,
     terms: BoundTerms<'a>,
     gradients: ShapeGradients,
     /// First unknown of the cell in every row of coefficients.
@@ -123,11 +146,12 @@ struct Points<'a> {
 }
 
 impl Points<'_> {
-    fn new<'a>(surface: &'a HeightField, bound: &'a Bound) -> Points<'a> {
-        let width = [0, 1].map(|axis| surface.knots()[axis].degree() + 1);
+    fn new<'a>(fit: &'a Fit, bound: &'a Bound<'a>) -> Points<'a> {
+        let width = fit.options().degree.map(|d| d + 1);
         Points {
             level: Level::active(),
-            surface,
+            coefficients: &fit.fitted.solution.coefficients,
+            columns: fit.surface().coefficients().ncols(),
             bound,
             terms: bound.terms(),
             gradients: ShapeGradients::new(width[0] * width[1]),
@@ -140,78 +164,60 @@ impl Points<'_> {
     /// Bounds of `|dS|` and of `|dR| / R`; NaN where curvatures are so large or small that their squares are lost.
     fn bounds(&mut self, bx: &BasisRow, piece: &Piece) -> [[f64; POINTS]; 2] {
         self.enter(bx, piece);
-        let x = [0, 1, 2].map(|k| bx.derivative(k));
-        let y = piece.values.each_ref().map(|values| &values[..]);
-        let points = CellPoints { x, y, curves: &self.curves, curve_sizes: &self.curve_sizes };
+        let x = [bx.derivative(0), bx.derivative(1), bx.derivative(2)];
+        // most points are far from umbilic: the derivatives' errors are bounded by norms before they are worked out
+        let lengths = [length(x[0]), length(x[1]), length(x[2])];
+        let (curves, curve_sizes, rounding) = (&self.curves[..], &self.curve_sizes[..], TERM);
+        let off = ORDERS.map(|(i, j)| self.bound.moved * lengths[i] * piece.lengths[j]);
+        let points = CellPoints { x, y: piece.rows(), curves, curve_sizes, off, rounding };
         shape_gradients(self.level, &points, &mut self.gradients);
         let found = &self.gradients;
-        let curvedness: [f64; POINTS] = std::array::from_fn(|l| {
-            0.5 * (found.sum[l] * found.sum[l] + found.difference[l] * found.difference[l]).sqrt()
-        });
-        let kinks = self.kinks(bx, piece, &curvedness);
-        let sizes = [[1.0; POINTS], curvedness];
-        let mut rounding = [kinks, [0.0; POINTS]];
-        for (rounding, (gradient, size)) in rounding.iter_mut().zip(found.roundings.iter().zip(&sizes)) {
-            (0..POINTS).for_each(|l| rounding[l] += TERM * (gradient[l] + size[l]));
+        let mut rounding = found.roundings;
+        if found.near != [0.0; POINTS] {
+            (0..POINTS).for_each(|l| rounding[0][l] += self.kink(bx, piece, l));
         }
-        let entries = found.by_coefficients.each_ref().map(|entries| &entries[..]);
-        let gradients = CellGradients { runs: &self.runs, entries };
-        let mut bounds = functional_bounds(self.level, &self.terms, &gradients, &rounding, &sizes);
-        for l in 0..POINTS {
-            if !curvedness[l].is_finite() || found.reach[l] == 0.0 {
-                (0..2).for_each(|k| bounds[k][l] = f64::NAN);
-            }
-        }
-        bounds
+        let [of_shape_index, of_curvedness] = &found.by_coefficients;
+        let gradients = CellGradients { runs: &self.runs, entries: [of_shape_index, of_curvedness] };
+        functional_bounds(self.level, &self.terms, &gradients, &rounding, &[[1.0; POINTS], found.curvedness])
     }
 
     /// The cell's unknowns, and its coefficients summed along x.
     fn enter(&mut self, bx: &BasisRow, piece: &Piece) {
-        let coefficients = self.surface.coefficients();
-        let (columns, width) = (coefficients.ncols(), self.curves.len());
+        let width = self.curves.len();
         self.curves.fill([0.0; 3]);
         self.curve_sizes.fill([0.0; 3]);
-        for a in 0..bx.derivative(0).len() {
-            let n = [0, 1, 2].map(|k| bx.derivative(k)[a]);
-            let row = bx.first + a;
-            self.runs[a] = row * columns + piece.first;
-            for b in 0..width {
-                let c = coefficients[[row, piece.first + b]];
+        for (a, run) in self.runs.iter_mut().enumerate() {
+            *run = (bx.first + a) * self.columns + piece.first;
+            let n = [bx.derivative(0)[a], bx.derivative(1)[a], bx.derivative(2)[a]];
+            let sums = self.curves.iter_mut().zip(&mut self.curve_sizes);
+            for (c, (curve, size)) in self.coefficients[*run..*run + width].iter().zip(sums) {
                 for k in 0..3 {
-                    self.curves[b][k] += n[k] * c;
-                    self.curve_sizes[b][k] += (n[k] * c).abs();
+                    curve[k] += n[k] * c;
+                    size[k] += (n[k] * c).abs();
                 }
             }
         }
     }
 
     /// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
-    fn kinks(&self, bx: &BasisRow, piece: &Piece, curvedness: &[f64; POINTS]) -> [f64; POINTS] {
-        let ShapeGradients { sum, difference, terms, .. } = &self.gradients;
-        let lengths = [0, 1, 2].map(|k| length(bx.derivative(k)));
-        std::array::from_fn(|l| {
-            let bend = 0.5 * (sum[l].abs() + difference[l]);
-            let opens = |off: [f64; 5]| 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
-            // most points are far from umbilic: the derivatives' errors are bounded by norms before they are worked out
-            let at_most = opens(std::array::from_fn(|k| {
-                let (i, j) = ORDERS[k];
-                self.bound.moved * lengths[i] * piece.lengths[j][l] + TERM * terms[k][l]
-            }));
-            if difference[l] > at_most {
-                return 0.0;
-            }
-            let gap = opens(std::array::from_fn(|k| {
-                self.bound.moved * self.spread(bx, piece, ORDERS[k], l) + TERM * terms[k][l]
-            }));
-            if difference[l] > gap { 0.0 } else { std::f64::consts::FRAC_2_PI * gap / (2.0 * curvedness[l]) }
-        })
+    fn kink(&self, bx: &BasisRow, piece: &Piece, lane: usize) -> f64 {
+        let found = &self.gradients;
+        let bend = 0.5 * (found.sum[lane].abs() + found.difference[lane]);
+        let off = [0, 1, 2, 3, 4]
+            .map(|k| self.bound.moved * self.spread(bx, piece, ORDERS[k], lane) + TERM * found.terms[k][lane]);
+        let gap = 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
+        if found.difference[lane] > gap {
+            0.0
+        } else {
+            std::f64::consts::FRAC_2_PI * gap / (2.0 * found.curvedness[lane])
+        }
     }
 
     /// `|D g|_2` of the derivative of these orders in x and y at one point.
     fn spread(&self, bx: &BasisRow, piece: &Piece, (i, j): (usize, usize), lane: usize) -> f64 {
         let mut spread = 0.0;
         for (n, &start) in bx.derivative(i).iter().zip(&self.runs) {
-            for (m, d) in piece.values[j].iter().zip(&self.bound.inverse[start..]) {
+            for (m, d) in piece.rows()[j].iter().zip(&self.bound.inverse[start..]) {
                 spread += (n * m[lane] * d).powi(2);
             }
         }

@@ -8,7 +8,7 @@
 //! first and added to the unknowns when the visit leaves it.
 
 use super::Equations;
-use crate::linalg::{SiteBlock, Sites, visit_blocks};
+use crate::linalg::{SiteBlock, SiteBlocks, Sites};
 use crate::simd::{ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass};
 
 /// Three rows of eight sites.
@@ -44,7 +44,7 @@ pub struct RowPasses<'a> {
     pub blocks: Vec<BlockRows>,
     /// Sums of the latest visit.
     pub sums: Sums,
-    block: SiteBlock,
+    lanes: SiteBlocks,
     cell: Cell,
 }
 
@@ -102,11 +102,11 @@ impl<'a> RowPasses<'a> {
             level: Level::active(),
             blocks: Vec::with_capacity(equations.sites.len().div_ceil(SITES)),
             sums: Sums { products: zeros(), sizes: zeros(), norms: zeros() },
-            block: SiteBlock::new(equations.sites.shape().degree),
+            lanes: SiteBlocks::new(&equations.sites),
             cell: Cell::new(equations),
         };
-        let RowPasses { blocks, sums, block, cell, level, .. } = &mut passes;
-        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+        let RowPasses { blocks, sums, lanes, cell, level, .. } = &mut passes;
+        lanes.visit(&equations.sites, &equations.metric, |block| {
             cell.enter(block.first, c, sums);
             let mut rows = BlockRows {
                 computed: [[0.0; SITES]; 3],
@@ -114,7 +114,7 @@ impl<'a> RowPasses<'a> {
                 residual: targets(equations, block),
             };
             let out = [&mut rows.computed, &mut rows.sizes];
-            first_pass(*level, &block.lanes(), &cell.part, &rows.residual, out, &mut cell.sums.products);
+            first_pass(*level, &block.lanes, &cell.part, &rows.residual, out, &mut cell.sums.products);
             rows.residual = rows.computed;
             blocks.push(rows);
         });
@@ -124,16 +124,22 @@ impl<'a> RowPasses<'a> {
 
     /// A later visit: `r -= E v`, and `E'r` as products; with `totals` the last one, which sums up everything.
     pub fn again(&mut self, v: &[f64], mut totals: Option<&mut RowSums>) {
-        let RowPasses { equations, level, blocks, sums, block, cell } = self;
+        let RowPasses { equations, level, blocks, sums, lanes, cell } = self;
         sums.products.fill(0.0);
         let mut places = blocks.iter_mut();
-        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+        lanes.visit(&equations.sites, &equations.metric, |block| {
             let Some(rows) = places.next() else { return };
             cell.enter(block.first, v, sums);
-            let lanes = block.lanes();
-            second_pass(*level, &lanes, &cell.part, &mut rows.residual, &mut cell.sums.products);
+            second_pass(*level, &block.lanes, &cell.part, &mut rows.residual, &mut cell.sums.products);
             if let Some(totals) = totals.as_deref_mut() {
-                last_sums(*level, &lanes, [&rows.residual, &rows.computed], &mut rows.sizes, &mut cell.sums, totals);
+                last_sums(
+                    *level,
+                    &block.lanes,
+                    [&rows.residual, &rows.computed],
+                    &mut rows.sizes,
+                    &mut cell.sums,
+                    totals,
+                );
             }
         });
         cell.leave(sums);
@@ -141,13 +147,13 @@ impl<'a> RowPasses<'a> {
 
     /// `|E| |v|`, block by block. The products are those of another vector then.
     pub fn magnitudes(&mut self, v: &[f64]) -> Vec<Rows> {
-        let RowPasses { equations, level, block, cell, sums, blocks } = self;
+        let RowPasses { equations, level, lanes, cell, sums, blocks } = self;
         let mut found = Vec::with_capacity(blocks.len());
-        visit_blocks(&equations.sites, &equations.metric, block, |block| {
+        lanes.visit(&equations.sites, &equations.metric, |block| {
             cell.enter(block.first, v, sums);
             let [mut unused, mut sizes] = [[[0.0; SITES]; 3]; 2];
             let (targets, out) = ([[0.0; SITES]; 3], [&mut unused, &mut sizes]);
-            first_pass(*level, &block.lanes(), &cell.part, &targets, out, &mut cell.sums.products);
+            first_pass(*level, &block.lanes, &cell.part, &targets, out, &mut cell.sums.products);
             found.push(sizes);
         });
         cell.leave(sums);
@@ -157,7 +163,7 @@ impl<'a> RowPasses<'a> {
 
 fn targets(equations: &Equations, block: &SiteBlock) -> Rows {
     let mut targets = [[0.0; SITES]; 3];
-    for (lane, &index) in block.indices().iter().enumerate() {
+    for (lane, &index) in block.indices.iter().enumerate() {
         (0..3).for_each(|k| targets[k][lane] = equations.targets[index][k]);
     }
     targets

@@ -154,6 +154,21 @@ impl Factor {
         }
     }
 
+    /// `(E'E)^-1`, row by row, of so many unknowns.
+    pub fn inverse(&self, order: usize) -> Vec<f64> {
+        let mut inverse = vec![0.0; order * order];
+        if let Factor::Cholesky(factor) = self
+            && factor.write_inverse(&mut inverse)
+        {
+            return inverse;
+        }
+        for (u, row) in inverse.chunks_exact_mut(order).enumerate() {
+            row[u] = 1.0;
+            self.solve(row);
+        }
+        inverse
+    }
+
     /// 1-norm condition estimate of the equilibrated rows.
     pub fn condition(&self) -> f64 {
         match self {

@@ -12,7 +12,7 @@
 //! is what their rounding is relative to.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Level, by_width, dispatch};
 
 /// Points taken at once.
 pub const POINTS: usize = 8;
@@ -28,6 +28,10 @@ pub struct CellPoints<'a> {
     pub curves: &'a [[f64; 3]],
     /// `sum_a |N_a^(k) c_ab|`.
     pub curve_sizes: &'a [[f64; 3]],
+    /// e: how far each of the five derivatives can be off besides its rounding.
+    pub off: [f64; 5],
+    /// u: rounding of a derivative relative to the size of its terms, and of S and R to their own.
+    pub rounding: f64,
 }
 
 /// What [`shape_gradients`] finds at the eight points.
@@ -35,16 +39,30 @@ pub struct CellPoints<'a> {
 pub struct ShapeGradients {
     /// dS/dc and dR/dc, entry `a (q + 1) + b`.
     pub by_coefficients: [Vec<[f64; POINTS]>; 2],
-    /// `sum_k |dS/d_k| |terms of d_k|`, and R's.
+    /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1; NaN where curvatures are so large or small that
+    /// their squares are lost.
     pub roundings: [[f64; POINTS]; 2],
+    /// Not 0 where `k1 - k2` is within `2 (e_2 + 2 e_3 + e_4) + 4 |k| (e_0 + e_1)`, rounding included: next to an umbilic.
+    pub near: [f64; POINTS],
     /// `sum_ab |c_ab| |D_k(N_a M_b)|`.
     pub terms: [[f64; POINTS]; 5],
     /// `k1 + k2`.
     pub sum: [f64; POINTS],
     /// `k1 - k2`.
     pub difference: [f64; POINTS],
-    /// `sum_k |dS/d_k|`: zero where curvatures are so large or small that their squares are lost.
-    pub reach: [f64; POINTS],
+    /// R.
+    pub curvedness: [f64; POINTS],
+}
+
+// `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
+#[inline(always)]
+fn splats<V: Lanes>([a, b, c]: [f64; 3]) -> [V; 3] {
+    [V::splat(a), V::splat(b), V::splat(c)]
+}
+
+#[inline(always)]
+fn three<V: Lanes>(rows: [&[[f64; POINTS]]; 3], b: usize, lanes: usize) -> [V; 3] {
+    [V::load(&rows[0][b][lanes..]), V::load(&rows[1][b][lanes..]), V::load(&rows[2][b][lanes..])]
 }
 
 /// The five derivatives, and the sizes of their terms.
@@ -52,8 +70,8 @@ pub struct ShapeGradients {
 fn derivatives<V: Lanes>(points: &CellPoints, lanes: usize) -> [[V; 5]; 2] {
     let (mut d, mut sizes) = ([V::splat(0.0); 5], [V::splat(0.0); 5]);
     for (b, (curve, size)) in points.curves.iter().zip(points.curve_sizes).enumerate() {
-        let m = points.y.map(|y| V::load(&y[b][lanes..]));
-        let [c, s] = [curve, size].map(|k| k.map(V::splat));
+        let m = three::<V>(points.y, b, lanes);
+        let (c, s) = (splats::<V>(*curve), splats::<V>(*size));
         for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
             d[k] = c[i].mul_add(m[j], d[k]);
             sizes[k] = s[i].mul_add(m[j].abs(), sizes[k]);
@@ -72,7 +90,7 @@ fn inverse<V: Lanes>(v: V) -> V {
 /// `[dS/d_k, dR/d_k]`, `k1 + k2`, `k1 - k2`.
 #[inline(always)]
 fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
-    let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(V::splat);
+    let (zero, one, two, three) = (V::splat(0.0), V::splat(1.0), V::splat(2.0), V::splat(3.0));
     let l2 = p.mul_add(p, one);
     let (by_l2, by_w2) = (one.div(l2), one.div(q.mul_add(q, l2)));
     let by_w = by_w2.sqrt();
@@ -116,34 +134,72 @@ fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
     (out, sum, gap)
 }
 
+impl<'a> CellPoints<'a> {
+    #[inline(always)]
+    fn cut<const P: usize, const Q: usize>(&self) -> CellPoints<'a> {
+        if P * Q == 0 {
+            return *self;
+        }
+        let ([x, dx, ddx], [y, dy, ddy]) = (self.x, self.y);
+        CellPoints {
+            x: [&x[..P], &dx[..P], &ddx[..P]],
+            y: [&y[..Q], &dy[..Q], &ddy[..Q]],
+            curves: &self.curves[..Q],
+            curve_sizes: &self.curve_sizes[..Q],
+            ..*self
+        }
+    }
+}
+
 #[inline(always)]
-fn generic<V: Lanes>(points: &CellPoints, out: &mut ShapeGradients) {
+fn gradients<V: Lanes, const P: usize, const Q: usize>(points: &CellPoints, out: &mut ShapeGradients) {
+    let points = &points.cut::<P, Q>();
     let width = points.curves.len();
     for lanes in (0..POINTS).step_by(V::N) {
         let [d, sizes] = derivatives::<V>(points, lanes);
         let (gradients, sum, difference) = gradient(d);
+        let size = (sum.mul_add(sum, difference * difference)).sqrt() * V::splat(0.5);
+        let sound = is_sound(&gradients[0], size);
+        let unit = V::splat(points.rounding);
         for (k, g) in gradients.iter().enumerate() {
-            let mut rounding = V::splat(0.0);
+            let mut rounding = if k == 0 { V::splat(1.0) } else { size };
             (0..5).for_each(|k| rounding = g[k].abs().mul_add(sizes[k], rounding));
-            rounding.store(&mut out.roundings[k][lanes..]);
-            for (a, target) in out.by_coefficients[k].chunks_exact_mut(width).enumerate() {
-                let [n, dn, ddn] = points.x.map(|x| V::splat(x[a]));
+            V::select(sound, rounding * unit, V::splat(f64::NAN)).store(&mut out.roundings[k][lanes..]);
+            for (a, target) in out.by_coefficients[k][..points.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+                let [n, dn, ddn] = splats([points.x[0][a], points.x[1][a], points.x[2][a]]);
                 let of_m = g[0].mul_add(dn, g[2] * ddn);
                 let of_dm = g[1].mul_add(n, g[3] * dn);
                 let of_ddm = g[4] * n;
                 for (b, value) in target.iter_mut().enumerate() {
-                    let [m, dm, ddm] = points.y.map(|y| V::load(&y[b][lanes..]));
+                    let [m, dm, ddm] = three::<V>(points.y, b, lanes);
                     of_m.mul_add(m, of_dm.mul_add(dm, of_ddm * ddm)).store(&mut value[lanes..]);
                 }
             }
         }
-        let mut reach = V::splat(0.0);
-        gradients[0].iter().for_each(|g| reach = reach + g.abs());
         (0..5).for_each(|k| sizes[k].store(&mut out.terms[k][lanes..]));
+        near(points, &sizes, sum, difference).store(&mut out.near[lanes..]);
         sum.store(&mut out.sum[lanes..]);
         difference.store(&mut out.difference[lanes..]);
-        reach.store(&mut out.reach[lanes..]);
+        size.store(&mut out.curvedness[lanes..]);
     }
+}
+
+/// Lanes with a gradient of S and a finite R.
+#[inline(always)]
+fn is_sound<V: Lanes>(g: &[V; 5], size: V) -> V::Mask {
+    let reach = (g[0].abs() + g[1].abs()) + (g[2].abs() + g[3].abs()) + g[4].abs();
+    // infinite or NaN times 0 is NaN, which nothing is less than
+    V::splat(0.0).less(size.mul_add(V::splat(0.0), reach))
+}
+
+#[inline(always)]
+fn near<V: Lanes>(points: &CellPoints, sizes: &[V; 5], sum: V, difference: V) -> V {
+    let unit = V::splat(points.rounding);
+    let off = |k: usize| unit.mul_add(sizes[k], V::splat(points.off[k]));
+    let bend = (sum.abs() + difference) * V::splat(0.5);
+    let opens = V::splat(2.0) * off(3).mul_add(V::splat(2.0), off(2) + off(4));
+    let opens = (V::splat(4.0) * bend).mul_add(off(0) + off(1), opens);
+    V::select(opens.less(difference), V::splat(0.0), V::splat(1.0))
 }
 
 impl ShapeGradients {
@@ -159,7 +215,8 @@ impl ShapeGradients {
 /// # Panics
 /// When basis rows are shorter than the curves or than `out` asks for.
 pub fn shape_gradients(level: Level, points: &CellPoints, out: &mut ShapeGradients) {
-    dispatch!(level, generic [](points: &CellPoints, out: &mut ShapeGradients));
+    let widths = [points.x[0].len(), points.y[0].len()];
+    by_width!(level, widths, gradients(points: &CellPoints, out: &mut ShapeGradients));
 }
 
 #[cfg(test)]
@@ -170,6 +227,8 @@ mod tests {
     use crate::shape::{by_coefficients, shape_gradient};
     use crate::surface::HeightField;
     use ndarray::Array2;
+
+    const UNIT: f64 = 1e-15;
 
     /// Points of one cell of a wavy surface with slopes up to `steep`, every one against the shape room's formulas.
     fn compare(level: Level, degree: [usize; 2], steep: f64) {
@@ -185,7 +244,14 @@ mod tests {
         let sums = |b: usize, of: fn(f64) -> f64| x.map(|n| (0..size[0]).map(|a| of(n[a] * c[[a, b]])).sum::<f64>());
         let curves: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, |v| v)).collect();
         let curve_sizes: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, f64::abs)).collect();
-        let points = CellPoints { x, y: y.each_ref().map(|y| &y[..]), curves: &curves, curve_sizes: &curve_sizes };
+        let points = CellPoints {
+            x,
+            y: y.each_ref().map(|y| &y[..]),
+            curves: &curves,
+            curve_sizes: &curve_sizes,
+            off: [1e-3; 5],
+            rounding: UNIT,
+        };
         let mut made = ShapeGradients::new(size[0] * size[1]);
         shape_gradients(level, &points, &mut made);
         let (mut gradients, mut terms) = (Twins::new("shape_gradients", level), Twins::new("their terms", level));
@@ -198,14 +264,21 @@ mod tests {
             }
             gradients.compare(made.sum[l], expected.sum);
             gradients.compare(made.difference[l], expected.difference);
-            gradients.compare(made.reach[l], expected.shape_index.iter().map(|g| g.abs()).sum());
+            gradients.compare(made.curvedness[l], 0.5 * expected.sum.hypot(expected.difference));
             for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
                 let term = |a: usize, b: usize| (c[[a, b]] * bx.derivative(i)[a] * by.derivative(j)[b]).abs();
                 terms.compare(made.terms[k][l], (0..size[0] * size[1]).map(|u| term(u / size[1], u % size[1])).sum());
             }
-            let sums = [&expected.shape_index, &expected.curvedness]
-                .map(|g| (0..5).map(|k| g[k].abs() * made.terms[k][l]).sum::<f64>());
-            (0..2).for_each(|k| terms.compare(made.roundings[k][l], sums[k]));
+            for (k, (g, size)) in
+                [(&expected.shape_index, 1.0), (&expected.curvedness, made.curvedness[l])].iter().enumerate()
+            {
+                let sum: f64 = (0..5).map(|k| g[k].abs() * made.terms[k][l]).sum();
+                terms.compare(made.roundings[k][l], UNIT * (sum + size));
+            }
+            let off = |k: usize| 1e-3 + UNIT * made.terms[k][l];
+            let bend = 0.5 * (expected.sum.abs() + expected.difference);
+            let opens = 2.0 * (off(2) + 2.0 * off(3) + off(4)) + 4.0 * bend * (off(0) + off(1));
+            assert_eq!(made.near[l] > 0.0, expected.difference <= opens, "{} lane {l}", level.name());
         }
         gradients.hold(32.0);
         terms.hold(8.0);
@@ -230,8 +303,13 @@ mod tests {
             for (twist, alive) in [(0.3, true), (0.0, false)] {
                 let curves = [[0.1, 0.2, 0.0], [0.1, 0.2 + twist, 0.0]];
                 let mut made = ShapeGradients::new(4);
-                shape_gradients(level, &CellPoints { x, y, curves: &curves, curve_sizes: &curves }, &mut made);
-                assert!(made.reach.iter().all(|r| *r == made.reach[0] && (*r > 0.0) == alive));
+                shape_gradients(
+                    level,
+                    &CellPoints { x, y, curves: &curves, curve_sizes: &curves, off: [0.0; 5], rounding: UNIT },
+                    &mut made,
+                );
+                let [first, ..] = made.roundings[0];
+                assert!(made.roundings[0].iter().all(|r| r.is_nan() != alive && (!alive || *r == first)));
             }
         }
     }

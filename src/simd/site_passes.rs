@@ -54,8 +54,8 @@ impl<'a> CellSites<'a> {
 impl ColumnSums {
     /// Zeros for this many coefficients.
     pub fn new(coefficients: usize) -> ColumnSums {
-        let zeros = vec![[0.0; SITES]; coefficients];
-        ColumnSums { products: zeros.clone(), sizes: zeros.clone(), norms: zeros }
+        let zeros = || vec![[0.0; SITES]; coefficients];
+        ColumnSums { products: zeros(), sizes: zeros(), norms: zeros() }
     }
 }
 
@@ -68,6 +68,12 @@ pub struct RowSums {
     pub residual: SiteLanes,
     /// The largest ratio.
     pub worst: SiteLanes,
+}
+
+// `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
+#[inline(always)]
+fn three<V: Lanes>(rows: &[SiteLanes; 3], lanes: usize) -> [V; 3] {
+    [V::load(&rows[0][lanes..]), V::load(&rows[1][lanes..]), V::load(&rows[2][lanes..])]
 }
 
 /// `[S, S_x, S_y]` with every term through `of`.
@@ -86,7 +92,8 @@ fn rows_of<V: Lanes>(sites: &CellSites, c: &[f64], lanes: usize, of: impl Fn(V) 
         let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
         out = [n.mul_add(along, out[0]), dn.mul_add(along, out[1]), n.mul_add(slope, out[2])];
     }
-    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    let w = sites.weights;
+    let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
     [z * out[0], wa.mul_add(out[1], wb * out[2]), d * out[2]]
 }
 
@@ -94,7 +101,8 @@ fn rows_of<V: Lanes>(sites: &CellSites, c: &[f64], lanes: usize, of: impl Fn(V) 
 #[inline(always)]
 fn transposed<V: Lanes>(sites: &CellSites, r: [V; 3], lanes: usize, of: impl Fn(V) -> V, sums: &mut [SiteLanes]) {
     let at = |row: &SiteLanes| of(V::load(&row[lanes..]));
-    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    let w = sites.weights;
+    let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
     let (value, slope_x, slope_y) = (z * r[0], wa * r[1], wb.mul_add(r[1], d * r[2]));
     let width = sites.y[0].len();
     for (a, sums) in sums[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
@@ -111,7 +119,8 @@ fn transposed<V: Lanes>(sites: &CellSites, r: [V; 3], lanes: usize, of: impl Fn(
 #[inline(always)]
 fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, norms: &mut [SiteLanes]) {
     let at = |row: &SiteLanes| V::load(&row[lanes..]);
-    let [z, wa, wb, d] = sites.weights.each_ref().map(at);
+    let w = sites.weights;
+    let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
     let width = sites.y[0].len();
     for (a, norms) in norms[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
         let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
@@ -135,7 +144,7 @@ fn first<V: Lanes, const P: usize, const Q: usize>(
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
-        let targets = targets.each_ref().map(|t| V::load(&t[lanes..]));
+        let targets = three::<V>(targets, lanes);
         let (rows, magnitudes) = (rows_of::<V>(sites, c, lanes, |v| v), rows_of::<V>(sites, c, lanes, V::abs));
         let mut left = [V::splat(0.0); 3];
         for k in 0..3 {
@@ -176,9 +185,9 @@ fn last<V: Lanes, const P: usize, const Q: usize>(
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
-        let left = r.each_ref().map(|r| V::load(&r[lanes..]));
-        let [mut square, mut residual, mut worst] =
-            [&rows.sizes, &rows.residual, &rows.worst].map(|sum| V::load(&sum[lanes..]));
+        let left = three::<V>(r, lanes);
+        let (mut square, mut residual) = (V::load(&rows.sizes[lanes..]), V::load(&rows.residual[lanes..]));
+        let mut worst = V::load(&rows.worst[lanes..]);
         for k in 0..3 {
             let size = V::load(&sizes[k][lanes..]) + left[k].abs();
             size.store(&mut sizes[k][lanes..]);
@@ -190,7 +199,8 @@ fn last<V: Lanes, const P: usize, const Q: usize>(
         square.store(&mut rows.sizes[lanes..]);
         residual.store(&mut rows.residual[lanes..]);
         worst.store(&mut rows.worst[lanes..]);
-        transposed::<V>(sites, left.map(V::abs), lanes, V::abs, &mut columns.sizes);
+        let sizes = [left[0].abs(), left[1].abs(), left[2].abs()];
+        transposed::<V>(sites, sizes, lanes, V::abs, &mut columns.sizes);
         add_norms::<V>(sites, lanes, &mut columns.norms);
     }
 }

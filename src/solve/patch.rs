@@ -54,6 +54,17 @@ impl PatchCholesky {
     }
 }
 
+impl PatchCholesky {
+    /// `(L L')^-1`, row by row.
+    pub(super) fn write_inverse(&self, out: &mut [f64]) {
+        match self {
+            PatchCholesky::Quadratic(factor) => factor.write_inverse(out),
+            PatchCholesky::Cubic(factor) => factor.write_inverse(out),
+            PatchCholesky::Quartic(factor) => factor.write_inverse(out),
+        }
+    }
+}
+
 impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
     fn new() -> Factor<W, N, PADDED> {
         Factor { columns: [[0.0; PADDED]; N], inverse: [0.0; N] }
@@ -113,6 +124,27 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
         self.backward(v);
     }
 
+    /// `Z'Z` with `Z = L^-1`, column by column of both triangles.
+    fn write_inverse(&self, out: &mut [f64]) {
+        // Z's column k in row k
+        let mut z = [[0.0; N]; N];
+        for k in 0..N {
+            z[k][k] = 1.0;
+            for j in k..N {
+                z[k][j] *= self.inverse[j];
+                let value = z[k][j];
+                for i in j + 1..N {
+                    z[k][i] -= self.columns[j][i] * value;
+                }
+            }
+        }
+        for (u, row) in out.chunks_exact_mut(N).enumerate() {
+            for (v, entry) in row.iter_mut().enumerate() {
+                *entry = (u.max(v)..N).map(|i| z[u][i] * z[v][i]).sum();
+            }
+        }
+    }
+
     /// `v <- L^-T v`; the sum ends with the unknown found last, so that the others do not wait for it.
     fn backward(&self, v: &mut [f64]) {
         let v = &mut v[..N];
@@ -159,6 +191,14 @@ mod tests {
             patch.solve(&mut again);
             for k in 0..n {
                 assert!((found[k] - expected[k]).abs() < 1e-14 && (again[k] - expected[k]).abs() < 1e-14);
+            }
+            let mut inverse = vec![0.0; n * n];
+            patch.write_inverse(&mut inverse);
+            for (u, row) in inverse.chunks_exact(n).enumerate() {
+                let mut column = vec![0.0; n];
+                column[u] = 1.0;
+                packed.solve(&mut column);
+                assert!(row.iter().zip(&column).all(|(a, b)| (a - b).abs() < 1e-15), "column {u}");
             }
         }
         assert!(PatchCholesky::plan(TensorShape { basis: [4, 3], degree: [2, 2] }).is_none());
