@@ -9,9 +9,14 @@
 //! One polynomial per segment instead of q + 1 basis values per point: 11 multiply-adds a point for a bicubic instead
 //! of 20, and no table of basis values to read.
 
+use std::ops::Range;
+
 use super::lanes::Lanes;
-use super::shape_maps::shape_of;
+use super::shape_maps::ShapeBatch;
 use super::{Level, dispatch};
+
+/// Points of which S and R are under way at once: 6 KiB, the longest batch that leaves the cache to the row's curves.
+const BATCH: usize = 256;
 
 /// The points of a row, sorted into runs that lie on one segment, with the Taylor coefficients of that segment's basis.
 #[derive(Clone, Debug)]
@@ -167,14 +172,23 @@ fn horner<V: Lanes>(c: &[V; 10], q: usize, t: V) -> V {
     sum
 }
 
-/// Calls `point(index, [S, S_x, S_y, S_xx, S_xy, S_yy])` for every set of lanes of every run; lanes beyond the run's
-/// end hold the polynomial's continuation and are overwritten by the next run.
+/// Calls `point(index, [S, S_x, S_y, S_xx, S_xy, S_yy])` for every set of lanes of the runs that hold `points`, the first
+/// of them on `run`; lanes beyond a run's end hold the polynomial's continuation and are overwritten by the next run.
+/// Returns the run that the next point is on.
 #[inline(always)]
-fn walk<V: Lanes>(row: &RowPieces, q: usize, pieces: &[f64], mut point: impl FnMut(usize, [V; 6])) {
+fn walk<V: Lanes>(
+    row: &RowPieces,
+    q: usize,
+    pieces: &[f64],
+    points: Range<usize>,
+    mut run: usize,
+    mut point: impl FnMut(usize, [V; 6]),
+) -> usize {
     let (width, padded) = (q + 1, row.padded);
     let zero = V::splat(0.0);
-    let mut from = 0;
-    for (run, &to) in row.ends.iter().enumerate() {
+    let mut from = points.start;
+    while from < points.end {
+        let to = row.ends[run].min(points.end);
         let mut value = [[zero; 10]; 3];
         let mut slope = [[zero; 10]; 2];
         let mut second = [zero; 10];
@@ -198,8 +212,18 @@ fn walk<V: Lanes>(row: &RowPieces, q: usize, pieces: &[f64], mut point: impl FnM
             let xy = horner(&slope[1], q - 1, t);
             point(i, [horner(&value[0], q, t), horner(&value[1], q, t), y, horner(&value[2], q, t), xy, yy]);
         }
+        run += usize::from(to == row.ends[run]);
         from = to;
     }
+    run
+}
+
+/// Where a batch from point `from` on `run` ends: with the last run that fits, or within a run that is longer.
+#[inline(always)]
+fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
+    // room for the lanes beyond the end
+    let most = from + BATCH - 8;
+    row.ends[run..].iter().copied().take_while(|end| *end <= most).last().unwrap_or(most)
 }
 
 #[inline(always)]
@@ -246,15 +270,17 @@ fn shape<V: Lanes>(
     let n = row.len();
     with_degree!(row.degree, q => {
         prepare::<V>(row, q, basis, rows, scratch);
-        let (s, r) = scratch.out.split_at_mut(n + 8);
-        walk::<V>(row, q, &scratch.pieces, |i, [_, x, y, xx, xy, yy]| {
-            let (index, curved) = shape_of([x, y, xx, xy, yy]);
-            index.store(&mut s[i..]);
-            curved.store(&mut r[i..]);
-        });
+        let mut batch = ShapeBatch::<BATCH>::new();
+        let (mut from, mut run) = (0, 0);
+        while from < n {
+            let to = batch_end(row, run, from);
+            run = walk::<V>(row, q, &scratch.pieces, from..to, run, |i, [_, x, y, xx, xy, yy]| {
+                batch.put(i - from, [x, y, xx, xy, yy]);
+            });
+            batch.finish::<V>(&mut shape_index[from..to], &mut curvedness[from..to]);
+            from = to;
+        }
     });
-    shape_index[..n].copy_from_slice(&scratch.out[..n]);
-    curvedness[..n].copy_from_slice(&scratch.out[n + 8..2 * n + 8]);
 }
 
 #[inline(always)]
@@ -263,7 +289,7 @@ fn derive<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: 
     let stride = n + 8;
     with_degree!(row.degree, q => {
         prepare::<V>(row, q, basis, rows, scratch);
-        walk::<V>(row, q, &scratch.pieces, |i, all| {
+        walk::<V>(row, q, &scratch.pieces, 0..n, 0, |i, all| {
             for (k, value) in all.into_iter().enumerate() {
                 value.store(&mut scratch.out[k * stride + i..]);
             }

@@ -7,8 +7,11 @@
 //! No lane ever meets another, so a replicate's bits do not depend on its neighbours.
 
 use super::lanes::Lanes;
-use super::shape_maps::shape_of;
+use super::shape_maps::ShapeBatch;
 use super::{Level, dispatch};
+
+/// Numbers of which S and R are under way at once: 32 points of eight lanes.
+const BATCH: usize = 256;
 
 /// Replicates in a block.
 pub const LANES: usize = 32;
@@ -47,6 +50,54 @@ pub fn add_draws(level: Level, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3]
     dispatch!(level, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
 }
 
+/// Sums over the points of a grid, lane by lane.
+#[derive(Clone, Copy)]
+struct Sums<V> {
+    shape_index: V,
+    defined: V,
+    curvedness: V,
+}
+
+impl<V: Lanes> Sums<V> {
+    /// Adds the first `count` sets of lanes of a batch.
+    #[inline(always)]
+    fn add(&mut self, batch: &mut ShapeBatch<BATCH>, count: usize) {
+        for k in 0..count {
+            self.curvedness = self.curvedness + batch.root::<V>(k * V::N);
+        }
+        let zero = V::splat(0.0);
+        for k in 0..count {
+            let s = batch.index::<V>(k * V::N);
+            // NaN compares with nothing: a flat point is left out of the mean of S
+            let defined = V::splat(-2.0).less(s);
+            self.shape_index = self.shape_index + V::select(defined, s, zero);
+            self.defined = self.defined + V::select(defined, V::splat(1.0), zero);
+        }
+    }
+}
+
+/// `sums[d][b] = sum_a N_a^(d)(x_i) c[first_x + a][first_y + b]` of the lanes from `l` on.
+#[inline(always)]
+fn curves_of<V: Lanes, const P: usize, const Q: usize>(
+    grid: &GridTables,
+    i: usize,
+    first_y: usize,
+    coefficients: &[[f64; LANES]],
+    l: usize,
+) -> [[V; Q]; 3] {
+    let mut curves = [[V::splat(0.0); Q]; 3];
+    for a in 0..P {
+        let line = &coefficients[(grid.first_x[i] + a) * grid.columns + first_y..][..Q];
+        for d in 0..3 {
+            let weight = V::splat(grid.x[d][i * P + a]);
+            for b in 0..Q {
+                curves[d][b] = weight.mul_add(V::load(&line[b][l..]), curves[d][b]);
+            }
+        }
+    }
+    curves
+}
+
 #[inline(always)]
 fn means_of<V: Lanes, const P: usize, const Q: usize>(
     grid: &GridTables,
@@ -55,45 +106,38 @@ fn means_of<V: Lanes, const P: usize, const Q: usize>(
     curvedness: &mut [f64; LANES],
 ) {
     let zero = V::splat(0.0);
+    let mut batch = ShapeBatch::<BATCH>::new();
     for l in (0..LANES).step_by(V::N) {
-        let (mut s_sum, mut s_count, mut r_sum) = (zero, zero, zero);
-        for (i, &first_x) in grid.first_x.iter().enumerate() {
+        let mut sums = Sums { shape_index: zero, defined: zero, curvedness: zero };
+        let mut waiting = 0;
+        for i in 0..grid.first_x.len() {
             let mut held = usize::MAX;
             let mut curves = [[zero; Q]; 3];
             for (j, &first_y) in grid.first_y.iter().enumerate() {
                 if first_y != held {
                     held = first_y;
-                    for b in 0..Q {
-                        let mut sums = [zero; 3];
-                        for a in 0..P {
-                            let c = V::load(&coefficients[(first_x + a) * grid.columns + first_y + b][l..]);
-                            for d in 0..3 {
-                                sums[d] = V::splat(grid.x[d][i * P + a]).mul_add(c, sums[d]);
-                            }
-                        }
-                        for d in 0..3 {
-                            curves[d][b] = sums[d];
-                        }
-                    }
+                    curves = curves_of::<V, P, Q>(grid, i, first_y, coefficients, l);
                 }
                 let along = |d: usize, e: usize| {
+                    let values = &grid.y[e][j * Q..][..Q];
                     let mut sum = zero;
                     for b in 0..Q {
-                        sum = V::splat(grid.y[e][j * Q + b]).mul_add(curves[d][b], sum);
+                        sum = V::splat(values[b]).mul_add(curves[d][b], sum);
                     }
                     sum
                 };
-                let (s, r) = shape_of([along(1, 0), along(0, 1), along(2, 0), along(1, 1), along(0, 2)]);
-                // NaN compares with nothing: a flat point is left out of the mean of S
-                let defined = V::splat(-2.0).less(s);
-                s_sum = s_sum + V::select(defined, s, zero);
-                s_count = s_count + V::select(defined, V::splat(1.0), zero);
-                r_sum = r_sum + r;
+                batch.put(waiting * V::N, [along(1, 0), along(0, 1), along(2, 0), along(1, 1), along(0, 2)]);
+                waiting += 1;
+                if waiting * V::N == BATCH {
+                    sums.add(&mut batch, waiting);
+                    waiting = 0;
+                }
             }
         }
-        s_sum.div(s_count).store(&mut shape_index[l..]);
+        sums.add(&mut batch, waiting);
+        sums.shape_index.div(sums.defined).store(&mut shape_index[l..]);
         let points = (grid.first_x.len() * grid.first_y.len()) as f64;
-        r_sum.div(V::splat(points)).store(&mut curvedness[l..]);
+        sums.curvedness.div(V::splat(points)).store(&mut curvedness[l..]);
     }
 }
 

@@ -70,10 +70,6 @@ impl Lanes for Avx2 {
         Avx2(unsafe { _mm256_div_pd(self.0, by.0) })
     }
     #[inline(always)]
-    fn min(self, other: Avx2) -> Avx2 {
-        Avx2(unsafe { _mm256_min_pd(self.0, other.0) })
-    }
-    #[inline(always)]
     fn max(self, other: Avx2) -> Avx2 {
         Avx2(unsafe { _mm256_max_pd(self.0, other.0) })
     }

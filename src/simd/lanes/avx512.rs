@@ -82,10 +82,6 @@ impl Lanes for Avx512 {
         Avx512(unsafe { _mm512_div_pd(self.0, by.0) })
     }
     #[inline(always)]
-    fn min(self, other: Avx512) -> Avx512 {
-        Avx512(unsafe { _mm512_min_pd(self.0, other.0) })
-    }
-    #[inline(always)]
     fn max(self, other: Avx512) -> Avx512 {
         Avx512(unsafe { _mm512_max_pd(self.0, other.0) })
     }

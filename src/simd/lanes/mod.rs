@@ -40,7 +40,6 @@ pub(super) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Out
     /// `c - self * b`, fused where the set can.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
     fn div(self, by: Self) -> Self;
-    fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     fn abs(self) -> Self;
     /// `sqrt(self)` to one unit in the last place; 0 at 0.

@@ -73,10 +73,6 @@ impl Lanes for Portable {
         self.zip(by, |a, b| a / b)
     }
     #[inline(always)]
-    fn min(self, other: Portable) -> Portable {
-        self.zip(other, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
     fn max(self, other: Portable) -> Portable {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
