@@ -113,51 +113,86 @@ impl RowScratch {
             }
         };
         grow(&mut self.curves, 3 * (row.n_basis + 8));
-        grow(&mut self.gathered, if row.contiguous { 0 } else { width * row.padded });
+        grow(&mut self.gathered, if row.contiguous { 0 } else { 3 * width * row.padded });
         grow(&mut self.pieces, 3 * width * row.padded);
         grow(&mut self.out, 6 * (row.len() + 8));
     }
 }
 
-/// `out = sum_a weights[a] rows[a * m ..]`, over m numbers; `out` has room for a further set of lanes.
+/// `L_d[j] = sum_a basis[d][a] rows[a m + j]` of the lanes from `j` on, into `curves[d stride + j]`, all three d at once.
 #[inline(always)]
-fn curve<V: Lanes>(weights: &[f64], rows: &[f64], m: usize, out: &mut [f64]) {
-    let whole = m - m % V::N;
-    for j in (0..whole).step_by(V::N) {
-        let mut sum = V::splat(0.0);
-        for (a, w) in weights.iter().enumerate() {
-            sum = V::splat(*w).mul_add(V::load(&rows[a * m + j..]), sum);
+fn curves_at<V: Lanes>(weights: &[[V; 10]; 3], width: usize, rows: &[f64], m: usize, j: usize, curves: &mut [f64]) {
+    let mut sums = [V::splat(0.0); 3];
+    for a in 0..width {
+        let line = V::load(&rows[a * m + j..]);
+        for d in 0..3 {
+            sums[d] = weights[d][a].mul_add(line, sums[d]);
         }
-        sum.store(&mut out[j..]);
     }
-    for j in whole..m {
-        out[j] = weights.iter().enumerate().map(|(a, w)| w * rows[a * m + j]).sum();
+    for d in 0..3 {
+        sums[d].store(&mut curves[d * (m + 8) + j..]);
     }
 }
 
-/// P_d,k of every run: `pieces[k * padded + run]`.
+/// L_d over the m basis functions in y.
 #[inline(always)]
-fn pieces_of<V: Lanes>(row: &RowPieces, q: usize, curve: &[f64], gathered: &mut [f64], pieces: &mut [f64]) {
-    let (width, padded) = (q + 1, row.padded);
+fn curves_of<V: Lanes>(basis: [&[f64]; 3], width: usize, rows: &[f64], m: usize, curves: &mut [f64]) {
+    let mut weights = [[V::splat(0.0); 10]; 3];
+    for d in 0..3 {
+        for a in 0..width {
+            weights[d][a] = V::splat(basis[d][a]);
+        }
+    }
+    if m < V::N {
+        for j in 0..m {
+            for d in 0..3 {
+                curves[d * (m + 8) + j] = (0..width).map(|a| basis[d][a] * rows[a * m + j]).sum();
+            }
+        }
+        return;
+    }
+    for j in (0..m - V::N).step_by(V::N) {
+        curves_at(&weights, width, rows, m, j, curves);
+    }
+    // the last lanes overlap those before instead of reaching beyond the row
+    curves_at(&weights, width, rows, m, m - V::N, curves);
+}
+
+/// P_d,k of every run: `pieces[(d (q + 1) + k) padded + run]`.
+#[inline(always)]
+fn pieces_of<V: Lanes>(row: &RowPieces, q: usize, curves: &[f64], gathered: &mut [f64], pieces: &mut [f64]) {
+    let (width, padded, stride) = (q + 1, row.padded, row.n_basis + 8);
     if !row.contiguous {
         for (run, first) in row.first.iter().enumerate() {
             for v in 0..width {
-                gathered[v * padded + run] = curve[first + v];
+                for d in 0..3 {
+                    gathered[(d * width + v) * padded + run] = curves[d * stride + first + v];
+                }
             }
         }
     }
     for run in (0..padded).step_by(V::N) {
-        let mut values = [V::splat(0.0); 10];
+        let mut values = [[V::splat(0.0); 3]; 10];
         for (v, value) in values[..width].iter_mut().enumerate() {
-            *value =
-                V::load(if row.contiguous { &curve[row.first[0] + v + run..] } else { &gathered[v * padded + run..] });
+            for d in 0..3 {
+                value[d] = V::load(if row.contiguous {
+                    &curves[d * stride + row.first[0] + v + run..]
+                } else {
+                    &gathered[(d * width + v) * padded + run..]
+                });
+            }
         }
         for k in 0..width {
-            let mut sum = V::splat(0.0);
+            let mut sums = [V::splat(0.0); 3];
             for (v, value) in values[..width].iter().enumerate() {
-                sum = V::load(&row.taylor[(k * width + v) * padded + run..]).mul_add(*value, sum);
+                let taylor = V::load(&row.taylor[(k * width + v) * padded + run..]);
+                for d in 0..3 {
+                    sums[d] = taylor.mul_add(value[d], sums[d]);
+                }
             }
-            sum.store(&mut pieces[k * padded + run..]);
+            for d in 0..3 {
+                sums[d].store(&mut pieces[(d * width + k) * padded + run..]);
+            }
         }
     }
 }
@@ -228,13 +263,14 @@ fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
 
 #[inline(always)]
 fn prepare<V: Lanes>(row: &RowPieces, q: usize, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch) {
-    let stride = row.n_basis + 8;
-    let block = (q + 1) * row.padded;
-    for d in 0..3 {
-        let target = &mut scratch.curves[d * stride..(d + 1) * stride];
-        curve::<V>(basis[d], rows, row.n_basis, target);
-        pieces_of::<V>(row, q, target, &mut scratch.gathered, &mut scratch.pieces[d * block..(d + 1) * block]);
+    // equal degrees, as nearly always: a width that the compiler knows keeps the weights in registers
+    let width = basis[0].len();
+    if width == q + 1 {
+        curves_of::<V>(basis, q + 1, rows, row.n_basis, &mut scratch.curves);
+    } else {
+        curves_of::<V>(basis, width, rows, row.n_basis, &mut scratch.curves);
     }
+    pieces_of::<V>(row, q, &scratch.curves, &mut scratch.gathered, &mut scratch.pieces);
 }
 
 /// Runs `$body` with `$q` a literal for the usual degrees, so that the loops over powers unroll.

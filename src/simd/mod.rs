@@ -47,7 +47,7 @@ pub use dense_columns::{DenseColumns, factor_columns, factor_dense};
 pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
-pub use normals::{box_muller_pairs, normals};
+pub use normals::{box_muller_pairs, normal_triples, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use quadratic_forms::{FORMS, quadratic_forms};
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
