@@ -7,7 +7,8 @@
 //! ```
 //!
 //! One division, NaN at the origin. The steps up to it and those after it are functions of their own: the callers put
-//! many quotients between them, so that nobody waits for the divider. Any `unit` of the angle costs one product. The polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
+//! many quotients between them, so that nobody waits for the divider. Any `unit` of the angle costs one product. The
+//! polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
 
 use super::lanes::Lanes;
 

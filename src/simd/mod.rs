@@ -8,7 +8,7 @@
 //! | [`factor_columns`], [`factor_dense`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
-//! | [`normals`], [`chacha8`] | standard normals from addressed random words |
+//! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`quadratic_forms`] | `g'A g` and `|A g|'t` of many vectors g |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |

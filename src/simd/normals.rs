@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! u = (k + 1/2) 2^-53, k the upper 53 bits         n0, n1 = sqrt(-2 ln u0) (cos, sin)(2 pi u1)
-//! ln u = e ln 2 + 2 artanh(s),  u = 2^e m,  m in [sqrt(1/2), sqrt 2),  s = (m - 1)/(m + 1)
+//! ln u = e ln 2 + 2 artanh(s),  u = 2^e (1 + f),  1 + f in [sqrt(1/2), sqrt 2),  s = f/(2 + f)
 //! ```
 //!
 //! The top two bits of the second word are the quarter of the turn, the rest the angle in (-pi/4, pi/4). Polynomials of

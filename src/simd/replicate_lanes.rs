@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! c_i += sum_k P[i][k] n_k           S_g, R_g from c at every grid point g           mean over g, replicate by replicate
+//! along y on a segment:  S_x = sum_k P_1,k t^k,  P_d,k = sum_av N_a^(d)(x) D_k[v] c[first_x + a][first_y + v]
 //! ```
 //!
 //! No lane ever meets another, so a replicate's bits do not depend on its neighbours.
