@@ -226,20 +226,21 @@ fn finish_rows<V: Lanes, const ROWS: usize>(
     [row, at]: [usize; 2],
     triangle: &Triangle,
 ) {
+    // stored in between: solved in place, the tile would not stay in registers while it is summed
     let mut c = load_tile::<V, ROWS, PANEL>(shape, block, [row, at]);
     accumulate(&mut c, shape, block, [row, at], at);
-    for j in 0..PANEL {
-        for k in 0..j {
-            let factor = V::splat(triangle.entries[j][k]);
-            for v in 0..ROWS {
-                c[v][j] = c[v][k].neg_mul_add(factor, c[v][j]);
-            }
-        }
-        for v in 0..ROWS {
-            c[v][j] = c[v][j] * V::splat(triangle.inverse[j]);
-        }
-    }
     store_tile(&c, shape, block, [row, at]);
+    for row in (row..row + ROWS * V::N).step_by(V::N) {
+        let [mut x] = load_tile::<V, 1, PANEL>(shape, block, [row, at]);
+        for j in 0..PANEL {
+            let mut sum = x[j];
+            for k in 0..j {
+                sum = x[k].neg_mul_add(V::splat(triangle.entries[j][k]), sum);
+            }
+            x[j] = sum * V::splat(triangle.inverse[j]);
+        }
+        store_tile(&[x], shape, block, [row, at]);
+    }
 }
 
 #[inline(always)]
