@@ -11,7 +11,10 @@
 use crate::bspline::Knots;
 use crate::draws::EffectDraws;
 use crate::fit::{FitError, SlopeColumns, SlopePlan};
-use crate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, GridTables, LANES, Level, add_draws, chacha8, mean_shapes, normals};
+use crate::simd::{
+    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, LANES, Level, add_draws, chacha8, mean_shapes, normal_triples,
+};
+use crate::surface::pieces_of;
 
 /// The effect whose draws these are.
 pub const ROW_NOISE: &str = "row_noise";
@@ -111,13 +114,7 @@ impl FixedSites {
         let mut drawn = [[0.0; LANES]; 3];
         for (contact, weights) in self.noise.iter().enumerate() {
             chacha8(level, key, contact as u64, first / 2, &mut words);
-            for parity in 0..2 {
-                let lanes = parity * CHACHA_BLOCKS..(parity + 1) * CHACHA_BLOCKS;
-                let [z, x, y] = &mut drawn;
-                let of = |k: usize| &words[4 * parity + k][..];
-                normals(level, [of(0), of(1)], &mut z[lanes.clone()], Some(&mut x[lanes.clone()]));
-                normals(level, [of(2), of(3)], &mut y[lanes], None);
-            }
+            normal_triples(level, &words, &mut drawn);
             add_draws(level, weights, &drawn, c);
         }
         let (mut means, mut curved) = ([0.0; LANES], [0.0; LANES]);
@@ -130,16 +127,12 @@ impl FixedSites {
 }
 
 fn tables(knots: &[Knots; 2], points: [&[f64]; 2]) -> GridTables {
-    let mut made = GridTables { columns: knots[1].n_basis(), ..GridTables::default() };
-    for (axis, at) in points.into_iter().enumerate() {
-        for &value in at {
-            let row = knots[axis].basis(value);
-            let (first, table) =
-                if axis == 0 { (&mut made.first_x, &mut made.x) } else { (&mut made.first_y, &mut made.y) };
-            first.push(row.first);
-            for (d, values) in table.iter_mut().enumerate() {
-                values.extend_from_slice(row.derivative(d));
-            }
+    let mut made = GridTables { first_x: Vec::new(), x: Default::default(), y: pieces_of(&knots[1], points[1]) };
+    for &value in points[0] {
+        let row = knots[0].basis(value);
+        made.first_x.push(row.first);
+        for (d, values) in made.x.iter_mut().enumerate() {
+            values.extend_from_slice(row.derivative(d));
         }
     }
     made

@@ -1,12 +1,14 @@
 //! `atan2(y, x)` for `x >= 0`, to two units in the last place.
 //!
 //! ```text
-//! t = min/max of |y|, x in [0, 1];   above tan(pi/8):  atan t = pi/4 + atan((t - 1)/(t + 1))
+//! |y|/x below tan(pi/8):  atan2 = atan(|y|/x);    above tan(3 pi/8):  pi/2 + atan(-x/|y|)
+//! between:  pi/4 + atan((|y| - x)/(|y| + x))
 //! atan r = r - r z (a0 + a1 z + .. + a10 z^10),  z = r^2,  |r| <= tan(pi/8)
-//! |y| > x:  atan2 = pi/2 - atan t
 //! ```
 //!
-//! One division. The polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
+//! One division, NaN at the origin. The steps up to it and those after it are functions of their own: the callers put
+//! many quotients between them, so that nobody waits for the divider. Any `unit` of the angle costs one product. The
+//! polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
 
 use super::lanes::Lanes;
 
@@ -27,28 +29,31 @@ const SERIES: [f64; 11] = [
 /// tan(pi/8): where the reduction to pi/4 begins.
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_05;
 
-/// `atan2(y, x)` of `x >= 0`, in [-pi/2, pi/2]; NaN at the origin.
+/// The quotient r and the multiple of pi/4, in parts of `unit`, whose sum with `atan r` is `atan2(|y|, x)`.
 #[inline(always)]
-pub(super) fn half_plane_angle<V: Lanes>(y: V, x: V) -> V {
-    let height = y.abs();
-    let (low, high) = (height.min(x), height.max(x));
-    let steep = (high * V::splat(TAN_EIGHTH)).less(low);
-    let r = V::select(steep, low - high, low).div(V::select(steep, low + high, high));
+pub(super) fn reduced<V: Lanes>(y: V, x: V, unit: f64) -> (V, V) {
+    let (height, zero) = (y.abs(), V::splat(0.0));
+    let tangent = V::splat(TAN_EIGHTH);
+    let (steep, steepest) = ((x * tangent).less(height), x.less(height * tangent));
+    let above = V::select(steepest, zero - x, V::select(steep, height - x, height));
+    let below = V::select(steepest, height, V::select(steep, height + x, x));
+    let quarter = V::splat(std::f64::consts::FRAC_PI_4 * unit);
+    let half = V::splat(std::f64::consts::FRAC_PI_2 * unit);
+    (above.div(below), V::select(steepest, half, V::select(steep, quarter, zero)))
+}
+
+/// `unit` times the angle whose [`reduced`] quotient is `r`, with the sign of y.
+#[inline(always)]
+pub(super) fn angle<V: Lanes>(r: V, offset: V, y: V, unit: f64) -> V {
     let z = r * r;
     let w = z * z;
-    let a = |k: usize| V::splat(SERIES[k]);
+    let a = |k: usize| V::splat(SERIES[k] * unit);
     // even and odd terms apart: two short chains instead of a long one
     let even = w.mul_add(w.mul_add(w.mul_add(w.mul_add(w.mul_add(a(10), a(8)), a(6)), a(4)), a(2)), a(0));
     let odd = w.mul_add(w.mul_add(w.mul_add(w.mul_add(a(9), a(7)), a(5)), a(3)), a(1));
     let series = z.mul_add(odd, even) * z;
-    let small = series.neg_mul_add(r, r);
-    let zero = V::splat(0.0);
-    // pi/2 - (pi/4 + small) is pi/4 - small: one sum whichever way
-    let swapped = x.less(height);
-    let signed = V::select(swapped, zero - small, small);
-    let quarter = V::splat(std::f64::consts::FRAC_PI_4);
-    let offset = V::select(steep, quarter, V::select(swapped, quarter + quarter, zero));
-    (offset + signed).with_sign_of(y)
+    let small = series.neg_mul_add(r, r * V::splat(unit));
+    (offset + small).with_sign_of(y)
 }
 
 #[cfg(test)]
@@ -59,7 +64,9 @@ mod tests {
     #[inline(always)]
     fn all<V: Lanes>(y: &[f64], x: &[f64], out: &mut [f64]) {
         for i in (0..y.len()).step_by(V::N) {
-            half_plane_angle(V::load(&y[i..]), V::load(&x[i..])).store(&mut out[i..]);
+            let y = V::load(&y[i..]);
+            let (r, offset) = reduced(y, V::load(&x[i..]), 1.0);
+            angle(r, offset, y, 1.0).store(&mut out[i..]);
         }
     }
 

@@ -1,66 +1,90 @@
 //! The inner loops of a banded Cholesky factorisation by block columns.
 //!
-//! A block column holds `width` columns of L, each `height` numbers from the block's own diagonal downwards (column
-//! major, `height` a multiple of 8 plus [`PADDING`] rows of zeros, so that whole tiles may be read past the end).
+//! A block column holds `width` columns of L, each `height` rows from the block's own diagonal downwards, in panels of
+//! eight rows: the eight rows of one column are one cache line, and the columns of a panel follow one another.
 //!
 //! ```text
 //! C -= sum_r A_r B_r'     A_r, B_r: rows of the block column r blocks to the left, from C's first row on
 //! C = L C_11^(-T)         the block's own triangle, then everything below it
 //! ```
 //!
-//! Nothing is packed: a tile of C stays in registers over all its updates, A comes by whole registers and B by single
-//! numbers, 11 loads for 24 multiply-adds, so two multipliers are kept busy from the second-level cache.
+//! Nothing is packed, the factor is made in the order in which it is read: a tile of C stays in registers over all its
+//! updates, A comes by whole registers from three running streams and B by single numbers from a fourth, 11 loads for
+//! 24 multiply-adds. Column c ends at row `c + reach`, so a tile far down begins with the first column that reaches it.
 
 use super::lanes::Lanes;
 use super::{Level, dispatch};
 
-/// Rows of zeros below every block column.
-pub const PADDING: usize = 16;
-/// Widths and heights are multiples of this.
-pub const GRAIN: usize = 8;
+/// Numbers that memory for blocks needs in addition, so that the first may stand where a cache line begins.
+pub const PADDING: usize = PANEL - 1;
+/// Widths and heights are multiples of this: three panels, the rows of a tile.
+pub const GRAIN: usize = 3 * PANEL;
+/// Rows of a panel.
+const PANEL: usize = 8;
 
 /// Shape of one block column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockShape {
     /// Columns, a multiple of [`GRAIN`].
     pub width: usize,
-    /// Rows from the block's diagonal on, a multiple of [`GRAIN`], padding not counted.
+    /// Rows from the block's diagonal on, a multiple of [`GRAIN`].
     pub height: usize,
+    /// Column c is zero below row `c + reach`.
+    pub reach: usize,
 }
 
 impl BlockShape {
-    /// Distance of two columns.
-    pub fn stride(self) -> usize {
-        self.height + PADDING
-    }
-
     /// Numbers in one block column.
     pub fn len(self) -> usize {
-        self.width * self.stride()
+        self.width * self.height
     }
 
     /// No columns at all.
     pub fn is_empty(self) -> bool {
         self.width == 0
     }
+
+    /// Where the block keeps this entry.
+    #[inline(always)]
+    pub fn place(self, row: usize, column: usize) -> usize {
+        (row / PANEL * self.width + column) * PANEL + row % PANEL
+    }
+
+    /// The lines of the panel that `row` stands in, from column `from` to before `to`.
+    #[inline(always)]
+    fn panel(self, block: &[f64], row: usize, from: usize, to: usize) -> &[[f64; PANEL]] {
+        let start = row / PANEL * self.width;
+        &block.as_chunks::<PANEL>().0[start + from..][..to - from]
+    }
+
+    /// The first column that reaches `row`.
+    #[inline(always)]
+    fn first_column(self, row: usize) -> usize {
+        row.saturating_sub(self.reach).min(self.width)
+    }
 }
 
-/// `c -= sum_k A[left.., k] A[right.., k]` over the columns `columns` of A.
+/// `c -= sum_k A[left.., k] A[right.., k]` over the columns of A from the first that reaches row `left` to before `to`.
 #[inline(always)]
 fn accumulate<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     c: &mut [[V; COLUMNS]; ROWS],
-    columns: &[f64],
-    stride: usize,
-    left: usize,
-    right: usize,
+    shape: BlockShape,
+    source: &[f64],
+    [left, right]: [usize; 2],
+    to: usize,
 ) {
-    for values in columns.chunks_exact(stride) {
-        let rows = &values[left..][..ROWS * V::N];
-        let factors = &values[right..][..COLUMNS];
+    let from = shape.first_column(left.max(right)).min(to);
+    let mut rows: [&[[f64; PANEL]]; ROWS] = [&[]; ROWS];
+    for v in 0..ROWS {
+        rows[v] = shape.panel(source, left + v * V::N, from, to);
+    }
+    let factors = shape.panel(source, right, from, to);
+    for k in 0..to - from {
         let mut a = [V::splat(0.0); ROWS];
         for v in 0..ROWS {
-            a[v] = V::load(&rows[v * V::N..]);
+            a[v] = V::load(&rows[v][k][(left + v * V::N) % PANEL..]);
         }
+        let factors = &factors[k][right % PANEL..][..COLUMNS];
         for j in 0..COLUMNS {
             let factor = V::splat(factors[j]);
             for v in 0..ROWS {
@@ -70,121 +94,63 @@ fn accumulate<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     }
 }
 
-/// Which columns update a tile.
-#[derive(Clone, Copy)]
-enum Sources<'a> {
-    /// Whole block columns, the nearest last, `gap` blocks short of the target's neighbour.
-    Before { blocks: &'a [f64], gap: usize },
-    /// The columns of the block itself that stand left of column `first`, where the target begins.
-    Own { columns: &'a [f64], first: usize },
+#[inline(always)]
+fn load_tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
+    shape: BlockShape,
+    block: &[f64],
+    [row, column]: [usize; 2],
+) -> [[V; COLUMNS]; ROWS] {
+    // loops, not closures: a closure does not carry the instruction set
+    let mut c = [[V::splat(0.0); COLUMNS]; ROWS];
+    for v in 0..ROWS {
+        let lines = shape.panel(block, row + v * V::N, column, column + COLUMNS);
+        for j in 0..COLUMNS {
+            c[v][j] = V::load(&lines[j][(row + v * V::N) % PANEL..]);
+        }
+    }
+    c
 }
 
-/// One tile of `target` at `[row, column]`.
 #[inline(always)]
-fn tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
+fn store_tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
+    c: &[[V; COLUMNS]; ROWS],
     shape: BlockShape,
-    sources: Sources<'_>,
-    target: &mut [f64],
+    block: &mut [f64],
     [row, column]: [usize; 2],
 ) {
-    if let Sources::Before { gap, .. } = sources
-        && (gap + 1) * shape.width + row.max(column) >= shape.height
-    {
-        return; // even the nearest source ends above this tile
-    }
-    let stride = shape.stride();
-    let mut c = [[V::splat(0.0); COLUMNS]; ROWS];
-    for j in 0..COLUMNS {
-        let from = &target[(column + j) * stride + row..][..ROWS * V::N];
-        for v in 0..ROWS {
-            c[v][j] = V::load(&from[v * V::N..]);
-        }
-    }
-    match sources {
-        Sources::Own { columns, first } => accumulate(&mut c, columns, stride, row, first + column),
-        Sources::Before { blocks, gap } => {
-            let count = blocks.len() / shape.len() + gap;
-            for (b, block) in blocks.chunks_exact(shape.len()).enumerate() {
-                let offset = (count - b) * shape.width;
-                if offset + row.max(column) < shape.height {
-                    accumulate(&mut c, block, stride, offset + row, offset + column);
-                }
-            }
-        }
-    }
-    for j in 0..COLUMNS {
-        let to = &mut target[(column + j) * stride + row..][..ROWS * V::N];
-        for v in 0..ROWS {
-            c[v][j].store(&mut to[v * V::N..]);
+    for v in 0..ROWS {
+        let start = shape.place(row + v * V::N, column);
+        let lines = &mut block[start..][..(COLUMNS - 1) * PANEL + V::N];
+        for j in 0..COLUMNS {
+            c[v][j].store(&mut lines[j * PANEL..]);
         }
     }
 }
 
-/// All tiles of the first `columns` columns of `target`, from the diagonal downwards.
+/// The tiles of `target` that begin in `row`: `blocks` are the sources, the nearest last, `gap` blocks short of the
+/// target's neighbour.
 #[inline(always)]
-fn tiles<V: Lanes>(shape: BlockShape, sources: Sources<'_>, target: &mut [f64], columns: usize) {
-    let left_of_target = if let Sources::Own { first, .. } = sources { first } else { 0 };
-    // eight lanes leave room for 24 sums in registers, four lanes for 12
-    macro_rules! sized {
-        ($rows:literal, $columns:literal) => {
-            for column in (0..columns).step_by($columns) {
-                let diagonal = left_of_target + column;
-                let mut row = diagonal - diagonal % GRAIN;
-                while row < shape.height {
-                    tile::<V, $rows, $columns>(shape, sources, target, [row, column]);
-                    row += $rows * V::N;
-                }
+fn update_rows<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
+    shape: BlockShape,
+    blocks: &[f64],
+    gap: usize,
+    target: &mut [f64],
+    row: usize,
+) {
+    let count = blocks.len() / shape.len() + gap;
+    for column in (0..shape.width.min(row + ROWS * V::N)).step_by(COLUMNS) {
+        let mut c = load_tile::<V, ROWS, COLUMNS>(shape, target, [row, column]);
+        for (b, block) in blocks.chunks_exact(shape.len()).enumerate() {
+            let offset = (count - b) * shape.width;
+            if offset + row < shape.height {
+                accumulate(&mut c, shape, block, [offset + row, offset + column], shape.width);
             }
-        };
+        }
+        store_tile(&c, shape, target, [row, column]);
     }
-    if V::N == 8 { sized!(3, 8) } else { sized!(2, 4) }
 }
 
-/// The 8 columns from `at` on, already updated: their triangle, then every row below it. `Err(column)` for a bad pivot.
-#[inline(always)]
-fn factor_eight<V: Lanes>(shape: BlockShape, block: &mut [f64], at: usize) -> Result<f64, usize> {
-    let stride = shape.stride();
-    let mut triangle = [[0.0; GRAIN]; GRAIN];
-    let mut smallest = f64::INFINITY;
-    let mut inverse = [0.0; GRAIN];
-    for j in 0..GRAIN {
-        let mut pivot = block[(at + j) * stride + at + j];
-        for k in 0..j {
-            pivot -= triangle[j][k] * triangle[j][k];
-        }
-        if pivot.is_nan() || pivot <= 0.0 {
-            return Err(at + j);
-        }
-        smallest = f64::min(smallest, pivot);
-        triangle[j][j] = pivot.sqrt();
-        inverse[j] = 1.0 / triangle[j][j];
-        for i in j + 1..GRAIN {
-            let mut sum = block[(at + j) * stride + at + i];
-            for k in 0..j {
-                sum -= triangle[i][k] * triangle[j][k];
-            }
-            triangle[i][j] = sum * inverse[j];
-        }
-        for i in j..GRAIN {
-            block[(at + j) * stride + at + i] = triangle[i][j];
-        }
-    }
-    for row in (at + GRAIN..shape.height).step_by(V::N) {
-        let mut x = [V::splat(0.0); GRAIN];
-        for j in 0..GRAIN {
-            let place = (at + j) * stride + row;
-            let mut sum = V::load(&block[place..]);
-            for k in 0..j {
-                sum = x[k].neg_mul_add(V::splat(triangle[j][k]), sum);
-            }
-            x[j] = sum * V::splat(inverse[j]);
-            x[j].store(&mut block[place..]);
-        }
-    }
-    Ok(smallest)
-}
-
-/// Numbers of source blocks that stay in a second-level cache of 1 MB beside the target, while all tiles go over them.
+/// Numbers of source blocks that stay in the caches beside the target, while all tiles go over them.
 const CACHED: usize = 1 << 16;
 
 #[inline(always)]
@@ -192,20 +158,113 @@ fn update<V: Lanes>(shape: BlockShape, blocks: &[f64], gap: usize, target: &mut 
     let total = blocks.len() / shape.len();
     let together = (CACHED / shape.len()).max(1);
     for (k, group) in blocks.chunks(together * shape.len()).enumerate() {
-        let nearer = total - k * together - group.len() / shape.len();
-        tiles::<V>(shape, Sources::Before { blocks: group, gap: gap + nearer }, target, shape.width);
+        let gap = gap + total - k * together - group.len() / shape.len();
+        // the nearest source ends there
+        let end = shape.height.saturating_sub((gap + 1) * shape.width);
+        // beside the diagonal panel by panel, so that nothing is done above it; eight lanes leave room for 24 sums in
+        // registers, four lanes for 12
+        for row in (0..shape.width.min(end)).step_by(PANEL) {
+            if V::N == PANEL {
+                update_rows::<V, 1, 8>(shape, group, gap, target, row);
+            } else {
+                update_rows::<V, 2, 4>(shape, group, gap, target, row);
+            }
+        }
+        for row in (shape.width..end).step_by(3 * V::N) {
+            if V::N == PANEL {
+                update_rows::<V, 3, 8>(shape, group, gap, target, row);
+            } else {
+                update_rows::<V, 3, 4>(shape, group, gap, target, row);
+            }
+        }
+    }
+}
+
+/// The triangle of eight columns on the diagonal, and one over its diagonal.
+struct Triangle {
+    entries: [[f64; PANEL]; PANEL],
+    inverse: [f64; PANEL],
+    smallest: f64,
+}
+
+/// Factors the updated triangle of the columns from `at` on. `Err(column)` for a bad pivot.
+#[inline(always)]
+fn factor_triangle(shape: BlockShape, block: &mut [f64], at: usize) -> Result<Triangle, usize> {
+    let mut made = Triangle { entries: [[0.0; PANEL]; PANEL], inverse: [0.0; PANEL], smallest: f64::INFINITY };
+    let entries = &mut made.entries;
+    for j in 0..PANEL {
+        let column = &mut block[shape.place(at, at + j)..][..PANEL];
+        let mut pivot = column[j];
+        for k in 0..j {
+            pivot -= entries[j][k] * entries[j][k];
+        }
+        if pivot.is_nan() || pivot <= 0.0 {
+            return Err(at + j);
+        }
+        made.smallest = f64::min(made.smallest, pivot);
+        entries[j][j] = pivot.sqrt();
+        made.inverse[j] = 1.0 / entries[j][j];
+        for i in j + 1..PANEL {
+            let mut sum = column[i];
+            for k in 0..j {
+                sum -= entries[i][k] * entries[j][k];
+            }
+            entries[i][j] = sum * made.inverse[j];
+        }
+        for i in j..PANEL {
+            column[i] = entries[i][j];
+        }
+    }
+    Ok(made)
+}
+
+/// Eight columns from `at` on, some rows below their triangle: less what the block's earlier columns take, and solved.
+#[inline(always)]
+fn finish_rows<V: Lanes, const ROWS: usize>(
+    shape: BlockShape,
+    block: &mut [f64],
+    [row, at]: [usize; 2],
+    triangle: &Triangle,
+) {
+    // stored in between: solved in place, the tile would not stay in registers while it is summed
+    let mut c = load_tile::<V, ROWS, PANEL>(shape, block, [row, at]);
+    accumulate(&mut c, shape, block, [row, at], at);
+    store_tile(&c, shape, block, [row, at]);
+    for row in (row..row + ROWS * V::N).step_by(V::N) {
+        let [mut x] = load_tile::<V, 1, PANEL>(shape, block, [row, at]);
+        for j in 0..PANEL {
+            let mut sum = x[j];
+            for k in 0..j {
+                sum = x[k].neg_mul_add(V::splat(triangle.entries[j][k]), sum);
+            }
+            x[j] = sum * V::splat(triangle.inverse[j]);
+        }
+        store_tile(&[x], shape, block, [row, at]);
     }
 }
 
 #[inline(always)]
 fn factor<V: Lanes>(shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> {
     let mut smallest = f64::INFINITY;
-    for at in (0..shape.width).step_by(GRAIN) {
-        let (done, rest) = block.split_at_mut(at * shape.stride());
-        if at > 0 {
-            tiles::<V>(shape, Sources::Own { columns: done, first: at }, rest, GRAIN);
+    for at in (0..shape.width).step_by(PANEL) {
+        for row in (at..at + PANEL).step_by(V::N) {
+            let mut c = load_tile::<V, 1, PANEL>(shape, block, [row, at]);
+            accumulate(&mut c, shape, block, [row, at], at);
+            store_tile(&c, shape, block, [row, at]);
         }
-        smallest = smallest.min(factor_eight::<V>(shape, block, at)?);
+        let triangle = factor_triangle(shape, block, at)?;
+        smallest = smallest.min(triangle.smallest);
+        for row in (at + PANEL..shape.width).step_by(V::N) {
+            finish_rows::<V, 1>(shape, block, [row, at], &triangle);
+        }
+        let end = shape.height.min(at + PANEL + shape.reach);
+        for row in (shape.width..end).step_by(if V::N == PANEL { GRAIN } else { V::N }) {
+            if V::N == PANEL {
+                finish_rows::<V, 3>(shape, block, [row, at], &triangle);
+            } else {
+                finish_rows::<V, 1>(shape, block, [row, at], &triangle);
+            }
+        }
     }
     Ok(smallest)
 }
@@ -223,34 +282,88 @@ pub fn factor_block(level: Level, shape: BlockShape, block: &mut [f64]) -> Resul
     dispatch!(level, factor [](shape: BlockShape, block: &mut [f64]) -> Result<f64, usize>)
 }
 
+/// `v[row..] -= sum_k L[row.., k] x_k` over one panel's columns before `x.len()`, in four sums that do not wait for
+/// one another.
 #[inline(always)]
-fn forward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
-    for (j, column) in block.chunks_exact(shape.stride()).enumerate() {
-        let value = v[j] / column[j];
-        v[j] = value;
-        let from = (j + 1).next_multiple_of(GRAIN).min(shape.height);
-        for i in j + 1..from {
-            v[i] -= value * column[i];
+fn take_columns<V: Lanes>(shape: BlockShape, block: &[f64], row: usize, x: &[f64], v: &mut [f64]) {
+    let from = shape.first_column(row).min(x.len());
+    let lines = shape.panel(block, row, from, x.len());
+    for half in (0..PANEL).step_by(V::N) {
+        let mut sums = [V::splat(0.0); 4];
+        let (fours, rest) = lines.as_chunks::<4>();
+        let (factors, last) = x[from..].as_chunks::<4>();
+        for (lines, factors) in fours.iter().zip(factors) {
+            for k in 0..4 {
+                sums[k] = V::load(&lines[k][half..]).mul_add(V::splat(factors[k]), sums[k]);
+            }
         }
-        for i in (from..shape.height).step_by(V::N) {
-            V::load(&column[i..]).neg_mul_add(V::splat(value), V::load(&v[i..])).store(&mut v[i..]);
+        for (line, factor) in rest.iter().zip(last) {
+            sums[0] = V::load(&line[half..]).mul_add(V::splat(*factor), sums[0]);
         }
+        let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+        (V::load(&v[half..]) - sum).store(&mut v[half..]);
     }
 }
 
 #[inline(always)]
+fn forward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
+    let (own, below) = v[..shape.height].split_at_mut(shape.width);
+    for at in (0..shape.width).step_by(PANEL) {
+        let (before, here) = own.split_at_mut(at);
+        take_columns::<V>(shape, block, at, before, here);
+        for (j, column) in shape.panel(block, at, at, at + PANEL).iter().enumerate() {
+            let value = here[j] / column[j];
+            here[j] = value;
+            for i in j + 1..PANEL {
+                here[i] -= value * column[i];
+            }
+        }
+    }
+    for (k, rows) in below.chunks_exact_mut(PANEL).enumerate() {
+        take_columns::<V>(shape, block, shape.width + k * PANEL, own, rows);
+    }
+}
+
+/// `sums[k] += L[row.., k] v[row..]`, lane by lane, over one panel's columns before `to`.
+#[inline(always)]
+fn gather_columns<V: Lanes>(
+    shape: BlockShape,
+    block: &[f64],
+    [row, to]: [usize; 2],
+    v: &[f64],
+    sums: &mut [[f64; PANEL]],
+) {
+    let from = shape.first_column(row).min(to);
+    for (line, sum) in shape.panel(block, row, from, to).iter().zip(&mut sums[from..to]) {
+        for half in (0..PANEL).step_by(V::N) {
+            V::load(&line[half..]).mul_add(V::load(&v[half..]), V::load(&sum[half..])).store(&mut sum[half..]);
+        }
+    }
+}
+
+/// Widest block that [`backward_block`] takes.
+const WIDEST: usize = 96;
+
+#[inline(always)]
 fn backward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
-    for (j, column) in block.chunks_exact(shape.stride()).enumerate().rev() {
-        let from = (j + 1).next_multiple_of(GRAIN).min(shape.height);
-        let mut sums = [V::splat(0.0); 2];
-        for (k, i) in (from..shape.height).step_by(V::N).enumerate() {
-            sums[k % 2] = V::load(&column[i..]).mul_add(V::load(&v[i..]), sums[k % 2]);
+    let mut sums = [[0.0; PANEL]; WIDEST];
+    let (own, below) = v[..shape.height].split_at_mut(shape.width);
+    for (k, rows) in below.chunks_exact(PANEL).enumerate() {
+        gather_columns::<V>(shape, block, [shape.width + k * PANEL, shape.width], rows, &mut sums);
+    }
+    for at in (0..shape.width).step_by(PANEL).rev() {
+        let here = &mut own[at..at + PANEL];
+        for (j, column) in shape.panel(block, at, at, at + PANEL).iter().enumerate().rev() {
+            let mut dot = 0.0;
+            for half in sums[at + j].chunks_exact(V::N) {
+                dot += V::load(half).sum();
+            }
+            for i in j + 1..PANEL {
+                dot += column[i] * here[i];
+            }
+            here[j] = (here[j] - dot) / column[j];
         }
-        let mut dot = (sums[0] + sums[1]).sum();
-        for i in j + 1..from {
-            dot += column[i] * v[i];
-        }
-        v[j] = (v[j] - dot) / column[j];
+        gather_columns::<V>(shape, block, [at, at], here, &mut sums);
     }
 }
 
@@ -261,6 +374,9 @@ pub fn forward_block(level: Level, shape: BlockShape, block: &[f64], v: &mut [f6
 }
 
 /// `v <- L^-T v` for one block column, those below being known.
+///
+/// # Panics
+/// When the block is wider than 96 columns.
 pub fn backward_block(level: Level, shape: BlockShape, block: &[f64], v: &mut [f64]) {
     dispatch!(level, backward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }
@@ -295,36 +411,36 @@ mod tests {
             }
         }
         let expected = dense_cholesky(&a, n);
-        let shape = BlockShape { width: 16, height: 48 };
+        let shape = BlockShape { width: 24, height: 72, reach: band };
         for level in Level::available() {
-            let mut blocks = vec![0.0; n / 16 * shape.len()];
-            let mut v: Vec<f64> = (0..n + 48).map(|i| if i < n { (i as f64).cos() } else { 0.0 }).collect();
+            let mut blocks = vec![0.0; n / 24 * shape.len()];
+            let mut v: Vec<f64> = (0..n + 72).map(|i| if i < n { (i as f64).cos() } else { 0.0 }).collect();
             let right = v.clone();
-            for b in 0..n / 16 {
+            for b in 0..n / 24 {
                 let (done, rest) = blocks.split_at_mut(b * shape.len());
                 let block = &mut rest[..shape.len()];
-                for c in 0..16 {
-                    for r in c..48.min(n - b * 16) {
-                        block[c * shape.stride() + r] = a[(b * 16 + r) * n + b * 16 + c];
+                for c in 0..24 {
+                    for r in c..=(c + band).min(n - b * 24 - 1) {
+                        block[shape.place(r, c)] = a[(b * 24 + r) * n + b * 24 + c];
                     }
                 }
                 // beyond the matrix: ones on the diagonal never occur, rows there stay zero
                 update_block(level, shape, &done[b.saturating_sub(3) * shape.len()..], 0, block);
                 factor_block(level, shape, block).unwrap();
-                forward_block(level, shape, block, &mut v[b * 16..b * 16 + 48]);
+                forward_block(level, shape, block, &mut v[b * 24..b * 24 + 72]);
             }
-            for b in (0..n / 16).rev() {
+            for b in (0..n / 24).rev() {
                 backward_block(
                     level,
                     shape,
                     &blocks[b * shape.len()..(b + 1) * shape.len()],
-                    &mut v[b * 16..b * 16 + 48],
+                    &mut v[b * 24..b * 24 + 72],
                 );
             }
             let [mut factor, mut solution] = ["factor_block", "backward_block"].map(|kernel| Twins::new(kernel, level));
             for i in 0..n {
                 for j in i.saturating_sub(band)..=i {
-                    let found = blocks[j / 16 * shape.len() + j % 16 * shape.stride() + i - j / 16 * 16];
+                    let found = blocks[j / 24 * shape.len() + shape.place(i - j / 24 * 24, j % 24)];
                     factor.compare(found, expected[i * n + j]);
                 }
                 let product: f64 = (0..n).map(|k| a[i * n + k] * v[k]).sum();

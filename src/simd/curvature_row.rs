@@ -9,9 +9,14 @@
 //! One polynomial per segment instead of q + 1 basis values per point: 11 multiply-adds a point for a bicubic instead
 //! of 20, and no table of basis values to read.
 
+use std::ops::Range;
+
 use super::lanes::Lanes;
-use super::shape_maps::shape_of;
+use super::shape_maps::ShapeBatch;
 use super::{Level, dispatch};
+
+/// Points of which S and R are under way at once: 6 KiB, the longest batch that leaves the cache to the row's curves.
+const BATCH: usize = 256;
 
 /// The points of a row, sorted into runs that lie on one segment, with the Taylor coefficients of that segment's basis.
 #[derive(Clone, Debug)]
@@ -108,51 +113,86 @@ impl RowScratch {
             }
         };
         grow(&mut self.curves, 3 * (row.n_basis + 8));
-        grow(&mut self.gathered, if row.contiguous { 0 } else { width * row.padded });
+        grow(&mut self.gathered, if row.contiguous { 0 } else { 3 * width * row.padded });
         grow(&mut self.pieces, 3 * width * row.padded);
         grow(&mut self.out, 6 * (row.len() + 8));
     }
 }
 
-/// `out = sum_a weights[a] rows[a * m ..]`, over m numbers; `out` has room for a further set of lanes.
+/// `L_d[j] = sum_a basis[d][a] rows[a m + j]` of the lanes from `j` on, into `curves[d stride + j]`, all three d at once.
 #[inline(always)]
-fn curve<V: Lanes>(weights: &[f64], rows: &[f64], m: usize, out: &mut [f64]) {
-    let whole = m - m % V::N;
-    for j in (0..whole).step_by(V::N) {
-        let mut sum = V::splat(0.0);
-        for (a, w) in weights.iter().enumerate() {
-            sum = V::splat(*w).mul_add(V::load(&rows[a * m + j..]), sum);
+fn curves_at<V: Lanes>(weights: &[[V; 10]; 3], width: usize, rows: &[f64], m: usize, j: usize, curves: &mut [f64]) {
+    let mut sums = [V::splat(0.0); 3];
+    for a in 0..width {
+        let line = V::load(&rows[a * m + j..]);
+        for d in 0..3 {
+            sums[d] = weights[d][a].mul_add(line, sums[d]);
         }
-        sum.store(&mut out[j..]);
     }
-    for j in whole..m {
-        out[j] = weights.iter().enumerate().map(|(a, w)| w * rows[a * m + j]).sum();
+    for d in 0..3 {
+        sums[d].store(&mut curves[d * (m + 8) + j..]);
     }
 }
 
-/// P_d,k of every run: `pieces[k * padded + run]`.
+/// L_d over the m basis functions in y.
 #[inline(always)]
-fn pieces_of<V: Lanes>(row: &RowPieces, q: usize, curve: &[f64], gathered: &mut [f64], pieces: &mut [f64]) {
-    let (width, padded) = (q + 1, row.padded);
+fn curves_of<V: Lanes>(basis: [&[f64]; 3], width: usize, rows: &[f64], m: usize, curves: &mut [f64]) {
+    let mut weights = [[V::splat(0.0); 10]; 3];
+    for d in 0..3 {
+        for a in 0..width {
+            weights[d][a] = V::splat(basis[d][a]);
+        }
+    }
+    if m < V::N {
+        for j in 0..m {
+            for d in 0..3 {
+                curves[d * (m + 8) + j] = (0..width).map(|a| basis[d][a] * rows[a * m + j]).sum();
+            }
+        }
+        return;
+    }
+    for j in (0..m - V::N).step_by(V::N) {
+        curves_at(&weights, width, rows, m, j, curves);
+    }
+    // the last lanes overlap those before instead of reaching beyond the row
+    curves_at(&weights, width, rows, m, m - V::N, curves);
+}
+
+/// P_d,k of every run: `pieces[(d (q + 1) + k) padded + run]`.
+#[inline(always)]
+fn pieces_of<V: Lanes>(row: &RowPieces, q: usize, curves: &[f64], gathered: &mut [f64], pieces: &mut [f64]) {
+    let (width, padded, stride) = (q + 1, row.padded, row.n_basis + 8);
     if !row.contiguous {
         for (run, first) in row.first.iter().enumerate() {
             for v in 0..width {
-                gathered[v * padded + run] = curve[first + v];
+                for d in 0..3 {
+                    gathered[(d * width + v) * padded + run] = curves[d * stride + first + v];
+                }
             }
         }
     }
     for run in (0..padded).step_by(V::N) {
-        let mut values = [V::splat(0.0); 10];
+        let mut values = [[V::splat(0.0); 3]; 10];
         for (v, value) in values[..width].iter_mut().enumerate() {
-            *value =
-                V::load(if row.contiguous { &curve[row.first[0] + v + run..] } else { &gathered[v * padded + run..] });
+            for d in 0..3 {
+                value[d] = V::load(if row.contiguous {
+                    &curves[d * stride + row.first[0] + v + run..]
+                } else {
+                    &gathered[(d * width + v) * padded + run..]
+                });
+            }
         }
         for k in 0..width {
-            let mut sum = V::splat(0.0);
+            let mut sums = [V::splat(0.0); 3];
             for (v, value) in values[..width].iter().enumerate() {
-                sum = V::load(&row.taylor[(k * width + v) * padded + run..]).mul_add(*value, sum);
+                let taylor = V::load(&row.taylor[(k * width + v) * padded + run..]);
+                for d in 0..3 {
+                    sums[d] = taylor.mul_add(value[d], sums[d]);
+                }
             }
-            sum.store(&mut pieces[k * padded + run..]);
+            for d in 0..3 {
+                sums[d].store(&mut pieces[(d * width + k) * padded + run..]);
+            }
         }
     }
 }
@@ -167,14 +207,23 @@ fn horner<V: Lanes>(c: &[V; 10], q: usize, t: V) -> V {
     sum
 }
 
-/// Calls `point(index, [S, S_x, S_y, S_xx, S_xy, S_yy])` for every set of lanes of every run; lanes beyond the run's
-/// end hold the polynomial's continuation and are overwritten by the next run.
+/// Calls `point(index, [S, S_x, S_y, S_xx, S_xy, S_yy])` for every set of lanes of the runs that hold `points`, the first
+/// of them on `run`; lanes beyond a run's end hold the polynomial's continuation and are overwritten by the next run.
+/// Returns the run that the next point is on.
 #[inline(always)]
-fn walk<V: Lanes>(row: &RowPieces, q: usize, pieces: &[f64], mut point: impl FnMut(usize, [V; 6])) {
+fn walk<V: Lanes>(
+    row: &RowPieces,
+    q: usize,
+    pieces: &[f64],
+    points: Range<usize>,
+    mut run: usize,
+    mut point: impl FnMut(usize, [V; 6]),
+) -> usize {
     let (width, padded) = (q + 1, row.padded);
     let zero = V::splat(0.0);
-    let mut from = 0;
-    for (run, &to) in row.ends.iter().enumerate() {
+    let mut from = points.start;
+    while from < points.end {
+        let to = row.ends[run].min(points.end);
         let mut value = [[zero; 10]; 3];
         let mut slope = [[zero; 10]; 2];
         let mut second = [zero; 10];
@@ -198,19 +247,30 @@ fn walk<V: Lanes>(row: &RowPieces, q: usize, pieces: &[f64], mut point: impl FnM
             let xy = horner(&slope[1], q - 1, t);
             point(i, [horner(&value[0], q, t), horner(&value[1], q, t), y, horner(&value[2], q, t), xy, yy]);
         }
+        run += usize::from(to == row.ends[run]);
         from = to;
     }
+    run
+}
+
+/// Where a batch from point `from` on `run` ends: with the last run that fits, or within a run that is longer.
+#[inline(always)]
+fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
+    // room for the lanes beyond the end
+    let most = from + BATCH - 8;
+    row.ends[run..].iter().copied().take_while(|end| *end <= most).last().unwrap_or(most)
 }
 
 #[inline(always)]
 fn prepare<V: Lanes>(row: &RowPieces, q: usize, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch) {
-    let stride = row.n_basis + 8;
-    let block = (q + 1) * row.padded;
-    for d in 0..3 {
-        let target = &mut scratch.curves[d * stride..(d + 1) * stride];
-        curve::<V>(basis[d], rows, row.n_basis, target);
-        pieces_of::<V>(row, q, target, &mut scratch.gathered, &mut scratch.pieces[d * block..(d + 1) * block]);
+    // equal degrees, as nearly always: a width that the compiler knows keeps the weights in registers
+    let width = basis[0].len();
+    if width == q + 1 {
+        curves_of::<V>(basis, q + 1, rows, row.n_basis, &mut scratch.curves);
+    } else {
+        curves_of::<V>(basis, width, rows, row.n_basis, &mut scratch.curves);
     }
+    pieces_of::<V>(row, q, &scratch.curves, &mut scratch.gathered, &mut scratch.pieces);
 }
 
 /// Runs `$body` with `$q` a literal for the usual degrees, so that the loops over powers unroll.
@@ -246,15 +306,17 @@ fn shape<V: Lanes>(
     let n = row.len();
     with_degree!(row.degree, q => {
         prepare::<V>(row, q, basis, rows, scratch);
-        let (s, r) = scratch.out.split_at_mut(n + 8);
-        walk::<V>(row, q, &scratch.pieces, |i, [_, x, y, xx, xy, yy]| {
-            let (index, curved) = shape_of([x, y, xx, xy, yy]);
-            index.store(&mut s[i..]);
-            curved.store(&mut r[i..]);
-        });
+        let mut batch = ShapeBatch::<BATCH>::new();
+        let (mut from, mut run) = (0, 0);
+        while from < n {
+            let to = batch_end(row, run, from);
+            run = walk::<V>(row, q, &scratch.pieces, from..to, run, |i, [_, x, y, xx, xy, yy]| {
+                batch.put(i - from, [x, y, xx, xy, yy]);
+            });
+            batch.finish::<V>(&mut shape_index[from..to], &mut curvedness[from..to]);
+            from = to;
+        }
     });
-    shape_index[..n].copy_from_slice(&scratch.out[..n]);
-    curvedness[..n].copy_from_slice(&scratch.out[n + 8..2 * n + 8]);
 }
 
 #[inline(always)]
@@ -263,7 +325,7 @@ fn derive<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: 
     let stride = n + 8;
     with_degree!(row.degree, q => {
         prepare::<V>(row, q, basis, rows, scratch);
-        walk::<V>(row, q, &scratch.pieces, |i, all| {
+        walk::<V>(row, q, &scratch.pieces, 0..n, 0, |i, all| {
             for (k, value) in all.into_iter().enumerate() {
                 value.store(&mut scratch.out[k * stride + i..]);
             }

@@ -1,7 +1,7 @@
 //! Cholesky of a small dense matrix whose order is known to the compiler, the right-hand side carried as one more row.
 //!
 //! ```text
-//! [ A  b ]     column k: l_kk = sqrt(a_kk), l_ik = a_ik / l_kk, a_ij -= l_ik l_jk     i > k, i = n being b:
+//! [ A  b ]     column k: a_ij -= a_ik a_jk / a_kk, l_kk = sqrt(a_kk), l_ik = a_ik / l_kk     i > k, i = n being b:
 //! [ b' . ]     after the last column row n holds y = L^-1 b;   then L' x = y from the bottom
 //! ```
 //!
@@ -24,16 +24,18 @@ fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColu
             return Err(k);
         }
         smallest = f64::min(smallest, pivot);
-        let inverse = V::splat(1.0 / pivot.sqrt());
-        for i in (k / V::N * V::N..PADDED).step_by(V::N) {
-            (V::load(&column[i..]) * inverse).store(&mut column[i..]);
-        }
+        // the columns to come wait for the reciprocal alone; the root is taken beside them
+        let reciprocal = 1.0 / pivot;
         for (j, target) in rest.iter_mut().enumerate() {
             let j = k + 1 + j;
-            let factor = V::splat(column[j]);
+            let factor = V::splat(column[j] * reciprocal);
             for i in (j / V::N * V::N..PADDED).step_by(V::N) {
                 V::load(&column[i..]).neg_mul_add(factor, V::load(&target[i..])).store(&mut target[i..]);
             }
+        }
+        let inverse = V::splat(1.0 / pivot.sqrt());
+        for i in (k / V::N * V::N..PADDED).step_by(V::N) {
+            (V::load(&column[i..]) * inverse).store(&mut column[i..]);
         }
     }
     Ok(smallest)

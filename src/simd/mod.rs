@@ -8,10 +8,10 @@
 //! | [`factor_columns`], [`factor_dense`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
-//! | [`normals`], [`chacha8`] | standard normals from addressed random words |
+//! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`first_pass`], [`second_pass`], [`last_sums`] | residuals, their sizes and `E'r` over eight sites of a cell |
-//! | [`functional_bounds`] | how far eight functionals of the coefficients can be off |
+//! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
@@ -52,7 +52,7 @@ pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, f
 pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
-pub use normals::{box_muller_pairs, normals};
+pub use normals::{box_muller_pairs, normal_triples, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, POINTS, ShapeGradients, shape_gradients};

@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! u = (k + 1/2) 2^-53, k the upper 53 bits         n0, n1 = sqrt(-2 ln u0) (cos, sin)(2 pi u1)
-//! ln u = e ln 2 + 2 artanh(s),  u = 2^e m,  m in [sqrt(1/2), sqrt 2),  s = (m - 1)/(m + 1)
+//! ln u = e ln 2 + 2 artanh(s),  u = 2^e (1 + f),  1 + f in [sqrt(1/2), sqrt 2),  s = f/(2 + f)
 //! ```
 //!
 //! The top two bits of the second word are the quarter of the turn, the rest the angle in (-pi/4, pi/4). Polynomials of
 //! FreeBSD's msun (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993). The largest value is 8.65.
 //! G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610.
 
+use super::chacha8::{BLOCKS, WORDS};
 use super::lanes::Lanes;
 use super::{Level, dispatch};
 
@@ -51,9 +52,9 @@ fn series<V: Lanes>(z: V, c: &[f64]) -> V {
     sum
 }
 
-/// `sqrt(-2 ln u)` of `u = (k + 1/2) 2^-53`.
+/// `(e, f, s)` of `u = (k + 1/2) 2^-53 = 2^e (1 + f)`: everything up to the division.
 #[inline(always)]
-fn radius<V: Lanes>(word: V::Bits) -> V {
+fn reduced<V: Lanes>(word: V::Bits) -> [V; 3] {
     let unit = V::splat(2.0_f64.powi(-53));
     // the half step rounds away from 2^52 on, up to exactly 1 at the top; there ln is 0 and so is the radius
     let u = V::from_integer(V::shift_right::<11>(word)).mul_add(unit, V::splat(2.0_f64.powi(-54)));
@@ -63,7 +64,12 @@ fn radius<V: Lanes>(word: V::Bits) -> V {
     let exponent = V::from_integer(biased) - V::splat(64.0);
     let fraction = V::and(shifted, V::splat_bits(0x000f_ffff_ffff_ffff));
     let f = V::from_bits(V::plus(fraction, V::splat_bits(SQRT_HALF_BITS))) - V::splat(1.0);
-    let s = f.div(f + V::splat(2.0));
+    [exponent, f, f.div(f + V::splat(2.0))]
+}
+
+/// `sqrt(-2 ln u)` from what [`reduced`] returns.
+#[inline(always)]
+fn radius<V: Lanes>([exponent, f, s]: [V; 3]) -> V {
     let z = s * s;
     let half_square = f * f * V::splat(0.5);
     let tail = s * z.mul_add(series(z, &LN), half_square) - half_square;
@@ -97,7 +103,7 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
     match second {
         Some(second) => {
             for i in (0..n).step_by(V::N) {
-                let r = radius::<V>(V::load_bits(&words[0][i..]));
+                let r = radius(reduced::<V>(V::load_bits(&words[0][i..])));
                 let (cos, sin) = turn::<V>(V::load_bits(&words[1][i..]));
                 (r * cos).store(&mut first[i..]);
                 (r * sin).store(&mut second[i..]);
@@ -105,7 +111,7 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
         }
         None => {
             for i in (0..n).step_by(V::N) {
-                let r = radius::<V>(V::load_bits(&words[0][i..]));
+                let r = radius(reduced::<V>(V::load_bits(&words[0][i..])));
                 (r * turn::<V>(V::load_bits(&words[1][i..])).0).store(&mut first[i..]);
             }
         }
@@ -118,6 +124,45 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
 /// When `first.len()` is no multiple of 8 or another array is shorter.
 pub fn normals(level: Level, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     dispatch!(level, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
+}
+
+#[inline(always)]
+fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
+    // step by step over all of them: each step is a short chain, and the divider works while the others wait
+    let mut parts = [[[0.0; BLOCKS]; 3]; WORDS / 2];
+    for (row, part) in parts.iter_mut().enumerate() {
+        for i in (0..BLOCKS).step_by(V::N) {
+            let all = reduced::<V>(V::load_bits(&words[2 * row][i..]));
+            for k in 0..3 {
+                all[k].store(&mut part[k][i..]);
+            }
+        }
+    }
+    for [exponent, f, s] in &mut parts {
+        for i in (0..BLOCKS).step_by(V::N) {
+            radius([V::load(&exponent[i..]), V::load(&f[i..]), V::load(&s[i..])]).store(&mut exponent[i..]);
+        }
+    }
+    let [z, x, y] = out;
+    for (row, [radius, ..]) in parts.iter().enumerate() {
+        let from = row / 2 * BLOCKS;
+        for i in (0..BLOCKS).step_by(V::N) {
+            let r = V::load(&radius[i..]);
+            let (cos, sin) = turn::<V>(V::load_bits(&words[2 * row + 1][i..]));
+            if row % 2 == 0 {
+                (r * cos).store(&mut z[from + i..]);
+                (r * sin).store(&mut x[from + i..]);
+            } else {
+                (r * cos).store(&mut y[from + i..]);
+            }
+        }
+    }
+}
+
+/// Three standard normals for each half of every block, `out[k][16 half + block]`: the first three of the four that
+/// [`normals`] makes of the half's words.
+pub fn normal_triples(level: Level, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
+    dispatch!(level, triples [](words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]));
 }
 
 /// The safe twin: the library's `ln`, `sin` and `cos`, one pair at a time.
@@ -135,7 +180,7 @@ pub fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::{chacha8, chacha8::BLOCKS, chacha8::WORDS, ulps};
+    use super::super::{chacha8, ulps};
     use super::*;
 
     fn words(count: usize, seed: u32) -> (Vec<u64>, Vec<u64>) {
@@ -176,6 +221,27 @@ mod tests {
             let mut alone = vec![0.0; n];
             normals(level, [&a, &b], &mut alone, None);
             assert_eq!(alone, p);
+        }
+    }
+
+    /// Twin of the twin: the pairs are held against the library above, the triples are theirs to the bit.
+    #[test]
+    fn triples_are_the_first_three_of_two_pairs() {
+        for level in Level::available() {
+            let mut words = [[0; BLOCKS]; WORDS];
+            chacha8(level, &[9, 0, 0, 0, 0, 0, 0, 1], 4, 11, &mut words);
+            words[2][..3].copy_from_slice(&[0, u64::MAX, 1 << 63]);
+            let mut triples = [[0.0; 2 * BLOCKS]; 3];
+            normal_triples(level, &words, &mut triples);
+            for half in 0..2 {
+                let of = |k: usize| &words[4 * half + k][..];
+                let [mut z, mut x, mut y, mut unused] = [[0.0; BLOCKS]; 4];
+                normals(level, [of(0), of(1)], &mut z, Some(&mut x));
+                normals(level, [of(2), of(3)], &mut y, Some(&mut unused));
+                for (triple, single) in triples.iter().zip([z, x, y]) {
+                    assert_eq!(triple[half * BLOCKS..][..BLOCKS], single, "{} half {half}", level.name());
+                }
+            }
         }
     }
 

@@ -8,11 +8,14 @@
 
 use super::curvature_row::RowPieces;
 use super::lanes::Lanes;
-use super::shape_maps::shape_of;
+use super::shape_maps::ShapeBatch;
 use super::{Level, dispatch};
 
 /// Grids up to this many points are worth the short way; beyond it rows are better shared among threads.
 pub const PATCH_POINTS: usize = 4096;
+
+/// Points of which S and R are under way at once: an 8 x 8 grid; larger ones go by parts.
+const BATCH: usize = 64;
 
 /// k and k (k - 1), the factors of a derivative.
 const FIRST: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -49,7 +52,10 @@ fn generic<V: Lanes, const W: usize>(
             }
         }
     }
-    for (i, (s, r)) in shape_index.chunks_exact_mut(n).zip(curvedness.chunks_exact_mut(n)).enumerate() {
+    let points = shape_index.len();
+    let mut batch = ShapeBatch::<BATCH>::new();
+    let mut from = 0;
+    for i in 0..points / n {
         let mut pieces = [[0.0; 8]; 3];
         let (mut slopes, mut second) = ([[0.0; 8]; 2], [0.0; 8]);
         for lane in (0..8).step_by(V::N) {
@@ -73,19 +79,16 @@ fn generic<V: Lanes, const W: usize>(
             let x = horner(&pieces[1], 0, W, t);
             let y = horner(&slopes[0], 1, W, t);
             let xy = horner(&slopes[1], 1, W, t);
-            let (index, curved) = shape_of([x, y, horner(&pieces[2], 0, W, t), xy, horner(&second, 2, W, t)]);
-            if j + V::N <= n {
-                index.store(&mut s[j..]);
-                curved.store(&mut r[j..]);
-            } else {
-                let mut out = [[0.0; 8]; 2];
-                index.store(&mut out[0]);
-                curved.store(&mut out[1]);
-                s[j..].copy_from_slice(&out[0][..n - j]);
-                r[j..].copy_from_slice(&out[1][..n - j]);
+            let at = i * n + j;
+            if at + V::N > from + BATCH {
+                batch.finish::<V>(&mut shape_index[from..at], &mut curvedness[from..at]);
+                from = at;
             }
+            // lanes beyond the row's end are overwritten by the next row
+            batch.put(at - from, [x, y, horner(&pieces[2], 0, W, t), xy, horner(&second, 2, W, t)]);
         }
     }
+    batch.finish::<V>(&mut shape_index[from..], &mut curvedness[from..]);
 }
 
 /// S and R, row-major, at the points of `row` for every x; `basis[d]` holds the d-th derivatives of the p + 1 basis

@@ -2,30 +2,31 @@
 //!
 //! ```text
 //! c_i += sum_k P[i][k] n_k           S_g, R_g from c at every grid point g           mean over g, replicate by replicate
+//! along y on a segment:  S_x = sum_k P_1,k t^k,  P_d,k = sum_av N_a^(d)(x) D_k[v] c[first_x + a][first_y + v]
 //! ```
 //!
 //! No lane ever meets another, so a replicate's bits do not depend on its neighbours.
 
+use super::curvature_row::RowPieces;
 use super::lanes::Lanes;
-use super::shape_maps::shape_of;
+use super::shape_maps::ShapeBatch;
 use super::{Level, dispatch};
+
+/// Numbers of which S and R are under way at once: 32 points of eight lanes.
+const BATCH: usize = 256;
 
 /// Replicates in a block.
 pub const LANES: usize = 32;
 
-/// Basis values along both axes of the shape grid, `(p + 1)` per point and derivative.
-#[derive(Clone, Debug, Default)]
+/// The points of the shape grid: basis values at every x, `(p + 1)` per point and derivative, and runs of points in y.
+#[derive(Clone, Debug)]
 pub struct GridTables {
     /// First basis function of every x.
     pub first_x: Vec<usize>,
     /// `x[d][i (p + 1) + a]`: d-th derivatives.
     pub x: [Vec<f64>; 3],
-    /// First basis function of every y.
-    pub first_y: Vec<usize>,
-    /// `y[d][j (q + 1) + b]`.
-    pub y: [Vec<f64>; 3],
-    /// Basis functions in y.
-    pub columns: usize,
+    /// The points in y with the Taylor coefficients of their segments.
+    pub y: RowPieces,
 }
 
 #[inline(always)]
@@ -47,53 +48,136 @@ pub fn add_draws(level: Level, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3]
     dispatch!(level, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
 }
 
+/// Sums over the points of a grid, lane by lane.
+#[derive(Clone, Copy)]
+struct Sums<V> {
+    shape_index: V,
+    defined: V,
+    curvedness: V,
+}
+
+impl<V: Lanes> Sums<V> {
+    /// Adds the first `count` sets of lanes of a batch.
+    #[inline(always)]
+    fn add(&mut self, batch: &mut ShapeBatch<BATCH>, count: usize) {
+        for k in 0..count {
+            self.curvedness = self.curvedness + batch.root::<V>(k * V::N);
+        }
+        let zero = V::splat(0.0);
+        for k in 0..count {
+            let s = batch.index::<V>(k * V::N);
+            // NaN compares with nothing: a flat point is left out of the mean of S
+            let defined = V::splat(-2.0).less(s);
+            self.shape_index = self.shape_index + V::select(defined, s, zero);
+            self.defined = self.defined + V::select(defined, V::splat(1.0), zero);
+        }
+    }
+}
+
+/// `powers[a][k] = sum_v D_k[v] c[first_x + a][first_y + v]` of the lanes from `l` on: powers of t instead of basis
+/// functions in y.
 #[inline(always)]
-fn means_of<V: Lanes, const P: usize, const Q: usize>(
+fn powers_of<V: Lanes, const W: usize>(
+    y: &RowPieces,
+    run: usize,
+    first_x: usize,
+    coefficients: &[[f64; LANES]],
+    l: usize,
+) -> [[V; W]; W] {
+    let mut powers = [[V::splat(0.0); W]; W];
+    for a in 0..W {
+        let line = &coefficients[(first_x + a) * y.n_basis + y.first[run]..][..W];
+        for v in 0..W {
+            let c = V::load(&line[v][l..]);
+            for k in 0..W {
+                powers[a][k] = V::splat(y.taylor[(k * W + v) * y.padded + run]).mul_add(c, powers[a][k]);
+            }
+        }
+    }
+    powers
+}
+
+/// The polynomials in t of S_x, S_y, S_xx, S_xy and S_yy along y, lowest power first.
+struct Lines<V, const W: usize>([[V; W]; 5]);
+
+impl<V: Lanes, const W: usize> Lines<V, W> {
+    #[inline(always)]
+    fn new(grid: &GridTables, i: usize, powers: &[[V; W]; W]) -> Lines<V, W> {
+        let zero = V::splat(0.0);
+        let mut along = [[zero; W]; 3];
+        for (d, line) in along.iter_mut().enumerate() {
+            let weights = &grid.x[d][i * W..][..W];
+            for a in 0..W {
+                let weight = V::splat(weights[a]);
+                for k in 0..W {
+                    line[k] = weight.mul_add(powers[a][k], line[k]);
+                }
+            }
+        }
+        let [mut y, mut xy, mut yy] = [[zero; W]; 3];
+        for k in 1..W {
+            let factor = V::splat(k as f64);
+            (y[k - 1], xy[k - 1]) = (factor * along[0][k], factor * along[1][k]);
+        }
+        for k in 1..W - 1 {
+            yy[k - 1] = V::splat(k as f64) * y[k];
+        }
+        Lines([along[1], y, along[2], xy, yy])
+    }
+
+    #[inline(always)]
+    fn at(&self, t: V) -> [V; 5] {
+        let value = |line: usize, degree: usize| {
+            let mut sum = self.0[line][degree];
+            for k in (0..degree).rev() {
+                sum = sum.mul_add(t, self.0[line][k]);
+            }
+            sum
+        };
+        [value(0, W - 1), value(1, W - 2), value(2, W - 1), value(3, W - 2), value(4, W - 3)]
+    }
+}
+
+#[inline(always)]
+fn means_of<V: Lanes, const W: usize>(
     grid: &GridTables,
     coefficients: &[[f64; LANES]],
     shape_index: &mut [f64; LANES],
     curvedness: &mut [f64; LANES],
 ) {
     let zero = V::splat(0.0);
+    let mut batch = ShapeBatch::<BATCH>::new();
     for l in (0..LANES).step_by(V::N) {
-        let (mut s_sum, mut s_count, mut r_sum) = (zero, zero, zero);
-        for (i, &first_x) in grid.first_x.iter().enumerate() {
+        let mut sums = Sums { shape_index: zero, defined: zero, curvedness: zero };
+        let (mut waiting, mut from) = (0, 0);
+        for (run, &to) in grid.y.ends.iter().enumerate() {
             let mut held = usize::MAX;
-            let mut curves = [[zero; Q]; 3];
-            for (j, &first_y) in grid.first_y.iter().enumerate() {
-                if first_y != held {
-                    held = first_y;
-                    for b in 0..Q {
-                        let mut sums = [zero; 3];
-                        for a in 0..P {
-                            let c = V::load(&coefficients[(first_x + a) * grid.columns + first_y + b][l..]);
-                            for d in 0..3 {
-                                sums[d] = V::splat(grid.x[d][i * P + a]).mul_add(c, sums[d]);
-                            }
-                        }
-                        for d in 0..3 {
-                            curves[d][b] = sums[d];
-                        }
+            let mut powers = [[zero; W]; W];
+            for (i, &first_x) in grid.first_x.iter().enumerate() {
+                if first_x != held {
+                    held = first_x;
+                    powers = powers_of::<V, W>(&grid.y, run, first_x, coefficients, l);
+                }
+                let lines = Lines::new(grid, i, &powers);
+                let mut j = from;
+                while j < to {
+                    let count = (to - j).min(BATCH / V::N - waiting);
+                    for (k, t) in grid.y.offsets[j..j + count].iter().enumerate() {
+                        batch.put((waiting + k) * V::N, lines.at(V::splat(*t)));
+                    }
+                    (j, waiting) = (j + count, waiting + count);
+                    if waiting == BATCH / V::N {
+                        sums.add(&mut batch, waiting);
+                        waiting = 0;
                     }
                 }
-                let along = |d: usize, e: usize| {
-                    let mut sum = zero;
-                    for b in 0..Q {
-                        sum = V::splat(grid.y[e][j * Q + b]).mul_add(curves[d][b], sum);
-                    }
-                    sum
-                };
-                let (s, r) = shape_of([along(1, 0), along(0, 1), along(2, 0), along(1, 1), along(0, 2)]);
-                // NaN compares with nothing: a flat point is left out of the mean of S
-                let defined = V::splat(-2.0).less(s);
-                s_sum = s_sum + V::select(defined, s, zero);
-                s_count = s_count + V::select(defined, V::splat(1.0), zero);
-                r_sum = r_sum + r;
             }
+            from = to;
         }
-        s_sum.div(s_count).store(&mut shape_index[l..]);
-        let points = (grid.first_x.len() * grid.first_y.len()) as f64;
-        r_sum.div(V::splat(points)).store(&mut curvedness[l..]);
+        sums.add(&mut batch, waiting);
+        sums.shape_index.div(sums.defined).store(&mut shape_index[l..]);
+        let points = (grid.first_x.len() * grid.y.len()) as f64;
+        sums.curvedness.div(V::splat(points)).store(&mut curvedness[l..]);
     }
 }
 
@@ -108,24 +192,124 @@ pub fn mean_shapes(
     shape_index: &mut [f64; LANES],
     curvedness: &mut [f64; LANES],
 ) -> bool {
-    macro_rules! of_degree {
-        ($($p:literal $q:literal),*) => {
-            match (degree[0] + 1, degree[1] + 1) {
-                $(($p, $q) => {
-                    #[inline(always)]
-                    fn fixed<V: Lanes>(
-                        grid: &GridTables, coefficients: &[[f64; LANES]],
-                        shape_index: &mut [f64; LANES], curvedness: &mut [f64; LANES],
-                    ) {
-                        means_of::<V, $p, $q>(grid, coefficients, shape_index, curvedness);
-                    }
-                    dispatch!(level, fixed [](grid: &GridTables, coefficients: &[[f64; LANES]],
-                        shape_index: &mut [f64; LANES], curvedness: &mut [f64; LANES]));
-                    true
-                })*
-                _ => false,
-            }
-        };
+    if degree[0] != degree[1] {
+        return false;
     }
-    of_degree!(3 3, 4 4, 5 5)
+    match degree[0] {
+        2 => on_level::<3>(level, grid, coefficients, shape_index, curvedness),
+        3 => on_level::<4>(level, grid, coefficients, shape_index, curvedness),
+        4 => on_level::<5>(level, grid, coefficients, shape_index, curvedness),
+        _ => return false,
+    }
+    true
+}
+
+fn on_level<const W: usize>(
+    level: Level,
+    grid: &GridTables,
+    coefficients: &[[f64; LANES]],
+    shape_index: &mut [f64; LANES],
+    curvedness: &mut [f64; LANES],
+) {
+    dispatch!(level, means_of [W](
+        grid: &GridTables, coefficients: &[[f64; LANES]],
+        shape_index: &mut [f64; LANES], curvedness: &mut [f64; LANES]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Twins, shape_maps_twin};
+    use super::*;
+
+    fn value(a: usize, b: usize) -> f64 {
+        ((a * 17 + b * 5) as f64 * 0.37).sin()
+    }
+
+    /// Two runs in y and two first functions in x; more points than a batch holds.
+    fn grid(width: usize) -> (GridTables, Vec<f64>) {
+        let offsets: Vec<f64> = (0..13).map(|j| -0.6 + 0.1 * j as f64).collect();
+        let taylor = [3, 4].map(|seed| (0..width * width).map(|k| value(k, seed)).collect::<Vec<f64>>());
+        let runs = [(5, 0, &taylor[0][..]), (8, 1, &taylor[1][..])];
+        let y = RowPieces::new(width - 1, width + 1, runs.into_iter(), &offsets);
+        let first_x = (0..9).map(|i| i / 5).collect();
+        let x = [0, 1, 2].map(|d| (0..9 * width).map(|k| value(k, 40 + d)).collect());
+        (GridTables { first_x, x, y }, offsets)
+    }
+
+    /// Twin: every derivative as the double sum it is, the textbook's shape operator, the mean.
+    #[test]
+    fn means_at_every_level_agree_with_the_written_sums() {
+        for width in [3, 4, 5] {
+            let (grid, offsets) = grid(width);
+            let coefficients: Vec<[f64; LANES]> =
+                (0..(width + 1) * (width + 1)).map(|k| std::array::from_fn(|l| value(k, 90 + l))).collect();
+            let mean_of = |l: usize| {
+                let mut derivatives: [Vec<f64>; 5] = Default::default();
+                for i in 0..9 {
+                    for (j, t) in offsets.iter().enumerate() {
+                        let run = usize::from(j >= 5);
+                        let at = |d: usize, e: usize| -> f64 {
+                            let mut sum = 0.0;
+                            for (a, k, v) in (0..width * width * width)
+                                .map(|n| (n / (width * width), n / width % width, n % width))
+                                .filter(|(_, k, _)| *k >= e)
+                            {
+                                let falling: f64 = (0..e).map(|m| (k - m) as f64).product();
+                                let basis = grid.x[d][i * width + a];
+                                let taylor = grid.y.taylor[(k * width + v) * grid.y.padded + run];
+                                let c = coefficients[(grid.first_x[i] + a) * (width + 1) + run + v][l];
+                                sum += basis * falling * t.powi((k - e) as i32) * taylor * c;
+                            }
+                            sum
+                        };
+                        let all = [at(1, 0), at(0, 1), at(2, 0), at(1, 1), at(0, 2)];
+                        derivatives.iter_mut().zip(all).for_each(|(column, value)| column.push(value));
+                    }
+                }
+                let (mut s, mut r) = ([0.0; 117], [0.0; 117]);
+                shape_maps_twin(derivatives.each_ref().map(|d| &d[..]), &mut s, &mut r);
+                [s.iter().sum::<f64>() / 117.0, r.iter().sum::<f64>() / 117.0]
+            };
+            for level in Level::available() {
+                let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
+                assert!(mean_shapes(level, [width - 1; 2], &grid, &coefficients, &mut s, &mut r));
+                let [mut twins_s, mut twins_r] = ["mean_shapes S", "mean_shapes R"].map(|name| Twins::new(name, level));
+                for l in 0..LANES {
+                    let [mean_s, mean_r] = mean_of(l);
+                    twins_s.compare(s[l], mean_s);
+                    twins_r.compare(r[l], mean_r);
+                }
+                twins_s.hold(64.0);
+                twins_r.hold(64.0);
+            }
+        }
+    }
+
+    #[test]
+    fn flat_points_are_left_out_of_the_mean_of_s() {
+        let (grid, _) = grid(3);
+        for level in Level::available() {
+            let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
+            assert!(mean_shapes(level, [2, 2], &grid, &[[0.0; LANES]; 16], &mut s, &mut r));
+            assert!(s.iter().all(|s| s.is_nan()) && r == [0.0; LANES], "{}", level.name());
+        }
+    }
+
+    /// Twin: the sum as it is written.
+    #[test]
+    fn draws_at_every_level_agree_with_the_written_sum() {
+        let weights: Vec<[f64; 3]> = (0..7).map(|i| std::array::from_fn(|k| value(i, k))).collect();
+        let normals: [[f64; LANES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
+        for level in Level::available() {
+            let mut coefficients = [[0.25; LANES]; 7];
+            add_draws(level, &weights, &normals, &mut coefficients);
+            let mut twins = Twins::new("add_draws", level);
+            for (c, w) in coefficients.iter().zip(&weights) {
+                for l in 0..LANES {
+                    twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * normals[k][l]).sum::<f64>());
+                }
+            }
+            twins.hold(64.0);
+        }
+    }
 }

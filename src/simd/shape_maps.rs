@@ -12,51 +12,121 @@
 //! Where both curvatures are zero S is NaN, here and nowhere above: the callers turn it into "undefined". The squares
 //! bound the range: curvatures between 1e-140 and 1e140 and slopes up to 1e25, in the patch's unit.
 
-use super::arctangent::half_plane_angle;
+use super::arctangent::{angle, reduced};
 use super::lanes::Lanes;
 use super::{Level, dispatch};
 
-/// S and R of one set of lanes from `(S_x, S_y, S_xx, S_xy, S_yy)`.
+/// Points of a batch here: 32 sets of eight lanes keep roots and divider busy; the three arrays are 6 KiB of the 32 KiB at
+/// hand. Callers with few points take less, because a batch begins with zeros.
+const BATCH: usize = 256;
+
+/// S of one radian.
+const UNIT: f64 = std::f64::consts::FRAC_2_PI;
+
+/// Points between the steps of S and R.
+///
+/// One point is a chain of 180 cycles (polynomials, root, division, arctangent) and 90 instructions, and the processor
+/// looks ahead over about a hundred that wait: points one after the other leave it idle half of the time. Step by
+/// step over many points each chain is short.
+#[repr(align(64))]
+pub(super) struct ShapeBatch<const B: usize> {
+    /// -m; its sign is that of S.
+    minus: [f64; B],
+    /// h^2, then the arctangent's quotient.
+    gap: [f64; B],
+    /// 4 v^2 w^3, then the arctangent's multiple of pi/4.
+    scale: [f64; B],
+}
+
+impl<const B: usize> ShapeBatch<B> {
+    #[inline(always)]
+    pub(super) fn new() -> ShapeBatch<B> {
+        ShapeBatch { minus: [0.0; B], gap: [0.0; B], scale: [0.0; B] }
+    }
+
+    /// First step of the lanes at `at`, from `(S_x, S_y, S_xx, S_xy, S_yy)`.
+    #[inline(always)]
+    pub(super) fn put<V: Lanes>(&mut self, at: usize, [p, q, e, f, g]: [V; 5]) {
+        let v = p.mul_add(p, V::splat(1.0));
+        let w = q.mul_add(q, v);
+        let pq = p * q;
+        let fv = f * v;
+        let u = pq.neg_mul_add(e, fv);
+        let minus_c = pq.mul_add(fv + u, g.neg_mul_add(v * v, V::splat(0.0)));
+        let minus = e.neg_mul_add(w, minus_c);
+        let d = e.mul_add(w, minus_c);
+        let four_w = w * V::splat(4.0);
+        let vw = v * w;
+        minus.store(&mut self.minus[at..]);
+        (u * u).mul_add(four_w, d * d).store(&mut self.gap[at..]);
+        (vw * vw * four_w).store(&mut self.scale[at..]);
+    }
+
+    /// Second step: roots and division. Returns R.
+    #[inline(always)]
+    pub(super) fn root<V: Lanes>(&mut self, at: usize) -> V {
+        let (minus, h_square) = (V::load(&self.minus[at..]), V::load(&self.gap[at..]));
+        let scale = V::load(&self.scale[at..]);
+        let (quotient, offset) = reduced(minus, h_square.sqrt(), UNIT);
+        quotient.store(&mut self.gap[at..]);
+        offset.store(&mut self.scale[at..]);
+        minus.mul_add(minus, h_square).sqrt_ratio(scale)
+    }
+
+    /// Third step: the arctangent. Returns S.
+    #[inline(always)]
+    pub(super) fn index<V: Lanes>(&self, at: usize) -> V {
+        let [minus, quotient, offset] =
+            [V::load(&self.minus[at..]), V::load(&self.gap[at..]), V::load(&self.scale[at..])];
+        angle(quotient, offset, minus, UNIT)
+    }
+
+    /// S and R of as many points as the arrays hold, from the first on.
+    #[inline(always)]
+    pub(super) fn finish<V: Lanes>(&mut self, shape_index: &mut [f64], curvedness: &mut [f64]) {
+        let n = shape_index.len();
+        for at in (0..n).step_by(V::N) {
+            store_within(self.root::<V>(at), &mut curvedness[at..n]);
+        }
+        for at in (0..n).step_by(V::N) {
+            store_within(self.index::<V>(at), &mut shape_index[at..n]);
+        }
+    }
+}
+
+/// As many lanes as there is room for.
 #[inline(always)]
-pub(super) fn shape_of<V: Lanes>([p, q, e, f, g]: [V; 5]) -> (V, V) {
-    let v = p.mul_add(p, V::splat(1.0));
-    let w = q.mul_add(q, v);
-    let pq = p * q;
-    let fv = f * v;
-    let u = pq.neg_mul_add(e, fv);
-    let a = e * w;
-    let c = pq.neg_mul_add(fv + u, g * (v * v));
-    let (m, d) = (a + c, a - c);
-    let twice = u + u;
-    let h_square = d.mul_add(d, twice * twice * w);
-    let square = m.mul_add(m, h_square);
-    let vw = v * w;
-    let scale = V::splat(4.0) * (vw * vw * w);
-    let shape_index = half_plane_angle(m, h_square.sqrt()) * V::splat(-std::f64::consts::FRAC_2_PI);
-    (shape_index, square.sqrt_ratio(scale))
+fn store_within<V: Lanes>(lanes: V, to: &mut [f64]) {
+    if to.len() >= V::N {
+        lanes.store(to);
+    } else {
+        let mut all = [0.0; 8];
+        lanes.store(&mut all);
+        to.copy_from_slice(&all[..to.len()]);
+    }
 }
 
 #[inline(always)]
-fn generic<V: Lanes>(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     let n = shape_index.len();
-    let whole = n - n % V::N;
-    for i in (0..whole).step_by(V::N) {
-        let (s, r) = shape_of(derivatives.map(|d| V::load(&d[i..])));
-        s.store(&mut shape_index[i..]);
-        r.store(&mut curvedness[i..]);
-    }
-    if whole < n {
-        // the rest is padded to full width, so that a point's bits do not depend on where it stands
-        let mut padded = [[0.0; 8]; 5];
-        for (row, d) in padded.iter_mut().zip(derivatives) {
-            row[..n - whole].copy_from_slice(&d[whole..n]);
+    let mut batch = ShapeBatch::<BATCH>::new();
+    for from in (0..n).step_by(BATCH) {
+        let to = n.min(from + BATCH);
+        let whole = to - (to - from) % V::N;
+        for i in (from..whole).step_by(V::N) {
+            let all = [V::load(&p[i..]), V::load(&q[i..]), V::load(&e[i..]), V::load(&f[i..]), V::load(&g[i..])];
+            batch.put(i - from, all);
         }
-        let (s, r) = shape_of(padded.each_ref().map(|d| V::load(d)));
-        let mut out = [0.0; 8];
-        s.store(&mut out);
-        shape_index[whole..].copy_from_slice(&out[..n - whole]);
-        r.store(&mut out);
-        curvedness[whole..].copy_from_slice(&out[..n - whole]);
+        if whole < to {
+            // the rest is padded to full width, so that a point's bits do not depend on where it stands
+            let mut padded = [[0.0; 8]; 5];
+            for (row, d) in padded.iter_mut().zip([p, q, e, f, g]) {
+                row[..to - whole].copy_from_slice(&d[whole..to]);
+            }
+            let [p, q, e, f, g] = &padded;
+            batch.put(whole - from, [V::load(p), V::load(q), V::load(e), V::load(f), V::load(g)]);
+        }
+        batch.finish::<V>(&mut shape_index[from..to], &mut curvedness[from..to]);
     }
 }
 

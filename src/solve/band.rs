@@ -11,17 +11,21 @@
 //! threads take one each, and the bits do not depend on how many there are.
 
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::simd::{BlockShape, GRAIN, Level, backward_block, factor_block, forward_block, update_block};
+use crate::simd::{BlockShape, GRAIN, Level, PADDING, backward_block, factor_block, forward_block, update_block};
 
-/// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs, narrow enough that
-/// the triangle on the diagonal, which runs at half speed, is an eighth of the work at the usual half-widths.
+/// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs. 72 is no faster, and
+/// the zeros that a block keeps beside its columns grow with it: at 17,161 unknowns one end would pass the 32 MB from
+/// which an allocator asks the system each time, and page faults would take an eighth of a fit.
 const WIDTH: usize = 48;
+/// Bytes.
+const CACHE_LINE: usize = 64;
 
 /// One end of the band, or the middle.
 #[derive(Debug, Default)]
 struct Part {
-    /// Block columns, one after the other.
-    blocks: Vec<f64>,
+    /// Block columns, one after the other, from a cache line's beginning on.
+    memory: Vec<f64>,
+    start: usize,
     /// How many there will be.
     count: usize,
     vector: Vec<f64>,
@@ -57,9 +61,10 @@ impl BandCholesky {
         // below four half-widths the middle would be most of the matrix
         let end = if order >= 4 * band { (order - band) / 2 / WIDTH * WIDTH } else { 0 };
         let middle = order - 2 * end;
-        let end_block = BlockShape { width: WIDTH, height: (WIDTH + band).next_multiple_of(GRAIN) };
-        let height = if end == 0 { end_block.height } else { middle.next_multiple_of(WIDTH) };
-        let middle_block = BlockShape { width: WIDTH, height };
+        let end_block = BlockShape { width: WIDTH, height: (WIDTH + band).next_multiple_of(GRAIN), reach: band };
+        // what both ends leave of the middle is full
+        let full = middle.next_multiple_of(WIDTH);
+        let middle_block = if end == 0 { end_block } else { BlockShape { height: full, reach: full, ..end_block } };
         let mut made = BandCholesky {
             end,
             middle,
@@ -73,19 +78,18 @@ impl BandCholesky {
         if end > 0 {
             for part in [&mut made.left, &mut made.right] {
                 // filled block by block as the elimination gets there: one pass over the memory less
-                part.count = end / WIDTH + middle_blocks;
-                part.blocks = Vec::with_capacity(part.count * end_block.len());
+                part.reserve(end / WIDTH + middle_blocks, end_block);
                 part.vector = vec![0.0; order + end_block.height];
             }
         }
-        made.centre.blocks = vec![0.0; middle_blocks * middle_block.len()];
+        made.centre.reserve(middle_blocks, middle_block);
         made.centre.vector = vec![0.0; middle_blocks * WIDTH + middle_block.height];
         made
     }
 
     /// Numbers stored.
     pub fn entries(&self) -> usize {
-        2 * self.left.count * self.end_block.len() + self.centre.blocks.len()
+        2 * self.left.count * self.end_block.len() + self.centre.count * self.middle_block.len()
     }
 
     /// Factors `D A D` and solves for `v` on the way: `v <- (D A D)^-1 v`. Returns the smallest squared pivot.
@@ -137,49 +141,50 @@ impl BandCholesky {
         let numbering = Numbering { matrix, scale, reversed: false };
         self.centre.vector.fill(0.0);
         self.centre.vector[..middle].copy_from_slice(&v[end..end + middle]);
-        for (b, columns) in self.centre.blocks.chunks_exact_mut(block.len()).enumerate() {
-            columns.fill(0.0);
-            for (c, column) in columns.chunks_exact_mut(block.stride()).enumerate() {
+        self.centre.memory.clear();
+        for b in 0..self.centre.count {
+            self.centre.memory.resize(self.centre.start + (b + 1) * block.len(), 0.0);
+            let columns = self.centre.block_mut(b, block);
+            for c in 0..WIDTH {
                 let unknown = b * WIDTH + c;
                 if unknown >= middle {
                     // the last block is filled up with the identity
-                    column[c] = 1.0;
+                    columns[block.place(c, c)] = 1.0;
                     continue;
                 }
                 let below = middle - b * WIDTH;
                 numbering.column(end + unknown, |offset, value| {
                     if c + offset < below {
-                        column[c + offset] = value;
+                        columns[block.place(c + offset, c)] = value;
                     }
                 });
             }
         }
-        if end == 0 {
-            return;
+        if end > 0 {
+            self.take_from_ends();
         }
+    }
+
+    /// Adds to the middle what both ends left in their last blocks: the left end in the same order, the right reversed.
+    fn take_from_ends(&mut self) {
+        let (end, middle, block, ends) = (self.end, self.middle, self.middle_block, self.end_block);
         for k in 0..middle {
             self.centre.vector[k] += self.left.vector[end + k] + self.right.vector[end + middle - 1 - k];
         }
-        let ends = self.end_block;
-        let start = end / WIDTH * ends.len();
-        for j in 0..middle {
-            let (b, c) = (j / WIDTH, j % WIDTH);
-            let target = &mut self.centre.blocks[b * block.len() + c * block.stride()..][..block.height];
-            let from_left = &self.left.blocks[start + b * ends.len() + c * ends.stride()..][..ends.height];
-            let rows = (middle - b * WIDTH).min(ends.height);
-            for (t, l) in target[c..rows].iter_mut().zip(&from_left[c..rows]) {
-                *t += l;
-            }
+        for b in 0..self.centre.count {
+            // one width, so one place for an entry in blocks of both heights; past the middle both hold zeros
+            let from_left = self.left.block(end / WIDTH + b, ends);
+            self.centre.block_mut(b, block).iter_mut().zip(from_left).for_each(|(t, l)| *t += l);
         }
         for j in 0..middle {
             // column j of the reversed middle is row `middle - 1 - j` of the middle
             let (b, c) = (j / WIDTH, j % WIDTH);
-            let from_right = &self.right.blocks[start + b * ends.len() + c * ends.stride()..][..ends.height];
+            let from_right = self.right.block(end / WIDTH + b, ends);
             let row = middle - 1 - j;
-            for (r, value) in from_right[c..(middle - b * WIDTH).min(ends.height)].iter().enumerate() {
-                let column = row - r;
-                let (cb, cc) = (column / WIDTH, column % WIDTH);
-                self.centre.blocks[cb * block.len() + cc * block.stride() + row - cb * WIDTH] += value;
+            for r in c..(middle - b * WIDTH).min(c + ends.reach + 1) {
+                let column = row + c - r;
+                let target = self.centre.block_mut(column / WIDTH, block);
+                target[block.place(row - column / WIDTH * WIDTH, column % WIDTH)] += from_right[ends.place(r, c)];
             }
         }
     }
@@ -188,22 +193,24 @@ impl BandCholesky {
         let block = self.middle_block;
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;
-        for b in 0..self.centre.blocks.len() / block.len() {
-            let (done, rest) = self.centre.blocks.split_at_mut(b * block.len());
+        for b in 0..self.centre.count {
+            let Part { memory, start, vector, .. } = &mut self.centre;
+            let (done, rest) = memory[*start..].split_at_mut(b * block.len());
             let target = &mut rest[..block.len()];
             update_block(level, block, &done[b.saturating_sub(reach) * block.len()..], 0, target);
             let pivot = factor_block(level, block, target).map_err(|c| self.end + b * WIDTH + c)?;
             smallest = smallest.min(pivot);
-            forward_block(level, block, target, &mut self.centre.vector[b * WIDTH..b * WIDTH + block.height]);
+            forward_block(level, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
         }
         Ok(smallest)
     }
 
     fn substitute_back(&mut self, level: Level, v: &mut [f64]) {
         let (end, middle, block) = (self.end, self.middle, self.middle_block);
-        for b in (0..self.centre.blocks.len() / block.len()).rev() {
-            let columns = &self.centre.blocks[b * block.len()..(b + 1) * block.len()];
-            backward_block(level, block, columns, &mut self.centre.vector[b * WIDTH..b * WIDTH + block.height]);
+        for b in (0..self.centre.count).rev() {
+            let Part { memory, start, vector, .. } = &mut self.centre;
+            let columns = &memory[*start + b * block.len()..][..block.len()];
+            backward_block(level, block, columns, &mut vector[b * WIDTH..b * WIDTH + block.height]);
         }
         v[end..end + middle].copy_from_slice(&self.centre.vector[..middle]);
         if end == 0 {
@@ -242,13 +249,11 @@ impl BandCholesky {
             }
         }
         let block = self.middle_block;
-        let count = self.centre.blocks.len() / block.len();
-        let columns = |b: usize| &self.centre.blocks[b * block.len()..(b + 1) * block.len()];
-        for b in 0..count {
-            forward_block(level, block, columns(b), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+        for b in 0..self.centre.count {
+            forward_block(level, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
         }
-        for b in (0..count).rev() {
-            backward_block(level, block, columns(b), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+        for b in (0..self.centre.count).rev() {
+            backward_block(level, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
         }
         v[end..end + middle].copy_from_slice(&centre[..middle]);
         if end > 0 {
@@ -267,18 +272,34 @@ impl BandCholesky {
 }
 
 impl Part {
+    /// Memory for `count` blocks, none of them touched.
+    fn reserve(&mut self, count: usize, shape: BlockShape) {
+        self.count = count;
+        self.memory = Vec::with_capacity(count * shape.len() + PADDING);
+        self.start = self.memory.as_ptr().align_offset(CACHE_LINE).min(PADDING);
+    }
+
+    fn block(&self, b: usize, shape: BlockShape) -> &[f64] {
+        &self.memory[self.start + b * shape.len()..][..shape.len()]
+    }
+
+    fn block_mut(&mut self, b: usize, shape: BlockShape) -> &mut [f64] {
+        &mut self.memory[self.start + b * shape.len()..][..shape.len()]
+    }
+
     /// Factors the columns below `end` and leaves in those after it what is taken from the middle.
     fn eliminate(&mut self, level: Level, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;
-        self.blocks.clear();
+        self.memory.clear();
         for b in 0..self.count {
-            self.blocks.resize((b + 1) * block.len(), 0.0);
-            let (done, target) = self.blocks.split_at_mut(b * block.len());
+            let vector = &mut self.vector;
+            self.memory.resize(self.start + (b + 1) * block.len(), 0.0);
+            let (done, target) = self.memory[self.start..].split_at_mut(b * block.len());
             let eliminated = b < end / WIDTH;
             if eliminated {
-                for (c, column) in target.chunks_exact_mut(block.stride()).enumerate() {
-                    a.column(b * WIDTH + c, |offset, value| column[c + offset] = value);
+                for c in 0..WIDTH {
+                    a.column(b * WIDTH + c, |offset, value| target[block.place(c + offset, c)] = value);
                 }
             }
             let sources = b.saturating_sub(reach)..b.min(end / WIDTH);
@@ -289,7 +310,7 @@ impl Part {
             update_block(level, block, near, b - sources.end, target);
             if eliminated {
                 smallest = smallest.min(factor_block(level, block, target).map_err(|c| b * WIDTH + c)?);
-                forward_block(level, block, target, &mut self.vector[b * WIDTH..b * WIDTH + block.height]);
+                forward_block(level, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
             }
         }
         Ok(smallest)
@@ -298,16 +319,14 @@ impl Part {
     /// `v <- L^-1 v` down to the middle.
     fn forth(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in 0..end / WIDTH {
-            let columns = &self.blocks[b * block.len()..(b + 1) * block.len()];
-            forward_block(level, block, columns, &mut v[b * WIDTH..b * WIDTH + block.height]);
+            forward_block(level, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
         }
     }
 
     /// `v <- L'^-1 v` up from the middle.
     fn back(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in (0..end / WIDTH).rev() {
-            let columns = &self.blocks[b * block.len()..(b + 1) * block.len()];
-            backward_block(level, block, columns, &mut v[b * WIDTH..b * WIDTH + block.height]);
+            backward_block(level, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
         }
     }
 }

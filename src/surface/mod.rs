@@ -10,3 +10,4 @@ mod rows;
 pub use height_field::{HeightField, SurfaceError, SurfacePoint};
 pub use parametric::{Parametric, SpacePoint};
 pub use rows::CurvatureGrid;
+pub(crate) use rows::pieces_of;

@@ -131,7 +131,7 @@ impl CurvatureGrid {
 }
 
 /// Runs of points on one segment, each with the segment's Taylor coefficients at its centre.
-fn pieces_of(knots: &Knots, points: &[f64]) -> RowPieces {
+pub(crate) fn pieces_of(knots: &Knots, points: &[f64]) -> RowPieces {
     let width = knots.degree() + 1;
     let segments: Vec<usize> = points.iter().map(|y| knots.segment_of(*y)).collect();
     let centre = |s: usize| 0.5 * (knots.segment(s)[0] + knots.segment(s)[1]);

@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use crate::bspline::Knots;
 
-/// Contacts sorted at once: 1.3 MB of records.
-const CHUNK: usize = 1 << 15;
+/// Contacts sorted at once: 0.65 MB of records, which stay in a second-level cache of 1 MB from zeroing to filling.
+const CHUNK: usize = 1 << 14;
 
 /// Records by stripe, reusable. A record begins with x and y.
 #[derive(Debug, Default)]

@@ -7,6 +7,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
 use super::Lanes;
+use super::words::{Words, quartered};
 
 /// One 256-bit register.
 #[derive(Clone, Copy)]
@@ -40,6 +41,7 @@ impl Lanes for Avx2 {
     const N: usize = 4;
     type Mask = __m256d;
     type Bits = __m256i;
+    type Words = Avx2Words;
 
     #[inline(always)]
     fn splat(value: f64) -> Avx2 {
@@ -66,10 +68,6 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn div(self, by: Avx2) -> Avx2 {
         Avx2(unsafe { _mm256_div_pd(self.0, by.0) })
-    }
-    #[inline(always)]
-    fn min(self, other: Avx2) -> Avx2 {
-        Avx2(unsafe { _mm256_min_pd(self.0, other.0) })
     }
     #[inline(always)]
     fn max(self, other: Avx2) -> Avx2 {
@@ -147,6 +145,53 @@ impl Lanes for Avx2 {
             let low = _mm256_blend_epi32::<0b1010_1010>(a, _mm256_set1_epi64x(0x4330_0000_0000_0000));
             let offset = _mm256_set1_pd(19_342_813_118_337_666_422_669_312.0); // 2^84 + 2^52
             Avx2(_mm256_add_pd(_mm256_sub_pd(_mm256_castsi256_pd(high), offset), _mm256_castsi256_pd(low)))
+        }
+    }
+}
+
+/// Eight words in one 256-bit register.
+#[derive(Clone, Copy)]
+pub(in crate::simd) struct Avx2Words(__m256i);
+
+const ORDER: [u32; 8] = quartered();
+
+impl Words for Avx2Words {
+    const N: usize = 8;
+
+    #[inline(always)]
+    fn splat(value: u32) -> Avx2Words {
+        Avx2Words(unsafe { _mm256_set1_epi32(value.cast_signed()) })
+    }
+    #[inline(always)]
+    fn load(from: &[u32]) -> Avx2Words {
+        let from = &from[..8];
+        Avx2Words(unsafe { _mm256_loadu_si256(from.as_ptr().cast()) })
+    }
+    #[inline(always)]
+    fn plus(self, other: Avx2Words) -> Avx2Words {
+        Avx2Words(unsafe { _mm256_add_epi32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn xor(self, other: Avx2Words) -> Avx2Words {
+        Avx2Words(unsafe { _mm256_xor_si256(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn rotate_left<const BY: i32, const BACK: i32>(self) -> Avx2Words {
+        unsafe {
+            let (left, right) = (_mm256_slli_epi32::<BY>(self.0), _mm256_srli_epi32::<BACK>(self.0));
+            Avx2Words(_mm256_or_si256(left, right))
+        }
+    }
+    #[inline(always)]
+    fn order() -> &'static [u32] {
+        &ORDER
+    }
+    #[inline(always)]
+    fn store_pairs(low: Avx2Words, high: Avx2Words, to: &mut [u64]) {
+        let (first, second) = to[..8].split_at_mut(4);
+        unsafe {
+            _mm256_storeu_si256(first.as_mut_ptr().cast(), _mm256_unpacklo_epi32(low.0, high.0));
+            _mm256_storeu_si256(second.as_mut_ptr().cast(), _mm256_unpackhi_epi32(low.0, high.0));
         }
     }
 }

@@ -7,6 +7,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
 use super::Lanes;
+use super::words::{Words, quartered};
 
 /// One 512-bit register.
 #[derive(Clone, Copy)]
@@ -52,6 +53,7 @@ impl Lanes for Avx512 {
     const N: usize = 8;
     type Mask = __mmask8;
     type Bits = __m512i;
+    type Words = Avx512Words;
 
     #[inline(always)]
     fn splat(value: f64) -> Avx512 {
@@ -78,10 +80,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn div(self, by: Avx512) -> Avx512 {
         Avx512(unsafe { _mm512_div_pd(self.0, by.0) })
-    }
-    #[inline(always)]
-    fn min(self, other: Avx512) -> Avx512 {
-        Avx512(unsafe { _mm512_min_pd(self.0, other.0) })
     }
     #[inline(always)]
     fn max(self, other: Avx512) -> Avx512 {
@@ -168,5 +166,49 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn from_integer(a: __m512i) -> Avx512 {
         Avx512(unsafe { _mm512_cvtepu64_pd(a) })
+    }
+}
+
+/// Sixteen words in one 512-bit register.
+#[derive(Clone, Copy)]
+pub(in crate::simd) struct Avx512Words(__m512i);
+
+const ORDER: [u32; 16] = quartered();
+
+impl Words for Avx512Words {
+    const N: usize = 16;
+
+    #[inline(always)]
+    fn splat(value: u32) -> Avx512Words {
+        Avx512Words(unsafe { _mm512_set1_epi32(value.cast_signed()) })
+    }
+    #[inline(always)]
+    fn load(from: &[u32]) -> Avx512Words {
+        let from = &from[..16];
+        Avx512Words(unsafe { _mm512_loadu_si512(from.as_ptr().cast()) })
+    }
+    #[inline(always)]
+    fn plus(self, other: Avx512Words) -> Avx512Words {
+        Avx512Words(unsafe { _mm512_add_epi32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn xor(self, other: Avx512Words) -> Avx512Words {
+        Avx512Words(unsafe { _mm512_xor_si512(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn rotate_left<const BY: i32, const BACK: i32>(self) -> Avx512Words {
+        Avx512Words(unsafe { _mm512_rol_epi32::<BY>(self.0) })
+    }
+    #[inline(always)]
+    fn order() -> &'static [u32] {
+        &ORDER
+    }
+    #[inline(always)]
+    fn store_pairs(low: Avx512Words, high: Avx512Words, to: &mut [u64]) {
+        let (first, second) = to[..16].split_at_mut(8);
+        unsafe {
+            _mm512_storeu_si512(first.as_mut_ptr().cast(), _mm512_unpacklo_epi32(low.0, high.0));
+            _mm512_storeu_si512(second.as_mut_ptr().cast(), _mm512_unpackhi_epi32(low.0, high.0));
+        }
     }
 }

@@ -9,8 +9,10 @@ pub(super) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(super) mod avx512;
 mod portable;
+mod words;
 
 pub(super) use portable::Portable;
+pub(super) use words::Words;
 
 use std::ops::{Add, Mul, Sub};
 
@@ -25,6 +27,8 @@ pub(super) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Out
     type Mask: Copy;
     /// The lanes' bit patterns.
     type Bits: Copy;
+    /// A register of 32-bit words of the same set.
+    type Words: Words;
 
     fn splat(value: f64) -> Self;
     /// The first `N` numbers of `from`; panics when there are fewer.
@@ -36,7 +40,6 @@ pub(super) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Out
     /// `c - self * b`, fused where the set can.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
     fn div(self, by: Self) -> Self;
-    fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     fn abs(self) -> Self;
     /// `sqrt(self)` to one unit in the last place; 0 at 0.

@@ -4,6 +4,7 @@ use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
 use super::Lanes;
+use super::words::PortableWords;
 
 /// Four numbers; compilers make two SSE2 or NEON registers of them.
 #[derive(Clone, Copy)]
@@ -44,6 +45,7 @@ impl Lanes for Portable {
     const N: usize = 4;
     type Mask = [bool; 4];
     type Bits = [u64; 4];
+    type Words = PortableWords;
 
     #[inline(always)]
     fn splat(value: f64) -> Portable {
@@ -69,10 +71,6 @@ impl Lanes for Portable {
     #[inline(always)]
     fn div(self, by: Portable) -> Portable {
         self.zip(by, |a, b| a / b)
-    }
-    #[inline(always)]
-    fn min(self, other: Portable) -> Portable {
-        self.zip(other, |a, b| if a < b { a } else { b })
     }
     #[inline(always)]
     fn max(self, other: Portable) -> Portable {
