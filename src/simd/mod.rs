@@ -15,6 +15,7 @@
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
+//! | [`multiply_add_peak`] | `a x + b` and nothing else: what benches hold the others against |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
 //!
 //! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction
@@ -36,6 +37,7 @@ mod level;
 mod moments;
 mod normals;
 mod patch_maps;
+mod peak;
 mod replicate_lanes;
 mod shape_gradients;
 mod shape_maps;
@@ -54,6 +56,7 @@ pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normal_triples, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
+pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, POINTS, ShapeGradients, shape_gradients};
 pub use shape_maps::{shape_maps, shape_maps_twin};
