@@ -23,6 +23,6 @@ pub use double_double::DoubleDouble;
 pub use site_blocks::{SiteBlock, SiteBlocks};
 pub use sites::{
     Metric, RowMetric, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
-    site_magnitudes, site_rows,
+    site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

@@ -9,7 +9,7 @@
 use super::sites::{Metric, Site, Sites};
 use crate::simd::{CellSites, SITES, SiteLanes};
 
-/// Up to this many sites the blocks of the first visit are kept for the next (1.5 MB at degree 3); turning rows into
+/// Up to this many sites the blocks of the first visit are kept for the next (0.7 MB at degree 3); turning rows into
 /// lanes takes longer than the arithmetic on them, but more than that no cache holds.
 const KEPT: usize = 1 << 12;
 

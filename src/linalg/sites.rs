@@ -150,30 +150,6 @@ pub fn residuals(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f6
     });
 }
 
-/// `|E| |c|` of one site: what a componentwise backward error of its rows is measured against.
-#[inline]
-pub fn site_magnitudes(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
-    site.unrolled(|site| site_magnitudes_of(site, metric, c, columns))
-}
-
-#[inline(always)]
-fn site_magnitudes_of(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
-    let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
-    for a in 0..site.x.len() {
-        let start = (site.first[0] + a) * columns + site.first[1];
-        let row = &c[start..start + site.y.len()];
-        let (mut along, mut slope) = (0.0, 0.0);
-        for (b, value) in row.iter().enumerate() {
-            along += (value * site.y[b]).abs();
-            slope += (value * site.dy[b]).abs();
-        }
-        s += site.x[a].abs() * along;
-        sx += site.dx[a].abs() * along;
-        sy += site.x[a].abs() * slope;
-    }
-    [metric.z.abs() * s, metric.a.abs() * sx + metric.b.abs() * sy, metric.d.abs() * sy]
-}
-
 /// `out = E' r` for weighted rows `r`.
 pub fn normal_rhs(sites: &impl Sites, metric: &Metric, rows: &Targets, out: &mut [f64]) {
     let columns = sites.shape().basis[1];

@@ -91,7 +91,8 @@ macro_rules! dispatch {
 use dispatch;
 
 /// Calls `kernel::<_, P, Q>` with literal widths for cells of 3 x 3, 4 x 4 and 5 x 5 coefficients, with zeros, which
-/// stand for "as long as the slices are", for all others. Loops of known length take half the time.
+/// stand for "as long as the slices are", for all others. Loops of known length are unrolled, and their
+/// bounds are not checked.
 macro_rules! by_width {
     ($level:expr, $widths:expr, $kernel:ident($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {
         match $widths {

@@ -41,7 +41,7 @@ pub struct ColumnSums {
 }
 
 impl<'a> CellSites<'a> {
-    /// The same with lengths that the compiler knows where P and Q are not 0, which halves the time.
+    /// The same with lengths that the compiler knows where P and Q are not 0.
     #[inline(always)]
     fn cut<const P: usize, const Q: usize>(&self) -> CellSites<'a> {
         if P * Q == 0 {
