@@ -9,7 +9,7 @@
 //! `|E_i|_1 max|c|` (M. Arioli, J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), for there the plain
 //! ratio compares rounding with rounding.
 
-use super::row_passes::{RowPasses, Sums};
+use super::row_passes::{ColumnTotals, RowPasses};
 use super::{Fit, Solution};
 use crate::simd::{RowSums, SITES, add_lanes};
 
@@ -27,12 +27,10 @@ pub struct Backward {
     pub error: f64,
     /// `| |E||c| + |r| + |b| |_2`, by which a relative change of the rows moves them.
     pub rows: f64,
-    /// `|E|'|r|`, by which it moves the normal equations.
-    pub columns: Vec<f64>,
     /// `|r|_2`.
     pub residual: f64,
-    /// Squared norms of E's columns.
-    pub norms: Vec<f64>,
+    /// `|E|'|r|`, by which it moves the normal equations, and the squared norms of E's columns.
+    pub columns: Vec<ColumnTotals>,
 }
 
 /// The backward error of a fit with this condition: two visits of the rows, three where r is corrected twice.
@@ -46,35 +44,47 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
         bent
     });
     let mut passes = RowPasses::new(equations, c);
-    let rows = orthogonal(&mut passes, solution, penalty.as_deref(), condition);
+    let mut descent = Vec::with_capacity(c.len());
+    let rows = orthogonal(&mut passes, solution, penalty.as_deref(), condition, &mut descent);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
-    let of_columns = orthogonality(solution, &passes.sums, penalty.as_deref());
+    let of_columns = orthogonality(solution, &passes.sums, penalty.as_deref(), &mut descent);
     let of_rows = if worst <= SUSPICIOUS { worst } else { row_error(&mut passes, c) };
     let error = of_rows.max(of_columns);
     Backward {
         error,
         rows: add_lanes(&rows.sizes).sqrt(),
-        columns: passes.sums.sizes,
         residual: add_lanes(&rows.residual).sqrt(),
-        norms: passes.sums.norms,
+        columns: passes.sums,
     }
 }
 
 /// Takes the part in the span of E off the residual, and sums up what is left.
-fn orthogonal(passes: &mut RowPasses, solution: &Solution, penalty: Option<&[f64]>, condition: f64) -> RowSums {
+fn orthogonal(
+    passes: &mut RowPasses,
+    solution: &Solution,
+    penalty: Option<&[f64]>,
+    condition: f64,
+    descent: &mut Vec<f64>,
+) -> RowSums {
     let mut rows = RowSums::default();
     let last = if condition > CORRECT_TWICE { 1 } else { 0 };
     for turn in 0..=last {
-        let mut descent = passes.sums.products.clone();
-        if let Some(bent) = penalty {
-            descent.iter_mut().zip(bent).for_each(|(d, b)| *d -= b);
-        }
-        solution.clear_free(&mut descent);
-        solution.factor.solve(&mut descent);
-        solution.clear_free(&mut descent);
-        passes.again(&descent, (turn == last).then_some(&mut rows));
+        products(solution, &passes.sums, penalty, descent);
+        solution.factor.solve(descent);
+        solution.clear_free(descent);
+        passes.again(descent, (turn == last).then_some(&mut rows));
     }
     rows
+}
+
+/// `E'r - lambda P c` over the determined columns, 0 in the others.
+fn products(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>, out: &mut Vec<f64>) {
+    out.clear();
+    out.extend(sums.iter().map(|sum| sum.product));
+    if let Some(bent) = penalty {
+        out.iter_mut().zip(bent).for_each(|(p, b)| *p -= b);
+    }
+    solution.clear_free(out);
 }
 
 /// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i` with the rows' norms where those sizes are next to nothing.
@@ -94,13 +104,9 @@ fn row_error(passes: &mut RowPasses, c: &[f64]) -> f64 {
 }
 
 /// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
-fn orthogonality(solution: &Solution, sums: &Sums, penalty: Option<&[f64]>) -> f64 {
-    let mut products = sums.products.clone();
-    if let Some(bent) = penalty {
-        products.iter_mut().zip(bent).for_each(|(p, b)| *p -= b);
-    }
-    solution.clear_free(&mut products);
-    let size = |u: usize| sums.sizes[u] + penalty.map_or(0.0, |bent| bent[u].abs());
-    let ratios = products.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
+fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>, descent: &mut Vec<f64>) -> f64 {
+    products(solution, sums, penalty, descent);
+    let size = |u: usize| sums[u].size + penalty.map_or(0.0, |bent| bent[u].abs());
+    let ratios = descent.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
     ratios.fold(0.0, f64::max)
 }

@@ -26,31 +26,31 @@ const INVERTED: usize = 100;
 const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// What bounds a linear functional of the coefficients.
-pub struct Bound<'a> {
+pub struct Bound {
     /// D over its largest entry; zero for unsupported coefficients.
     pub inverse: Vec<f64>,
     /// The bound on `|D^-1 dc|` times D's largest entry.
     pub moved: f64,
-    directed: Option<Directed<'a>>,
+    directed: Option<Directed>,
 }
 
 /// The bound in the direction asked about.
-struct Directed<'a> {
-    /// A^-1, row by row.
+struct Directed {
+    /// A^-1, row by row, and `|E|'|r|` after it.
     inverse: Vec<f64>,
+    order: usize,
     rows: f64,
-    columns: &'a [f64],
     backward: f64,
     settled: f64,
 }
 
-impl<'a> Bound<'a> {
+impl Bound {
     /// `None` when no coefficient is held by data.
-    pub fn new(fit: &Fit, condition: f64, backward: &'a Backward) -> Option<Bound<'a>> {
+    pub fn new(fit: &Fit, condition: f64, backward: &Backward) -> Option<Bound> {
         let solution = &fit.fitted.solution;
         let c = &solution.coefficients;
-        let mut inverse = backward.norms.clone();
-        inverse.iter_mut().for_each(|n| *n = if *n > 0.0 { 1.0 / n.sqrt() } else { 0.0 });
+        let inverse = |norm: f64| if norm > 0.0 { 1.0 / norm.sqrt() } else { 0.0 };
+        let mut inverse: Vec<f64> = backward.columns.iter().map(|column| inverse(column.norm)).collect();
         solution.unsupported.iter().for_each(|&u| inverse[u] = 0.0);
         let largest = inverse.iter().fold(0.0_f64, |m, d| m.max(*d));
         if largest == 0.0 {
@@ -70,9 +70,9 @@ impl<'a> Bound<'a> {
     }
 }
 
-impl<'a> Directed<'a> {
+impl Directed {
     /// `None` where A^-1 is dear, not to be trusted, or not the inverse of E'E.
-    fn new(fit: &Fit, condition: f64, backward: &'a Backward, settled: f64) -> Option<Directed<'a>> {
+    fn new(fit: &Fit, condition: f64, backward: &Backward, settled: f64) -> Option<Directed> {
         let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
         let order = equations.unknowns();
         let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
@@ -80,29 +80,34 @@ impl<'a> Directed<'a> {
         if order > INVERTED || !whole || solution.rank < order || condition > invertible {
             return None;
         }
-        let inverse = solution.factor.inverse(order);
+        let mut inverse = vec![0.0; order * order + order];
+        let (matrix, sizes) = inverse.split_at_mut(order * order);
+        solution.factor.write_inverse(matrix);
+        sizes.iter_mut().zip(&backward.columns).for_each(|(size, column)| *size = column.size);
         let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let error = backward.error.max(PLACING);
         let second_order = 1.0 - ESTIMATOR * error * condition;
         (second_order > 0.5).then_some(Directed {
             inverse,
+            order,
             rows: backward.rows,
-            columns: &backward.columns,
             backward: error / second_order,
             settled: settled * largest,
         })
     }
+
+    /// A^-1, and `|E|'|r|`.
+    fn parts(&self) -> (&[f64], &[f64]) {
+        self.inverse.split_at(self.order * self.order)
+    }
 }
 
-impl Bound<'_> {
+impl Bound {
     /// What the kernel needs of it.
     pub fn terms(&self) -> BoundTerms<'_> {
-        let directed = self.directed.as_ref().map(|d| DirectedTerms {
-            matrix: &d.inverse,
-            weights: d.columns,
-            rows: d.rows,
-            backward: d.backward,
-            settled: d.settled,
+        let directed = self.directed.as_ref().map(|d| {
+            let (matrix, weights) = d.parts();
+            DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.settled }
         });
         BoundTerms { scales: &self.inverse, moved: self.moved, directed }
     }
@@ -111,9 +116,9 @@ impl Bound<'_> {
     pub fn of_coefficients(&self) -> f64 {
         let plain = self.inverse.iter().map(|d| self.moved * d);
         let Some(directed) = &self.directed else { return plain.fold(0.0, maximum) };
-        let rows = directed.inverse.chunks_exact(directed.columns.len());
-        let along = rows.enumerate().map(|(u, row)| {
-            let weighted: f64 = row.iter().zip(directed.columns).map(|(a, t)| a.abs() * t).sum();
+        let (matrix, sizes) = directed.parts();
+        let along = matrix.chunks_exact(directed.order).enumerate().map(|(u, row)| {
+            let weighted: f64 = row.iter().zip(sizes).map(|(a, t)| a.abs() * t).sum();
             directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.settled
         });
         plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)

@@ -10,17 +10,16 @@
 use super::Fit;
 use super::backward::Backward;
 use super::bounds::{Bound, PLACING, maximum};
-use crate::bspline::BasisRow;
+use crate::bspline::{BasisRow, MAX_DEGREE};
 use crate::simd::{
-    BoundTerms, CellGradients, CellPoints, Level, POINTS, ShapeGradients, functional_bounds, shape_gradients,
+    BoundTerms, CellGradients, CellPoints, CurveLanes, Level, ORDERS, OfKinds, POINTS, PointLanes, PointShapes,
+    cell_curves, functional_bounds, shape_gradients,
 };
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = PLACING;
 /// Derivatives are sums over the tensor basis; each term is rounded about this often.
 const TERM: f64 = 8.0 * UNIT;
-/// Orders of the five derivatives in x and in y.
-const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
 /// Decimal digits promised for a fit, as an exact solution of the written problem would have them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,95 +57,81 @@ fn digits(bound: f64) -> f64 {
 fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
     let maps = &fit.shape().maps;
     let [along_x, along_y] = &*maps.rows;
-    let pieces = Piece::of(along_y);
-    let mut at = Points::new(fit, bound);
-    let mut worst = [0.0; 2];
-    for (i, bx) in along_x.iter().enumerate() {
-        for piece in &pieces {
-            let asked: [bool; POINTS] =
-                std::array::from_fn(|l| l < piece.count && maps.shape_index_at(i, piece.start + l).is_some());
-            if asked == [false; POINTS] {
-                continue;
-            }
-            let found = at.bounds(bx, piece);
-            for k in 0..2 {
-                for l in 0..POINTS {
-                    let is_worse = found[k][l] > worst[k] || found[k][l].is_nan();
-                    if asked[l] && is_worse {
-                        worst[k] = maximum(worst[k], found[k][l]);
-                    }
-                }
+    let (mut at, mut worst) = (Points::new(fit, bound), [0.0; 2]);
+    let mut start = 0;
+    for rows in along_y.chunk_by(|a, b| a.first == b.first).flat_map(|run| run.chunks(POINTS)) {
+        at.turn_to(rows);
+        for (i, bx) in along_x.iter().enumerate() {
+            let found = at.bounds(bx);
+            if exceeds(&found, worst) {
+                worst = raised(worst, &found, rows.len(), |l| maps.shape_index_at(i, start + l).is_some());
             }
         }
+        start += rows.len();
     }
     worst
 }
 
-/// Up to eight neighbours of the grid's y axis in one segment, one a lane; the last one fills up.
-struct Piece {
-    start: usize,
-    count: usize,
-    first: usize,
-    /// M, M', M'', one after the other.
-    values: Vec<[f64; POINTS]>,
-    /// Their largest 2-norms over the basis functions.
-    lengths: [f64; 3],
-}
-
-impl Piece {
-    fn of(along_y: &[BasisRow]) -> Vec<Piece> {
-        let mut pieces = Vec::with_capacity(along_y.len().div_ceil(POINTS));
-        let mut start = 0;
-        for rows in along_y.chunk_by(|a, b| a.first == b.first).flat_map(|run| run.chunks(POINTS)) {
-            let width = rows[0].derivative(0).len();
-            let (mut values, mut lengths) = (vec![[0.0; POINTS]; 3 * width], [0.0_f64; 3]);
-            for (k, values) in values.chunks_exact_mut(width).enumerate() {
-                for l in 0..POINTS {
-                    let row = rows[l.min(rows.len() - 1)].derivative(k);
-                    values.iter_mut().zip(row).for_each(|(lanes, v)| lanes[l] = *v);
-                    lengths[k] = lengths[k].max(row.iter().map(|v| v * v).sum());
-                }
-            }
-            pieces.push(Piece {
-                start,
-                count: rows.len(),
-                first: rows[0].first,
-                values,
-                lengths: lengths.map(f64::sqrt),
-            });
-            start += rows.len();
+/// Whether a bound is not below the worst so far; few rows have one, and only those ask where S is defined and supported.
+fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
+    let mut any = false;
+    for (found, worst) in found.iter().zip(worst) {
+        for bound in found {
+            let is_below = *bound <= worst;
+            any |= !is_below;
         }
-        pieces
     }
-
-    /// M, M', M''.
-    fn rows(&self) -> [&[[f64; POINTS]]; 3] {
-        let width = self.values.len() / 3;
-        [0, 1, 2].map(|k| &self.values[k * width..(k + 1) * width])
-    }
+    any
 }
 
-fn length(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+/// The worst bounds with those of the first `count` points in it that are asked for; NaN is the worst of all.
+fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, is_asked: impl Fn(usize) -> bool) -> [f64; 2] {
+    for l in (0..count).filter(|l| is_asked(*l)) {
+        (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][l]));
+    }
+    worst
 }
 
-/// Bounds at eight points, with room for their gradients.
+/// Up to eight neighbours of the grid's y axis in one segment, one a lane, and bounds at them for one x after the other.
 struct Points<'a> {
     level: Level,
     coefficients: &'a [f64],
     /// Basis functions in y.
     columns: usize,
-    bound: &'a Bound<'a>,
+    bound: &'a Bound,
     terms: BoundTerms<'a>,
-    gradients: ShapeGradients,
+    /// Basis functions alive in a cell, in x and in y.
+    width: [usize; 2],
+    /// First basis function in y, and in x of the cell that the curves belong to.
+    first_y: usize,
+    first_x: Option<usize>,
+    /// M, M', M'' one after the other; the curves; dS/dc; dR/dc.
+    lanes: Vec<PointLanes>,
+    /// Largest 2-norms of M, M', M'' over the basis functions.
+    lengths: [f64; 3],
     /// First unknown of the cell in every row of coefficients.
-    runs: Vec<usize>,
-    curves: Vec<[f64; 3]>,
-    curve_sizes: Vec<[f64; 3]>,
+    runs: [usize; MAX_DEGREE + 1],
+    found: PointShapes,
+}
+
+/// The parts of [`Points::lanes`].
+struct Room<'a> {
+    y: [&'a [PointLanes]; 3],
+    curves: &'a mut [CurveLanes],
+    entries: [&'a mut [PointLanes]; 2],
+}
+
+impl<'a> Room<'a> {
+    fn of(lanes: &'a mut [PointLanes], [p, q]: [usize; 2]) -> Room<'a> {
+        let (y, rest) = lanes.split_at_mut(3 * q);
+        let (curves, entries) = rest.split_at_mut(6 * p);
+        let (y, (of_s, of_r)) = (&*y, entries.split_at_mut(p * q));
+        Room { y: [&y[..q], &y[q..2 * q], &y[2 * q..]], curves: curves.as_chunks_mut().0, entries: [of_s, of_r] }
+    }
 }
 
 impl Points<'_> {
-    fn new<'a>(fit: &'a Fit, bound: &'a Bound<'a>) -> Points<'a> {
+    fn new<'a>(fit: &'a Fit, bound: &'a Bound) -> Points<'a> {
         let width = fit.options().degree.map(|d| d + 1);
         Points {
             level: Level::active(),
@@ -154,70 +139,75 @@ impl Points<'_> {
             columns: fit.surface().coefficients().ncols(),
             bound,
             terms: bound.terms(),
-            gradients: ShapeGradients::new(width[0] * width[1]),
-            runs: vec![0; width[0]],
-            curves: vec![[0.0; 3]; width[1]],
-            curve_sizes: vec![[0.0; 3]; width[1]],
+            width,
+            first_y: 0,
+            first_x: None,
+            lanes: vec![[0.0; POINTS]; 3 * width[1] + 6 * width[0] + 2 * width[0] * width[1]],
+            lengths: [0.0; 3],
+            runs: [0; MAX_DEGREE + 1],
+            found: PointShapes::default(),
+        }
+    }
+
+    /// Goes to these neighbours; the last one fills up.
+    fn turn_to(&mut self, rows: &[BasisRow]) {
+        let (first, last) = (&rows[0], rows.len() - 1);
+        (self.first_y, self.first_x) = (first.first, None);
+        for (k, values) in self.lanes.chunks_exact_mut(self.width[1]).take(3).enumerate() {
+            let mut squares = [0.0; POINTS];
+            for (l, square) in squares.iter_mut().enumerate() {
+                for (lanes, v) in values.iter_mut().zip(rows[l.min(last)].derivative(k)) {
+                    lanes[l] = *v;
+                    *square += v * v;
+                }
+            }
+            self.lengths[k] = squares.iter().copied().fold(0.0, f64::max).sqrt();
         }
     }
 
     /// Bounds of `|dS|` and of `|dR| / R`; NaN where curvatures are so large or small that their squares are lost.
-    fn bounds(&mut self, bx: &BasisRow, piece: &Piece) -> [[f64; POINTS]; 2] {
-        self.enter(bx, piece);
-        let x = [bx.derivative(0), bx.derivative(1), bx.derivative(2)];
-        // most points are far from umbilic: the derivatives' errors are bounded by norms before they are worked out
-        let lengths = [length(x[0]), length(x[1]), length(x[2])];
-        let (curves, curve_sizes, rounding) = (&self.curves[..], &self.curve_sizes[..], TERM);
-        let off = ORDERS.map(|(i, j)| self.bound.moved * lengths[i] * piece.lengths[j]);
-        let points = CellPoints { x, y: piece.rows(), curves, curve_sizes, off, rounding };
-        shape_gradients(self.level, &points, &mut self.gradients);
-        let found = &self.gradients;
-        let mut rounding = found.roundings;
-        if found.near != [0.0; POINTS] {
-            (0..POINTS).for_each(|l| rounding[0][l] += self.kink(bx, piece, l));
+    fn bounds(&mut self, bx: &BasisRow) -> OfKinds {
+        let Room { y, curves, entries: [of_s, of_r] } = Room::of(&mut self.lanes, self.width);
+        let runs = &mut self.runs[..self.width[0]];
+        if self.first_x != Some(bx.first) {
+            self.first_x = Some(bx.first);
+            runs.iter_mut().enumerate().for_each(|(a, run)| *run = (bx.first + a) * self.columns + self.first_y);
+            cell_curves(self.level, self.coefficients, runs, y, curves);
         }
-        let [of_shape_index, of_curvedness] = &found.by_coefficients;
-        let gradients = CellGradients { runs: &self.runs, entries: [of_shape_index, of_curvedness] };
-        functional_bounds(self.level, &self.terms, &gradients, &rounding, &[[1.0; POINTS], found.curvedness])
+        let x = [bx.derivative(0), bx.derivative(1), bx.derivative(2)];
+        let (lengths, moved) = (self.lengths, self.bound.moved);
+        let points = CellPoints { x, y, curves, lengths, moved, rounding: TERM };
+        shape_gradients(self.level, &points, [&mut *of_s, &mut *of_r], &mut self.found);
+        if self.found.near != [0.0; POINTS] {
+            self.add_kinks(bx);
+        }
+        let Room { entries: [of_s, of_r], .. } = Room::of(&mut self.lanes, self.width);
+        let gradients = CellGradients { runs: &self.runs[..self.width[0]], entries: [of_s, of_r] };
+        functional_bounds(self.level, &self.terms, &gradients, &self.found.roundings, &self.found.sizes)
     }
 
-    /// The cell's unknowns, and its coefficients summed along x.
-    fn enter(&mut self, bx: &BasisRow, piece: &Piece) {
-        let width = self.curves.len();
-        self.curves.fill([0.0; 3]);
-        self.curve_sizes.fill([0.0; 3]);
-        for (a, run) in self.runs.iter_mut().enumerate() {
-            *run = (bx.first + a) * self.columns + piece.first;
-            let n = [bx.derivative(0)[a], bx.derivative(1)[a], bx.derivative(2)[a]];
-            let sums = self.curves.iter_mut().zip(&mut self.curve_sizes);
-            for (c, (curve, size)) in self.coefficients[*run..*run + width].iter().zip(sums) {
-                for k in 0..3 {
-                    curve[k] += n[k] * c;
-                    size[k] += (n[k] * c).abs();
-                }
+    /// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
+    #[cold]
+    fn add_kinks(&mut self, bx: &BasisRow) {
+        for l in 0..POINTS {
+            let off = [0, 1, 2, 3, 4]
+                .map(|k| self.bound.moved * self.spread(bx, ORDERS[k], l) + TERM * self.found.terms[k][l]);
+            let found = &mut self.found;
+            let bend = 0.5 * (found.sum[l].abs() + found.difference[l]);
+            let gap = 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
+            let is_apart = found.difference[l] > gap;
+            if !is_apart {
+                found.roundings[0][l] += std::f64::consts::FRAC_2_PI * gap / (2.0 * found.sizes[1][l]);
             }
         }
     }
 
-    /// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
-    fn kink(&self, bx: &BasisRow, piece: &Piece, lane: usize) -> f64 {
-        let found = &self.gradients;
-        let bend = 0.5 * (found.sum[lane].abs() + found.difference[lane]);
-        let off = [0, 1, 2, 3, 4]
-            .map(|k| self.bound.moved * self.spread(bx, piece, ORDERS[k], lane) + TERM * found.terms[k][lane]);
-        let gap = 2.0 * (off[2] + 2.0 * off[3] + off[4]) + 4.0 * bend * (off[0] + off[1]);
-        if found.difference[lane] > gap {
-            0.0
-        } else {
-            std::f64::consts::FRAC_2_PI * gap / (2.0 * found.curvedness[lane])
-        }
-    }
-
     /// `|D g|_2` of the derivative of these orders in x and y at one point.
-    fn spread(&self, bx: &BasisRow, piece: &Piece, (i, j): (usize, usize), lane: usize) -> f64 {
+    fn spread(&self, bx: &BasisRow, (i, j): (usize, usize), lane: usize) -> f64 {
+        let y = &self.lanes[j * self.width[1]..(j + 1) * self.width[1]];
         let mut spread = 0.0;
         for (n, &start) in bx.derivative(i).iter().zip(&self.runs) {
-            for (m, d) in piece.rows()[j].iter().zip(&self.bound.inverse[start..]) {
+            for (m, d) in y.iter().zip(&self.bound.inverse[start..]) {
                 spread += (n * m[lane] * d).powi(2);
             }
         }

@@ -15,7 +15,7 @@ use crate::simd::{ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, first
 type Rows = [SiteLanes; 3];
 
 /// What is kept of eight sites.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct BlockRows {
     /// `b - E c`.
     pub computed: Rows,
@@ -25,15 +25,15 @@ pub struct BlockRows {
     pub residual: Rows,
 }
 
-/// Sums over all rows, one an unknown.
-#[derive(Debug)]
-pub struct Sums {
+/// Sums over all rows for one unknown: `E'r`, `|E|'|r|`, squared norm of the column.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ColumnTotals {
     /// `E'r`.
-    pub products: Vec<f64>,
+    pub product: f64,
     /// `|E|'|r|`.
-    pub sizes: Vec<f64>,
-    /// Squared column norms.
-    pub norms: Vec<f64>,
+    pub size: f64,
+    /// Squared norm.
+    pub norm: f64,
 }
 
 /// The rows of one fit under visit.
@@ -43,7 +43,7 @@ pub struct RowPasses<'a> {
     /// In the order of the visit.
     pub blocks: Vec<BlockRows>,
     /// Sums of the latest visit.
-    pub sums: Sums,
+    pub sums: Vec<ColumnTotals>,
     lanes: SiteBlocks,
     cell: Cell,
 }
@@ -55,7 +55,7 @@ struct Cell {
     columns: usize,
     /// The cell's part of the vector that the rows are applied to.
     part: Vec<f64>,
-    sums: ColumnSums,
+    sums: Vec<ColumnSums>,
 }
 
 impl Cell {
@@ -63,11 +63,12 @@ impl Cell {
         let shape = equations.sites.shape();
         let width = shape.degree.map(|d| d + 1);
         let local = width[0] * width[1];
-        Cell { first: None, width, columns: shape.basis[1], part: vec![0.0; local], sums: ColumnSums::new(local) }
+        let (part, sums) = (vec![0.0; local], vec![ColumnSums::default(); local]);
+        Cell { first: None, width, columns: shape.basis[1], part, sums }
     }
 
     /// Goes to the cell of these first basis functions, the sums of the one before brought home.
-    fn enter(&mut self, first: [usize; 2], v: &[f64], home: &mut Sums) {
+    fn enter(&mut self, first: [usize; 2], v: &[f64], home: &mut [ColumnTotals]) {
         if self.first == Some(first) {
             return;
         }
@@ -78,16 +79,15 @@ impl Cell {
         }
     }
 
-    fn leave(&mut self, home: &mut Sums) {
+    fn leave(&mut self, home: &mut [ColumnTotals]) {
         let Some(first) = self.first.take() else { return };
-        let ColumnSums { products, sizes, norms } = &mut self.sums;
-        for (local, home) in [(products, &mut home.products), (sizes, &mut home.sizes), (norms, &mut home.norms)] {
-            for (a, local) in local.chunks_exact_mut(self.width[1]).enumerate() {
-                let home = &mut home[(first[0] + a) * self.columns + first[1]..][..local.len()];
-                for (home, lanes) in home.iter_mut().zip(local) {
-                    *home += add_lanes(lanes);
-                    *lanes = [0.0; SITES];
-                }
+        for (a, sums) in self.sums.chunks_exact_mut(self.width[1]).enumerate() {
+            let home = &mut home[(first[0] + a) * self.columns + first[1]..][..sums.len()];
+            for (home, lanes) in home.iter_mut().zip(sums) {
+                home.product += add_lanes(&lanes[0]);
+                home.size += add_lanes(&lanes[1]);
+                home.norm += add_lanes(&lanes[2]);
+                *lanes = ColumnSums::default();
             }
         }
     }
@@ -96,27 +96,23 @@ impl Cell {
 impl<'a> RowPasses<'a> {
     /// The first visit: computed residuals, sizes, and `E'computed` as products.
     pub fn new(equations: &'a Equations, c: &[f64]) -> RowPasses<'a> {
-        let zeros = || vec![0.0; c.len()];
         let mut passes = RowPasses {
             equations,
             level: Level::active(),
             blocks: Vec::with_capacity(equations.sites.len().div_ceil(SITES)),
-            sums: Sums { products: zeros(), sizes: zeros(), norms: zeros() },
+            sums: vec![ColumnTotals::default(); c.len()],
             lanes: SiteBlocks::new(&equations.sites),
             cell: Cell::new(equations),
         };
         let RowPasses { blocks, sums, lanes, cell, level, .. } = &mut passes;
         lanes.visit(&equations.sites, &equations.metric, |block| {
             cell.enter(block.first, c, sums);
-            let mut rows = BlockRows {
-                computed: [[0.0; SITES]; 3],
-                sizes: [[0.0; SITES]; 3],
-                residual: targets(equations, block),
-            };
+            // the targets stand where the residual will
+            blocks.push(BlockRows { residual: targets(equations, block), ..BlockRows::default() });
+            let Some(rows) = blocks.last_mut() else { return };
             let out = [&mut rows.computed, &mut rows.sizes];
-            first_pass(*level, &block.lanes, &cell.part, &rows.residual, out, &mut cell.sums.products);
+            first_pass(*level, &block.lanes, &cell.part, &rows.residual, out, &mut cell.sums);
             rows.residual = rows.computed;
-            blocks.push(rows);
         });
         cell.leave(sums);
         passes
@@ -125,12 +121,12 @@ impl<'a> RowPasses<'a> {
     /// A later visit: `r -= E v`, and `E'r` as products; with `totals` the last one, which sums up everything.
     pub fn again(&mut self, v: &[f64], mut totals: Option<&mut RowSums>) {
         let RowPasses { equations, level, blocks, sums, lanes, cell } = self;
-        sums.products.fill(0.0);
+        sums.iter_mut().for_each(|sum| sum.product = 0.0);
         let mut places = blocks.iter_mut();
         lanes.visit(&equations.sites, &equations.metric, |block| {
             let Some(rows) = places.next() else { return };
             cell.enter(block.first, v, sums);
-            second_pass(*level, &block.lanes, &cell.part, &mut rows.residual, &mut cell.sums.products);
+            second_pass(*level, &block.lanes, &cell.part, &mut rows.residual, &mut cell.sums);
             if let Some(totals) = totals.as_deref_mut() {
                 last_sums(
                     *level,
@@ -153,7 +149,7 @@ impl<'a> RowPasses<'a> {
             cell.enter(block.first, v, sums);
             let [mut unused, mut sizes] = [[[0.0; SITES]; 3]; 2];
             let (targets, out) = ([[0.0; SITES]; 3], [&mut unused, &mut sizes]);
-            first_pass(*level, &block.lanes, &cell.part, &targets, out, &mut cell.sums.products);
+            first_pass(*level, &block.lanes, &cell.part, &targets, out, &mut cell.sums);
             found.push(sizes);
         });
         cell.leave(sums);

@@ -154,19 +154,19 @@ impl Factor {
         }
     }
 
-    /// `(E'E)^-1`, row by row, of so many unknowns.
-    pub fn inverse(&self, order: usize) -> Vec<f64> {
-        let mut inverse = vec![0.0; order * order];
+    /// `(E'E)^-1`, row by row: the order's square of numbers.
+    pub fn write_inverse(&self, out: &mut [f64]) {
         if let Factor::Cholesky(factor) = self
-            && factor.write_inverse(&mut inverse)
+            && factor.write_inverse(out)
         {
-            return inverse;
+            return;
         }
-        for (u, row) in inverse.chunks_exact_mut(order).enumerate() {
+        let order = out.len().isqrt();
+        out.fill(0.0);
+        for (u, row) in out.chunks_exact_mut(order.max(1)).enumerate() {
             row[u] = 1.0;
             self.solve(row);
         }
-        inverse
     }
 
     /// 1-norm condition estimate of the equilibrated rows.

@@ -29,7 +29,7 @@ pub struct SiteBlock<'a> {
 pub struct SiteBlocks {
     widths: [usize; 2],
     heads: Vec<Head>,
-    /// Block after block: N, N', M, M'.
+    /// Block after block: N, N', M, M', weights.
     values: Vec<SiteLanes>,
     is_complete: bool,
 }
@@ -39,16 +39,23 @@ struct Head {
     first: [usize; 2],
     count: usize,
     index: [usize; SITES],
-    weights: [SiteLanes; 4],
 }
+
+/// Rows of a block besides its basis values: z, a, b, d.
+const WEIGHTS: usize = 4;
 
 impl SiteBlocks {
     /// Room for the sites of one fit.
     pub fn new(sites: &impl Sites) -> SiteBlocks {
         let widths = sites.shape().degree.map(|d| d + 1);
         let room = if sites.len() <= KEPT { sites.len().div_ceil(SITES) } else { 1 };
-        let values = Vec::with_capacity(room * 2 * (widths[0] + widths[1]));
+        let values = Vec::with_capacity(room * (2 * (widths[0] + widths[1]) + WEIGHTS));
         SiteBlocks { widths, heads: Vec::with_capacity(room), values, is_complete: false }
+    }
+
+    /// Rows of a block.
+    fn each(&self) -> usize {
+        2 * (self.widths[0] + self.widths[1]) + WEIGHTS
     }
 
     /// Visits all sites block by block, in the order of [`Sites::visit`]. Sites and metric are the same at every visit.
@@ -56,30 +63,46 @@ impl SiteBlocks {
         if self.is_complete {
             return (0..self.heads.len()).for_each(|k| f(&self.block(k)));
         }
+        // loops of known length for the usual degrees: putting a site is little else than its stores
+        match self.widths {
+            [3, 3] => self.fill::<3>(sites, metric, &mut f),
+            [4, 4] => self.fill::<4>(sites, metric, &mut f),
+            [5, 5] => self.fill::<5>(sites, metric, &mut f),
+            _ => self.fill::<0>(sites, metric, &mut f),
+        }
         let keep = sites.len() <= KEPT;
-        sites.visit(|site| {
-            if self.heads.last().is_none_or(|head| head.count == SITES || head.first != site.first) {
-                self.hand_over(&mut f);
-                self.open(site.first, keep);
-            }
-            site.unrolled(|site| self.put(site, metric));
-        });
-        self.hand_over(&mut f);
         self.is_complete = keep;
         if !keep {
             self.heads.clear();
         }
     }
 
+    /// The first visit. WIDTH is that of both axes, or 0 for widths that only the sites know.
+    fn fill<const WIDTH: usize>(&mut self, sites: &impl Sites, metric: &Metric, f: &mut dyn FnMut(&SiteBlock)) {
+        let (keep, columns) = (sites.len() <= KEPT, sites.shape().basis[1]);
+        // one number a cell: two at once are read before they are written, where the visit is as fast as its stores
+        let mut cell = usize::MAX;
+        sites.visit(|site| {
+            let own = site.first[0] * columns + site.first[1];
+            if own != cell || self.heads.last().is_none_or(|head| head.count == SITES) {
+                self.hand_over(f);
+                self.open(site.first, keep);
+                cell = own;
+            }
+            self.put(&if WIDTH == 0 { *site } else { site.cut(WIDTH) }, metric);
+        });
+        self.hand_over(f);
+    }
+
     fn block(&self, k: usize) -> SiteBlock<'_> {
-        let (head, each) = (&self.heads[k], 2 * (self.widths[0] + self.widths[1]));
-        let (x, y) = self.values[k * each..(k + 1) * each].split_at(2 * self.widths[0]);
-        let ((x, dx), (y, dy)) = (x.split_at(self.widths[0]), y.split_at(self.widths[1]));
-        let lanes = CellSites { x: [x, dx], y: [y, dy], weights: &head.weights };
+        let (head, each, [p, q]) = (&self.heads[k], self.each(), self.widths);
+        let (x, rest) = self.values[k * each..(k + 1) * each].split_at(2 * p);
+        let (y, weights) = rest.split_at(2 * q);
+        let lanes = CellSites { x: [&x[..p], &x[p..]], y: [&y[..q], &y[q..]], weights };
         SiteBlock { first: head.first, indices: &head.index[..head.count], lanes }
     }
 
-    fn hand_over(&self, f: &mut impl FnMut(&SiteBlock)) {
+    fn hand_over(&self, f: &mut dyn FnMut(&SiteBlock)) {
         if let Some(last) = self.heads.len().checked_sub(1) {
             f(&self.block(last));
         }
@@ -87,32 +110,32 @@ impl SiteBlocks {
 
     /// An empty block, without weights: a new one, or in place of the last.
     fn open(&mut self, first: [usize; 2], keep: bool) {
-        let head = Head { first, count: 0, index: [0; SITES], weights: [[0.0; SITES]; 4] };
         if !keep {
             self.heads.clear();
+            self.values.clear();
         }
-        self.heads.push(head);
-        self.values.resize(self.heads.len() * 2 * (self.widths[0] + self.widths[1]), [0.0; SITES]);
+        self.heads.push(Head { first, count: 0, index: [0; SITES] });
+        self.values.resize(self.values.len() + self.each(), [0.0; SITES]);
     }
 
     #[inline(always)]
     fn put(&mut self, site: &Site, metric: &Metric) {
         let Some(head) = self.heads.last_mut() else { return };
-        let lane = head.count;
-        let m = metric.at(site.index);
-        for (row, weight) in head.weights.iter_mut().zip([m.z, m.a, m.b, m.d]) {
-            row[lane] = weight;
-        }
+        // a full block is handed over before the next site comes: the remainder only tells the compiler so
+        let lane = head.count % SITES;
         head.index[lane] = site.index;
         head.count += 1;
-        let start = self.values.len() - 2 * (site.x.len() + site.y.len());
-        let (x, y) = self.values[start..].split_at_mut(2 * site.x.len());
-        let ((x, dx), (y, dy)) = (x.split_at_mut(site.x.len()), y.split_at_mut(site.y.len()));
-        for a in 0..site.x.len() {
-            (x[a][lane], dx[a][lane]) = (site.x[a], site.dx[a]);
+        let (p, q, m) = (site.x.len(), site.y.len(), metric.at(site.index));
+        let start = self.values.len() - (2 * (p + q) + WEIGHTS);
+        let rows = &mut self.values[start..][..2 * (p + q) + WEIGHTS];
+        for a in 0..p {
+            (rows[a][lane], rows[p + a][lane]) = (site.x[a], site.dx[a]);
         }
-        for b in 0..site.y.len() {
-            (y[b][lane], dy[b][lane]) = (site.y[b], site.dy[b]);
+        for b in 0..q {
+            (rows[2 * p + b][lane], rows[2 * p + q + b][lane]) = (site.y[b], site.dy[b]);
+        }
+        for (k, weight) in [m.z, m.a, m.b, m.d].into_iter().enumerate() {
+            rows[2 * (p + q) + k][lane] = weight;
         }
     }
 }
@@ -145,9 +168,9 @@ mod tests {
                     for (l, &index) in block.indices.iter().enumerate() {
                         let rows = (column(x[0], l), column(x[1], l), column(y[0], l), column(y[1], l));
                         found.push((index, block.first, rows.0, rows.1, rows.2, rows.3));
-                        assert_eq!(weights.map(|w| w[l]), [1.0 + index as f64, 2.0, 3.0, 4.0]);
+                        assert_eq!(column(weights, l), [1.0 + index as f64, 2.0, 3.0, 4.0]);
                     }
-                    assert!((block.indices.len()..SITES).all(|l| weights.map(|w| w[l]) == [0.0; 4]));
+                    assert!((block.indices.len()..SITES).all(|l| column(weights, l) == [0.0; 4]));
                 });
                 assert_eq!(found, expected);
             }

@@ -40,8 +40,9 @@ impl Site<'_> {
         }
     }
 
+    /// The same, its rows of this length.
     #[inline(always)]
-    fn cut(&self, n: usize) -> Site<'_> {
+    pub fn cut(&self, n: usize) -> Site<'_> {
         Site { x: &self.x[..n], dx: &self.dx[..n], y: &self.y[..n], dy: &self.dy[..n], ..*self }
     }
 }

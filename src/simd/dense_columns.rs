@@ -5,7 +5,11 @@
 //! [ b' . ]     after the last column row n holds y = L^-1 b;   then L' x = y from the bottom
 //! ```
 //!
-//! Columns are padded to whole sets of lanes; what stands above the diagonal is never read.
+//! Columns are padded to whole sets of lanes; what stands above the diagonal is never read. The inverse, from Z = L^-1:
+//!
+//! ```text
+//! z_j = (e_j - sum_(m<j) l_jm z_m) / l_jj          A^-1 = Z'Z, row u = sum_(i>=u) z_iu z_i          z_j row j of Z
+//! ```
 
 use super::lanes::Lanes;
 use super::{Level, dispatch};
@@ -51,6 +55,51 @@ pub fn factor_columns<const N: usize, const PADDED: usize>(
 ) -> Result<f64, usize> {
     const { assert!(PADDED > N && PADDED.is_multiple_of(8)) };
     dispatch!(level, factor [N, PADDED](columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize>)
+}
+
+#[inline(always)]
+fn invert<V: Lanes, const N: usize, const PADDED: usize>(
+    columns: &DenseColumns<N, PADDED>,
+    reciprocals: &[f64; N],
+) -> DenseColumns<N, PADDED> {
+    let [mut z, mut out] = [[[0.0; PADDED]; N]; 2];
+    for j in 0..N {
+        let (done, rest) = z.split_at_mut(j);
+        let row = &mut rest[0];
+        row[j] = 1.0;
+        for i in (0..=j).step_by(V::N) {
+            let mut sum = V::load(&row[i..]);
+            // rows above i have nothing in these lanes
+            for (m, solved) in done.iter().enumerate().skip(i) {
+                sum = V::load(&solved[i..]).neg_mul_add(V::splat(columns[m][j]), sum);
+            }
+            (sum * V::splat(reciprocals[j])).store(&mut row[i..]);
+        }
+    }
+    for (u, row) in out.iter_mut().enumerate() {
+        for v in (0..N).step_by(V::N) {
+            let mut sum = V::splat(0.0);
+            for solved in &z[u.max(v)..] {
+                sum = V::load(&solved[v..]).mul_add(V::splat(solved[u]), sum);
+            }
+            sum.store(&mut row[v..]);
+        }
+    }
+    out
+}
+
+/// `(L L')^-1` row by row, from the columns of L that [`factor_columns`] left and the reciprocals of its diagonal; what
+/// stands beyond N in a row has no meaning.
+pub fn invert_columns<const N: usize, const PADDED: usize>(
+    level: Level,
+    columns: &DenseColumns<N, PADDED>,
+    reciprocals: &[f64; N],
+) -> DenseColumns<N, PADDED> {
+    const { assert!(PADDED > N && PADDED.is_multiple_of(8)) };
+    dispatch!(level, invert [N, PADDED](
+        columns: &DenseColumns<N, PADDED>,
+        reciprocals: &[f64; N],
+    ) -> DenseColumns<N, PADDED>)
 }
 
 #[inline(always)]
@@ -134,6 +183,15 @@ mod tests {
             }
             factor.hold(16.0);
             forwards.hold(16.0);
+            let inverse = invert_columns(level, &columns, &std::array::from_fn(|k| 1.0 / columns[k][k]));
+            let mut products = Twins::new("invert_columns", level);
+            for i in 0..N {
+                for j in 0..N {
+                    let product: f64 = (0..N).map(|k| a[i][k] * inverse[k][j]).sum();
+                    products.compare(product, if i == j { 1.0 } else { 0.0 });
+                }
+            }
+            products.hold(16.0);
             let mut flat = vec![0.0; N * PADDED];
             for j in 0..N {
                 (j..N).for_each(|i| flat[j * PADDED + i] = a[i][j]);

@@ -87,22 +87,30 @@ impl<'a> CellGradients<'a> {
         sums
     }
 
-    /// `[sum_u (scales[u] g_u)^2, sum_u |g_u|]` of each kind.
+    /// `sum_u (scales[u] g_u)^2` of each kind.
     #[inline(always)]
-    fn lengths<V: Lanes>(&self, scales: &[f64], lanes: usize) -> [[V; KINDS]; 2] {
+    fn squares<V: Lanes>(&self, scales: &[f64], lanes: usize) -> [V; KINDS] {
         let width = self.width();
-        let [mut squares, mut lengths] = [[V::splat(0.0); KINDS]; 2];
+        let mut squares = [V::splat(0.0); KINDS];
         for (r, start) in self.runs.iter().enumerate() {
             for (k, scale) in scales[*start..*start + width].iter().enumerate() {
-                let entry = self.entry::<V>(r * width + k, lanes);
-                for kind in 0..KINDS {
-                    let scaled = V::splat(*scale) * entry[kind];
-                    squares[kind] = scaled.mul_add(scaled, squares[kind]);
-                    lengths[kind] = lengths[kind] + entry[kind].abs();
-                }
+                let [g, h] = self.entry::<V>(r * width + k, lanes);
+                let (g, h) = (V::splat(*scale) * g, V::splat(*scale) * h);
+                squares = [g.mul_add(g, squares[0]), h.mul_add(h, squares[1])];
             }
         }
-        [squares, lengths]
+        squares
+    }
+
+    /// `sum_u |g_u|` of each kind.
+    #[inline(always)]
+    fn lengths<V: Lanes>(&self, lanes: usize) -> [V; KINDS] {
+        let mut lengths = [V::splat(0.0); KINDS];
+        for place in 0..self.entries[0].len() {
+            let [g, h] = self.entry::<V>(place, lanes);
+            lengths = [lengths[0] + g.abs(), lengths[1] + h.abs()];
+        }
+        lengths
     }
 }
 
@@ -117,13 +125,14 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
     let mut out = [[0.0; FUNCTIONALS]; KINDS];
     let zero = V::splat(0.0);
     for lanes in (0..FUNCTIONALS).step_by(V::N) {
-        let [squares, lengths] = gradients.lengths::<V>(terms.scales, lanes);
-        let mut bounds = squares;
-        for kind in 0..KINDS {
-            bounds[kind] = V::splat(terms.moved) * squares[kind].sqrt();
+        let mut bounds = gradients.squares::<V>(terms.scales, lanes);
+        for bound in &mut bounds {
+            *bound = V::splat(terms.moved) * bound.sqrt();
         }
         if let Some(directed) = &terms.directed {
             let [forms, weighted] = forms::<V>(directed, gradients, lanes);
+            // solved in one go, coefficients have not settled on anything: most fits
+            let lengths = if directed.settled > 0.0 { gradients.lengths::<V>(lanes) } else { [zero; KINDS] };
             for kind in 0..KINDS {
                 let along = forms[kind].max(zero).sqrt().mul_add(V::splat(directed.rows), weighted[kind]);
                 let other = along.mul_add(V::splat(directed.backward), V::splat(directed.settled) * lengths[kind]);
@@ -139,30 +148,45 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
     out
 }
 
-/// `[g'A g, |A g|'t]`.
+/// `[g'A g, |A g|'t]`: rows of other cells have a part in the second only.
 #[inline(always)]
 fn forms<V: Lanes>(directed: &DirectedTerms, gradients: &CellGradients, lanes: usize) -> [[V; KINDS]; 2] {
     let [mut forms, mut weighted] = [[V::splat(0.0); KINDS]; 2];
     let (order, width) = (directed.weights.len(), gradients.width());
-    // own entries in the order of the rows: run r, place k
-    let (mut r, mut k) = (0, 0);
-    for (u, (row, weight)) in directed.matrix.chunks_exact(order).zip(directed.weights).enumerate() {
-        let products: [V; KINDS] = gradients.times(row, lanes);
-        let own = r < gradients.runs.len() && u == gradients.runs[r] + k;
-        for kind in 0..KINDS {
-            weighted[kind] = products[kind].abs().mul_add(V::splat(*weight), weighted[kind]);
-            if own {
-                forms[kind] = products[kind].mul_add(gradients.entry::<V>(r * width + k, lanes)[kind], forms[kind]);
-            }
+    let mut next = 0;
+    for (r, start) in gradients.runs.iter().enumerate() {
+        for u in next..*start {
+            directed.add_row(u, gradients, lanes, &mut weighted);
         }
-        if own {
-            k += 1;
-            if k == width {
-                (r, k) = (r + 1, 0);
-            }
+        for k in 0..width {
+            let products = directed.add_row(start + k, gradients, lanes, &mut weighted);
+            let own = gradients.entry::<V>(r * width + k, lanes);
+            forms = [products[0].mul_add(own[0], forms[0]), products[1].mul_add(own[1], forms[1])];
         }
+        next = start + width;
+    }
+    for u in next..order {
+        directed.add_row(u, gradients, lanes, &mut weighted);
     }
     [forms, weighted]
+}
+
+impl DirectedTerms<'_> {
+    /// `(A g)_u`, its size times `t_u` added to the sums.
+    #[inline(always)]
+    fn add_row<V: Lanes>(
+        &self,
+        u: usize,
+        gradients: &CellGradients,
+        lanes: usize,
+        sums: &mut [V; KINDS],
+    ) -> [V; KINDS] {
+        let order = self.weights.len();
+        let products: [V; KINDS] = gradients.times(&self.matrix[u * order..(u + 1) * order], lanes);
+        let weight = V::splat(self.weights[u]);
+        *sums = [products[0].abs().mul_add(weight, sums[0]), products[1].abs().mul_add(weight, sums[1])];
+        products
+    }
 }
 
 /// The bounds.
@@ -224,8 +248,8 @@ mod tests {
             let rounding = [[1e-3; FUNCTIONALS], [2e-3; FUNCTIONALS]];
             let size = [[1.0; FUNCTIONALS], std::array::from_fn(|k| 1.0 + k as f64)];
             let directed =
-                DirectedTerms { matrix: &matrix, weights: &weights, rows: 0.3, backward: 0.7, settled: 0.01 };
-            for directed in [None, Some(directed)] {
+                |settled| Some(DirectedTerms { matrix: &matrix, weights: &weights, rows: 0.3, backward: 0.7, settled });
+            for directed in [None, directed(0.0), directed(0.01)] {
                 for moved in [0.02, 20.0] {
                     let terms = BoundTerms { scales: &scales, moved, directed };
                     for level in Level::available() {

@@ -5,11 +5,11 @@
 //! | [`shape_maps`] | S and R from the five derivatives of a height field |
 //! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points |
 //! | [`patch_maps`] | the same over a small grid on one segment, all rows in one call |
-//! | [`factor_columns`], [`factor_dense`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred |
+//! | [`factor_columns`], [`factor_dense`], [`invert_columns`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred; the inverse |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
-//! | [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
+//! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`first_pass`], [`second_pass`], [`last_sums`] | residuals, their sizes and `E'r` over eight sites of a cell |
 //! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
@@ -49,7 +49,7 @@ pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chach
 pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
-pub use dense_columns::{DenseColumns, factor_columns, factor_dense};
+pub use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
 pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
 pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
@@ -58,7 +58,9 @@ pub use normals::{box_muller_pairs, normal_triples, normals};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
-pub use shape_gradients::{CellPoints, POINTS, ShapeGradients, shape_gradients};
+pub use shape_gradients::{
+    CellPoints, CurveLanes, ORDERS, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients,
+};
 pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{
     CellSites, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass,

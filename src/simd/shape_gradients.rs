@@ -6,6 +6,8 @@
 //! R = sqrt((a^2 + c^2)/2 + b^2)                              c = l^2 (u - 2 s t + s^2 r)/w^3
 //! d = sqrt((a - c)^2 + 4 b^2)                                p, q, r, t, u = S_x, S_y, S_xx, S_xy, S_yy
 //! dS/dc_ij = sum_k (dS/d_k) D_k(N_i M_j)                     d_k the five derivatives, D_k the same of the basis
+//!
+//! d_k = sum_a N_a^(i) g_a^(j), g_a^(j) = sum_b c_ab M_b^(j)  the curves g serve all points of the same y in the cell
 //! ```
 //!
 //! The points share their x. With the gradients come the sizes of the terms that the five derivatives are sums of, which
@@ -17,42 +19,49 @@ use super::{Level, by_width, dispatch};
 /// Points taken at once.
 pub const POINTS: usize = 8;
 
+/// One number a point.
+pub type PointLanes = [f64; POINTS];
+
+/// `sum_b c_ab M_b^(j)` for j = 0, 1, 2, then the same of absolute values: one row of a cell's coefficients.
+pub type CurveLanes = [PointLanes; 6];
+
 /// Eight points of a cell with one x.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoints<'a> {
     /// N, N', N'' at x, `p + 1` each.
     pub x: [&'a [f64]; 3],
     /// M, M', M'' at the points, `q + 1` each.
-    pub y: [&'a [[f64; POINTS]]; 3],
-    /// `sum_a N_a^(k) c_ab` for k = 0, 1, 2, one entry a basis function b in y.
-    pub curves: &'a [[f64; 3]],
-    /// `sum_a |N_a^(k) c_ab|`.
-    pub curve_sizes: &'a [[f64; 3]],
-    /// e: how far each of the five derivatives can be off besides its rounding.
-    pub off: [f64; 5],
+    pub y: [&'a [PointLanes]; 3],
+    /// The cell's coefficients summed along y by [`cell_curves`], `p + 1` rows.
+    pub curves: &'a [CurveLanes],
+    /// Largest 2-norms over the basis functions of M, M', M'' at the points.
+    pub lengths: [f64; 3],
+    /// m: a derivative can be off by `e_k = m |N^(i)|_2 |M^(j)|_2` besides its rounding.
+    pub moved: f64,
     /// u: rounding of a derivative relative to the size of its terms, and of S and R to their own.
     pub rounding: f64,
 }
 
-/// What [`shape_gradients`] finds at the eight points.
+/// What [`shape_gradients`] finds at the eight points besides the gradients.
 #[derive(Clone, Debug, Default)]
-pub struct ShapeGradients {
-    /// dS/dc and dR/dc, entry `a (q + 1) + b`.
-    pub by_coefficients: [Vec<[f64; POINTS]>; 2],
+pub struct PointShapes {
     /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1; NaN where curvatures are so large or small that
     /// their squares are lost.
-    pub roundings: [[f64; POINTS]; 2],
+    pub roundings: [PointLanes; 2],
     /// Not 0 where `k1 - k2` is within `2 (e_2 + 2 e_3 + e_4) + 4 |k| (e_0 + e_1)`, rounding included: next to an umbilic.
-    pub near: [f64; POINTS],
+    pub near: PointLanes,
     /// `sum_ab |c_ab| |D_k(N_a M_b)|`.
-    pub terms: [[f64; POINTS]; 5],
+    pub terms: [PointLanes; 5],
     /// `k1 + k2`.
-    pub sum: [f64; POINTS],
+    pub sum: PointLanes,
     /// `k1 - k2`.
-    pub difference: [f64; POINTS],
-    /// R.
-    pub curvedness: [f64; POINTS],
+    pub difference: PointLanes,
+    /// What errors of S and of R are relative to: 1 and R.
+    pub sizes: [PointLanes; 2],
 }
+
+/// Orders of the five derivatives in x and in y.
+pub const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
 // `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
 #[inline(always)]
@@ -65,16 +74,43 @@ fn three<V: Lanes>(rows: [&[[f64; POINTS]]; 3], b: usize, lanes: usize) -> [V; 3
     [V::load(&rows[0][b][lanes..]), V::load(&rows[1][b][lanes..]), V::load(&rows[2][b][lanes..])]
 }
 
+#[inline(always)]
+fn curves<V: Lanes, const P: usize, const Q: usize>(
+    c: &[f64],
+    runs: &[usize],
+    y: [&[PointLanes]; 3],
+    out: &mut [CurveLanes],
+) {
+    let (rows, width) = if P * Q == 0 { (runs.len(), y[0].len()) } else { (P, Q) };
+    let y = [&y[0][..width], &y[1][..width], &y[2][..width]];
+    for (start, curves) in runs[..rows].iter().zip(&mut out[..rows]) {
+        let c = &c[*start..*start + width];
+        for lanes in (0..POINTS).step_by(V::N) {
+            let (mut sums, mut sizes) = ([V::splat(0.0); 3], [V::splat(0.0); 3]);
+            for (b, value) in c.iter().enumerate() {
+                let (value, m) = (V::splat(*value), three::<V>(y, b, lanes));
+                for j in 0..3 {
+                    sums[j] = value.mul_add(m[j], sums[j]);
+                    sizes[j] = value.abs().mul_add(m[j].abs(), sizes[j]);
+                }
+            }
+            for j in 0..3 {
+                sums[j].store(&mut curves[j][lanes..]);
+                sizes[j].store(&mut curves[3 + j][lanes..]);
+            }
+        }
+    }
+}
+
 /// The five derivatives, and the sizes of their terms.
 #[inline(always)]
 fn derivatives<V: Lanes>(points: &CellPoints, lanes: usize) -> [[V; 5]; 2] {
     let (mut d, mut sizes) = ([V::splat(0.0); 5], [V::splat(0.0); 5]);
-    for (b, (curve, size)) in points.curves.iter().zip(points.curve_sizes).enumerate() {
-        let m = three::<V>(points.y, b, lanes);
-        let (c, s) = (splats::<V>(*curve), splats::<V>(*size));
-        for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
-            d[k] = c[i].mul_add(m[j], d[k]);
-            sizes[k] = s[i].mul_add(m[j].abs(), sizes[k]);
+    for (a, curves) in points.curves.iter().enumerate() {
+        let n = splats::<V>([points.x[0][a], points.x[1][a], points.x[2][a]]);
+        for (k, (i, j)) in ORDERS.into_iter().enumerate() {
+            d[k] = n[i].mul_add(V::load(&curves[j][lanes..]), d[k]);
+            sizes[k] = n[i].abs().mul_add(V::load(&curves[3 + j][lanes..]), sizes[k]);
         }
     }
     [d, sizes]
@@ -87,9 +123,9 @@ fn inverse<V: Lanes>(v: V) -> V {
     V::select(zero.less(v), one.div(v), zero)
 }
 
-/// `[dS/d_k, dR/d_k]`, `k1 + k2`, `k1 - k2`.
+/// `[dS/d_k, dR/d_k]`, and `k1 + k2`, `k1 - k2`, R.
 #[inline(always)]
-fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
+fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], [V; 3]) {
     let (zero, one, two, three) = (V::splat(0.0), V::splat(1.0), V::splat(2.0), V::splat(3.0));
     let l2 = p.mul_add(p, one);
     let (by_l2, by_w2) = (one.div(l2), one.div(q.mul_add(q, l2)));
@@ -120,7 +156,8 @@ fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
     let twice = b + b;
     let gap2 = half.mul_add(half, twice * twice);
     let gap = gap2.sqrt();
-    let by_size2 = inverse(sum.mul_add(sum, gap2));
+    let size2 = sum.mul_add(sum, gap2);
+    let by_size2 = inverse(size2);
     let (by_gap, by_size) = (inverse(gap), by_size2.sqrt());
     let (of_sum, of_gap) = (gap * by_size2, sum * by_size2);
     let mut out = [[zero; 5]; 2];
@@ -131,7 +168,7 @@ fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], V, V) {
         out[0][k] = of_gap.neg_mul_add(d_gap, of_sum * (ak + dc[k])) * V::splat(-std::f64::consts::FRAC_2_PI);
         out[1][k] = a.mul_add(ak, c.mul_add(dc[k], twice * bk)) * by_size;
     }
-    (out, sum, gap)
+    (out, [sum, gap, size2 * by_size * V::splat(0.5)])
 }
 
 impl<'a> CellPoints<'a> {
@@ -144,28 +181,51 @@ impl<'a> CellPoints<'a> {
         CellPoints {
             x: [&x[..P], &dx[..P], &ddx[..P]],
             y: [&y[..Q], &dy[..Q], &ddy[..Q]],
-            curves: &self.curves[..Q],
-            curve_sizes: &self.curve_sizes[..Q],
+            curves: &self.curves[..P],
             ..*self
         }
+    }
+
+    /// e. Most points are far from umbilic: norms tell, before the derivatives' errors are worked out.
+    #[inline(always)]
+    fn off(&self) -> [f64; 5] {
+        let mut squares = [0.0; 3];
+        for (k, square) in squares.iter_mut().enumerate() {
+            for n in self.x[k] {
+                *square = n.mul_add(*n, *square);
+            }
+        }
+        let lengths = [squares[0].sqrt(), squares[1].sqrt(), squares[2].sqrt()];
+        let mut off = [0.0; 5];
+        for (off, (i, j)) in off.iter_mut().zip(ORDERS) {
+            *off = self.moved * lengths[i] * self.lengths[j];
+        }
+        off
     }
 }
 
 #[inline(always)]
-fn gradients<V: Lanes, const P: usize, const Q: usize>(points: &CellPoints, out: &mut ShapeGradients) {
+fn gradients<V: Lanes, const P: usize, const Q: usize>(
+    points: &CellPoints,
+    entries: [&mut [PointLanes]; 2],
+    out: &mut PointShapes,
+) {
     let points = &points.cut::<P, Q>();
-    let width = points.curves.len();
+    let width = points.y[0].len();
+    let [of_shape_index, of_curvedness] = entries;
+    let cell = points.x[0].len() * width;
+    let entries = [&mut of_shape_index[..cell], &mut of_curvedness[..cell]];
+    let off = points.off();
     for lanes in (0..POINTS).step_by(V::N) {
         let [d, sizes] = derivatives::<V>(points, lanes);
-        let (gradients, sum, difference) = gradient(d);
-        let size = (sum.mul_add(sum, difference * difference)).sqrt() * V::splat(0.5);
+        let (gradients, [sum, difference, size]) = gradient(d);
         let sound = is_sound(&gradients[0], size);
         let unit = V::splat(points.rounding);
         for (k, g) in gradients.iter().enumerate() {
             let mut rounding = if k == 0 { V::splat(1.0) } else { size };
             (0..5).for_each(|k| rounding = g[k].abs().mul_add(sizes[k], rounding));
             V::select(sound, rounding * unit, V::splat(f64::NAN)).store(&mut out.roundings[k][lanes..]);
-            for (a, target) in out.by_coefficients[k][..points.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+            for (a, target) in entries[k].chunks_exact_mut(width).enumerate() {
                 let [n, dn, ddn] = splats([points.x[0][a], points.x[1][a], points.x[2][a]]);
                 let of_m = g[0].mul_add(dn, g[2] * ddn);
                 let of_dm = g[1].mul_add(n, g[3] * dn);
@@ -177,10 +237,11 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(points: &CellPoints, out:
             }
         }
         (0..5).for_each(|k| sizes[k].store(&mut out.terms[k][lanes..]));
-        near(points, &sizes, sum, difference).store(&mut out.near[lanes..]);
+        near(points, &off, &sizes, sum, difference).store(&mut out.near[lanes..]);
         sum.store(&mut out.sum[lanes..]);
         difference.store(&mut out.difference[lanes..]);
-        size.store(&mut out.curvedness[lanes..]);
+        V::splat(1.0).store(&mut out.sizes[0][lanes..]);
+        size.store(&mut out.sizes[1][lanes..]);
     }
 }
 
@@ -193,30 +254,39 @@ fn is_sound<V: Lanes>(g: &[V; 5], size: V) -> V::Mask {
 }
 
 #[inline(always)]
-fn near<V: Lanes>(points: &CellPoints, sizes: &[V; 5], sum: V, difference: V) -> V {
+fn near<V: Lanes>(points: &CellPoints, off: &[f64; 5], sizes: &[V; 5], sum: V, difference: V) -> V {
     let unit = V::splat(points.rounding);
-    let off = |k: usize| unit.mul_add(sizes[k], V::splat(points.off[k]));
+    let off = |k: usize| unit.mul_add(sizes[k], V::splat(off[k]));
     let bend = (sum.abs() + difference) * V::splat(0.5);
     let opens = V::splat(2.0) * off(3).mul_add(V::splat(2.0), off(2) + off(4));
     let opens = (V::splat(4.0) * bend).mul_add(off(0) + off(1), opens);
     V::select(opens.less(difference), V::splat(0.0), V::splat(1.0))
 }
 
-impl ShapeGradients {
-    /// Room for cells of `(p + 1)(q + 1)` coefficients.
-    pub fn new(coefficients: usize) -> ShapeGradients {
-        let by_coefficients = [vec![[0.0; POINTS]; coefficients], vec![[0.0; POINTS]; coefficients]];
-        ShapeGradients { by_coefficients, ..ShapeGradients::default() }
-    }
-}
-
-/// The gradients at eight points.
+/// The curves of a cell: `c` the coefficients, `runs` the first of each row of the cell, `y` M, M', M'' at the points.
 ///
 /// # Panics
-/// When basis rows are shorter than the curves or than `out` asks for.
-pub fn shape_gradients(level: Level, points: &CellPoints, out: &mut ShapeGradients) {
+/// When a run leaves the coefficients, or rows are not of one length.
+pub fn cell_curves(level: Level, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], out: &mut [CurveLanes]) {
+    by_width!(level, [runs.len(), y[0].len()], curves(
+        c: &[f64],
+        runs: &[usize],
+        y: [&[PointLanes]; 3],
+        out: &mut [CurveLanes],
+    ));
+}
+
+/// The gradients at eight points: dS/dc and dR/dc in `entries`, number `a (q + 1) + b`, and what comes with them.
+///
+/// # Panics
+/// When there are fewer curves or entries than basis rows ask for.
+pub fn shape_gradients(level: Level, points: &CellPoints, entries: [&mut [PointLanes]; 2], out: &mut PointShapes) {
     let widths = [points.x[0].len(), points.y[0].len()];
-    by_width!(level, widths, gradients(points: &CellPoints, out: &mut ShapeGradients));
+    by_width!(level, widths, gradients(
+        points: &CellPoints,
+        entries: [&mut [PointLanes]; 2],
+        out: &mut PointShapes,
+    ));
 }
 
 #[cfg(test)]
@@ -241,41 +311,39 @@ mod tests {
         let y = [0, 1, 2].map(|k| (0..size[1]).map(|b| std::array::from_fn(|l| rows[l].derivative(k)[b])).collect());
         let y: [Vec<[f64; POINTS]>; 3] = y;
         let x = [0, 1, 2].map(|k| bx.derivative(k));
-        let sums = |b: usize, of: fn(f64) -> f64| x.map(|n| (0..size[0]).map(|a| of(n[a] * c[[a, b]])).sum::<f64>());
-        let curves: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, |v| v)).collect();
-        let curve_sizes: Vec<[f64; 3]> = (0..size[1]).map(|b| sums(b, f64::abs)).collect();
-        let points = CellPoints {
-            x,
-            y: y.each_ref().map(|y| &y[..]),
-            curves: &curves,
-            curve_sizes: &curve_sizes,
-            off: [1e-3; 5],
-            rounding: UNIT,
-        };
-        let mut made = ShapeGradients::new(size[0] * size[1]);
-        shape_gradients(level, &points, &mut made);
+        let y = y.each_ref().map(|y| &y[..]);
+        let runs: Vec<usize> = (0..size[0]).map(|a| a * size[1]).collect();
+        let mut curves = vec![CurveLanes::default(); size[0]];
+        cell_curves(level, c.as_slice().unwrap(), &runs, y, &mut curves);
+        let lengths = [0.5, 1.0, 2.0];
+        let points = CellPoints { x, y, curves: &curves, lengths, moved: 1e-3, rounding: UNIT };
+        let [mut of_s, mut of_r] = [vec![[0.0; POINTS]; size[0] * size[1]], vec![[0.0; POINTS]; size[0] * size[1]]];
+        let mut made = PointShapes::default();
+        shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
+        let entries = [of_s, of_r];
         let (mut gradients, mut terms) = (Twins::new("shape_gradients", level), Twins::new("their terms", level));
         for (l, by) in rows.iter().enumerate() {
             let expected = shape_gradient(&surface.with_rows(&bx, by));
             for (k, by_point) in [&expected.shape_index, &expected.curvedness].into_iter().enumerate() {
                 by_coefficients(by_point, &bx, by, |a, b, value| {
-                    gradients.compare(made.by_coefficients[k][a * size[1] + b][l], value);
+                    gradients.compare(entries[k][a * size[1] + b][l], value);
                 });
             }
             gradients.compare(made.sum[l], expected.sum);
             gradients.compare(made.difference[l], expected.difference);
-            gradients.compare(made.curvedness[l], 0.5 * expected.sum.hypot(expected.difference));
-            for (k, (i, j)) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
+            gradients.compare(made.sizes[1][l], 0.5 * expected.sum.hypot(expected.difference));
+            for (k, (i, j)) in ORDERS.into_iter().enumerate() {
                 let term = |a: usize, b: usize| (c[[a, b]] * bx.derivative(i)[a] * by.derivative(j)[b]).abs();
                 terms.compare(made.terms[k][l], (0..size[0] * size[1]).map(|u| term(u / size[1], u % size[1])).sum());
             }
             for (k, (g, size)) in
-                [(&expected.shape_index, 1.0), (&expected.curvedness, made.curvedness[l])].iter().enumerate()
+                [(&expected.shape_index, 1.0), (&expected.curvedness, made.sizes[1][l])].iter().enumerate()
             {
                 let sum: f64 = (0..5).map(|k| g[k].abs() * made.terms[k][l]).sum();
                 terms.compare(made.roundings[k][l], UNIT * (sum + size));
             }
-            let off = |k: usize| 1e-3 + UNIT * made.terms[k][l];
+            let length = |k: usize| bx.derivative(k).iter().map(|n| n * n).sum::<f64>().sqrt();
+            let off = |k: usize| 1e-3 * length(ORDERS[k].0) * lengths[ORDERS[k].1] + UNIT * made.terms[k][l];
             let bend = 0.5 * (expected.sum.abs() + expected.difference);
             let opens = 2.0 * (off(2) + 2.0 * off(3) + off(4)) + 4.0 * bend * (off(0) + off(1));
             assert_eq!(made.near[l] > 0.0, expected.difference <= opens, "{} lane {l}", level.name());
@@ -301,13 +369,14 @@ mod tests {
         let y = y.each_ref().map(|y| &y[..]);
         for level in Level::available() {
             for (twist, alive) in [(0.3, true), (0.0, false)] {
-                let curves = [[0.1, 0.2, 0.0], [0.1, 0.2 + twist, 0.0]];
-                let mut made = ShapeGradients::new(4);
-                shape_gradients(
-                    level,
-                    &CellPoints { x, y, curves: &curves, curve_sizes: &curves, off: [0.0; 5], rounding: UNIT },
-                    &mut made,
-                );
+                // c_01 - c_00 and c_11 - c_10 are the slopes in y; the twist is their difference
+                let c = [0.1, 0.3, 0.1, 0.3 + twist];
+                let mut curves = [CurveLanes::default(); 2];
+                cell_curves(level, &c, &[0, 2], y, &mut curves);
+                let [mut of_s, mut of_r] = [[[0.0; POINTS]; 4]; 2];
+                let mut made = PointShapes::default();
+                let points = CellPoints { x, y, curves: &curves, lengths: [1.0; 3], moved: 0.0, rounding: UNIT };
+                shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
                 let [first, ..] = made.roundings[0];
                 assert!(made.roundings[0].iter().all(|r| r.is_nan() != alive && (!alive || *r == first)));
             }

@@ -26,19 +26,15 @@ pub struct CellSites<'a> {
     /// M and M', `q + 1` each.
     pub y: [&'a [SiteLanes]; 2],
     /// z, a, b, d.
-    pub weights: &'a [SiteLanes; 4],
+    pub weights: &'a [SiteLanes],
 }
 
-/// Sums over the sites of a cell, an entry a coefficient of the cell, still lane by lane.
-#[derive(Clone, Debug)]
-pub struct ColumnSums {
-    /// `E'r`.
-    pub products: Vec<SiteLanes>,
-    /// `|E|'|r|`.
-    pub sizes: Vec<SiteLanes>,
-    /// Squares of the columns.
-    pub norms: Vec<SiteLanes>,
-}
+/// Sums over the sites of a cell for one coefficient, still lane by lane: `E'r`, `|E|'|r|`, squares of the column.
+pub type ColumnSums = [SiteLanes; 3];
+/// Places in [`ColumnSums`].
+const PRODUCTS: usize = 0;
+const SIZES: usize = 1;
+const NORMS: usize = 2;
 
 impl<'a> CellSites<'a> {
     /// The same with lengths that the compiler knows where P and Q are not 0.
@@ -47,15 +43,8 @@ impl<'a> CellSites<'a> {
         if P * Q == 0 {
             return *self;
         }
-        CellSites { x: self.x.map(|x| &x[..P]), y: self.y.map(|y| &y[..Q]), weights: self.weights }
-    }
-}
-
-impl ColumnSums {
-    /// Zeros for this many coefficients.
-    pub fn new(coefficients: usize) -> ColumnSums {
-        let zeros = || vec![[0.0; SITES]; coefficients];
-        ColumnSums { products: zeros(), sizes: zeros(), norms: zeros() }
+        let ([x, dx], [y, dy]) = (self.x, self.y);
+        CellSites { x: [&x[..P], &dx[..P]], y: [&y[..Q], &dy[..Q]], weights: &self.weights[..4] }
     }
 }
 
@@ -97,9 +86,15 @@ fn rows_of<V: Lanes>(sites: &CellSites, c: &[f64], lanes: usize, of: impl Fn(V) 
     [z * out[0], wa.mul_add(out[1], wb * out[2]), d * out[2]]
 }
 
-/// `sums += E'r` with every number of E through `of`.
+/// `sums += E'r` with every number of E through `of`, in the place PLACE.
 #[inline(always)]
-fn transposed<V: Lanes>(sites: &CellSites, r: [V; 3], lanes: usize, of: impl Fn(V) -> V, sums: &mut [SiteLanes]) {
+fn transposed<V: Lanes, const PLACE: usize>(
+    sites: &CellSites,
+    r: [V; 3],
+    lanes: usize,
+    of: impl Fn(V) -> V,
+    sums: &mut [ColumnSums],
+) {
     let at = |row: &SiteLanes| of(V::load(&row[lanes..]));
     let w = sites.weights;
     let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
@@ -109,27 +104,28 @@ fn transposed<V: Lanes>(sites: &CellSites, r: [V; 3], lanes: usize, of: impl Fn(
         let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
         let (along, across) = (value.mul_add(n, slope_x * dn), slope_y * n);
         for (b, sum) in sums.iter_mut().enumerate() {
-            let terms = across.mul_add(at(&sites.y[1][b]), V::load(&sum[lanes..]));
-            along.mul_add(at(&sites.y[0][b]), terms).store(&mut sum[lanes..]);
+            let sum = &mut sum[PLACE][lanes..];
+            let terms = across.mul_add(at(&sites.y[1][b]), V::load(sum));
+            along.mul_add(at(&sites.y[0][b]), terms).store(sum);
         }
     }
 }
 
 /// `norms += ` squares of the rows, row by row.
 #[inline(always)]
-fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, norms: &mut [SiteLanes]) {
+fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, sums: &mut [ColumnSums]) {
     let at = |row: &SiteLanes| V::load(&row[lanes..]);
     let w = sites.weights;
     let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
     let width = sites.y[0].len();
-    for (a, norms) in norms[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+    for (a, sums) in sums[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
         let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
         let [zn, an, bn, d_n] = [z * n, wa * dn, wb * n, d * n];
-        for (b, norm) in norms.iter_mut().enumerate() {
+        for (b, sum) in sums.iter_mut().enumerate() {
             let (m, dm) = (at(&sites.y[0][b]), at(&sites.y[1][b]));
             let (value, slope_x, slope_y) = (zn * m, an.mul_add(m, bn * dm), d_n * dm);
-            let sum = value.mul_add(value, at(norm));
-            slope_y.mul_add(slope_y, slope_x.mul_add(slope_x, sum)).store(&mut norm[lanes..]);
+            let norm = value.mul_add(value, at(&sum[NORMS]));
+            slope_y.mul_add(slope_y, slope_x.mul_add(slope_x, norm)).store(&mut sum[NORMS][lanes..]);
         }
     }
 }
@@ -140,7 +136,7 @@ fn first<V: Lanes, const P: usize, const Q: usize>(
     c: &[f64],
     targets: &[SiteLanes; 3],
     [computed, sizes]: [&mut [SiteLanes; 3]; 2],
-    products: &mut [SiteLanes],
+    columns: &mut [ColumnSums],
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
@@ -152,7 +148,7 @@ fn first<V: Lanes, const P: usize, const Q: usize>(
             left[k].store(&mut computed[k][lanes..]);
             (magnitudes[k] + targets[k].abs()).store(&mut sizes[k][lanes..]);
         }
-        transposed::<V>(sites, left, lanes, |v| v, products);
+        transposed::<V, PRODUCTS>(sites, left, lanes, |v| v, columns);
     }
 }
 
@@ -161,7 +157,7 @@ fn second<V: Lanes, const P: usize, const Q: usize>(
     sites: &CellSites,
     v: &[f64],
     r: &mut [SiteLanes; 3],
-    products: &mut [SiteLanes],
+    columns: &mut [ColumnSums],
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
@@ -171,7 +167,7 @@ fn second<V: Lanes, const P: usize, const Q: usize>(
             left[k] = V::load(&r[k][lanes..]) - moved[k];
             left[k].store(&mut r[k][lanes..]);
         }
-        transposed::<V>(sites, left, lanes, |v| v, products);
+        transposed::<V, PRODUCTS>(sites, left, lanes, |v| v, columns);
     }
 }
 
@@ -180,7 +176,7 @@ fn last<V: Lanes, const P: usize, const Q: usize>(
     sites: &CellSites,
     [r, computed]: [&[SiteLanes; 3]; 2],
     sizes: &mut [SiteLanes; 3],
-    columns: &mut ColumnSums,
+    columns: &mut [ColumnSums],
     rows: &mut RowSums,
 ) {
     let sites = &sites.cut::<P, Q>();
@@ -200,12 +196,12 @@ fn last<V: Lanes, const P: usize, const Q: usize>(
         residual.store(&mut rows.residual[lanes..]);
         worst.store(&mut rows.worst[lanes..]);
         let sizes = [left[0].abs(), left[1].abs(), left[2].abs()];
-        transposed::<V>(sites, sizes, lanes, V::abs, &mut columns.sizes);
-        add_norms::<V>(sites, lanes, &mut columns.norms);
+        transposed::<V, SIZES>(sites, sizes, lanes, V::abs, columns);
+        add_norms::<V>(sites, lanes, columns);
     }
 }
 
-/// The first visit: `computed = targets - E c`, `sizes = |E||c| + |targets|`, `products += E'computed`.
+/// The first visit: `computed = targets - E c`, `sizes = |E||c| + |targets|`, and `E'computed` added to the columns.
 ///
 /// # Panics
 /// When slices are shorter than the cell's `(p + 1)(q + 1)` coefficients.
@@ -215,26 +211,32 @@ pub fn first_pass(
     c: &[f64],
     targets: &[SiteLanes; 3],
     out: [&mut [SiteLanes; 3]; 2],
-    products: &mut [SiteLanes],
+    columns: &mut [ColumnSums],
 ) {
     by_width!(level, [sites.x[0].len(), sites.y[0].len()], first(
         sites: &CellSites,
         c: &[f64],
         targets: &[SiteLanes; 3],
         out: [&mut [SiteLanes; 3]; 2],
-        products: &mut [SiteLanes],
+        columns: &mut [ColumnSums],
     ));
 }
 
-/// The second visit: `r -= E v`, `products += E'r`.
+/// The second visit: `r -= E v`, and `E'r` added to the columns.
 ///
 /// # Panics
 /// As [`first_pass`].
-pub fn second_pass(level: Level, sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], products: &mut [SiteLanes]) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], second(sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], products: &mut [SiteLanes]));
+pub fn second_pass(level: Level, sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], columns: &mut [ColumnSums]) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], second(
+        sites: &CellSites,
+        v: &[f64],
+        r: &mut [SiteLanes; 3],
+        columns: &mut [ColumnSums],
+    ));
 }
 
-/// What remains to be summed when r is final (`residuals`: r and computed): `sizes += |r|`, then the sums of `columns` (all but products) and `rows`.
+/// What remains to be summed when r is final (`residuals`: r and computed): `sizes += |r|`, then the sums of `columns`
+/// (all but the products) and `rows`.
 ///
 /// # Panics
 /// As [`first_pass`].
@@ -243,14 +245,14 @@ pub fn last_sums(
     sites: &CellSites,
     residuals: [&[SiteLanes; 3]; 2],
     sizes: &mut [SiteLanes; 3],
-    columns: &mut ColumnSums,
+    columns: &mut [ColumnSums],
     rows: &mut RowSums,
 ) {
     by_width!(level, [sites.x[0].len(), sites.y[0].len()], last(
         sites: &CellSites,
         residuals: [&[SiteLanes; 3]; 2],
         sizes: &mut [SiteLanes; 3],
-        columns: &mut ColumnSums,
+        columns: &mut [ColumnSums],
         rows: &mut RowSums,
     ));
 }
@@ -323,8 +325,8 @@ mod tests {
         let apply = |l: usize, k: usize, v: &[f64]| (0..unknowns).map(|u| cell.entry(l, k, u) * v[u]).sum::<f64>();
         for level in Level::available() {
             let [mut computed, mut sizes] = [[[0.0; SITES]; 3]; 2];
-            let mut sums = ColumnSums::new(unknowns);
-            first_pass(level, &cell.sites(), &cell.c, &targets, [&mut computed, &mut sizes], &mut sums.products);
+            let mut sums = vec![ColumnSums::default(); unknowns];
+            first_pass(level, &cell.sites(), &cell.c, &targets, [&mut computed, &mut sizes], &mut sums);
             let mut twins = Twins::new("site_passes", level);
             let mut over = |l: usize, k: usize| {
                 let size: f64 = (0..unknowns).map(|u| cell.size(l, k, u) * cell.c[u].abs()).sum();
@@ -333,8 +335,8 @@ mod tests {
             };
             (0..3 * SITES).for_each(|p| over(p / 3, p % 3));
             let mut r = computed;
-            let mut again = ColumnSums::new(unknowns);
-            second_pass(level, &cell.sites(), &v, &mut r, &mut again.products);
+            let mut again = vec![ColumnSums::default(); unknowns];
+            second_pass(level, &cell.sites(), &v, &mut r, &mut again);
             let (before, mut rows) = (sizes, RowSums::default());
             last_sums(level, &cell.sites(), [&r, &computed], &mut sizes, &mut again, &mut rows);
             let mut expected = RowSums::default();
@@ -353,10 +355,10 @@ mod tests {
             }
             for u in 0..unknowns {
                 let sum = |of: &dyn Fn(usize, usize) -> f64| (0..3 * SITES).map(|p| of(p / 3, p % 3)).sum::<f64>();
-                twins.compare(add_lanes(&sums.products[u]), sum(&|l, k| cell.entry(l, k, u) * computed[k][l]));
-                twins.compare(add_lanes(&again.products[u]), sum(&|l, k| cell.entry(l, k, u) * r[k][l]));
-                twins.compare(add_lanes(&again.sizes[u]), sum(&|l, k| cell.size(l, k, u) * r[k][l].abs()));
-                twins.compare(add_lanes(&again.norms[u]), sum(&|l, k| cell.entry(l, k, u).powi(2)));
+                twins.compare(add_lanes(&sums[u][PRODUCTS]), sum(&|l, k| cell.entry(l, k, u) * computed[k][l]));
+                twins.compare(add_lanes(&again[u][PRODUCTS]), sum(&|l, k| cell.entry(l, k, u) * r[k][l]));
+                twins.compare(add_lanes(&again[u][SIZES]), sum(&|l, k| cell.size(l, k, u) * r[k][l].abs()));
+                twins.compare(add_lanes(&again[u][NORMS]), sum(&|l, k| cell.entry(l, k, u).powi(2)));
             }
             twins.hold(4.0);
         }

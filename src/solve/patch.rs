@@ -1,7 +1,7 @@
 //! Cholesky for a patch of one segment per direction, degree 2, 3 or 4: 9, 16 or 25 unknowns, all lengths literal.
 
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::simd::{DenseColumns, Level, factor_columns};
+use crate::simd::{DenseColumns, Level, factor_columns, invert_columns};
 
 /// A factor of 9, 16 or 25 unknowns.
 #[derive(Debug)]
@@ -124,25 +124,9 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
         self.backward(v);
     }
 
-    /// `Z'Z` with `Z = L^-1`, column by column of both triangles.
     fn write_inverse(&self, out: &mut [f64]) {
-        // Z's column k in row k
-        let mut z = [[0.0; N]; N];
-        for k in 0..N {
-            z[k][k] = 1.0;
-            for j in k..N {
-                z[k][j] *= self.inverse[j];
-                let value = z[k][j];
-                for i in j + 1..N {
-                    z[k][i] -= self.columns[j][i] * value;
-                }
-            }
-        }
-        for (u, row) in out.chunks_exact_mut(N).enumerate() {
-            for (v, entry) in row.iter_mut().enumerate() {
-                *entry = (u.max(v)..N).map(|i| z[u][i] * z[v][i]).sum();
-            }
-        }
+        let inverse = invert_columns(Level::active(), &self.columns, &self.inverse);
+        out.chunks_exact_mut(N).zip(&inverse).for_each(|(out, row)| out.copy_from_slice(&row[..N]));
     }
 
     /// `v <- L^-T v`; the sum ends with the unknown found last, so that the others do not wait for it.
