@@ -153,7 +153,7 @@ fn weighted_grid_iterations() -> Result<u64, Fault> {
     iterations.ok_or_else(|| "conjugate gradients did not say how many".into())
 }
 
-/// Gauss-Newton steps of the paper's contacts with normals, both noise levels estimated.
+/// Gauss-Newton steps of the paper's contacts with normals at all levels tried while both noise levels are estimated.
 fn normal_iterations() -> Result<u64, Fault> {
     let [x, y, z, zx, zy] = workloads::paper(false).0;
     let (nx, ny) = (zx.iter().map(|p| -p).collect(), zy.iter().map(|q| -q).collect());

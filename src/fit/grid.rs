@@ -5,7 +5,8 @@
 
 use super::equations::Equations;
 use super::gaps::Free;
-use super::solver::{Factor, MethodUsed, Reason, Solution, refine};
+use super::refinement::refine;
+use super::solver::{Factor, MethodUsed, Reason, Solution};
 use super::{FitError, Method, Observed};
 use crate::linalg::{Metric, Sites, StencilMatrix};
 use crate::observation::GridSites;

@@ -47,6 +47,7 @@ mod plan;
 mod plane_rows;
 mod probes;
 mod promise;
+mod refinement;
 mod robust;
 mod row_passes;
 mod rows;

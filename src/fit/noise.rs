@@ -5,10 +5,16 @@
 //! ```
 //!
 //! iterated until both move by less than 1e-6 of themselves. H. D. Patterson and R. Thompson, Biometrika 58 (1971);
-//! normals count two rows each.
+//! normals count two rows each. The surface sees only the levels' ratio, so the iteration is one of a single number
+//!
+//! ```text
+//! t = ln(sigma_z / sigma_slope), h(t) after a step         t <- t + (h(t) - t) / (1 - rho),  rho = dh/dt by differences
+//! ```
+//!
+//! which is the secant method; in between, fits are only as exact as the levels have come to be.
 
 use super::equations::{Block, Equations, data_normal_matrix, only};
-use super::normals::Levels;
+use super::normals::{Levels, SETTLED};
 use super::probes::Signs;
 use super::solver::Solution;
 use super::{FitError, Note};
@@ -18,6 +24,13 @@ use crate::linalg::{Sites, StencilMatrix};
 const STANDS: f64 = 1e-6;
 /// The iteration contracts by the blocks' overlap, at worst slowly; 300 steps reach 1e-6 from a contraction of 0.95.
 const MAX_STEPS: usize = 300;
+/// Fits between move in their last step by at most this share of the levels' last move; what is left to move is smaller
+/// by another factor, the contraction of Gauss-Newton, and does not mislead the secant.
+const SHARE: f64 = 0.2;
+/// A last step that large is no fit yet.
+const ROUGHEST: f64 = 1e-2;
+/// Extrapolation beyond ten steps trusts two differences too far.
+const STEEPEST: f64 = 0.9;
 /// Up to this many unknowns the trace is exact, one solve per unknown; beyond, probes do (error below sqrt(2 n / 64)).
 const EXACT_TRACE: usize = 400;
 /// Probes of Hutchinson's estimator: its sd is then 18 % of sqrt(n), against rows that outnumber n.
@@ -82,36 +95,82 @@ fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
     sum / PROBES as f64
 }
 
-/// Estimates both levels; `solve_at` fits at given levels, starting from the coefficients of the fit before.
+/// What a trial is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// Noise levels.
+    pub levels: Levels,
+    /// Coefficients of the fit before.
+    pub start: Option<&'a [f64]>,
+    /// What the last step may move, relative to the largest coefficient.
+    pub within: f64,
+}
+
+/// Estimates both levels; `solve_at` fits at given levels, settled at those that stand and roughly on the way.
 ///
-/// Returns the levels, the last trial and what there is to say about them.
+/// Returns the levels, their trial and what there is to say about them.
 pub fn variance_components(
-    mut solve_at: impl FnMut(Levels, Option<&[f64]>) -> Result<Trial, FitError>,
+    mut solve_at: impl FnMut(Asked) -> Result<Trial, FitError>,
 ) -> Result<(Levels, Trial, Option<Note>), FitError> {
-    let mut levels = Levels { z: 1.0, slope: 1.0 };
-    let mut trial = solve_at(levels, None)?;
+    let (mut levels, mut within) = (Levels { z: 1.0, slope: 1.0 }, ROUGHEST);
+    let mut trial = solve_at(Asked { levels, start: None, within })?;
     let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
-    let rms = [0, 1].map(|b| if rows[b] > 0.0 { (trial.squares[b] / rows[b]).sqrt() } else { 0.0 });
-    if rms[0] <= NO_NOISE && rms[1] <= NO_NOISE {
-        return Ok((levels, trial, Some(Note::NoNoise)));
+    let rms = |t: &Trial| [0, 1].map(|b| if rows[b] > 0.0 { (t.squares[b] / rows[b]).sqrt() } else { 0.0 });
+    if rms(&trial).iter().all(|r| *r <= ROUGHEST) {
+        // so little may be noise, or what the last step has left
+        within = SETTLED;
+        trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within })?;
+        if rms(&trial).iter().all(|r| *r <= NO_NOISE) {
+            return Ok((levels, trial, Some(Note::NoNoise)));
+        }
     }
+    let mut secant = Secant::default();
     for _ in 0..MAX_STEPS {
-        let traces = hat_traces(&trial.equations, &trial.solution);
-        let update = |level: f64, b: usize| {
-            let freedom = rows[b] - traces[b];
-            if rows[b] == 0.0 || freedom <= 1e-9 * rows[b] {
-                return level;
-            }
-            (level * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
-        };
-        let next = Levels { z: update(levels.z, 0), slope: update(levels.slope, 1) };
+        let next = step(levels, &trial, rows);
         let moved = (next.z / levels.z - 1.0).abs().max((next.slope / levels.slope - 1.0).abs());
-        levels = next;
-        trial = solve_at(levels, Some(&trial.solution.coefficients))?;
-        if moved < STANDS {
+        let stands = moved < STANDS;
+        if stands && within <= SETTLED {
             break;
         }
+        levels = secant.after(levels, next);
+        within = if stands { SETTLED } else { (SHARE * moved).clamp(SETTLED, ROUGHEST) };
+        trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within })?;
+    }
+    if within > SETTLED {
+        trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within: SETTLED })?;
     }
     let vanished = levels.z <= NO_NOISE || levels.slope <= NO_NOISE;
     Ok((levels, trial, vanished.then_some(Note::LevelVanished)))
+}
+
+/// The levels that the residuals of a trial say; a block without rows or freedom keeps its own.
+fn step(levels: Levels, trial: &Trial, rows: [f64; 2]) -> Levels {
+    let traces = hat_traces(&trial.equations, &trial.solution);
+    let update = |level: f64, b: usize| {
+        let freedom = rows[b] - traces[b];
+        if rows[b] == 0.0 || freedom <= 1e-9 * rows[b] {
+            return level;
+        }
+        (level * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
+    };
+    Levels { z: update(levels.z, 0), slope: update(levels.slope, 1) }
+}
+
+/// The levels' log ratio before and after the last step.
+#[derive(Default)]
+struct Secant(Option<[f64; 2]>);
+
+impl Secant {
+    /// Where to go after a step from `levels` to `next`: their scale is `next`'s, their ratio extrapolated.
+    fn after(&mut self, levels: Levels, next: Levels) -> Levels {
+        let ratio = |l: Levels| (l.z / l.slope).ln();
+        let now = [ratio(levels), ratio(next)];
+        let moved = now[1] - now[0];
+        let contraction = self.0.map_or(0.0, |before| (now[1] - before[1]) / (now[0] - before[0]));
+        self.0 = Some(now);
+        // NaN where nothing moved
+        let contraction = if contraction.is_finite() { contraction.clamp(-STEEPEST, STEEPEST) } else { 0.0 };
+        let beyond = (0.5 * moved * contraction / (1.0 - contraction)).exp();
+        Levels { z: (next.z * beyond).max(NO_NOISE), slope: (next.slope / beyond).max(NO_NOISE) }
+    }
 }

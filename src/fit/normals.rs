@@ -12,7 +12,7 @@ use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix, Targets, site_rows}
 use crate::observation::{angular_residual_squared, linearise_normals};
 
 /// A move below this share of the largest coefficient ends the iteration (design, section 1).
-const SETTLED: f64 = 1e-10;
+pub const SETTLED: f64 = 1e-10;
 /// Poor normals contract by a third a step, so 1e-10 takes some 25 steps; 200 means there is no minimum nearby.
 const MAX_STEPS: usize = 200;
 /// Halvings of one step; 2^-30 of a Gauss-Newton step that does not go down is a stationary point to rounding.
@@ -61,8 +61,10 @@ pub struct NormalProblem<'a> {
 }
 
 impl NormalProblem<'_> {
-    /// Minimises from `start`, or from heights alone.
-    pub fn minimise(&self, start: Option<&[f64]>) -> Result<Settled, FitError> {
+    /// Minimises from `start`, or from heights alone, until a step moves by no more than `within` of the largest
+    /// coefficient. The equations are those of that step, about the coefficients before it: [`NormalProblem::polish`]
+    /// hands on what belongs to the answer.
+    pub fn minimise(&self, start: Option<&[f64]>, within: f64) -> Result<Settled, FitError> {
         let mut current = match start {
             Some(c) => c.to_vec(),
             None => self.start()?,
@@ -71,16 +73,14 @@ impl NormalProblem<'_> {
         let mut moved = f64::INFINITY;
         for steps in 1..=MAX_STEPS {
             let equations = self.linearised(&current);
-            let solution = solver::solve(&equations, self.method)?;
+            let mut solution = solver::solve_on_the_way(&equations, self.method)?;
             let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
             let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
             moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
             moved /= largest.max(f64::MIN_POSITIVE);
             (current, value) = (next, next_value);
-            if moved <= SETTLED {
-                let equations = self.linearised(&current);
-                // one more full step, so that the answer solves the equations that are handed on
-                let solution = solver::solve(&equations, self.method)?;
+            if moved <= within {
+                solution.coefficients = current;
                 return Ok(Settled { equations, solution, steps, moved });
             }
         }
@@ -140,12 +140,12 @@ impl NormalProblem<'_> {
         let equations =
             Equations { sites: self.sites.clone(), metric: heights, targets, roughness: self.roughness.clone() };
         if equations.count() >= equations.unknowns() {
-            match solver::solve(&equations, Method::Cholesky) {
+            match solver::solve_on_the_way(&equations, Method::Cholesky) {
                 Ok(solution) if solution.rank == equations.unknowns() => return Ok(solution.coefficients),
                 _ => {}
             }
         }
-        Ok(solver::solve(&self.slope_start(), Method::Auto)?.coefficients)
+        Ok(solver::solve_on_the_way(&self.slope_start(), Method::Auto)?.coefficients)
     }
 
     fn slope_start(&self) -> Equations {

@@ -5,8 +5,8 @@
 
 use super::data::{Data, Measured};
 use super::equations::{Equations, block_squares};
-use super::noise::{Trial, hat_traces, variance_components};
-use super::normals::{Levels, NormalProblem, Settled};
+use super::noise::{Asked, Trial, hat_traces, variance_components};
+use super::normals::{Levels, NormalProblem, SETTLED, Settled};
 use super::solver::{self, Solution};
 use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
 use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix};
@@ -52,9 +52,9 @@ pub enum Note {
     LevelVanished,
     /// Axes of the patch differ from the input's.
     Turned,
-    /// Gauss-Newton steps.
+    /// Gauss-Newton steps, at all levels that were tried.
     GaussNewton {
-        /// Steps taken.
+        /// Steps taken, polishing included.
         steps: usize,
     },
     /// Coefficients without data.
@@ -251,7 +251,8 @@ fn fit_slopes(
     let mut notes = Vec::new();
     let block = block_weights(weights, scale);
     let (trial, levels) = if weights == SlopeWeights::Auto && data.has_orientation() {
-        let (levels, trial, note) = variance_components(|l, _| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
+        let (levels, trial, note) =
+            variance_components(|Asked { levels: l, .. }| trial_at([1.0 / l.z, 1.0 / l.slope, 1.0 / l.slope]))?;
         notes.extend(note);
         (trial, Some(levels))
     } else {
@@ -344,10 +345,10 @@ fn fit_normals(
     let scale = patch.frame.scale;
     let steps = std::cell::Cell::new(0);
     let at = |levels: Levels| problem(sites, &measured, levels, &roughness, method);
-    let trial_at = |levels: Levels, start: Option<&[f64]>| -> Result<Trial, FitError> {
+    let trial_at = |Asked { levels, start, within }: Asked| -> Result<Trial, FitError> {
         let problem = at(levels);
-        let settled = problem.minimise(start)?;
-        steps.set(settled.steps);
+        let settled = problem.minimise(start, within)?;
+        steps.set(steps.get() + settled.steps);
         let squares = problem.squares(&settled.solution.coefficients);
         Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
     };
@@ -356,7 +357,7 @@ fn fit_normals(
     let (levels, trial, declared) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
             let levels = Levels { z: z / scale, slope: normal_deg.to_radians() };
-            (levels, trial_at(levels, None)?, Declared::Sigma)
+            (levels, trial_at(Asked { levels, start: None, within: SETTLED })?, Declared::Sigma)
         }
         NormalSigma::Auto => {
             let (levels, trial, note) = variance_components(trial_at)?;

@@ -8,6 +8,7 @@
 use super::equations::Equations;
 use super::gaps::{self, Free};
 use super::grid;
+use super::refinement::{Refinement, refine};
 use super::{FitError, Method};
 use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::{roughness_matrix, to_csr};
@@ -18,10 +19,6 @@ use crate::solve::{Cholesky, GridSolver, PivotedQr, SolveError, TriangularFactor
 const PIVOT_IN_DOUBT: f64 = 1e-4;
 /// The condition of the normal matrix beyond which Cholesky loses more than half the digits: 1/sqrt(2^-53), rounded.
 const HALF_THE_DIGITS: f64 = 1e8;
-/// Refinement from the rows stops here; each step gains about -log10(condition^2 u) digits, two are nearly always enough.
-const MAX_REFINEMENTS: usize = 4;
-/// A refinement that is foreseen to move no coefficient by more than this share of the largest is left out.
-const NOTHING_LEFT: f64 = f64::EPSILON / 64.0;
 /// Most entries of E that are written out for the dense rank-revealing factor (32 MB).
 const DENSE_ENTRIES: usize = 1 << 22;
 
@@ -212,13 +209,22 @@ impl Solution {
 
 /// Solves the problem by the method asked for.
 pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError> {
+    solve_refined(equations, method, Refinement::UntilStill)
+}
+
+/// Solves a problem that only leads to the next: what refinement would gain where pivots look sound is left out.
+pub fn solve_on_the_way(equations: &Equations, method: Method) -> Result<Solution, FitError> {
+    solve_refined(equations, method, Refinement::WhereInDoubt)
+}
+
+fn solve_refined(equations: &Equations, method: Method, refinement: Refinement) -> Result<Solution, FitError> {
     let matrix = equations.normal_matrix();
     let mut free = gaps::find(&matrix, equations.roughness.is_some());
     let [heights, _] = equations.metric.row_counts(equations.sites.len());
     if heights == 0 {
         free = free.pin_constant(&matrix);
     }
-    let mut solution = by_method(equations, matrix, free, method)?;
+    let mut solution = by_method(equations, matrix, free, method, refinement)?;
     if heights == 0 {
         solution.reasons.push(Reason::NoHeights);
         gaps::level(equations, &mut solution.coefficients);
@@ -226,15 +232,21 @@ pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError
     Ok(solution)
 }
 
-fn by_method(equations: &Equations, matrix: StencilMatrix, free: Free, method: Method) -> Result<Solution, FitError> {
+fn by_method(
+    equations: &Equations,
+    matrix: StencilMatrix,
+    free: Free,
+    method: Method,
+    refinement: Refinement,
+) -> Result<Solution, FitError> {
     match method {
         Method::Kronecker | Method::Pcg => grid::solve(equations, matrix, &free, method),
         Method::Qr => by_qr(equations, &matrix, free, vec![Reason::Requested]),
-        Method::Cholesky => by_cholesky(equations, &matrix, &free, true).map_err(|broken| match broken {
+        Method::Cholesky => by_cholesky(equations, &matrix, &free, true, refinement).map_err(|broken| match broken {
             Broken::Solve(source) => FitError::Solve { source },
             Broken::Poor(_) => FitError::Rank { rank: 0, unknowns: equations.unknowns() },
         }),
-        _ => match by_cholesky(equations, &matrix, &free, false) {
+        _ => match by_cholesky(equations, &matrix, &free, false, refinement) {
             Ok(solution) => Ok(solution),
             Err(Broken::Solve(SolveError::NotPositiveDefinite { unknown })) => {
                 by_qr(equations, &matrix, free, vec![Reason::CholeskyBroke { unknown }])
@@ -255,6 +267,7 @@ fn by_cholesky(
     matrix: &StencilMatrix,
     free: &Free,
     requested: bool,
+    refinement: Refinement,
 ) -> Result<Solution, Broken> {
     let mut factor = Cholesky::plan(matrix.shape()).map_err(Broken::Solve)?;
     let masked = free.mask(matrix);
@@ -284,8 +297,10 @@ fn by_cholesky(
         refinement_gain: 1.0,
     };
     gaps::complete_by_turns(equations, &mut solution, free);
-    // always: without it a backward error of 1e-12 stands where pivots look sound (10,000 contacts in one spot)
-    refine(equations, &mut solution, free);
+    // where pivots look sound too: without it a backward error of 1e-12 stands (10,000 contacts in one spot)
+    if in_doubt || refinement == Refinement::UntilStill {
+        refine(equations, &mut solution, free);
+    }
     Ok(solution)
 }
 
@@ -336,7 +351,7 @@ fn by_masked_cholesky(
     reasons: Vec<Reason>,
     dense: bool,
 ) -> Result<Solution, FitError> {
-    match by_cholesky(equations, matrix, &free, true) {
+    match by_cholesky(equations, matrix, &free, true, Refinement::UntilStill) {
         Ok(mut solution) => {
             solution.reasons = reasons.into_iter().chain(solution.reasons.into_iter().skip(1)).collect();
             Ok(solution)
@@ -393,36 +408,6 @@ fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) ->
         refinements: 0,
         refinement_gain: 1.0,
     })
-}
-
-/// Corrections `(E'E)^-1 (E'(b - E c) - lambda P c)` until they stop shrinking.
-pub(super) fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
-    let (mut first, mut last) = (0.0, f64::INFINITY);
-    for step in 0..MAX_REFINEMENTS {
-        let mut correction = equations.descent(&solution.coefficients);
-        free.clear(&mut correction);
-        solution.factor.solve(&mut correction);
-        let size = correction.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        if !size.is_finite() || size >= 0.5 * last {
-            break;
-        }
-        solution.coefficients.iter_mut().zip(&correction).for_each(|(c, d)| *c += d);
-        solution.refinements = step + 1;
-        if step == 0 {
-            first = size;
-        }
-        // the first step, from zero, tells nothing of the next
-        let contraction = if step == 0 { 1.0 } else { size / last };
-        last = size;
-        // the next step would be below the last bit of every coefficient that matters
-        let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        if size * contraction <= NOTHING_LEFT * largest {
-            break;
-        }
-    }
-    if solution.refinements > 1 && first > 0.0 {
-        solution.refinement_gain = last / first;
-    }
 }
 
 /// Largest over smallest weight among the rows that count.
