@@ -54,7 +54,7 @@ impl CellLanes {
         }
         let shape =
             TensorShape { basis: [0, 1].map(|k| knots[k].n_basis()), degree: [0, 1].map(|k| knots[k].degree()) };
-        let axes = [AxisTables::new(&knots[0]), AxisTables::new(&knots[1])];
+        let axes = [AxisTables::nearest(&knots[0]), AxisTables::nearest(&knots[1])];
         let across = knots[1].n_segments();
         let counts: Vec<usize> = cell_starts.windows(2).map(|ends| (ends[1] - ends[0]) as usize).collect();
         let mut starts = vec![0];

@@ -263,6 +263,7 @@ impl CellAssembly {
         self.add_loads(segment, &sums[0], target);
     }
 
+    #[inline(always)]
     fn add_matrix(&self, [stripe, cell]: [usize; 2], sums: &[CellMoments], work: &mut Work, target: &mut Target<'_>) {
         let Work { combined, block } = work;
         let (x_tables, y_tables) = (&self.x.products[stripe], &self.y.products[cell]);
