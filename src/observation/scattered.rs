@@ -1,6 +1,5 @@
 //! Contacts wherever they fell: each row is the Kronecker product of that contact's two basis rows (Khatri-Rao).
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::cells::CellLanes;
@@ -10,8 +9,8 @@ use crate::linalg::{Site, Sites, TensorShape};
 /// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
 /// every visit, which costs twice the time and no memory.
 const KEPT: usize = 1 << 23;
-/// From this many sites on, rows are kept from the second visit on: a fit of many contacts goes by its cells' lanes and
-/// makes one visit at most. Fewer are formed with the sites, while their points are at hand.
+/// From this many sites on, rows are formed for whoever visits first: a fit of many contacts goes by its cells' lanes and
+/// visits none, the certificate does. Fewer are formed with the sites, while their points are at hand.
 const MANY: usize = 20_000;
 
 /// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
@@ -31,7 +30,6 @@ pub struct ScatteredSites {
 struct Kept {
     /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
     rows: OnceLock<Vec<f64>>,
-    visited: AtomicBool,
     lanes: OnceLock<Option<CellLanes>>,
 }
 
@@ -139,8 +137,7 @@ impl Sites for ScatteredSites {
     }
 
     fn visit(&self, mut f: impl FnMut(&Site)) {
-        let again = self.kept.visited.swap(true, Ordering::Relaxed) || self.points.len() < MANY;
-        let Some(rows) = (if again { self.rows() } else { None }) else { return self.form(f) };
+        let Some(rows) = self.rows() else { return self.form(f) };
         let across = self.knots[1].n_segments();
         let width = self.shape().degree.map(|d| d + 1);
         let mut rows = rows.chunks_exact(2 * (width[0] + width[1]));
