@@ -165,6 +165,22 @@ impl Data {
         data
     }
 
+    /// Root of the sum of squares of the heights that count, in the patch.
+    pub fn size_of_heights(&self) -> f64 {
+        let sum: f64 = match self {
+            Data::Scattered(contacts) => match &contacts.weights.z {
+                None => contacts.z.iter().map(|z| z * z).sum(),
+                Some(weights) => contacts.z.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(z, _)| z * z).sum(),
+            },
+            Data::Gridded { .. } => {
+                let measured = self.measured();
+                let counting = measured.z.iter().zip(&measured.z_weight).filter(|(_, w)| **w != 0.0);
+                counting.map(|(z, _)| z * z).sum()
+            }
+        };
+        sum.sqrt()
+    }
+
     /// Largest magnitude of a height as the user gave it (input units): what the data's own rounding scales with.
     pub fn largest_height(&self, patch: &Patch) -> f64 {
         let largest =

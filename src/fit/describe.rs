@@ -155,8 +155,7 @@ fn plane_probability(fit: &Fit) -> Option<f64> {
     if freedom <= 0.0 || (fit.noise().declared != Declared::Sigma && rest <= 0.0) {
         return None;
     }
-    let squares = |rows: &[[f64; 3]]| rows.iter().flatten().map(|v| v * v).sum::<f64>();
-    let of_fit = squares(&equations.residuals(&fitted.solution.coefficients));
+    let of_fit = equations.residual_square(&fitted.solution.coefficients);
     let largest = fit.data.largest_height(&fit.patch) / fit.patch.frame.scale;
     let plane = plane_rows(equations, largest)?;
     if plane.is_rounding {
@@ -175,16 +174,15 @@ fn is_flat(fit: &Fit, local: &ShapeMaps) -> bool {
     let side = fit.patch.side;
     let scale = fit.patch.frame.scale;
     let Some(r) = spread(points(local).map(|at| local.curvedness[at] / scale)).mean else { return false };
-    let measured = fit.data.measured();
     let sites = &fit.fitted.equations.sites;
     let largest = fit.data.largest_height(&fit.patch);
     let rounding =
         |deviation: f64| 100.0 * UNIT * fit.condition() * deviation * scale / side + 4.0 * UNIT * largest / side;
     // no residual of the least squares plane is larger than all heights together
-    let heights = measured.z.iter().zip(&measured.z_weight).filter(|(_, weight)| **weight != 0.0);
-    if r * side >= rounding(heights.map(|(z, _)| z * z).sum::<f64>().sqrt()) {
+    if r * side >= rounding(fit.data.size_of_heights()) {
         return false;
     }
+    let measured = fit.data.measured();
     let one = Metric::Uniform(RowMetric { z: 1.0, ..RowMetric::default() });
     let mut places = vec![[0.0; 3]; sites.len()];
     let knots = sites.knots();

@@ -1,11 +1,16 @@
 //! Step 3a: the weighted linear least squares problem `minimise |b - E c|^2 + lambda c'Pc` in the patch frame.
 
-use super::Observed;
-use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix, Targets, assemble, descent, normal_rhs, residuals};
-use crate::observation::{CellAssembly, CellRows, ScatteredSites, kronecker_normal_matrix};
+use std::sync::{Arc, OnceLock};
 
-/// From this many contacts on the normal matrix comes from moments, cell by cell and on all threads, not row by row. The
-/// two agree to a few units in the last place of the diagonal; below it row by row takes no time worth saving.
+use super::Observed;
+use crate::linalg::{
+    Metric, RowMetric, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
+};
+use crate::observation::{CellAssembly, CellLanes, LaneRows, kronecker_normal_matrix};
+
+/// From this many contacts on the normal matrix comes from moments, cell by cell and on all threads, and the visits of the
+/// rows from each cell's polynomial, eight contacts at once. Either agrees with the rows one by one to a few units in the
+/// last place of the largest term; below it row by row takes no time worth saving.
 const MANY: usize = 20_000;
 
 /// One linear problem: where, how weighted, towards what, how rough.
@@ -19,6 +24,8 @@ pub struct Equations {
     pub targets: Targets,
     /// `lambda` and P.
     pub roughness: Option<(f64, StencilMatrix)>,
+    /// Weights and targets of many scattered contacts cell by cell, put there by the first visit.
+    pub(super) lanes: OnceLock<Arc<LaneRows>>,
 }
 
 /// The two kinds of rows, whose noise levels are separate variance components.
@@ -43,6 +50,16 @@ pub fn only(metric: &Metric, block: Block) -> Metric {
 }
 
 impl Equations {
+    /// These rows; none is visited yet.
+    pub fn new(
+        sites: Observed,
+        metric: Metric,
+        targets: Targets,
+        roughness: Option<(f64, StencilMatrix)>,
+    ) -> Equations {
+        Equations { sites, metric, targets, roughness, lanes: OnceLock::new() }
+    }
+
     /// Equations: rows whose weight is not zero.
     pub fn count(&self) -> usize {
         self.metric.row_counts(self.sites.len()).iter().sum()
@@ -62,11 +79,46 @@ impl Equations {
         matrix
     }
 
-    /// `E' r` for weighted rows.
-    pub fn transposed(&self, rows: &Targets) -> Vec<f64> {
+    /// The rows of many scattered contacts as lanes; `None` for few, for grids and for degrees above 3.
+    fn lanes(&self) -> Option<(&CellLanes, &LaneRows)> {
+        let lanes = cell_lanes(&self.sites)?;
+        Some((lanes, self.lanes.get_or_init(|| Arc::new(lanes.rows(&self.metric, &self.targets)))))
+    }
+
+    /// `E' b`.
+    pub fn right_side(&self) -> Vec<f64> {
         let mut out = vec![0.0; self.unknowns()];
-        normal_rhs(&self.sites, &self.metric, rows, &mut out);
+        match self.lanes() {
+            Some((lanes, rows)) => lanes.descent(rows, &vec![0.0; out.len()], &mut out),
+            None => normal_rhs(&self.sites, &self.metric, &self.targets, &mut out),
+        }
         out
+    }
+
+    /// `|b - E c|^2` of either block.
+    pub fn residual_squares(&self, c: &[f64]) -> [f64; 2] {
+        match self.lanes() {
+            Some((lanes, rows)) => lanes.squares(rows, true, c),
+            None => block_squares(&self.residuals(c)),
+        }
+    }
+
+    /// `|b - E c|^2` of all rows.
+    pub fn residual_square(&self, c: &[f64]) -> f64 {
+        match self.lanes() {
+            Some((lanes, rows)) => lanes.squares(rows, true, c).iter().sum(),
+            None => self.residuals(c).iter().flatten().map(|v| v * v).sum(),
+        }
+    }
+
+    /// `|E v|^2` of either block.
+    pub fn row_squares(&self, v: &[f64]) -> [f64; 2] {
+        if let Some((lanes, rows)) = self.lanes() {
+            return lanes.squares(rows, false, v);
+        }
+        let mut rows = Targets::new();
+        apply_rows(&self.sites, &self.metric, v, &mut rows);
+        block_squares(&rows)
     }
 
     /// `b - E c`, row by row.
@@ -79,7 +131,10 @@ impl Equations {
     /// Gradient of half the objective's negative: `E'(b - E c) - lambda P c`, from the rows.
     pub fn descent(&self, c: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.unknowns()];
-        descent(&self.sites, &self.metric, &self.targets, c, &mut out);
+        match self.lanes() {
+            Some((lanes, rows)) => lanes.descent(rows, c, &mut out),
+            None => descent(&self.sites, &self.metric, &self.targets, c, &mut out),
+        }
         if let Some((lambda, penalty)) = &self.roughness {
             let mut bent = vec![0.0; c.len()];
             penalty.multiply(c, &mut bent);
@@ -97,33 +152,21 @@ pub fn data_normal_matrix(sites: &Observed, metric: &Metric) -> StencilMatrix {
         return kronecker_normal_matrix(grid, [m.z, m.a, m.d]);
     }
     let mut matrix = StencilMatrix::zeros(sites.shape());
-    if let Observed::Scattered(scattered) = sites
-        && scattered.len() >= MANY
+    if let (Observed::Scattered(scattered), Some(lanes)) = (sites, cell_lanes(sites))
         && let Some(mut cells) = CellAssembly::new(scattered.knots().clone())
     {
-        let mut nothing = vec![0.0; matrix.order()];
-        cells.assemble(metric, &Places(scattered), &mut matrix, &mut nothing);
+        cells.add_lanes(metric, lanes, &mut matrix);
         return matrix;
     }
     assemble(sites, metric, &mut matrix);
     matrix
 }
 
-/// Where contacts lie, their data left out.
-struct Places<'a>(&'a ScatteredSites);
-
-impl CellRows for Places<'_> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.0.points().len()
-    }
-    #[inline(always)]
-    fn at(&self, r: usize) -> [f64; 2] {
-        self.0.points()[r]
-    }
-    #[inline(always)]
-    fn loads(&self, _: usize) -> [f64; 3] {
-        [0.0; 3]
+/// Contacts in the order and places of their cells, where there are many.
+pub fn cell_lanes(sites: &Observed) -> Option<&CellLanes> {
+    match sites {
+        Observed::Scattered(scattered) if scattered.len() >= MANY => scattered.lanes(),
+        _ => None,
     }
 }
 

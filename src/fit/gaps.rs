@@ -120,7 +120,7 @@ fn masked(matrix: &StencilMatrix, out: impl Fn(usize) -> bool) -> StencilMatrix 
 /// Solves for the held unknowns by `solution.factor` (of the masked matrix) and for the free ones by roughness, in turn.
 pub fn complete_by_turns(equations: &Equations, solution: &mut Solution, free: &Free) {
     if free.count == 0 {
-        let mut c = equations.transposed(&equations.targets);
+        let mut c = equations.right_side();
         free.clear(&mut c);
         solution.factor.solve(&mut c);
         solution.coefficients = c;

@@ -34,7 +34,7 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
     } else {
         (GridSolver::iterative(matrix, diagonalisation), MethodUsed::Pcg)
     };
-    let mut coefficients = equations.transposed(&equations.targets);
+    let mut coefficients = equations.right_side();
     let iterations = solver.solve(&mut coefficients);
     let why = if used == MethodUsed::Kronecker { Reason::CompleteGrid } else { Reason::Iterated { iterations } };
     let mut solution = Solution {

@@ -31,8 +31,10 @@ const SHARE: f64 = 0.2;
 const ROUGHEST: f64 = 1e-2;
 /// Extrapolation beyond ten steps trusts two differences too far.
 const STEEPEST: f64 = 0.9;
-/// Up to this many unknowns the trace is exact, one solve per unknown; beyond, probes do (error below sqrt(2 n / 64)).
-const EXACT_TRACE: usize = 400;
+/// Up to this many unknowns the trace takes one solve per unknown, beyond it the inverse's entries within the band; both
+/// are exact. Other factors than a band's (more than 25,000 unknowns, QR, conjugate gradients) are probed (error below
+/// sqrt(2 n / 64)).
+const UNIT_VECTORS: usize = 400;
 /// Probes of Hutchinson's estimator: its sd is then 18 % of sqrt(n), against rows that outnumber n.
 const PROBES: usize = 64;
 /// Residuals below this in the patch frame (where data are of size 1) are rounding, not noise.
@@ -59,33 +61,45 @@ pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
     [of_heights, trace(solution, &slopes)]
 }
 
-/// `trace(A^-1 B)`.
+/// `trace(A^-1 B)` over the unknowns that the data hold.
 fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
-    let free = |u: usize| solution.unsupported.binary_search(&u).is_ok() || solution.pinned == Some(u);
+    if b.order() <= UNIT_VECTORS {
+        return by_unit_vectors(solution, b);
+    }
+    let exact = solution.factor.inverse_trace(b, |u| is_free(solution, u));
+    exact.unwrap_or_else(|| by_probes(solution, b))
+}
+
+fn is_free(solution: &Solution, u: usize) -> bool {
+    solution.unsupported.binary_search(&u).is_ok() || solution.pinned == Some(u)
+}
+
+fn by_unit_vectors(solution: &Solution, b: &StencilMatrix) -> f64 {
+    let order = b.order();
+    let mut product = vec![0.0; order];
+    let mut unit = vec![0.0; order];
+    let mut sum = 0.0;
+    for u in (0..order).filter(|&u| !is_free(solution, u)) {
+        unit.fill(0.0);
+        unit[u] = 1.0;
+        b.multiply(&unit, &mut product);
+        solution.clear_free(&mut product);
+        solution.factor.solve(&mut product);
+        sum += product[u];
+    }
+    sum
+}
+
+fn by_probes(solution: &Solution, b: &StencilMatrix) -> f64 {
     let order = b.order();
     let mut product = vec![0.0; order];
     let mut probe = vec![0.0; order];
-    if order <= EXACT_TRACE {
-        let mut sum = 0.0;
-        for u in 0..order {
-            if free(u) {
-                continue;
-            }
-            probe.fill(0.0);
-            probe[u] = 1.0;
-            b.multiply(&probe, &mut product);
-            solution.clear_free(&mut product);
-            solution.factor.solve(&mut product);
-            sum += product[u];
-        }
-        return sum;
-    }
     let mut signs = Signs::new();
     let mut sum = 0.0;
     for _ in 0..PROBES {
         for (u, p) in probe.iter_mut().enumerate() {
             let sign = signs.sign();
-            *p = if free(u) { 0.0 } else { sign };
+            *p = if is_free(solution, u) { 0.0 } else { sign };
         }
         b.multiply(&probe, &mut product);
         solution.clear_free(&mut product);
@@ -172,5 +186,39 @@ impl Secant {
         let contraction = if contraction.is_finite() { contraction.clamp(-STEEPEST, STEEPEST) } else { 0.0 };
         let beyond = (0.5 * moved * contraction / (1.0 - contraction)).exp();
         Levels { z: (next.z * beyond).max(NO_NOISE), slope: (next.slope / beyond).max(NO_NOISE) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Contacts;
+    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+
+    #[test]
+    fn the_trace_within_the_band_is_that_of_unit_vectors_also_with_free_unknowns() {
+        let place = |r: usize| [0.754_877_666, 0.569_840_291].map(|k| (r as f64 * k).fract());
+        // a hole leaves coefficients free, slopes alone pin one
+        let held = (0..6000).map(place).filter(|[x, y]| (x - 0.4).hypot(y - 0.5) > 0.2);
+        let (x, y): (Vec<f64>, Vec<f64>) = held.map(|[x, y]| (x, y)).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| (3.0 * x).sin() * y + 0.01 * (1e4 * x * y).sin()).collect();
+        let slopes = z.iter().map(|z| 0.3 * z).collect::<Vec<f64>>();
+        let contacts = Contacts::from_positions(x, y, z).with_slopes(slopes.clone(), slopes);
+        for weights in [[1.0, 0.1, 0.1], [0.0, 1.0, 1.0]] {
+            let objective = Objective::Slopes(SlopeWeights::Explicit(weights));
+            let options = FitOptions { degree: [3, 2], segments: [22, 21], objective, ..FitOptions::default() };
+            let fit = fit_contacts(&contacts, &options).unwrap();
+            let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+            assert!(!solution.unsupported.is_empty() && equations.unknowns() > UNIT_VECTORS);
+            for block in [Block::Heights, Block::Slopes] {
+                let b = data_normal_matrix(&equations.sites, &only(&equations.metric, block));
+                let (exact, expected) = (trace(solution, &b), by_unit_vectors(solution, &b));
+                assert!((exact - expected).abs() <= 1e-9 * expected, "{weights:?} {block:?}: {exact} {expected}");
+                // the estimator, where it is still needed, aims at the same number
+                let probed = by_probes(solution, &b);
+                let sd = (2.0 * equations.unknowns() as f64 / PROBES as f64).sqrt();
+                assert!((probed - expected).abs() <= 4.0 * sd, "{weights:?} {block:?}: {probed} {expected}");
+            }
+        }
     }
 }

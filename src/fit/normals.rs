@@ -5,7 +5,7 @@
 //! is then polished until rounding moves it, for steps contract linearly and 1e-10 of a move is not 1e-10 of an error.
 
 use super::data::Measured;
-use super::equations::Equations;
+use super::equations::{Equations, cell_lanes};
 use super::solver::{self, Solution};
 use super::{FitError, Method, Observed};
 use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix, Targets, site_rows};
@@ -137,8 +137,7 @@ impl NormalProblem<'_> {
         );
         let targets: Targets =
             self.measured.z.iter().zip(&self.measured.z_weight).map(|(z, w)| [w * z, 0.0, 0.0]).collect();
-        let equations =
-            Equations { sites: self.sites.clone(), metric: heights, targets, roughness: self.roughness.clone() };
+        let equations = Equations::new(self.sites.clone(), heights, targets, self.roughness.clone());
         if equations.count() >= equations.unknowns() {
             match solver::solve_on_the_way(&equations, Method::Cholesky) {
                 Ok(solution) if solution.rank == equations.unknowns() => return Ok(solution.coefficients),
@@ -157,47 +156,40 @@ impl NormalProblem<'_> {
             metrics.push(RowMetric { z: wz, a: w, b: 0.0, d: w });
             targets.push([wz * self.measured.z[r], -w * nx / nz, -w * ny / nz]);
         }
-        Equations {
-            sites: self.sites.clone(),
-            metric: Metric::PerSite(metrics),
-            targets,
-            roughness: self.roughness.clone(),
-        }
+        Equations::new(self.sites.clone(), Metric::PerSite(metrics), targets, self.roughness.clone())
     }
 
     /// The rows of one Gauss-Newton step about `c`.
     pub fn linearised(&self, c: &[f64]) -> Equations {
-        let columns = self.sites.shape().basis[1];
         let mut metrics = vec![RowMetric::default(); self.sites.len()];
         let mut targets = vec![[0.0; 3]; self.sites.len()];
-        self.sites.visit(|site| {
-            let r = site.index;
+        self.each_site(c, |r, [_, p, q]| {
             let z = self.measured.z_weight[r] / self.levels.z;
             let w = self.measured.normal_weight[r] / self.levels.slope;
             metrics[r].z = z;
             targets[r][0] = z * self.measured.z[r];
             if w != 0.0 {
-                let [_, p, q] = site_rows(site, &RowMetric { z: 0.0, a: 1.0, b: 0.0, d: 1.0 }, c, columns);
                 let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
                 metrics[r] = RowMetric { z, a: w * u.a, b: w * u.b, d: w * u.d };
                 (targets[r][1], targets[r][2]) = (w * first, w * second);
             }
         });
-        Equations {
-            sites: self.sites.clone(),
-            metric: Metric::PerSite(metrics),
-            targets,
-            roughness: self.roughness.clone(),
+        Equations::new(self.sites.clone(), Metric::PerSite(metrics), targets, self.roughness.clone())
+    }
+
+    /// `visit(site, [S, S_x, S_y])` for every site, in the order of the cells.
+    fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+        if let Some(lanes) = cell_lanes(self.sites) {
+            return lanes.values(c, visit);
         }
+        let (columns, plain) = (self.sites.shape().basis[1], RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
+        self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
     }
 
     /// Weighted squares of heights and normals (true chords) at `c`.
     pub fn squares(&self, c: &[f64]) -> [f64; 2] {
-        let columns = self.sites.shape().basis[1];
         let mut sums = [0.0, 0.0];
-        self.sites.visit(|site| {
-            let r = site.index;
-            let [s, p, q] = site_rows(site, &RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 }, c, columns);
+        self.each_site(c, |r, [s, p, q]| {
             let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
             if wz != 0.0 {
                 let residual = wz * (self.measured.z[r] - s) / self.levels.z;

@@ -107,8 +107,17 @@ fn middle(z: &[f64]) -> f64 {
     if lo <= hi { 0.5 * lo + 0.5 * hi } else { 0.0 }
 }
 
+/// Eight extents side by side, which do not wait for one another.
 fn extent(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
+    let (mut lo, mut hi) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+    let (eights, rest) = values.as_chunks::<8>();
+    for eight in eights {
+        for (lane, v) in eight.iter().enumerate() {
+            (lo[lane], hi[lane]) = (lo[lane].min(*v), hi[lane].max(*v));
+        }
+    }
+    let ends = lo.into_iter().zip(hi).chain(rest.iter().map(|v| (*v, *v)));
+    ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
 fn choose_axes(contacts: &Contacts, options: &FitOptions) -> Result<[[f64; 3]; 3], FitError> {
@@ -220,6 +229,9 @@ fn shift(mut contacts: Contacts, frame: &Frame) -> Contacts {
     let centre = if frame.keeps_axes() { frame.origin } else { unturned.turn(frame.origin) };
     for (column, origin) in [(&mut contacts.x, centre[0]), (&mut contacts.y, centre[1]), (&mut contacts.z, centre[2])] {
         column.iter_mut().for_each(|v| *v = (*v - origin) / frame.scale);
+    }
+    if !matches!(contacts.orientation, Orientation::Normals { .. }) {
+        return contacts;
     }
     for r in 0..contacts.len() {
         if let Some(n) = contacts.unit_normal(r)

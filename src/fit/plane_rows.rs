@@ -5,6 +5,7 @@
 //! many: (D E_3'E_3 D) c = D E_3'b about the weighted centre, refined from the rows      three columns, nothing held
 //! ```
 
+use super::Observed;
 use super::equations::Equations;
 use crate::linalg::Sites;
 use crate::solve::PivotedQr;
@@ -17,6 +18,9 @@ const MANY: usize = 20_000;
 /// Squared pivots of the equilibrated 3 x 3 matrix below this leave too few digits for refinement to gain any: the
 /// rows are written out after all.
 const POOR: f64 = 1e-8;
+
+/// After a step of this share the next would be below the last bit.
+const GAINED: f64 = 1e-9;
 
 /// What the best plane leaves.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +86,11 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     fn new(equations: &Equations) -> Rows<'_> {
+        if let Observed::Scattered(scattered) = &equations.sites
+            && scattered.len() >= MANY
+        {
+            return Rows { equations, places: scattered.points().to_vec() };
+        }
         let knots = equations.sites.knots();
         let (gx, gy) = (knots[0].greville(), knots[1].greville());
         let mut places = vec![[0.0; 2]; equations.sites.len()];
@@ -133,12 +142,16 @@ impl Rows<'_> {
 fn of_many(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     let mut rows = Rows::new(equations);
     rows.centre();
-    let mut gram = [[0.0; 3]; 3];
-    rows.each(|_, row, _| (0..3).for_each(|i| (0..3).for_each(|j| gram[i][j] += row[i] * row[j])));
+    let (mut gram, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    rows.each(|_, row, target| {
+        (0..3).for_each(|i| (0..=i).for_each(|j| gram[i][j] += row[i] * row[j]));
+        (0..3).for_each(|k| right[k] += row[k] * target);
+    });
     let solve = equilibrated_cholesky(gram)?;
-    let mut c = [0.0; 3];
-    // the first step solves, the others refine: each gains what the condition leaves of the digits
-    for _ in 0..3 {
+    let size = |v: [f64; 3]| v.into_iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut c = solve(right);
+    // each step gains what the condition leaves of the digits: a second only where the first has not taken them all
+    for _ in 0..2 {
         let mut right = [0.0; 3];
         rows.each(|_, row, target| {
             let residual = target - (0..3).map(|k| row[k] * c[k]).sum::<f64>();
@@ -146,6 +159,9 @@ fn of_many(equations: &Equations, largest: f64) -> Option<PlaneFit> {
         });
         let step = solve(right);
         (0..3).for_each(|k| c[k] += step[k]);
+        if size(step) <= GAINED * size(c) {
+            break;
+        }
     }
     Some(rows.tally(c, largest))
 }
@@ -199,7 +215,7 @@ mod tests {
             })
             .collect();
         let sites = Observed::Scattered(ScatteredSites::new(knots, points));
-        Equations { sites, metric: Metric::PerSite(metrics), targets, roughness: None }
+        Equations::new(sites, Metric::PerSite(metrics), targets, None)
     }
 
     #[test]

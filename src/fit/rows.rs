@@ -4,7 +4,7 @@
 //! weights and sigmas apply to input units, so a length takes the patch's scale.
 
 use super::data::{Data, Measured};
-use super::equations::{Equations, block_squares};
+use super::equations::Equations;
 use super::noise::{Asked, Trial, hat_traces, variance_components};
 use super::normals::{Levels, NormalProblem, SETTLED, Settled};
 use super::solver::{self, Solution};
@@ -242,10 +242,10 @@ fn fit_slopes(
             (metric, targets) = data.slope_rows(block.map(|w| w * unit.get()));
         }
         let roughness = roughness.clone().map(|(lambda, p)| (lambda * unit.get() * unit.get(), p));
-        let equations = Equations { sites: sites.clone(), metric, targets, roughness };
+        let equations = Equations::new(sites.clone(), metric, targets, roughness);
         too_few(&equations)?;
         let solution = solver::solve(&equations, method)?;
-        let squares = block_squares(&equations.residuals(&solution.coefficients));
+        let squares = equations.residual_squares(&solution.coefficients);
         Ok(Trial { equations, solution, squares })
     };
     let mut notes = Vec::new();

@@ -9,7 +9,7 @@
 //! lambda too small.
 
 use super::data::Data;
-use super::equations::{Equations, block_squares};
+use super::equations::Equations;
 use super::noise::hat_traces;
 use super::rows::{Fitted, Note, fit_rows};
 use super::solver;
@@ -33,7 +33,7 @@ pub fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<
         let lambda = balance * 10_f64.powf(exponent);
         let equations = Equations { roughness: Some((lambda, penalty.clone())), ..bare.clone() };
         let Ok(solution) = solver::solve(&equations, Method::Cholesky) else { return f64::INFINITY };
-        let squares: f64 = block_squares(&equations.residuals(&solution.coefficients)).iter().sum();
+        let squares: f64 = equations.residual_squares(&solution.coefficients).iter().sum();
         let rows = equations.count() as f64;
         let freedom = rows - hat_traces(&equations, &solution).iter().sum::<f64>();
         if freedom <= 0.0 { f64::INFINITY } else { rows * squares / (freedom * freedom) }

@@ -151,6 +151,14 @@ impl Factor {
         }
     }
 
+    /// `tr (E'E)^-1 B` over the unknowns that are not left `out`, where the factor gives it without solving for them.
+    pub fn inverse_trace(&self, b: &StencilMatrix, out: impl Fn(usize) -> bool) -> Option<f64> {
+        match self {
+            Factor::Cholesky(factor) => factor.inverse_trace(b, out),
+            _ => None,
+        }
+    }
+
     /// `(E'E)^-1`, row by row: the order's square of numbers.
     pub fn write_inverse(&self, out: &mut [f64]) {
         if let Factor::Cholesky(factor) = self

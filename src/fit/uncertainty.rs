@@ -8,8 +8,6 @@
 //! residual variances `s_b^2` stand in (a sandwich), so the answer does not believe the weights.
 
 use super::Fit;
-use super::equations::block_squares;
-use crate::linalg::{Targets, apply_rows};
 
 /// Standard uncertainty of `g'c`.
 pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
@@ -17,9 +15,7 @@ pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
     let mut v = gradient.to_vec();
     fitted.solution.clear_free(&mut v);
     fitted.solution.factor.solve(&mut v);
-    let mut rows = Targets::new();
-    apply_rows(&fitted.equations.sites, &fitted.equations.metric, &v, &mut rows);
-    let squares = block_squares(&rows);
+    let squares = fitted.equations.row_squares(&v);
     let [heights, slopes] = fit.noise().block_variance;
     (heights * squares[0] + slopes * squares[1]).sqrt()
 }

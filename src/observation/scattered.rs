@@ -1,13 +1,17 @@
 //! Contacts wherever they fell: each row is the Kronecker product of that contact's two basis rows (Khatri-Rao).
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use super::cells::CellLanes;
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::{Site, Sites, TensorShape};
 
 /// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
 /// every visit, which costs twice the time and no memory.
 const KEPT: usize = 1 << 23;
+/// From this many sites on, rows are formed for whoever visits first: a fit of many contacts goes by its cells' lanes and
+/// visits none, the certificate does. Fewer are formed with the sites, while their points are at hand.
+const MANY: usize = 20_000;
 
 /// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
 #[derive(Clone, Debug)]
@@ -18,8 +22,15 @@ pub struct ScatteredSites {
     order: Arc<[u32]>,
     /// Start of every cell in `order`.
     cell_starts: Arc<[u32]>,
-    /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y; empty beyond [`KEPT`].
-    rows: Arc<[f64]>,
+    kept: Arc<Kept>,
+}
+
+/// What is formed when it is asked for.
+#[derive(Debug, Default)]
+struct Kept {
+    /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
+    rows: OnceLock<Vec<f64>>,
+    lanes: OnceLock<Option<CellLanes>>,
 }
 
 impl ScatteredSites {
@@ -39,24 +50,41 @@ impl ScatteredSites {
             order[next[cell as usize] as usize] = site as u32;
             next[cell as usize] += 1;
         }
-        let mut sites = ScatteredSites {
+        let sites = ScatteredSites {
             knots,
             points: points.into(),
             order: order.into(),
             cell_starts: cell_starts.into(),
-            rows: Arc::new([]),
+            kept: Arc::default(),
         };
-        let each: usize = sites.shape().degree.iter().map(|d| 2 * (d + 1)).sum();
-        if sites.points.len() * each <= KEPT {
-            let mut rows = Vec::with_capacity(sites.points.len() * each);
-            sites.form(|site| {
+        if sites.points.len() < MANY {
+            sites.rows();
+        }
+        sites
+    }
+
+    /// The basis rows, where they are few enough to be kept.
+    fn rows(&self) -> Option<&[f64]> {
+        let each: usize = self.shape().degree.iter().map(|d| 2 * (d + 1)).sum();
+        if self.points.len() * each > KEPT {
+            return None;
+        }
+        let form = || {
+            let mut rows = Vec::with_capacity(self.points.len() * each);
+            self.form(|site| {
                 for row in [site.x, site.dx, site.y, site.dy] {
                     rows.extend_from_slice(row);
                 }
             });
-            sites.rows = rows.into();
-        }
-        sites
+            rows
+        };
+        Some(self.kept.rows.get_or_init(form))
+    }
+
+    /// The contacts cell by cell, put there by whoever asks first; `None` above the degree that moments are kept for.
+    pub fn lanes(&self) -> Option<&CellLanes> {
+        let put = || CellLanes::new(&self.knots, &self.points, &self.order, &self.cell_starts);
+        self.kept.lanes.get_or_init(put).as_ref()
     }
 
     /// Visits every site with basis rows formed on the spot.
@@ -109,12 +137,10 @@ impl Sites for ScatteredSites {
     }
 
     fn visit(&self, mut f: impl FnMut(&Site)) {
-        if self.rows.is_empty() {
-            return self.form(f);
-        }
+        let Some(rows) = self.rows() else { return self.form(f) };
         let across = self.knots[1].n_segments();
         let width = self.shape().degree.map(|d| d + 1);
-        let mut rows = self.rows.chunks_exact(2 * (width[0] + width[1]));
+        let mut rows = rows.chunks_exact(2 * (width[0] + width[1]));
         for cell in 0..self.cell_starts.len() - 1 {
             let range = self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize;
             let first = [self.knots[0].first_basis(cell / across), self.knots[1].first_basis(cell % across)];

@@ -11,9 +11,11 @@
 //! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`first_pass`], [`second_pass`], [`last_sums`] | residuals, their sizes and `E'r` over eight sites of a cell |
+//! | [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
 //! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
+//! | [`subtract_product`] | `C -= A B'` for matrices in the band's panels |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
 //! | [`multiply_add_peak`] | `a x + b` and nothing else: what benches hold the others against |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
@@ -25,6 +27,7 @@
 mod arctangent;
 mod bilinear;
 mod block_columns;
+mod cell_rows;
 mod chacha8;
 mod combine_rows;
 mod contract_rows;
@@ -36,6 +39,7 @@ mod lanes;
 mod level;
 mod moments;
 mod normals;
+mod panel_products;
 mod patch_maps;
 mod peak;
 mod replicate_lanes;
@@ -45,6 +49,7 @@ mod site_passes;
 
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
+pub use cell_rows::{CellPiece, CellPowers, cell_products, cell_squares, cell_values};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
 pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
@@ -55,6 +60,7 @@ pub use gram_rows::{gram_rows, gram_rows_twin};
 pub use level::Level;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
 pub use normals::{box_muller_pairs, normal_triples, normals};
+pub use panel_products::{Panels, ProductSize, subtract_product};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};

@@ -16,18 +16,18 @@ use crate::simd::{BlockShape, GRAIN, Level, PADDING, backward_block, factor_bloc
 /// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs. 72 is no faster, and
 /// the zeros that a block keeps beside its columns grow with it: at 17,161 unknowns one end would pass the 32 MB from
 /// which an allocator asks the system each time, and page faults would take an eighth of a fit.
-const WIDTH: usize = 48;
+pub(super) const WIDTH: usize = 48;
 /// Bytes.
 const CACHE_LINE: usize = 64;
 
 /// One end of the band, or the middle.
 #[derive(Debug, Default)]
-struct Part {
+pub(super) struct Part {
     /// Block columns, one after the other, from a cache line's beginning on.
     memory: Vec<f64>,
     start: usize,
     /// How many there will be.
-    count: usize,
+    pub(super) count: usize,
     vector: Vec<f64>,
 }
 
@@ -35,13 +35,13 @@ struct Part {
 #[derive(Debug)]
 pub struct BandCholesky {
     /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
-    end: usize,
-    middle: usize,
-    end_block: BlockShape,
-    middle_block: BlockShape,
-    left: Part,
-    right: Part,
-    centre: Part,
+    pub(super) end: usize,
+    pub(super) middle: usize,
+    pub(super) end_block: BlockShape,
+    pub(super) middle_block: BlockShape,
+    pub(super) left: Part,
+    pub(super) right: Part,
+    pub(super) centre: Part,
 }
 
 /// Half-width of the band.
@@ -279,7 +279,7 @@ impl Part {
         self.start = self.memory.as_ptr().align_offset(CACHE_LINE).min(PADDING);
     }
 
-    fn block(&self, b: usize, shape: BlockShape) -> &[f64] {
+    pub(super) fn block(&self, b: usize, shape: BlockShape) -> &[f64] {
         &self.memory[self.start + b * shape.len()..][..shape.len()]
     }
 
@@ -332,16 +332,16 @@ impl Part {
 }
 
 /// Columns of `D A D` in the order of elimination.
-struct Numbering<'a> {
-    matrix: &'a StencilMatrix,
-    scale: &'a [f64],
-    reversed: bool,
+pub(super) struct Numbering<'a> {
+    pub(super) matrix: &'a StencilMatrix,
+    pub(super) scale: &'a [f64],
+    pub(super) reversed: bool,
 }
 
 impl Numbering<'_> {
     /// Calls `put(offset, value)` for the entries on and below the diagonal of column `number`.
     #[inline]
-    fn column(&self, number: usize, mut put: impl FnMut(usize, f64)) {
+    pub(super) fn column(&self, number: usize, mut put: impl FnMut(usize, f64)) {
         let shape = self.matrix.shape();
         let ([n, m], [p, q]) = (shape.basis, shape.degree);
         let values = self.matrix.values();

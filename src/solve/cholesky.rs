@@ -231,6 +231,14 @@ impl Cholesky {
         true
     }
 
+    /// `tr A^-1 B` over the unknowns that are not left `out`, exactly; `None` where the factor is not a band's. A must not
+    /// couple the others with those left out.
+    pub fn inverse_trace(&self, b: &StencilMatrix, out: impl Fn(usize) -> bool) -> Option<f64> {
+        let Kind::Band(band) = &self.kind else { return None };
+        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(u, d)| if out(u) { 0.0 } else { *d }).collect();
+        Some(band.inverse_trace(b, &scale))
+    }
+
     /// `1 / |column|`: the equilibration D.
     pub fn scale(&self) -> &[f64] {
         &self.scale

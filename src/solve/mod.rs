@@ -20,6 +20,7 @@ mod kronecker;
 mod ordering;
 mod patch;
 mod pivoted;
+mod selected;
 mod small;
 mod triangular;
 

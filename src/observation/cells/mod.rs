@@ -10,6 +10,7 @@
 //! stripe into cells by their number alone, so each is moved once. Stripes are summed in a fixed number of panels whose
 //! overlaps are added in order: the bits do not depend on the number of threads.
 
+mod lanes;
 mod sorting;
 mod sums;
 mod tables;
@@ -20,6 +21,7 @@ use std::sync::Mutex;
 use crate::bspline::Knots;
 use crate::linalg::{Metric, StencilMatrix, TensorShape};
 use crate::simd::MAX_MOMENT_DEGREE;
+pub use lanes::{CellLanes, LaneRows};
 use sorting::Stripes;
 use sums::Scratch;
 use tables::{Axis, AxisTables, XTables, YTables, squares_of};
@@ -122,7 +124,10 @@ impl CellAssembly {
                     let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
                     record.copy_from_slice(&[x, y, z, zx, zy]);
                 });
-                self.sum_panels::<UNIFORM>(Some(squares_of(*m)), matrix, right);
+                let squares = Some(squares_of(*m));
+                self.sum_panels(matrix, right, &|own, stripe, scratch, target| {
+                    own.one_stripe::<UNIFORM>(stripe, squares, scratch, target);
+                });
             }
             Metric::PerSite(metrics) => {
                 self.stripes.sort::<WEIGHTED>(&self.knots[0], rows.len(), abscissa, |r, record| {
@@ -130,9 +135,21 @@ impl CellAssembly {
                     let [zz, aa, ab, dd] = squares_of(metrics[r]);
                     record.copy_from_slice(&[x, y, z, zx, zy, zz, aa, ab, dd]);
                 });
-                self.sum_panels::<WEIGHTED>(None, matrix, right);
+                self.sum_panels(matrix, right, &|own, stripe, scratch, target| {
+                    own.one_stripe::<WEIGHTED>(stripe, None, scratch, target);
+                });
             }
         }
+    }
+}
+
+impl CellAssembly {
+    /// `matrix += E'E` of contacts that are in their cells already: with the bits of [`CellAssembly::add`].
+    pub fn add_lanes(&mut self, metric: &Metric, lanes: &CellLanes, matrix: &mut StencilMatrix) {
+        let mut nothing = vec![0.0; matrix.order()];
+        self.sum_panels(matrix, &mut nothing, &|own, stripe, scratch, target| {
+            own.lane_stripe(stripe, metric, lanes, scratch, target);
+        });
     }
 }
 
@@ -195,6 +212,11 @@ mod tests {
         let (mut matrix, mut right) = (StencilMatrix::zeros(shape), vec![1.0; shape.unknowns()]);
         for _ in 0..2 {
             cells.assemble(&metrics, &given, &mut matrix, &mut right);
+        }
+        let mut again = StencilMatrix::zeros(shape);
+        if let Some(lanes) = sites.lanes() {
+            cells.add_lanes(&metrics, lanes, &mut again);
+            assert!(again == matrix, "contacts that are in their cells already: other bits");
         }
         let diagonal = expected.diagonal();
         let mut worst = 0.0_f64;

@@ -1,10 +1,10 @@
 //! Sums over panels, stripes and cells: the tree of the assembly, each level adding what the one below made.
 
 use super::sorting::CellOrder;
-use super::tables::{Combined, XTables, YTables};
+use super::tables::{Combined, XTables, YTables, squares_of};
 use super::target::{Overlap, Target};
-use super::{CellAssembly, CellRows, WEIGHTED};
-use crate::linalg::{StencilMatrix, TensorShape};
+use super::{CellAssembly, CellLanes, CellRows, WEIGHTED};
+use crate::linalg::{Metric, StencilMatrix, TensorShape};
 use crate::simd::{BilinearTerm, CellMoments, Level, MomentPowers, bilinear, moments};
 
 /// Contacts whose local coordinates are formed at once; they stay in the first-level cache.
@@ -51,16 +51,16 @@ impl Work {
 }
 
 impl CellAssembly {
-    pub(super) fn sum_panels<const RECORD: usize>(
+    pub(super) fn sum_panels(
         &mut self,
-        squares: Option<[f64; 4]>,
         matrix: &mut StencilMatrix,
         right: &mut [f64],
+        one_stripe: &(impl Fn(&CellAssembly, usize, &mut Scratch, &mut Target<'_>) + Sync),
     ) {
         let line = self.shape.basis[1] * self.shape.stencil_width();
         let mut overlaps = std::mem::take(&mut self.overlaps);
         let count = overlaps.len();
-        self.panel_range::<RECORD>(0..count, squares, matrix.values_mut(), right, &mut overlaps);
+        self.panel_range(0..count, one_stripe, matrix.values_mut(), right, &mut overlaps);
         for (panel, overlap) in overlaps[..count - 1].iter().enumerate() {
             let start = self.x.basis.first[self.panels[panel + 1]];
             let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
@@ -71,16 +71,16 @@ impl CellAssembly {
     }
 
     /// Halves the range until one panel is left; `values` and `right` start at the range's first line of coefficients.
-    fn panel_range<const RECORD: usize>(
+    fn panel_range(
         &self,
         range: std::ops::Range<usize>,
-        squares: Option<[f64; 4]>,
+        one_stripe: &(impl Fn(&CellAssembly, usize, &mut Scratch, &mut Target<'_>) + Sync),
         values: &mut [f64],
         right: &mut [f64],
         overlaps: &mut [Overlap],
     ) {
         if range.len() == 1 {
-            self.one_panel::<RECORD>(range.start, squares, values, right, &mut overlaps[0]);
+            self.one_panel(range.start, one_stripe, values, right, &mut overlaps[0]);
             return;
         }
         let middle = range.start + range.len() / 2;
@@ -90,15 +90,15 @@ impl CellAssembly {
         let (right_a, right_b) = right.split_at_mut(unknowns);
         let (overlaps_a, overlaps_b) = overlaps.split_at_mut(middle - range.start);
         rayon::join(
-            || self.panel_range::<RECORD>(range.start..middle, squares, values_a, right_a, overlaps_a),
-            || self.panel_range::<RECORD>(middle..range.end, squares, values_b, right_b, overlaps_b),
+            || self.panel_range(range.start..middle, one_stripe, values_a, right_a, overlaps_a),
+            || self.panel_range(middle..range.end, one_stripe, values_b, right_b, overlaps_b),
         );
     }
 
-    fn one_panel<const RECORD: usize>(
+    fn one_panel(
         &self,
         panel: usize,
-        squares: Option<[f64; 4]>,
+        one_stripe: &impl Fn(&CellAssembly, usize, &mut Scratch, &mut Target<'_>),
         values: &mut [f64],
         right: &mut [f64],
         overlap: &mut Overlap,
@@ -110,14 +110,55 @@ impl CellAssembly {
         let origin = self.x.basis.first[stripes.start];
         for stripe in stripes {
             let mut target = Target { shape: self.shape, origin, values, right, overlap };
-            self.one_stripe::<RECORD>(stripe, squares, &mut scratch, &mut target);
+            one_stripe(self, stripe, &mut scratch, &mut target);
         }
         if let Ok(mut pool) = self.scratch.lock() {
             pool.push(scratch);
         }
     }
 
-    fn one_stripe<const RECORD: usize>(
+    /// One stripe of contacts that are in their cells already.
+    pub(super) fn lane_stripe(
+        &self,
+        stripe: usize,
+        metric: &Metric,
+        lanes: &CellLanes,
+        scratch: &mut Scratch,
+        target: &mut Target<'_>,
+    ) {
+        let Scratch { local, batch, sums, work, .. } = scratch;
+        let uniform = match metric {
+            Metric::Uniform(m) => Some(squares_of(*m)),
+            Metric::PerSite(_) => None,
+        };
+        work.start(&self.x.products[stripe], self.shape, uniform);
+        local.resize(WEIGHTED * BATCH, 0.0);
+        let columns: &mut [[f64; BATCH]] = local.as_chunks_mut::<BATCH>().0;
+        let (level, degree) = (Level::active(), self.shape.degree[0].max(self.shape.degree[1]));
+        for cell in 0..self.knots[1].n_segments() {
+            let ([u, v], numbers) = lanes.contacts([stripe, cell]);
+            if numbers.is_empty() {
+                continue;
+            }
+            let sums = if uniform.is_some() { &mut sums[..1] } else { &mut sums[..] };
+            sums.fill(CellMoments::ZERO);
+            for (numbers, (u, v)) in numbers.chunks(BATCH).zip(u.chunks(BATCH).zip(v.chunks(BATCH))) {
+                let Metric::PerSite(metrics) = metric else {
+                    moments(level, degree, [u, v], None, None, batch, &mut sums[0]);
+                    continue;
+                };
+                for (k, &number) in numbers.iter().enumerate() {
+                    squares_of(metrics[number as usize]).iter().zip(&mut *columns).for_each(|(w, c)| c[k] = *w);
+                }
+                for (sum, weights) in sums.iter_mut().zip(&*columns) {
+                    moments(level, degree, [u, v], Some(&weights[..u.len()]), None, batch, sum);
+                }
+            }
+            self.add_matrix([stripe, cell], sums, work, target);
+        }
+    }
+
+    pub(super) fn one_stripe<const RECORD: usize>(
         &self,
         stripe: usize,
         squares: Option<[f64; 4]>,
@@ -217,7 +258,13 @@ impl CellAssembly {
     }
 
     /// One cell's moments into the equations.
-    fn add_cell(&self, [stripe, cell]: [usize; 2], sums: &[CellMoments], work: &mut Work, target: &mut Target<'_>) {
+    fn add_cell(&self, segment: [usize; 2], sums: &[CellMoments], work: &mut Work, target: &mut Target<'_>) {
+        self.add_matrix(segment, sums, work, target);
+        self.add_loads(segment, &sums[0], target);
+    }
+
+    #[inline(always)]
+    fn add_matrix(&self, [stripe, cell]: [usize; 2], sums: &[CellMoments], work: &mut Work, target: &mut Target<'_>) {
         let Work { combined, block } = work;
         let (x_tables, y_tables) = (&self.x.products[stripe], &self.y.products[cell]);
         block.fill([0.0; 16]);
@@ -226,7 +273,6 @@ impl CellAssembly {
             sums => self.weighted_block(x_tables, sums, y_tables, block),
         }
         target.add_block([self.x.basis.first[stripe], self.y.basis.first[cell]], block);
-        self.add_loads([stripe, cell], &sums[0], target);
     }
 
     fn uniform_block(&self, combined: &Combined, sums: &CellMoments, y: &YTables, block: &mut [[f64; 16]]) {

@@ -1,0 +1,285 @@
+//! The contacts of every cell side by side, put there once for all visits of their rows.
+//!
+//! ```text
+//! on a cell   S = sum_ij s_ij u^i v^j     s = X' c Y     X, Y: the basis functions' own powers, (p + 1) x 4 and (q + 1) x 4
+//! E'r         += X G Y'                   G_ij = sum_r of the cell: see crate::simd::cell_products
+//! ```
+//!
+//! A contact in the user's order is a walk through memory at every visit; in the cells' order it is read once, in turn.
+
+use super::tables::AxisTables;
+use crate::bspline::Knots;
+use crate::linalg::{Metric, Targets, TensorShape};
+use crate::simd::{
+    CellPiece, CellPowers, Level, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_products, cell_squares, cell_values,
+};
+
+/// Where contacts lie in their cells, by eights; the last eight of a cell are filled up with nothing.
+#[derive(Debug)]
+pub struct CellLanes {
+    shape: TensorShape,
+    axes: [AxisTables; 2],
+    /// Cells in y.
+    across: usize,
+    /// First eight of every cell, x segment by x segment, and the end.
+    starts: Vec<usize>,
+    /// Contacts of every cell.
+    counts: Vec<usize>,
+    /// Local coordinates.
+    places: [Vec<SiteLanes>; 2],
+    /// The contacts' numbers in the user's order.
+    numbers: Vec<[u32; SITES]>,
+}
+
+/// Weights and targets in the same order.
+#[derive(Debug)]
+pub struct LaneRows {
+    targets: [Vec<SiteLanes>; 3],
+    weights: LaneWeights,
+}
+
+#[derive(Debug)]
+enum LaneWeights {
+    /// Of eight contacts, and of the first 1 to 7 of them, for a cell's last.
+    Uniform(Box<[[SiteLanes; 4]; SITES]>),
+    PerSite(Vec<[SiteLanes; 4]>),
+}
+
+impl CellLanes {
+    /// Contacts of every cell of these knots, their numbers one cell after the other in `order`; `None` above
+    /// [`MAX_MOMENT_DEGREE`].
+    pub fn new(knots: &[Knots; 2], points: &[[f64; 2]], order: &[u32], cell_starts: &[u32]) -> Option<CellLanes> {
+        if knots.iter().any(|k| k.degree() > MAX_MOMENT_DEGREE) {
+            return None;
+        }
+        let shape =
+            TensorShape { basis: [0, 1].map(|k| knots[k].n_basis()), degree: [0, 1].map(|k| knots[k].degree()) };
+        let axes = [AxisTables::nearest(&knots[0]), AxisTables::nearest(&knots[1])];
+        let across = knots[1].n_segments();
+        let counts: Vec<usize> = cell_starts.windows(2).map(|ends| (ends[1] - ends[0]) as usize).collect();
+        let mut starts = vec![0];
+        starts.extend(counts.iter().scan(0, |sum, count| {
+            *sum += count.div_ceil(SITES);
+            Some(*sum)
+        }));
+        let eights = starts[counts.len()];
+        let mut places = [vec![[0.0; SITES]; eights], vec![[0.0; SITES]; eights]];
+        let mut numbers = vec![[0; SITES]; eights];
+        for (cell, &start) in starts[..counts.len()].iter().enumerate() {
+            let segment = [cell / across, cell % across];
+            let [(cx, hx), (cy, hy)] = [0, 1].map(|k| (axes[k].centre[segment[k]], axes[k].inverse_half[segment[k]]));
+            let contacts = &order[cell_starts[cell] as usize..cell_starts[cell + 1] as usize];
+            for (k, &number) in contacts.iter().enumerate() {
+                let (eight, lane) = (start + k / SITES, k % SITES);
+                let [x, y] = points[number as usize];
+                places[0][eight][lane] = (x - cx) * hx;
+                places[1][eight][lane] = (y - cy) * hy;
+                numbers[eight][lane] = number;
+            }
+        }
+        Some(CellLanes { shape, axes, across, starts, counts, places, numbers })
+    }
+
+    /// u, v and numbers of the contacts of one cell.
+    pub(super) fn contacts(&self, [stripe, cell]: [usize; 2]) -> ([&[f64]; 2], &[u32]) {
+        let cell = stripe * self.across + cell;
+        let range = self.starts[cell] * SITES..self.starts[cell] * SITES + self.counts[cell];
+        let [u, v] = [0, 1].map(|k| &self.places[k].as_flattened()[range.clone()]);
+        ([u, v], &self.numbers.as_flattened()[range])
+    }
+
+    /// Weights and targets in the order of the cells.
+    pub fn rows(&self, metric: &Metric, targets: &Targets) -> LaneRows {
+        let eights = self.numbers.len();
+        let mut made = LaneRows {
+            targets: [0; 3].map(|_| vec![[0.0; SITES]; eights]),
+            weights: match metric {
+                Metric::Uniform(m) => LaneWeights::Uniform(Box::new(std::array::from_fn(|filled| {
+                    let live = if filled == 0 { SITES } else { filled };
+                    [m.z, m.a, m.b, m.d].map(|w| std::array::from_fn(|lane| if lane < live { w } else { 0.0 }))
+                }))),
+                Metric::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; eights]),
+            },
+        };
+        for (cell, &start) in self.starts[..self.counts.len()].iter().enumerate() {
+            for k in 0..self.counts[cell] {
+                let (eight, lane) = (start + k / SITES, k % SITES);
+                let number = self.numbers[eight][lane] as usize;
+                for (column, target) in made.targets.iter_mut().zip(targets[number]) {
+                    column[eight][lane] = target;
+                }
+                if let (LaneWeights::PerSite(weights), Metric::PerSite(metrics)) = (&mut made.weights, metric) {
+                    let m = metrics[number];
+                    for (column, weight) in weights[eight].iter_mut().zip([m.z, m.a, m.b, m.d]) {
+                        column[lane] = weight;
+                    }
+                }
+            }
+        }
+        made
+    }
+
+    /// `out += E'(b - E c)`.
+    pub fn descent(&self, rows: &LaneRows, c: &[f64], out: &mut [f64]) {
+        let level = Level::active();
+        self.each_cell(rows, true, c, |[x, y], piece| {
+            let mut powers = [[0.0; 4]; 4];
+            cell_products(level, piece, &mut powers);
+            self.add_products([x, y], &powers, out);
+        });
+    }
+
+    /// `|b - E c|^2` of heights and of slopes; without `targets`, `|E c|^2`.
+    pub fn squares(&self, rows: &LaneRows, targets: bool, c: &[f64]) -> [f64; 2] {
+        let level = Level::active();
+        let mut sums = [0.0; 2];
+        self.each_cell(rows, targets, c, |_, piece| cell_squares(level, piece, &mut sums));
+        sums
+    }
+
+    /// `visit(contact, [S, S_x, S_y])`, cell by cell.
+    pub fn values(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+        let (level, mut found) = (Level::active(), Vec::new());
+        for (cell, &count) in self.counts.iter().enumerate() {
+            if count == 0 {
+                continue;
+            }
+            let range = self.starts[cell]..self.starts[cell + 1];
+            let segment = [cell / self.across, cell % self.across];
+            found.resize(range.len(), [[0.0; SITES]; 3]);
+            let places = [0, 1].map(|k| &self.places[k][range.clone()]);
+            let inverse_half = [0, 1].map(|k| self.axes[k].inverse_half[segment[k]]);
+            cell_values(level, &self.surface(segment, c), inverse_half, places, &mut found);
+            let (_, numbers) = self.contacts(segment);
+            for (k, &number) in numbers.iter().enumerate() {
+                let eight = &found[k / SITES];
+                visit(number as usize, [0, 1, 2].map(|t| eight[t][k % SITES]));
+            }
+        }
+    }
+
+    fn each_cell(&self, rows: &LaneRows, targets: bool, c: &[f64], mut visit: impl FnMut([usize; 2], &CellPiece)) {
+        for (cell, &count) in self.counts.iter().enumerate() {
+            if count == 0 {
+                continue;
+            }
+            let range = self.starts[cell]..self.starts[cell + 1];
+            let segment = [cell / self.across, cell % self.across];
+            let (weights, last) = match &rows.weights {
+                LaneWeights::Uniform(filled) => (&filled[..1], &filled[count % SITES]),
+                LaneWeights::PerSite(weights) => (&weights[range.clone()], &weights[range.end - 1]),
+            };
+            visit(
+                segment,
+                &CellPiece {
+                    surface: &self.surface(segment, c),
+                    inverse_half: [0, 1].map(|k| self.axes[k].inverse_half[segment[k]]),
+                    places: [0, 1].map(|k| &self.places[k][range.clone()]),
+                    targets: targets.then(|| [0, 1, 2].map(|t| &rows.targets[t][range.clone()])),
+                    weights,
+                    last,
+                },
+            );
+        }
+    }
+
+    /// `X' c Y` on one cell.
+    fn surface(&self, [x, y]: [usize; 2], c: &[f64]) -> CellPowers {
+        let [along, across] = &self.axes;
+        let mut surface = [[0.0; 4]; 4];
+        for (a, powers) in along.values[x].iter().enumerate() {
+            let start = (along.first[x] + a) * self.shape.basis[1] + across.first[y];
+            let mut line = [0.0; 4];
+            for (value, function) in c[start..].iter().zip(&across.values[y]) {
+                (0..4).for_each(|j| line[j] += value * function[j]);
+            }
+            for i in 0..4 {
+                (0..4).for_each(|j| surface[i][j] += powers[i] * line[j]);
+            }
+        }
+        surface
+    }
+
+    /// `out += X G Y'` of one cell.
+    fn add_products(&self, [x, y]: [usize; 2], powers: &CellPowers, out: &mut [f64]) {
+        let [along, across] = &self.axes;
+        for (a, function) in along.values[x].iter().enumerate() {
+            let mut line = [0.0; 4];
+            for i in 0..4 {
+                (0..4).for_each(|j| line[j] += function[i] * powers[i][j]);
+            }
+            let start = (along.first[x] + a) * self.shape.basis[1] + across.first[y];
+            for (target, function) in out[start..].iter_mut().zip(&across.values[y]) {
+                *target +=
+                    (line[0] * function[0] + line[1] * function[1]) + (line[2] * function[2] + line[3] * function[3]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{RowMetric, apply_rows, descent, residuals};
+    use crate::observation::ScatteredSites;
+
+    fn check(degree: [usize; 2], segments: [usize; 2], count: usize, metric: &Metric) {
+        let knots = [
+            Knots::uniform(degree[0], segments[0], 0.0, 1.0).unwrap(),
+            Knots::uniform(degree[1], segments[1], -1.0, 1.0).unwrap(),
+        ];
+        let points: Vec<[f64; 2]> = (0..count)
+            .map(|r| [(r as f64 * 0.754_877_666).fract(), (r as f64 * 0.569_840_291).fract() * 2.0 - 1.0])
+            .collect();
+        let targets: Targets = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
+        let sites = ScatteredSites::new(knots, points);
+        let lanes = sites.lanes().unwrap();
+        let rows = lanes.rows(metric, &targets);
+        let unknowns = lanes.shape.unknowns();
+        let c: Vec<f64> = (0..unknowns).map(|u| (u as f64 * 0.7).cos()).collect();
+        for (with_targets, given) in [(true, &targets), (false, &vec![[0.0; 3]; count])] {
+            let mut expected = Targets::new();
+            residuals(&sites, metric, given, &c, &mut expected);
+            let squares =
+                expected.iter().fold([0.0, 0.0], |s, r| [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]]);
+            let found = lanes.squares(&rows, with_targets, &c);
+            for block in 0..2 {
+                assert!((found[block] - squares[block]).abs() <= 1e-13 * squares[block], "{found:?} {squares:?}");
+            }
+        }
+        let plain = RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+        let (mut visited, mut expected) = (0, Targets::new());
+        apply_rows(&sites, &Metric::Uniform(plain), &c, &mut expected);
+        lanes.values(&c, |number, found| {
+            // slopes are as large as the segments are many
+            let size = 1.0 + segments[0].max(segments[1]) as f64;
+            (0..3).for_each(|k| assert!((found[k] - expected[number][k]).abs() < 1e-14 * size, "{k} {found:?}"));
+            visited += 1;
+        });
+        assert_eq!(visited, count);
+        let (mut found, mut expected) = (vec![0.0; unknowns], vec![0.0; unknowns]);
+        lanes.descent(&rows, &c, &mut found);
+        descent(&sites, metric, &targets, &c, &mut expected);
+        let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max);
+        println!("degree {degree:?} contacts {count}: {worst:.1e} of the largest entry");
+        assert!(worst < 1e-14, "{degree:?}: {worst:e}");
+    }
+
+    #[test]
+    fn lanes_and_rows_one_by_one_give_the_same_visits() {
+        for (degree, segments) in
+            [([3, 3], [5, 4]), ([2, 2], [1, 1]), ([2, 3], [12, 3]), ([1, 2], [3, 9]), ([3, 1], [9, 40])]
+        {
+            check(degree, segments, 3000, &Metric::Uniform(RowMetric { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }));
+            check(degree, segments, 50, &Metric::Uniform(RowMetric { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }));
+            let varied = |r: usize| {
+                let w = 1.0 + 0.5 * (r as f64).sin();
+                RowMetric { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
+            };
+            check(degree, segments, 700, &Metric::PerSite((0..700).map(varied).collect()));
+        }
+        let knots = [Knots::uniform(4, 2, 0.0, 1.0).unwrap(), Knots::uniform(3, 2, 0.0, 1.0).unwrap()];
+        assert!(ScatteredSites::new(knots, vec![[0.5, 0.5]]).lanes().is_none());
+    }
+}
