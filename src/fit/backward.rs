@@ -11,7 +11,7 @@
 
 use super::row_passes::{ColumnTotals, RowPasses};
 use super::{Fit, Solution};
-use crate::simd::{RowSums, SITES, add_lanes};
+use crate::simd::{RowSums, add_lanes};
 
 /// A ratio above this is looked at again with the rows' norms: no row that solves anything is off by so much.
 const SUSPICIOUS: f64 = 1e-13;
@@ -44,69 +44,51 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
         bent
     });
     let mut passes = RowPasses::new(equations, c);
-    let mut descent = Vec::with_capacity(c.len());
-    let rows = orthogonal(&mut passes, solution, penalty.as_deref(), condition, &mut descent);
+    let v = span(&mut passes, solution, penalty.as_deref(), condition);
+    let mut rows = RowSums::default();
+    let columns = passes.last(&v, &mut rows);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
-    let of_columns = orthogonality(solution, &passes.sums, penalty.as_deref(), &mut descent);
-    let of_rows = if worst <= SUSPICIOUS { worst } else { row_error(&mut passes, c) };
-    let error = of_rows.max(of_columns);
+    let of_columns = orthogonality(solution, &columns, penalty.as_deref());
+    let of_rows = if worst <= SUSPICIOUS {
+        worst
+    } else {
+        passes.against_norms(&v, c.iter().fold(0.0_f64, |m, v| m.max(v.abs())), TINY)
+    };
     Backward {
-        error,
+        error: of_rows.max(of_columns),
         rows: add_lanes(&rows.sizes).sqrt(),
         residual: add_lanes(&rows.residual).sqrt(),
-        columns: passes.sums,
+        columns,
     }
 }
 
-/// Takes the part in the span of E off the residual, and sums up what is left.
-fn orthogonal(
-    passes: &mut RowPasses,
-    solution: &Solution,
-    penalty: Option<&[f64]>,
-    condition: f64,
-    descent: &mut Vec<f64>,
-) -> RowSums {
-    let mut rows = RowSums::default();
-    let last = if condition > CORRECT_TWICE { 1 } else { 0 };
-    for turn in 0..=last {
-        products(solution, &passes.sums, penalty, descent);
-        solution.factor.solve(descent);
-        solution.clear_free(descent);
-        passes.again(descent, (turn == last).then_some(&mut rows));
+/// v, the part of the computed residual in the span of E.
+fn span(passes: &mut RowPasses, solution: &Solution, penalty: Option<&[f64]>, condition: f64) -> Vec<f64> {
+    let mut v = vec![0.0; solution.coefficients.len()];
+    let turns = if condition > CORRECT_TWICE { 2 } else { 1 };
+    for _ in 0..turns {
+        let mut step = products(solution, &passes.products(&v), penalty);
+        solution.factor.solve(&mut step);
+        solution.clear_free(&mut step);
+        v.iter_mut().zip(&step).for_each(|(v, d)| *v += d);
     }
-    rows
+    v
 }
 
 /// `E'r - lambda P c` over the determined columns, 0 in the others.
-fn products(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>, out: &mut Vec<f64>) {
-    out.clear();
-    out.extend(sums.iter().map(|sum| sum.product));
+fn products(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> Vec<f64> {
+    let mut out: Vec<f64> = sums.iter().map(|sum| sum.product).collect();
     if let Some(bent) = penalty {
         out.iter_mut().zip(bent).for_each(|(p, b)| *p -= b);
     }
-    solution.clear_free(out);
-}
-
-/// `max_i |r - (b - E c)|_i / (|E||c| + |r| + |b|)_i` with the rows' norms where those sizes are next to nothing.
-fn row_error(passes: &mut RowPasses, c: &[f64]) -> f64 {
-    let largest = vec![c.iter().fold(0.0_f64, |m, v| m.max(v.abs())); c.len()];
-    let norms = passes.magnitudes(&largest);
-    let mut worst = 0.0;
-    for (rows, norms) in passes.blocks.iter().zip(&norms) {
-        for (k, l) in (0..3 * SITES).map(|p| (p / SITES, p % SITES)) {
-            let (size, norm) = (rows.sizes[k][l], norms[k][l]);
-            let size = if size < TINY * norm { size + norm } else { size };
-            let gap = (rows.computed[k][l] - rows.residual[k][l]).abs();
-            worst = if gap > worst * size { gap / size } else { worst };
-        }
-    }
-    worst
+    solution.clear_free(&mut out);
+    out
 }
 
 /// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
-fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>, descent: &mut Vec<f64>) -> f64 {
-    products(solution, sums, penalty, descent);
+fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> f64 {
+    let products = products(solution, sums, penalty);
     let size = |u: usize| sums[u].size + penalty.map_or(0.0, |bent| bent[u].abs());
-    let ratios = descent.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
+    let ratios = products.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
     ratios.fold(0.0, f64::max)
 }

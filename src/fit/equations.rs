@@ -80,7 +80,7 @@ impl Equations {
     }
 
     /// The rows of many scattered contacts as lanes; `None` for few, for grids and for degrees above 3.
-    fn lanes(&self) -> Option<(&CellLanes, &LaneRows)> {
+    pub fn lanes(&self) -> Option<(&CellLanes, &LaneRows)> {
         let lanes = cell_lanes(&self.sites)?;
         Some((lanes, self.lanes.get_or_init(|| Arc::new(lanes.rows(&self.metric, &self.targets)))))
     }

@@ -1,29 +1,18 @@
 //! Visits of the rows behind a certificate, eight sites at a time.
 //!
 //! ```text
-//! computed = b - E c      r = computed - E v      |E||c| + |b| + |r|, |E|'|r|, E'r, squares of E's columns
+//! r = (b - E c) - E v      E'r, |E|'|r|, squares of E's columns      | |E||c| + |b| + |r| |^2, |r|^2, the worst ratio
 //! ```
 //!
-//! What belongs to rows is kept block by block in the order of the visit; what belongs to columns is summed in the cell
+//! Many contacts lie by eights in their cells already, others are put so. What belongs to columns is summed in the cell
 //! first and added to the unknowns when the visit leaves it.
 
 use super::Equations;
 use crate::linalg::{SiteBlock, SiteBlocks, Sites};
-use crate::simd::{ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass};
-
-/// Three rows of eight sites.
-type Rows = [SiteLanes; 3];
-
-/// What is kept of eight sites.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BlockRows {
-    /// `b - E c`.
-    pub computed: Rows,
-    /// `|E||c| + |b|`, and `|r|` after the last visit.
-    pub sizes: Rows,
-    /// The residual as it stands.
-    pub residual: Rows,
-}
+use crate::simd::{
+    CellSites, CellVectors, ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, last_pass, norms_pass,
+    products_pass,
+};
 
 /// Sums over all rows for one unknown: `E'r`, `|E|'|r|`, squared norm of the column.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,14 +25,11 @@ pub struct ColumnTotals {
     pub norm: f64,
 }
 
-/// The rows of one fit under visit.
+/// The rows of one fit under visit, held against c and v.
 pub struct RowPasses<'a> {
     equations: &'a Equations,
+    c: &'a [f64],
     level: Level,
-    /// In the order of the visit.
-    pub blocks: Vec<BlockRows>,
-    /// Sums of the latest visit.
-    pub sums: Vec<ColumnTotals>,
     lanes: SiteBlocks,
     cell: Cell,
 }
@@ -53,8 +39,8 @@ struct Cell {
     first: Option<[usize; 2]>,
     width: [usize; 2],
     columns: usize,
-    /// The cell's part of the vector that the rows are applied to.
-    part: Vec<f64>,
+    /// The cell's parts of the vectors that the rows are held against, one after the other.
+    parts: Vec<f64>,
     sums: Vec<ColumnSums>,
 }
 
@@ -63,19 +49,22 @@ impl Cell {
         let shape = equations.sites.shape();
         let width = shape.degree.map(|d| d + 1);
         let local = width[0] * width[1];
-        let (part, sums) = (vec![0.0; local], vec![ColumnSums::default(); local]);
-        Cell { first: None, width, columns: shape.basis[1], part, sums }
+        let (parts, sums) = (vec![0.0; 2 * local], vec![ColumnSums::default(); local]);
+        Cell { first: None, width, columns: shape.basis[1], parts, sums }
     }
 
     /// Goes to the cell of these first basis functions, the sums of the one before brought home.
-    fn enter(&mut self, first: [usize; 2], v: &[f64], home: &mut [ColumnTotals]) {
+    fn enter(&mut self, first: [usize; 2], vectors: [&[f64]; 2], home: &mut [ColumnTotals]) {
         if self.first == Some(first) {
             return;
         }
         self.leave(home);
         self.first = Some(first);
-        for (a, part) in self.part.chunks_exact_mut(self.width[1]).enumerate() {
-            part.copy_from_slice(&v[(first[0] + a) * self.columns + first[1]..][..part.len()]);
+        let local = self.sums.len();
+        for (parts, vector) in self.parts.chunks_exact_mut(local).zip(vectors) {
+            for (a, part) in parts.chunks_exact_mut(self.width[1]).enumerate() {
+                part.copy_from_slice(&vector[(first[0] + a) * self.columns + first[1]..][..part.len()]);
+            }
         }
     }
 
@@ -94,70 +83,59 @@ impl Cell {
 }
 
 impl<'a> RowPasses<'a> {
-    /// The first visit: computed residuals, sizes, and `E'computed` as products.
-    pub fn new(equations: &'a Equations, c: &[f64]) -> RowPasses<'a> {
-        let mut passes = RowPasses {
-            equations,
-            level: Level::active(),
-            blocks: Vec::with_capacity(equations.sites.len().div_ceil(SITES)),
-            sums: vec![ColumnTotals::default(); c.len()],
-            lanes: SiteBlocks::new(&equations.sites),
-            cell: Cell::new(equations),
+    /// The rows of `equations`, held against `c`.
+    pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
+        let (lanes, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
+        RowPasses { equations, c, level: Level::active(), lanes, cell }
+    }
+
+    /// `E'r`, the other sums left at zero.
+    pub fn products(&mut self, v: &[f64]) -> Vec<ColumnTotals> {
+        let (mut home, level) = (vec![ColumnTotals::default(); v.len()], self.level);
+        self.visit([self.c, v], &mut home, |sites, vectors, columns| products_pass(level, sites, vectors, columns));
+        home
+    }
+
+    /// All sums.
+    pub fn last(&mut self, v: &[f64], rows: &mut RowSums) -> Vec<ColumnTotals> {
+        let (mut home, level) = (vec![ColumnTotals::default(); v.len()], self.level);
+        self.visit([self.c, v], &mut home, |sites, vectors, columns| last_pass(level, sites, vectors, columns, rows));
+        home
+    }
+
+    /// The worst ratio with sizes below `tiny` of the rows' norms, `|E|_1 largest`, taken with those besides.
+    pub fn against_norms(&mut self, v: &[f64], largest: f64, tiny: f64) -> f64 {
+        let (level, largest) = (self.level, vec![largest; self.cell.sums.len()]);
+        let (mut unused, mut worst) = (vec![ColumnTotals::default(); v.len()], SiteLanes::default());
+        self.visit([self.c, v], &mut unused, |sites, vectors, _| {
+            norms_pass(level, sites, vectors, &largest, tiny, &mut worst);
+        });
+        worst.iter().fold(0.0, |m: f64, v| m.max(*v))
+    }
+
+    fn visit(
+        &mut self,
+        vectors: [&[f64]; 2],
+        home: &mut [ColumnTotals],
+        mut pass: impl FnMut(&CellSites, &CellVectors, &mut [ColumnSums]),
+    ) {
+        let RowPasses { equations, lanes, cell, .. } = self;
+        let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
+            cell.enter(first, vectors, home);
+            let (c, v) = cell.parts.split_at(cell.sums.len());
+            pass(sites, &CellVectors { c, v, targets }, &mut cell.sums);
         };
-        let RowPasses { blocks, sums, lanes, cell, level, .. } = &mut passes;
-        lanes.visit(&equations.sites, &equations.metric, |block| {
-            cell.enter(block.first, c, sums);
-            // the targets stand where the residual will
-            blocks.push(BlockRows { residual: targets(equations, block), ..BlockRows::default() });
-            let Some(rows) = blocks.last_mut() else { return };
-            let out = [&mut rows.computed, &mut rows.sizes];
-            first_pass(*level, &block.lanes, &cell.part, &rows.residual, out, &mut cell.sums);
-            rows.residual = rows.computed;
-        });
-        cell.leave(sums);
-        passes
-    }
-
-    /// A later visit: `r -= E v`, and `E'r` as products; with `totals` the last one, which sums up everything.
-    pub fn again(&mut self, v: &[f64], mut totals: Option<&mut RowSums>) {
-        let RowPasses { equations, level, blocks, sums, lanes, cell } = self;
-        sums.iter_mut().for_each(|sum| sum.product = 0.0);
-        let mut places = blocks.iter_mut();
-        lanes.visit(&equations.sites, &equations.metric, |block| {
-            let Some(rows) = places.next() else { return };
-            cell.enter(block.first, v, sums);
-            second_pass(*level, &block.lanes, &cell.part, &mut rows.residual, &mut cell.sums);
-            if let Some(totals) = totals.as_deref_mut() {
-                last_sums(
-                    *level,
-                    &block.lanes,
-                    [&rows.residual, &rows.computed],
-                    &mut rows.sizes,
-                    &mut cell.sums,
-                    totals,
-                );
-            }
-        });
-        cell.leave(sums);
-    }
-
-    /// `|E| |v|`, block by block. The products are those of another vector then.
-    pub fn magnitudes(&mut self, v: &[f64]) -> Vec<Rows> {
-        let RowPasses { equations, level, lanes, cell, sums, blocks } = self;
-        let mut found = Vec::with_capacity(blocks.len());
-        lanes.visit(&equations.sites, &equations.metric, |block| {
-            cell.enter(block.first, v, sums);
-            let [mut unused, mut sizes] = [[[0.0; SITES]; 3]; 2];
-            let (targets, out) = ([[0.0; SITES]; 3], [&mut unused, &mut sizes]);
-            first_pass(*level, &block.lanes, &cell.part, &targets, out, &mut cell.sums);
-            found.push(sizes);
-        });
-        cell.leave(sums);
-        found
+        match equations.lanes() {
+            Some((lanes, rows)) => lanes.visit(rows, eight),
+            None => lanes.visit(&equations.sites, &equations.metric, |block| {
+                eight(block.first, &block.lanes, targets(equations, block).each_ref());
+            }),
+        }
+        cell.leave(home);
     }
 }
 
-fn targets(equations: &Equations, block: &SiteBlock) -> Rows {
+fn targets(equations: &Equations, block: &SiteBlock) -> [SiteLanes; 3] {
     let mut targets = [[0.0; SITES]; 3];
     for (lane, &index) in block.indices.iter().enumerate() {
         (0..3).for_each(|k| targets[k][lane] = equations.targets[index][k]);

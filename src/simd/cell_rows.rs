@@ -151,6 +151,44 @@ fn values<V: Lanes>(
     }
 }
 
+#[inline(always)]
+fn basis<V: Lanes>(
+    functions: &[[f64; 8]],
+    inverse_half: f64,
+    u: &SiteLanes,
+    values: &mut [SiteLanes],
+    slopes: &mut [SiteLanes],
+) {
+    for ((powers, value), slope) in functions.iter().zip(values).zip(slopes) {
+        let [c0, c1, c2, c3, ..] = *powers;
+        for lanes in (0..SITES).step_by(V::N) {
+            let u = V::load(&u[lanes..]);
+            let high = V::splat(c3).mul_add(u, V::splat(c2));
+            high.mul_add(u, V::splat(c1)).mul_add(u, V::splat(c0)).store(&mut value[lanes..]);
+            let high = V::splat(3.0 * c3).mul_add(u, V::splat(2.0 * c2));
+            (high.mul_add(u, V::splat(c1)) * V::splat(inverse_half)).store(&mut slope[lanes..]);
+        }
+    }
+}
+
+/// Basis functions of degree at most 3, given by their powers of u, and their slopes at eight places.
+pub fn cell_basis(
+    level: Level,
+    functions: &[[f64; 8]],
+    inverse_half: f64,
+    u: &SiteLanes,
+    values: &mut [SiteLanes],
+    slopes: &mut [SiteLanes],
+) {
+    dispatch!(level, basis [](
+        functions: &[[f64; 8]],
+        inverse_half: f64,
+        u: &SiteLanes,
+        values: &mut [SiteLanes],
+        slopes: &mut [SiteLanes],
+    ));
+}
+
 /// `out = [S, S_x, S_y]` at places in u and v, one for every eight.
 pub fn cell_values(
     level: Level,
@@ -239,6 +277,15 @@ mod tests {
                 (0..3).for_each(|t| twins.compare(at[site / 8][t][site % 8], expected[t]));
             }
             (0..2).for_each(|block| twins.compare(squares[block], sums[block]));
+            let functions = [[0.3, -0.2, 0.7, 0.4, 0.0, 0.0, 0.0, 0.0], [1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
+            let [mut values, mut slopes] = [[[0.0; SITES]; 2]; 2];
+            cell_basis(level, &functions, h[0], &u[1], &mut values, &mut slopes);
+            for (n, l) in (0..2 * SITES).map(|n| (n / SITES, n % SITES)) {
+                let sum =
+                    |of: &dyn Fn(f64, usize) -> f64| (0..4).map(|i| functions[n][i] * of(u[1][l], i)).sum::<f64>();
+                twins.compare(values[n][l], sum(&power));
+                twins.compare(slopes[n][l], h[0] * sum(&slope));
+            }
             twins.hold(16.0);
         }
     }

@@ -10,8 +10,8 @@
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
-//! | [`first_pass`], [`second_pass`], [`last_sums`] | residuals, their sizes and `E'r` over eight sites of a cell |
-//! | [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
+//! | [`products_pass`], [`last_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
+//! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
 //! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
@@ -49,7 +49,7 @@ mod site_passes;
 
 pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
-pub use cell_rows::{CellPiece, CellPowers, cell_products, cell_squares, cell_values};
+pub use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
 pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
@@ -69,7 +69,7 @@ pub use shape_gradients::{
 };
 pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{
-    CellSites, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, first_pass, last_sums, second_pass,
+    CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, last_pass, norms_pass, products_pass,
 };
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.

@@ -1,13 +1,14 @@
-//! The two visits of the rows that a backward error takes, eight sites of one cell at once.
+//! The visits of the rows that a backward error takes, eight sites of one cell at once.
 //!
 //! ```text
 //! E_r c = [ z S,  a S_x + b S_y,  d S_y ]        S = sum N_i c_ij M_j, and so on; [z; a b; 0 d] the weights of site r
-//! first     computed = b - E c      sizes = |E| |c| + |b|                          E'computed
-//! second    r -= E v                E'r       and the last time       |E|'|r|,  squares of E's columns,
-//!           sizes += |r|            |sizes|^2, |r|^2,  max_i |computed - r|_i / sizes_i
+//! products  r = (b - E c) - E v                  E'r
+//! last      sizes = |E| |c| + |b| + |r|          E'r, |E|'|r|, squares of E's columns,
+//!                                                |sizes|^2, |r|^2,  max_i |b - E c - r|_i / sizes_i
 //! ```
 //!
-//! Sums over sites stay apart lane by lane; [`add_lanes`] brings them together. Lanes whose weights are zero add nothing.
+//! Rows are formed anew at every visit: that takes less time than memory for what a visit found out about them. Sums over
+//! sites stay apart lane by lane; [`add_lanes`] brings them together. Lanes whose weights are zero add nothing.
 
 use super::lanes::Lanes;
 use super::{Level, by_width, dispatch};
@@ -59,9 +60,20 @@ pub struct RowSums {
     pub worst: SiteLanes,
 }
 
+/// What the rows are held against.
+#[derive(Clone, Copy, Debug)]
+pub struct CellVectors<'a> {
+    /// c on the cell.
+    pub c: &'a [f64],
+    /// v on the cell.
+    pub v: &'a [f64],
+    /// b of the sites.
+    pub targets: [&'a SiteLanes; 3],
+}
+
 // `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
 #[inline(always)]
-fn three<V: Lanes>(rows: &[SiteLanes; 3], lanes: usize) -> [V; 3] {
+fn three<V: Lanes>(rows: [&SiteLanes; 3], lanes: usize) -> [V; 3] {
     [V::load(&rows[0][lanes..]), V::load(&rows[1][lanes..]), V::load(&rows[2][lanes..])]
 }
 
@@ -130,43 +142,29 @@ fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, sums: &mut [ColumnSums])
     }
 }
 
+/// `[b - E c, r]`.
 #[inline(always)]
-fn first<V: Lanes, const P: usize, const Q: usize>(
-    sites: &CellSites,
-    c: &[f64],
-    targets: &[SiteLanes; 3],
-    [computed, sizes]: [&mut [SiteLanes; 3]; 2],
-    columns: &mut [ColumnSums],
-) {
-    let sites = &sites.cut::<P, Q>();
-    for lanes in (0..SITES).step_by(V::N) {
-        let targets = three::<V>(targets, lanes);
-        let (rows, magnitudes) = (rows_of::<V>(sites, c, lanes, |v| v), rows_of::<V>(sites, c, lanes, V::abs));
-        let mut left = [V::splat(0.0); 3];
-        for k in 0..3 {
-            left[k] = targets[k] - rows[k];
-            left[k].store(&mut computed[k][lanes..]);
-            (magnitudes[k] + targets[k].abs()).store(&mut sizes[k][lanes..]);
-        }
-        transposed::<V, PRODUCTS>(sites, left, lanes, |v| v, columns);
+fn residuals<V: Lanes>(sites: &CellSites, vectors: &CellVectors, lanes: usize) -> [[V; 3]; 2] {
+    let mut computed = three::<V>(vectors.targets, lanes);
+    let rows = rows_of::<V>(sites, vectors.c, lanes, |v| v);
+    let moved = rows_of::<V>(sites, vectors.v, lanes, |v| v);
+    let mut left = computed;
+    for k in 0..3 {
+        computed[k] = computed[k] - rows[k];
+        left[k] = computed[k] - moved[k];
     }
+    [computed, left]
 }
 
 #[inline(always)]
-fn second<V: Lanes, const P: usize, const Q: usize>(
+fn products<V: Lanes, const P: usize, const Q: usize>(
     sites: &CellSites,
-    v: &[f64],
-    r: &mut [SiteLanes; 3],
+    vectors: &CellVectors,
     columns: &mut [ColumnSums],
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
-        let moved = rows_of::<V>(sites, v, lanes, |v| v);
-        let mut left = [V::splat(0.0); 3];
-        for k in 0..3 {
-            left[k] = V::load(&r[k][lanes..]) - moved[k];
-            left[k].store(&mut r[k][lanes..]);
-        }
+        let [_, left] = residuals::<V>(sites, vectors, lanes);
         transposed::<V, PRODUCTS>(sites, left, lanes, |v| v, columns);
     }
 }
@@ -174,86 +172,120 @@ fn second<V: Lanes, const P: usize, const Q: usize>(
 #[inline(always)]
 fn last<V: Lanes, const P: usize, const Q: usize>(
     sites: &CellSites,
-    [r, computed]: [&[SiteLanes; 3]; 2],
-    sizes: &mut [SiteLanes; 3],
+    vectors: &CellVectors,
     columns: &mut [ColumnSums],
     rows: &mut RowSums,
 ) {
     let sites = &sites.cut::<P, Q>();
     for lanes in (0..SITES).step_by(V::N) {
-        let left = three::<V>(r, lanes);
+        let [computed, left] = residuals::<V>(sites, vectors, lanes);
+        transposed::<V, PRODUCTS>(sites, left, lanes, |v| v, columns);
+        let sizes = row_sizes::<V>(sites, vectors, &left, lanes);
         let (mut square, mut residual) = (V::load(&rows.sizes[lanes..]), V::load(&rows.residual[lanes..]));
-        let mut worst = V::load(&rows.worst[lanes..]);
         for k in 0..3 {
-            let size = V::load(&sizes[k][lanes..]) + left[k].abs();
-            size.store(&mut sizes[k][lanes..]);
-            square = size.mul_add(size, square);
+            square = sizes[k].mul_add(sizes[k], square);
             residual = left[k].mul_add(left[k], residual);
-            let gap = (V::load(&computed[k][lanes..]) - left[k]).abs();
-            worst = V::select((worst * size).less(gap), gap.div(size), worst);
         }
         square.store(&mut rows.sizes[lanes..]);
         residual.store(&mut rows.residual[lanes..]);
-        worst.store(&mut rows.worst[lanes..]);
-        let sizes = [left[0].abs(), left[1].abs(), left[2].abs()];
-        transposed::<V, SIZES>(sites, sizes, lanes, V::abs, columns);
+        add_worst::<V>(&computed, &left, &sizes, lanes, &mut rows.worst);
+        let left = [left[0].abs(), left[1].abs(), left[2].abs()];
+        transposed::<V, SIZES>(sites, left, lanes, V::abs, columns);
         add_norms::<V>(sites, lanes, columns);
     }
 }
 
-/// The first visit: `computed = targets - E c`, `sizes = |E||c| + |targets|`, and `E'computed` added to the columns.
+/// `|E||c| + |b| + |r|`.
+#[inline(always)]
+fn row_sizes<V: Lanes>(sites: &CellSites, vectors: &CellVectors, left: &[V; 3], lanes: usize) -> [V; 3] {
+    let mut sizes = rows_of::<V>(sites, vectors.c, lanes, V::abs);
+    let targets = three::<V>(vectors.targets, lanes);
+    for k in 0..3 {
+        sizes[k] = (sizes[k] + targets[k].abs()) + left[k].abs();
+    }
+    sizes
+}
+
+#[inline(always)]
+fn add_worst<V: Lanes>(computed: &[V; 3], left: &[V; 3], sizes: &[V; 3], lanes: usize, worst: &mut SiteLanes) {
+    let mut most = V::load(&worst[lanes..]);
+    for k in 0..3 {
+        let gap = (computed[k] - left[k]).abs();
+        most = V::select((most * sizes[k]).less(gap), gap.div(sizes[k]), most);
+    }
+    most.store(&mut worst[lanes..]);
+}
+
+#[inline(always)]
+fn against_norms<V: Lanes, const P: usize, const Q: usize>(
+    sites: &CellSites,
+    vectors: &CellVectors,
+    largest: &[f64],
+    tiny: f64,
+    worst: &mut SiteLanes,
+) {
+    let sites = &sites.cut::<P, Q>();
+    for lanes in (0..SITES).step_by(V::N) {
+        let [computed, left] = residuals::<V>(sites, vectors, lanes);
+        let mut sizes = row_sizes::<V>(sites, vectors, &left, lanes);
+        let norms = rows_of::<V>(sites, largest, lanes, V::abs);
+        for k in 0..3 {
+            sizes[k] = V::select(sizes[k].less(V::splat(tiny) * norms[k]), sizes[k] + norms[k], sizes[k]);
+        }
+        add_worst::<V>(&computed, &left, &sizes, lanes, worst);
+    }
+}
+
+/// `E'r` added to the columns.
 ///
 /// # Panics
 /// When slices are shorter than the cell's `(p + 1)(q + 1)` coefficients.
-pub fn first_pass(
-    level: Level,
-    sites: &CellSites,
-    c: &[f64],
-    targets: &[SiteLanes; 3],
-    out: [&mut [SiteLanes; 3]; 2],
-    columns: &mut [ColumnSums],
-) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], first(
+pub fn products_pass(level: Level, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums]) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], products(
         sites: &CellSites,
-        c: &[f64],
-        targets: &[SiteLanes; 3],
-        out: [&mut [SiteLanes; 3]; 2],
+        vectors: &CellVectors,
         columns: &mut [ColumnSums],
     ));
 }
 
-/// The second visit: `r -= E v`, and `E'r` added to the columns.
+/// The last visit: everything that is summed over rows and columns.
 ///
 /// # Panics
-/// As [`first_pass`].
-pub fn second_pass(level: Level, sites: &CellSites, v: &[f64], r: &mut [SiteLanes; 3], columns: &mut [ColumnSums]) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], second(
-        sites: &CellSites,
-        v: &[f64],
-        r: &mut [SiteLanes; 3],
-        columns: &mut [ColumnSums],
-    ));
-}
-
-/// What remains to be summed when r is final (`residuals`: r and computed): `sizes += |r|`, then the sums of `columns`
-/// (all but the products) and `rows`.
-///
-/// # Panics
-/// As [`first_pass`].
-pub fn last_sums(
+/// As [`products_pass`].
+pub fn last_pass(
     level: Level,
     sites: &CellSites,
-    residuals: [&[SiteLanes; 3]; 2],
-    sizes: &mut [SiteLanes; 3],
+    vectors: &CellVectors,
     columns: &mut [ColumnSums],
     rows: &mut RowSums,
 ) {
     by_width!(level, [sites.x[0].len(), sites.y[0].len()], last(
         sites: &CellSites,
-        residuals: [&[SiteLanes; 3]; 2],
-        sizes: &mut [SiteLanes; 3],
+        vectors: &CellVectors,
         columns: &mut [ColumnSums],
         rows: &mut RowSums,
+    ));
+}
+
+/// The largest ratio again, with sizes below `tiny |E| largest` taken with that besides; `largest` has an entry a
+/// coefficient of the cell.
+///
+/// # Panics
+/// As [`products_pass`].
+pub fn norms_pass(
+    level: Level,
+    sites: &CellSites,
+    vectors: &CellVectors,
+    largest: &[f64],
+    tiny: f64,
+    worst: &mut SiteLanes,
+) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], against_norms(
+        sites: &CellSites,
+        vectors: &CellVectors,
+        largest: &[f64],
+        tiny: f64,
+        worst: &mut SiteLanes,
     ));
 }
 
@@ -323,42 +355,39 @@ mod tests {
         let targets = [lanes(51), lanes(52), lanes(53)];
         let v: Vec<f64> = (0..unknowns).map(|u| 0.01 * value(u, 61)).collect();
         let apply = |l: usize, k: usize, v: &[f64]| (0..unknowns).map(|u| cell.entry(l, k, u) * v[u]).sum::<f64>();
+        let size = |l: usize, k: usize, v: &[f64]| (0..unknowns).map(|u| cell.size(l, k, u) * v[u].abs()).sum::<f64>();
+        let gap = |l: usize, k: usize| apply(l, k, &v);
+        let left = |l: usize, k: usize| targets[k][l] - apply(l, k, &cell.c) - gap(l, k);
+        let whole = |l: usize, k: usize| size(l, k, &cell.c) + targets[k][l].abs() + left(l, k).abs();
+        let ratio = |l: usize, k: usize, size: f64| if size > 0.0 { gap(l, k).abs() / size } else { 0.0 };
+        let over = |of: &dyn Fn(usize, usize) -> f64| (0..3 * SITES).map(|p| of(p / 3, p % 3)).sum::<f64>();
+        let vectors = CellVectors { c: &cell.c, v: &v, targets: targets.each_ref() };
+        let (largest, tiny) = (vec![3.0; unknowns], 0.3);
         for level in Level::available() {
-            let [mut computed, mut sizes] = [[[0.0; SITES]; 3]; 2];
-            let mut sums = vec![ColumnSums::default(); unknowns];
-            first_pass(level, &cell.sites(), &cell.c, &targets, [&mut computed, &mut sizes], &mut sums);
+            let mut products = vec![ColumnSums::default(); unknowns];
+            products_pass(level, &cell.sites(), &vectors, &mut products);
+            let (mut sums, mut rows) = (vec![ColumnSums::default(); unknowns], RowSums::default());
+            last_pass(level, &cell.sites(), &vectors, &mut sums, &mut rows);
+            let mut against = SiteLanes::default();
+            norms_pass(level, &cell.sites(), &vectors, &largest, tiny, &mut against);
             let mut twins = Twins::new("site_passes", level);
-            let mut over = |l: usize, k: usize| {
-                let size: f64 = (0..unknowns).map(|u| cell.size(l, k, u) * cell.c[u].abs()).sum();
-                twins.compare(computed[k][l], targets[k][l] - apply(l, k, &cell.c));
-                twins.compare(sizes[k][l], size + targets[k][l].abs());
-            };
-            (0..3 * SITES).for_each(|p| over(p / 3, p % 3));
-            let mut r = computed;
-            let mut again = vec![ColumnSums::default(); unknowns];
-            second_pass(level, &cell.sites(), &v, &mut r, &mut again);
-            let (before, mut rows) = (sizes, RowSums::default());
-            last_sums(level, &cell.sites(), [&r, &computed], &mut sizes, &mut again, &mut rows);
-            let mut expected = RowSums::default();
-            for (l, k) in (0..3 * SITES).map(|p| (p / 3, p % 3)) {
-                twins.compare(r[k][l], computed[k][l] - apply(l, k, &v));
-                let size = before[k][l] + r[k][l].abs();
-                twins.compare(sizes[k][l], size);
-                expected.sizes[l] += size * size;
-                expected.residual[l] += r[k][l] * r[k][l];
-                expected.worst[l] = expected.worst[l].max((computed[k][l] - r[k][l]).abs() / size);
-            }
             for l in 0..SITES {
-                twins.compare(rows.sizes[l], expected.sizes[l]);
-                twins.compare(rows.residual[l], expected.residual[l]);
-                twins.compare(rows.worst[l], expected.worst[l]);
+                let three = |of: &dyn Fn(usize) -> f64| (0..3).map(of).collect::<Vec<f64>>();
+                twins.compare(rows.sizes[l], three(&|k| whole(l, k).powi(2)).iter().sum());
+                twins.compare(rows.residual[l], three(&|k| left(l, k).powi(2)).iter().sum());
+                twins.compare(rows.worst[l], three(&|k| ratio(l, k, whole(l, k))).into_iter().fold(0.0, f64::max));
+                let with_norm = |k: usize| {
+                    let (size, norm) = (whole(l, k), size(l, k, &largest));
+                    ratio(l, k, if size < tiny * norm { size + norm } else { size })
+                };
+                twins.compare(against[l], three(&with_norm).into_iter().fold(0.0, f64::max));
             }
             for u in 0..unknowns {
-                let sum = |of: &dyn Fn(usize, usize) -> f64| (0..3 * SITES).map(|p| of(p / 3, p % 3)).sum::<f64>();
-                twins.compare(add_lanes(&sums[u][PRODUCTS]), sum(&|l, k| cell.entry(l, k, u) * computed[k][l]));
-                twins.compare(add_lanes(&again[u][PRODUCTS]), sum(&|l, k| cell.entry(l, k, u) * r[k][l]));
-                twins.compare(add_lanes(&again[u][SIZES]), sum(&|l, k| cell.size(l, k, u) * r[k][l].abs()));
-                twins.compare(add_lanes(&again[u][NORMS]), sum(&|l, k| cell.entry(l, k, u).powi(2)));
+                let product = over(&|l, k| cell.entry(l, k, u) * left(l, k));
+                twins.compare(add_lanes(&products[u][PRODUCTS]), product);
+                twins.compare(add_lanes(&sums[u][PRODUCTS]), product);
+                twins.compare(add_lanes(&sums[u][SIZES]), over(&|l, k| cell.size(l, k, u) * left(l, k).abs()));
+                twins.compare(add_lanes(&sums[u][NORMS]), over(&|l, k| cell.entry(l, k, u).powi(2)));
             }
             twins.hold(4.0);
         }

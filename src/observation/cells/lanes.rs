@@ -11,7 +11,8 @@ use super::tables::AxisTables;
 use crate::bspline::Knots;
 use crate::linalg::{Metric, Targets, TensorShape};
 use crate::simd::{
-    CellPiece, CellPowers, Level, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_products, cell_squares, cell_values,
+    CellPiece, CellPowers, CellSites, Level, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_basis, cell_products,
+    cell_squares, cell_values,
 };
 
 /// Where contacts lie in their cells, by eights; the last eight of a cell are filled up with nothing.
@@ -119,6 +120,32 @@ impl CellLanes {
         made
     }
 
+    /// Visits all contacts by eights with the values of their basis functions: `visit(first basis functions, sites, b)`.
+    pub fn visit(&self, rows: &LaneRows, mut visit: impl FnMut([usize; 2], &CellSites, [&SiteLanes; 3])) {
+        let (level, width) = (Level::active(), self.shape.degree.map(|d| d + 1));
+        let mut basis = vec![[0.0; SITES]; 2 * (width[0] + width[1])];
+        for (cell, &count) in self.counts.iter().enumerate() {
+            let segment = [cell / self.across, cell % self.across];
+            let first = [0, 1].map(|k| self.axes[k].first[segment[k]]);
+            for eight in self.starts[cell]..self.starts[cell + 1] {
+                let (x, y) = basis.split_at_mut(2 * width[0]);
+                let ((x, dx), (y, dy)) = (x.split_at_mut(width[0]), y.split_at_mut(width[1]));
+                for (k, [values, slopes]) in [[&mut *x, &mut *dx], [&mut *y, &mut *dy]].into_iter().enumerate() {
+                    let (functions, inverse_half) =
+                        (&self.axes[k].values[segment[k]], self.axes[k].inverse_half[segment[k]]);
+                    cell_basis(level, functions, inverse_half, &self.places[k][eight], values, slopes);
+                }
+                let is_last = eight + 1 == self.starts[cell + 1];
+                let weights = match &rows.weights {
+                    LaneWeights::Uniform(filled) => &filled[if is_last { count % SITES } else { 0 }],
+                    LaneWeights::PerSite(weights) => &weights[eight],
+                };
+                let sites = CellSites { x: [x, dx], y: [y, dy], weights };
+                visit(first, &sites, [0, 1, 2].map(|t| &rows.targets[t][eight]));
+            }
+        }
+    }
+
     /// `out += E'(b - E c)`.
     pub fn descent(&self, rows: &LaneRows, c: &[f64], out: &mut [f64]) {
         let level = Level::active();
@@ -220,8 +247,13 @@ impl CellLanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{RowMetric, apply_rows, descent, residuals};
+    use crate::linalg::{RowMetric, Sites, apply_rows, descent, residuals};
     use crate::observation::ScatteredSites;
+
+    /// Slopes are as large as the segments are many.
+    fn size_of(segments: [usize; 2]) -> f64 {
+        1.0 + segments[0].max(segments[1]) as f64
+    }
 
     fn check(degree: [usize; 2], segments: [usize; 2], count: usize, metric: &Metric) {
         let knots = [
@@ -251,12 +283,26 @@ mod tests {
         let (mut visited, mut expected) = (0, Targets::new());
         apply_rows(&sites, &Metric::Uniform(plain), &c, &mut expected);
         lanes.values(&c, |number, found| {
-            // slopes are as large as the segments are many
-            let size = 1.0 + segments[0].max(segments[1]) as f64;
+            let size = size_of(segments);
             (0..3).for_each(|k| assert!((found[k] - expected[number][k]).abs() < 1e-14 * size, "{k} {found:?}"));
             visited += 1;
         });
         assert_eq!(visited, count);
+        let mut expected = Vec::new();
+        sites.visit(|s| expected.push((s.first, s.index, [s.x, s.dx, s.y, s.dy].concat())));
+        let mut next = expected.iter();
+        lanes.visit(&rows, |first, eight, b| {
+            let basis: Vec<&SiteLanes> = eight.x.iter().chain(&eight.y).flat_map(|rows| rows.iter()).collect();
+            // lanes without a site have no weight
+            for l in (0..SITES).filter(|l| eight.weights[0][*l] != 0.0) {
+                let (start, index, values) = next.next().unwrap();
+                let m = metric.at(*index);
+                assert_eq!((first, eight.weights.iter().map(|w| w[l]).collect()), (*start, vec![m.z, m.a, m.b, m.d]));
+                assert_eq!(b.map(|b| b[l]), targets[*index]);
+                basis.iter().zip(values).for_each(|(a, b)| assert!((a[l] - b).abs() < 1e-14 * size_of(segments)));
+            }
+        });
+        assert!(next.next().is_none());
         let (mut found, mut expected) = (vec![0.0; unknowns], vec![0.0; unknowns]);
         lanes.descent(&rows, &c, &mut found);
         descent(&sites, metric, &targets, &c, &mut expected);
