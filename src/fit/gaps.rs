@@ -12,7 +12,8 @@
 //! The two are solved in turn; F is held by so little data that a handful of turns settles both.
 
 use super::equations::Equations;
-use super::solver::{Reason, Solution};
+use super::reasons::Reason;
+use super::solver::Solution;
 use crate::linalg::{Metric, RowMetric, StencilMatrix, apply_rows};
 use crate::observation::roughness_matrix;
 use crate::solve::Cholesky;

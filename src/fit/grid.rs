@@ -5,8 +5,9 @@
 
 use super::equations::Equations;
 use super::gaps::Free;
+use super::reasons::{MethodUsed, Reason};
 use super::refinement::refine;
-use super::solver::{Factor, MethodUsed, Reason, Solution};
+use super::solver::{Factor, Solution};
 use super::{FitError, Method, Observed};
 use crate::linalg::{Metric, Sites, StencilMatrix};
 use crate::observation::GridSites;

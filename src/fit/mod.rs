@@ -40,6 +40,7 @@ mod gaps;
 mod grid;
 mod noise;
 mod normals;
+mod notes;
 mod observed;
 mod options;
 mod parametric;
@@ -47,6 +48,7 @@ mod plan;
 mod plane_rows;
 mod probes;
 mod promise;
+mod reasons;
 mod refinement;
 mod robust;
 mod row_passes;
@@ -60,6 +62,7 @@ pub use certificate::Certificate;
 pub use describe::{Shape, Statistic};
 pub use equations::{Block, Equations};
 pub use error::FitError;
+pub use notes::Note;
 pub use observed::{Observed, Patch};
 pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 pub use parametric::{
@@ -68,8 +71,9 @@ pub use parametric::{
 };
 pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
 pub use promise::Promise;
-pub use rows::{Declared, NoiseLevels, Note, Rms};
-pub use solver::{Factor, MethodUsed, Reason, Solution};
+pub use reasons::{MethodUsed, Reason};
+pub use rows::{Declared, NoiseLevels, Rms};
+pub use solver::{Factor, Solution};
 pub use stream::{StreamShape, Touch, TouchStream};
 
 use std::sync::OnceLock;

@@ -10,7 +10,8 @@
 //! Where the noise levels are to be estimated, the scales are the estimate: variance components would believe the slips.
 
 use super::data::Data;
-use super::rows::{Fitted, Levelled, Note, fit_plain, noise_levels};
+use super::notes::Note;
+use super::rows::{Fitted, Levelled, fit_plain, noise_levels};
 use super::{Declared, FitError, FitOptions, NoiseLevels, NormalSigma, Objective, Patch, Robust, SlopeWeights};
 use crate::linalg::{RowMetric, Sites, site_rows};
 use crate::observation::angular_residual_squared;

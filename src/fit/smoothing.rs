@@ -11,7 +11,8 @@
 use super::data::Data;
 use super::equations::Equations;
 use super::noise::hat_traces;
-use super::rows::{Fitted, Note, fit_rows};
+use super::notes::Note;
+use super::rows::{Fitted, fit_rows};
 use super::solver;
 use super::{FitError, FitOptions, Method, Patch, Smooth};
 

@@ -8,6 +8,7 @@
 use super::equations::Equations;
 use super::gaps::{self, Free};
 use super::grid;
+use super::reasons::{MethodUsed, Reason};
 use super::refinement::{Refinement, refine};
 use super::{FitError, Method};
 use crate::linalg::{Sites, StencilMatrix};
@@ -21,109 +22,6 @@ const PIVOT_IN_DOUBT: f64 = 1e-4;
 const HALF_THE_DIGITS: f64 = 1e8;
 /// Most entries of E that are written out for the dense rank-revealing factor (32 MB).
 const DENSE_ENTRIES: usize = 1 << 22;
-
-/// How the coefficients were had.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodUsed {
-    /// Cholesky of the normal matrix.
-    Cholesky,
-    /// QR of the rows.
-    Qr,
-    /// Rank-revealing QR with rows sorted and columns pivoted.
-    PivotedQr,
-    /// Fast diagonalisation of a complete grid.
-    Kronecker,
-    /// Preconditioned conjugate gradients.
-    Pcg,
-}
-
-impl MethodUsed {
-    /// The word used in every output.
-    pub fn name(self) -> &'static str {
-        match self {
-            MethodUsed::Cholesky => "cholesky",
-            MethodUsed::Qr => "qr",
-            MethodUsed::PivotedQr => "pivoted qr",
-            MethodUsed::Kronecker => "kronecker",
-            MethodUsed::Pcg => "pcg",
-        }
-    }
-}
-
-/// Why that method, move by move.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Reason {
-    /// The user asked for it.
-    Requested,
-    /// All pivots well away from zero.
-    PivotsSound,
-    /// The condition estimate allows Cholesky.
-    ConditionSound {
-        /// Condition of the equilibrated rows.
-        condition: f64,
-    },
-    /// Cholesky would lose more than half the digits.
-    ConditionPoor {
-        /// Condition of the equilibrated rows.
-        condition: f64,
-    },
-    /// Cholesky broke down.
-    CholeskyBroke {
-        /// At this unknown.
-        unknown: usize,
-    },
-    /// QR found columns that depend on others.
-    RankDeficient {
-        /// Rank found.
-        rank: usize,
-    },
-    /// Row weights differ by so much that rows are sorted and columns pivoted.
-    WeightsDiffer {
-        /// Largest over smallest row weight.
-        ratio: f64,
-    },
-    /// Fast diagonalisation is exact here.
-    CompleteGrid,
-    /// Conjugate gradients with fast diagonalisation as preconditioner.
-    Iterated {
-        /// Iterations of the first solve.
-        iterations: usize,
-    },
-    /// Coefficients without data, or held by a thread, take least-roughness values.
-    Gap {
-        /// How many.
-        coefficients: usize,
-    },
-    /// No height rows: the mean height is set to zero.
-    NoHeights,
-}
-
-impl std::fmt::Display for Reason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Reason::Requested => write!(f, "requested"),
-            Reason::PivotsSound => write!(f, "all pivots sound"),
-            Reason::ConditionSound { condition } => {
-                write!(f, "condition {condition:.1e} leaves more than half the digits")
-            }
-            Reason::ConditionPoor { condition } => {
-                write!(f, "condition {condition:.1e} would cost Cholesky more than half the digits")
-            }
-            Reason::CholeskyBroke { unknown } => write!(f, "Cholesky broke down at unknown {unknown}"),
-            Reason::RankDeficient { rank } => write!(f, "rank {rank}: the rest takes least roughness"),
-            Reason::WeightsDiffer { ratio } => {
-                write!(f, "row weights differ by {ratio:.1e}: rows sorted, columns pivoted")
-            }
-            Reason::CompleteGrid => write!(f, "complete grid with one weight per block"),
-            Reason::Iterated { iterations } => write!(f, "{iterations} iterations"),
-            Reason::Gap { coefficients } => {
-                write!(f, "{coefficients} coefficients without enough data take least roughness")
-            }
-            Reason::NoHeights => write!(f, "no heights: their mean is set to zero"),
-        }
-    }
-}
 
 /// A factor of the final problem, kept for covariance, condition and further right-hand sides.
 #[derive(Debug)]

@@ -27,6 +27,7 @@
 mod arctangent;
 mod bilinear;
 mod block_columns;
+mod block_substitution;
 mod cell_rows;
 mod chacha8;
 mod combine_rows;
@@ -48,7 +49,8 @@ mod shape_maps;
 mod site_passes;
 
 pub use bilinear::{BilinearTerm, bilinear};
-pub use block_columns::{BlockShape, GRAIN, PADDING, backward_block, factor_block, forward_block, update_block};
+pub use block_columns::{BlockShape, GRAIN, PADDING, factor_block, update_block};
+pub use block_substitution::{backward_block, forward_block};
 pub use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
 pub use combine_rows::{RowTerm, combine_rows};

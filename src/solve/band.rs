@@ -10,6 +10,7 @@
 //! as wide as the band. The work is that of one band factorisation, but its two halves do not know of each other: two
 //! threads take one each, and the bits do not depend on how many there are.
 
+use super::numbering::Numbering;
 use crate::linalg::{StencilMatrix, TensorShape};
 use crate::simd::{BlockShape, GRAIN, Level, PADDING, backward_block, factor_block, forward_block, update_block};
 
@@ -327,46 +328,6 @@ impl Part {
     fn back(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in (0..end / WIDTH).rev() {
             backward_block(level, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
-        }
-    }
-}
-
-/// Columns of `D A D` in the order of elimination.
-pub(super) struct Numbering<'a> {
-    pub(super) matrix: &'a StencilMatrix,
-    pub(super) scale: &'a [f64],
-    pub(super) reversed: bool,
-}
-
-impl Numbering<'_> {
-    /// Calls `put(offset, value)` for the entries on and below the diagonal of column `number`.
-    #[inline]
-    pub(super) fn column(&self, number: usize, mut put: impl FnMut(usize, f64)) {
-        let shape = self.matrix.shape();
-        let ([n, m], [p, q]) = (shape.basis, shape.degree);
-        let values = self.matrix.values();
-        if self.reversed {
-            // in the reversed numbering what stands below is what stood above: the row's own stencil
-            let v = self.matrix.order() - 1 - number;
-            let (i, j) = (v / m, v % m);
-            for di in 0..=p.min(i) {
-                let to = if di == 0 { q } else { (2 * q).min(m - 1 - j + q) };
-                for dj in q.saturating_sub(j)..=to {
-                    let offset = di * m + q - dj;
-                    put(offset, values[self.matrix.position(v, di, dj)] * self.scale[v] * self.scale[v - offset]);
-                }
-            }
-        } else {
-            let (i, j) = (number / m, number % m);
-            for di in 0..=p.min(n - 1 - i) {
-                let from = if di == 0 { 0 } else { -(q.min(j) as isize) };
-                for dj in from..=(q.min(m - 1 - j) as isize) {
-                    let offset = (di as isize * m as isize + dj) as usize;
-                    let row = number + offset;
-                    let position = self.matrix.position(row, di, (q as isize - dj) as usize);
-                    put(offset, values[position] * self.scale[number] * self.scale[row]);
-                }
-            }
         }
     }
 }

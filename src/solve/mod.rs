@@ -17,6 +17,7 @@ mod dense;
 mod fast_diagonalisation;
 mod householder;
 mod kronecker;
+mod numbering;
 mod ordering;
 mod patch;
 mod pivoted;

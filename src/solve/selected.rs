@@ -9,7 +9,8 @@
 //! Columns go backwards, from the middle out to both ends. Only `Z_RR`, a square as wide as the band, is kept: a ring of
 //! rows and columns in which J takes the places of what it pushes out. n w^2 multiply-adds, twice the factorisation.
 
-use super::band::{BandCholesky, Numbering, Part, WIDTH};
+use super::band::{BandCholesky, Part, WIDTH};
+use super::numbering::Numbering;
 use crate::linalg::StencilMatrix;
 use crate::simd::{BlockShape, GRAIN, Level, Panels, ProductSize, subtract_product};
 
