@@ -155,7 +155,7 @@ fn plane_probability(fit: &Fit) -> Option<f64> {
     if freedom <= 0.0 || (fit.noise().declared != Declared::Sigma && rest <= 0.0) {
         return None;
     }
-    let of_fit = equations.residual_square(&fitted.solution.coefficients);
+    let of_fit: f64 = equations.residual_squares(&fitted.solution.coefficients).iter().sum();
     let largest = fit.data.largest_height(&fit.patch) / fit.patch.frame.scale;
     let plane = plane_rows(equations, largest)?;
     if plane.is_rounding {

@@ -103,14 +103,6 @@ impl Equations {
         }
     }
 
-    /// `|b - E c|^2` of all rows.
-    pub fn residual_square(&self, c: &[f64]) -> f64 {
-        match self.lanes() {
-            Some((lanes, rows)) => lanes.squares(rows, true, c).iter().sum(),
-            None => self.residuals(c).iter().flatten().map(|v| v * v).sum(),
-        }
-    }
-
     /// `|E v|^2` of either block.
     pub fn row_squares(&self, v: &[f64]) -> [f64; 2] {
         if let Some((lanes, rows)) = self.lanes() {

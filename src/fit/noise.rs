@@ -32,7 +32,7 @@ const ROUGHEST: f64 = 1e-2;
 /// Extrapolation beyond ten steps trusts two differences too far.
 const STEEPEST: f64 = 0.9;
 /// Up to this many unknowns the trace takes one solve per unknown, beyond it the inverse's entries within the band; both
-/// are exact. Other factors than a band's (more than 25,000 unknowns, QR, conjugate gradients) are probed (error below
+/// are exact. Other factors than a band's (nested dissection, QR, conjugate gradients) are probed (error below
 /// sqrt(2 n / 64)).
 const UNIT_VECTORS: usize = 400;
 /// Probes of Hutchinson's estimator: its sd is then 18 % of sqrt(n), against rows that outnumber n.
@@ -48,6 +48,8 @@ pub struct Trial {
     pub solution: Solution,
     /// `[heights, slopes]`, weighted.
     pub squares: [f64; 2],
+    /// What the last step moved, relative to the largest coefficient; 0 where the problem is linear.
+    pub moved: f64,
 }
 
 /// Traces of both blocks' hat matrices.
@@ -126,31 +128,30 @@ pub struct Asked<'a> {
 pub fn variance_components(
     mut solve_at: impl FnMut(Asked) -> Result<Trial, FitError>,
 ) -> Result<(Levels, Trial, Option<Note>), FitError> {
-    let (mut levels, mut within) = (Levels { z: 1.0, slope: 1.0 }, ROUGHEST);
-    let mut trial = solve_at(Asked { levels, start: None, within })?;
+    let mut levels = Levels { z: 1.0, slope: 1.0 };
+    let mut trial = solve_at(Asked { levels, start: None, within: ROUGHEST })?;
     let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
     let rms = |t: &Trial| [0, 1].map(|b| if rows[b] > 0.0 { (t.squares[b] / rows[b]).sqrt() } else { 0.0 });
-    if rms(&trial).iter().all(|r| *r <= ROUGHEST) {
+    if trial.moved > SETTLED && rms(&trial).iter().all(|r| *r <= ROUGHEST) {
         // so little may be noise, or what the last step has left
-        within = SETTLED;
-        trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within })?;
-        if rms(&trial).iter().all(|r| *r <= NO_NOISE) {
-            return Ok((levels, trial, Some(Note::NoNoise)));
-        }
+        trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within: SETTLED })?;
+    }
+    if rms(&trial).iter().all(|r| *r <= NO_NOISE) {
+        return Ok((levels, trial, Some(Note::NoNoise)));
     }
     let mut secant = Secant::default();
     for _ in 0..MAX_STEPS {
         let next = step(levels, &trial, rows);
         let moved = (next.z / levels.z - 1.0).abs().max((next.slope / levels.slope - 1.0).abs());
         let stands = moved < STANDS;
-        if stands && within <= SETTLED {
+        if stands && trial.moved <= SETTLED {
             break;
         }
         levels = secant.after(levels, next);
-        within = if stands { SETTLED } else { (SHARE * moved).clamp(SETTLED, ROUGHEST) };
+        let within = if stands { SETTLED } else { (SHARE * moved).clamp(SETTLED, ROUGHEST) };
         trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within })?;
     }
-    if within > SETTLED {
+    if trial.moved > SETTLED {
         trial = solve_at(Asked { levels, start: Some(&trial.solution.coefficients), within: SETTLED })?;
     }
     let vanished = levels.z <= NO_NOISE || levels.slope <= NO_NOISE;

@@ -184,7 +184,7 @@ fn fit_slopes(
         too_few(&equations)?;
         let solution = solver::solve(&equations, method)?;
         let squares = equations.residual_squares(&solution.coefficients);
-        Ok(Trial { equations, solution, squares })
+        Ok(Trial { equations, solution, squares, moved: 0.0 })
     };
     let mut notes = Vec::new();
     let block = block_weights(weights, scale);
@@ -288,7 +288,7 @@ fn fit_normals(
         let settled = problem.minimise(start, within)?;
         steps.set(steps.get() + settled.steps);
         let squares = problem.squares(&settled.solution.coefficients);
-        Ok(Trial { equations: settled.equations, solution: settled.solution, squares })
+        Ok(Trial { equations: settled.equations, solution: settled.solution, squares, moved: settled.moved })
     };
     too_few(&at(Levels { z: 1.0, slope: 1.0 }).linearised(&vec![0.0; sites.shape().unknowns()]))?;
     let mut notes = Vec::new();

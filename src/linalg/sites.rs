@@ -28,8 +28,8 @@ pub struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// `body` of this site; for degrees 2, 3 and 4 in both directions compiled with the lengths of the rows known, which
-    /// halves the time of every visit and changes no bit.
+    /// `body` of this site; for degrees 2, 3 and 4 in both directions handed rows of literal length, which
+    /// changes no bit. Whether the loops are unrolled by it is the compiler's choice: it may share one body among them.
     #[inline(always)]
     pub fn unrolled<T>(&self, body: impl FnOnce(&Site) -> T) -> T {
         match [self.x.len(), self.y.len()] {

@@ -9,8 +9,8 @@ use crate::linalg::{Site, Sites, TensorShape};
 /// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
 /// every visit, which costs twice the time and no memory.
 const KEPT: usize = 1 << 23;
-/// From this many sites on, rows are formed for whoever visits first: a fit of many contacts goes by its cells' lanes and
-/// visits none, the certificate does. Fewer are formed with the sites, while their points are at hand.
+/// From this many sites on, rows are formed for whoever visits first: a fit of many contacts and its certificate go by the
+/// cells' lanes and visit none, QR of the rows does. Fewer are formed with the sites, while their points are at hand.
 const MANY: usize = 20_000;
 
 /// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
