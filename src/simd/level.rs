@@ -18,6 +18,11 @@ pub(super) enum Kind {
     Avx512,
 }
 
+/// Dense 512-bit arithmetic makes a processor of that time lower its clock, halt for the change, and stay there for two
+/// thirds of a millisecond: what a few microseconds of it gain, the plain code around them loses several times over. Work
+/// on more sites than this takes longer than that.
+const BRIEF: usize = 1 << 12;
+
 /// 0: not chosen yet; 1: the best there is; 2: portable.
 static CHOICE: AtomicU8 = AtomicU8::new(0);
 
@@ -55,6 +60,16 @@ impl Level {
     /// The set in use: the best, or the portable one after [`Level::force_portable`].
     pub fn active() -> Level {
         if CHOICE.load(Ordering::Relaxed) == 2 { Level::PORTABLE } else { Level::best() }
+    }
+
+    /// The set for about so many sites or points in one go: [`Level::active`], but no 512-bit set for [`BRIEF`] or fewer.
+    pub fn for_work(items: usize) -> Level {
+        let level = Level::active();
+        #[cfg(target_arch = "x86_64")]
+        if items <= BRIEF && level.0 == Kind::Avx512 {
+            return Level(Kind::Avx2);
+        }
+        level
     }
 
     /// From now on the whole process takes the portable path (`--portable`), for the same bits on different machines.

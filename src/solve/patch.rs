@@ -125,7 +125,7 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
     }
 
     fn write_inverse(&self, out: &mut [f64]) {
-        let inverse = invert_columns(Level::active(), &self.columns, &self.inverse);
+        let inverse = invert_columns(Level::for_work(N), &self.columns, &self.inverse);
         out.chunks_exact_mut(N).zip(&inverse).for_each(|(out, row)| out.copy_from_slice(&row[..N]));
     }
 
