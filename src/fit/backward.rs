@@ -44,9 +44,9 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
         bent
     });
     let mut passes = RowPasses::new(equations, c);
-    let v = span(&mut passes, solution, penalty.as_deref(), condition);
-    let mut rows = RowSums::default();
-    let columns = passes.last(&v, &mut rows);
+    let (mut columns, mut rows) = (vec![ColumnTotals::default(); c.len()], RowSums::default());
+    let v = span(&mut passes, solution, penalty.as_deref(), condition, &mut columns);
+    passes.last(&v, &mut columns, &mut rows);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
     let of_columns = orthogonality(solution, &columns, penalty.as_deref());
     let of_rows = if worst <= SUSPICIOUS {
@@ -62,33 +62,50 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
     }
 }
 
-/// v, the part of the computed residual in the span of E.
-fn span(passes: &mut RowPasses, solution: &Solution, penalty: Option<&[f64]>, condition: f64) -> Vec<f64> {
-    let mut v = vec![0.0; solution.coefficients.len()];
-    let turns = if condition > CORRECT_TWICE { 2 } else { 1 };
-    for _ in 0..turns {
-        let mut step = products(solution, &passes.products(&v), penalty);
+/// v, the part of the computed residual in the span of E; `columns` is room for its sums.
+fn span(
+    passes: &mut RowPasses,
+    solution: &Solution,
+    penalty: Option<&[f64]>,
+    condition: f64,
+    columns: &mut [ColumnTotals],
+) -> Vec<f64> {
+    let mut step = |v: &[f64]| {
+        passes.products(v, columns);
+        let mut step = products(solution, columns, penalty);
         solution.factor.solve(&mut step);
         solution.clear_free(&mut step);
-        v.iter_mut().zip(&step).for_each(|(v, d)| *v += d);
+        step
+    };
+    let mut v = step(&[]);
+    if condition > CORRECT_TWICE {
+        let again = step(&v);
+        v.iter_mut().zip(&again).for_each(|(v, d)| *v += d);
     }
     v
 }
 
 /// `E'r - lambda P c` over the determined columns, 0 in the others.
 fn products(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> Vec<f64> {
-    let mut out: Vec<f64> = sums.iter().map(|sum| sum.product).collect();
-    if let Some(bent) = penalty {
-        out.iter_mut().zip(bent).for_each(|(p, b)| *p -= b);
-    }
+    let mut out: Vec<f64> = (0..sums.len()).map(|u| product(sums, penalty, u)).collect();
     solution.clear_free(&mut out);
     out
 }
 
+/// `(E'r - lambda P c)_u`.
+fn product(sums: &[ColumnTotals], penalty: Option<&[f64]>, u: usize) -> f64 {
+    sums[u].product - penalty.map_or(0.0, |bent| bent[u])
+}
+
 /// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
 fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> f64 {
-    let products = products(solution, sums, penalty);
-    let size = |u: usize| sums[u].size + penalty.map_or(0.0, |bent| bent[u].abs());
-    let ratios = products.iter().enumerate().filter(|(u, _)| size(*u) > 0.0).map(|(u, p)| p.abs() / size(u));
-    ratios.fold(0.0, f64::max)
+    let mut worst = 0.0_f64;
+    for (u, sum) in sums.iter().enumerate() {
+        let size = sum.size + penalty.map_or(0.0, |bent| bent[u].abs());
+        let is_determined = solution.unsupported.binary_search(&u).is_err() && solution.pinned != Some(u);
+        if size > 0.0 && is_determined {
+            worst = worst.max(product(sums, penalty, u).abs() / size);
+        }
+    }
+    worst
 }

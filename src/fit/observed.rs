@@ -48,6 +48,13 @@ impl Sites for Observed {
             Observed::Gridded(sites) => sites.visit(f),
         }
     }
+
+    fn visit_cells(&self, f: impl FnMut([usize; 2], &[u32], &[f64])) -> bool {
+        match self {
+            Observed::Scattered(sites) => sites.visit_cells(f),
+            Observed::Gridded(sites) => sites.visit_cells(f),
+        }
+    }
 }
 
 /// Where the patch is: frame, knots in patch coordinates, and the same knots in the frame's unscaled coordinates.

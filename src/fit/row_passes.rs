@@ -8,10 +8,9 @@
 //! first and added to the unknowns when the visit leaves it.
 
 use super::Equations;
-use crate::linalg::{SiteBlock, SiteBlocks, Sites};
+use crate::linalg::{SiteBlocks, SiteRows, Sites};
 use crate::simd::{
-    CellSites, CellVectors, ColumnSums, Level, RowSums, SITES, SiteLanes, add_lanes, last_pass, norms_pass,
-    products_pass,
+    CellSites, CellVectors, ColumnSums, Level, RowSums, SiteLanes, add_lanes, last_pass, norms_pass, products_pass,
 };
 
 /// Sums over all rows for one unknown: `E'r`, `|E|'|r|`, squared norm of the column.
@@ -61,7 +60,8 @@ impl Cell {
         self.leave(home);
         self.first = Some(first);
         let local = self.sums.len();
-        for (parts, vector) in self.parts.chunks_exact_mut(local).zip(vectors) {
+        let parts = self.parts.chunks_exact_mut(local).zip(vectors);
+        for (parts, vector) in parts.filter(|(_, vector)| !vector.is_empty()) {
             for (a, part) in parts.chunks_exact_mut(self.width[1]).enumerate() {
                 part.copy_from_slice(&vector[(first[0] + a) * self.columns + first[1]..][..part.len()]);
             }
@@ -86,21 +86,21 @@ impl<'a> RowPasses<'a> {
     /// The rows of `equations`, held against `c`.
     pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
         let (lanes, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
-        RowPasses { equations, c, level: Level::active(), lanes, cell }
+        RowPasses { equations, c, level: Level::for_work(equations.sites.len()), lanes, cell }
     }
 
-    /// `E'r`, the other sums left at zero.
-    pub fn products(&mut self, v: &[f64]) -> Vec<ColumnTotals> {
-        let (mut home, level) = (vec![ColumnTotals::default(); v.len()], self.level);
-        self.visit([self.c, v], &mut home, |sites, vectors, columns| products_pass(level, sites, vectors, columns));
-        home
+    /// `E'r`, the other sums left at zero; no `v` is v = 0.
+    pub fn products(&mut self, v: &[f64], home: &mut [ColumnTotals]) {
+        let level = self.level;
+        home.fill(ColumnTotals::default());
+        self.visit([self.c, v], home, |sites, vectors, columns| products_pass(level, sites, vectors, columns));
     }
 
     /// All sums.
-    pub fn last(&mut self, v: &[f64], rows: &mut RowSums) -> Vec<ColumnTotals> {
-        let (mut home, level) = (vec![ColumnTotals::default(); v.len()], self.level);
-        self.visit([self.c, v], &mut home, |sites, vectors, columns| last_pass(level, sites, vectors, columns, rows));
-        home
+    pub fn last(&mut self, v: &[f64], home: &mut [ColumnTotals], rows: &mut RowSums) {
+        let level = self.level;
+        home.fill(ColumnTotals::default());
+        self.visit([self.c, v], home, |sites, vectors, columns| last_pass(level, sites, vectors, columns, rows));
     }
 
     /// The worst ratio with sizes below `tiny` of the rows' norms, `|E|_1 largest`, taken with those besides.
@@ -123,22 +123,18 @@ impl<'a> RowPasses<'a> {
         let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
             cell.enter(first, vectors, home);
             let (c, v) = cell.parts.split_at(cell.sums.len());
+            let v = if vectors[1].is_empty() { &[] } else { v };
             pass(sites, &CellVectors { c, v, targets }, &mut cell.sums);
         };
         match equations.lanes() {
             Some((lanes, rows)) => lanes.visit(rows, eight),
-            None => lanes.visit(&equations.sites, &equations.metric, |block| {
-                eight(block.first, &block.lanes, targets(equations, block).each_ref());
-            }),
+            None => {
+                let Equations { sites, metric, targets, .. } = equations;
+                lanes.visit(&SiteRows { sites, metric, targets }, |block| {
+                    eight(block.first, &block.lanes, block.targets)
+                });
+            }
         }
         cell.leave(home);
     }
-}
-
-fn targets(equations: &Equations, block: &SiteBlock) -> [SiteLanes; 3] {
-    let mut targets = [[0.0; SITES]; 3];
-    for (lane, &index) in block.indices.iter().enumerate() {
-        (0..3).for_each(|k| targets[k][lane] = equations.targets[index][k]);
-    }
-    targets
 }

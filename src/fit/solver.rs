@@ -96,7 +96,7 @@ pub struct Solution {
     pub reasons: Vec<Reason>,
     /// Numerical rank.
     pub rank: usize,
-    /// Coefficients that the data leave free or hold by a thread.
+    /// Coefficients that the data leave free or hold by a thread, ascending.
     pub unsupported: Vec<usize>,
     /// Without height rows: the coefficient that the factor holds in place of the constant.
     pub pinned: Option<usize>,

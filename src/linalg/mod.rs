@@ -20,7 +20,7 @@ mod stencil;
 pub use blocks::{BlockMatrix, MapShape};
 pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
 pub use double_double::DoubleDouble;
-pub use site_blocks::{SiteBlock, SiteBlocks};
+pub use site_blocks::{SiteBlock, SiteBlocks, SiteRows};
 pub use sites::{
     Metric, RowMetric, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
     site_rows,

@@ -59,6 +59,11 @@ pub trait Sites: Sync {
     }
     /// Visits every site, knot cell by knot cell (x segment major): all sites of a cell come together.
     fn visit(&self, f: impl FnMut(&Site));
+    /// The same visit a cell at a time, where basis rows lie side by side: `f(first basis functions, numbers of the data,
+    /// rows)`, in the rows N, N', M, M' of one site after the other. `false`, and nothing is visited, where they do not.
+    fn visit_cells(&self, _f: impl FnMut([usize; 2], &[u32], &[f64])) -> bool {
+        false
+    }
 }
 
 /// Weights of one site's rows: `wz` and the upper triangle `[a b; 0 d]`. Residuals are multiplied, not squares.

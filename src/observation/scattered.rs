@@ -151,4 +151,16 @@ impl Sites for ScatteredSites {
             }
         }
     }
+
+    fn visit_cells(&self, mut f: impl FnMut([usize; 2], &[u32], &[f64])) -> bool {
+        let Some(rows) = self.rows() else { return false };
+        let across = self.knots[1].n_segments();
+        let each: usize = self.shape().degree.iter().map(|d| 2 * (d + 1)).sum();
+        for (cell, ends) in self.cell_starts.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]) {
+            let [from, to] = [ends[0] as usize, ends[1] as usize];
+            let first = [self.knots[0].first_basis(cell / across), self.knots[1].first_basis(cell % across)];
+            f(first, &self.order[from..to], &rows[from * each..to * each]);
+        }
+        true
+    }
 }

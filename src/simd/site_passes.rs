@@ -65,7 +65,7 @@ pub struct RowSums {
 pub struct CellVectors<'a> {
     /// c on the cell.
     pub c: &'a [f64],
-    /// v on the cell.
+    /// v on the cell; empty where it is zero.
     pub v: &'a [f64],
     /// b of the sites.
     pub targets: [&'a SiteLanes; 3],
@@ -147,11 +147,15 @@ fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, sums: &mut [ColumnSums])
 fn residuals<V: Lanes>(sites: &CellSites, vectors: &CellVectors, lanes: usize) -> [[V; 3]; 2] {
     let mut computed = three::<V>(vectors.targets, lanes);
     let rows = rows_of::<V>(sites, vectors.c, lanes, |v| v);
-    let moved = rows_of::<V>(sites, vectors.v, lanes, |v| v);
-    let mut left = computed;
     for k in 0..3 {
         computed[k] = computed[k] - rows[k];
-        left[k] = computed[k] - moved[k];
+    }
+    let mut left = computed;
+    if !vectors.v.is_empty() {
+        let moved = rows_of::<V>(sites, vectors.v, lanes, |v| v);
+        for k in 0..3 {
+            left[k] = computed[k] - moved[k];
+        }
     }
     [computed, left]
 }
@@ -368,6 +372,10 @@ mod tests {
             products_pass(level, &cell.sites(), &vectors, &mut products);
             let (mut sums, mut rows) = (vec![ColumnSums::default(); unknowns], RowSums::default());
             last_pass(level, &cell.sites(), &vectors, &mut sums, &mut rows);
+            let (zero, mut of_zero, mut of_nothing) = (vec![0.0; unknowns], products.clone(), products.clone());
+            products_pass(level, &cell.sites(), &CellVectors { v: &zero, ..vectors }, &mut of_zero);
+            products_pass(level, &cell.sites(), &CellVectors { v: &[], ..vectors }, &mut of_nothing);
+            assert_eq!(of_zero, of_nothing);
             let mut against = SiteLanes::default();
             norms_pass(level, &cell.sites(), &vectors, &largest, tiny, &mut against);
             let mut twins = Twins::new("site_passes", level);
