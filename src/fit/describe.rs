@@ -5,8 +5,8 @@ use super::{Declared, Fit, uncertainty};
 use crate::curvature::{ShapeClass, principal_curvatures};
 use crate::linalg::{Metric, RowMetric, Sites};
 use crate::shape::{
-    Interval, ShapeGrid, ShapeMaps, Spread, best_plane, chi_square_upper_tail, class_probabilities, f_upper_tail,
-    gap_gradient, mean_gradients, normal_interval, radius_of, shape_maps, spread,
+    GridGradients, Interval, ShapeGrid, ShapeMaps, Spread, best_plane, chi_square_upper_tail, class_probabilities,
+    f_upper_tail, gap_gradient, mean_gradients, normal_interval, radius_of, shape_maps, spread,
 };
 use crate::surface::SurfacePoint;
 
@@ -53,6 +53,8 @@ pub struct Shape {
     pub support: f64,
     /// p-value of the best plane against the fit.
     pub plane_p: Option<f64>,
+    /// What S and R depend on, for the certificate.
+    pub(super) gradients: GridGradients,
 }
 
 /// Describes the fit over the grid of its options.
@@ -75,7 +77,8 @@ fn summarise(fit: &Fit, local: &ShapeMaps, plane_p: Option<f64>, is_plane: bool)
     let defined = points(local).filter(|&(i, j)| local.shape_index_at(i, j).is_some());
     let s = spread(defined.clone().map(|at| local.shape_index[at]));
     let r = spread(points(local).map(|at| local.curvedness[at] / scale));
-    let gradients = mean_gradients(&fit.surface, local);
+    let of_points = GridGradients::new(&fit.surface, &local.rows);
+    let gradients = mean_gradients(&fit.surface, local, &of_points);
     let level = fit.options.level;
     let statistic = |spread: Spread, u: f64, floor: f64, ceiling: f64| Statistic {
         mean: spread.mean,
@@ -99,6 +102,7 @@ fn summarise(fit: &Fit, local: &ShapeMaps, plane_p: Option<f64>, is_plane: bool)
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
         maps: in_input_units(fit, local),
+        gradients: of_points,
     }
 }
 

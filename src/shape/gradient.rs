@@ -9,8 +9,9 @@
 //!
 //! S has a kink at an umbilic (d = 0): there the term of d is dropped, and the delta method sees only the mean curvature.
 
-use super::ShapeMaps;
+use super::{GridGradients, ShapeMaps};
 use crate::bspline::BasisRow;
+use crate::simd::POINTS;
 use crate::surface::{HeightField, SurfacePoint};
 
 /// The shape operator `[a b; b c]` and the derivatives of its entries.
@@ -120,29 +121,31 @@ pub struct MeanGradients {
     pub curvedness: Vec<f64>,
 }
 
-/// d(mean S)/dc and d(mean R)/dc over the supported points where S is defined.
-pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps) -> MeanGradients {
+/// d(mean S)/dc and d(mean R)/dc over the supported points where S is defined; `gradients` are those over the maps' grid.
+pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps, gradients: &GridGradients) -> MeanGradients {
     let (unknowns, columns) = (surface.coefficients().len(), surface.coefficients().ncols());
     let mut sums = MeanGradients { shape_index: vec![0.0; unknowns], curvedness: vec![0.0; unknowns] };
-    let (mut defined, mut supported) = (0usize, 0usize);
-    let [along_x, along_y] = &*maps.rows;
-    for (i, bx) in along_x.iter().enumerate() {
-        for (j, by) in along_y.iter().enumerate() {
-            if !maps.supported[[i, j]] {
-                continue;
+    let mut counts = [0usize; 2];
+    gradients.visit(surface, &maps.rows, |eight| {
+        let ([i, start], width) = (eight.at, surface.knots()[1].degree() + 1);
+        let asked: [[bool; 2]; POINTS] = std::array::from_fn(|l| {
+            let j = start + l.min(eight.count - 1);
+            let is_there = l < eight.count;
+            [is_there && maps.shape_index_at(i, j).is_some(), is_there && maps.supported[[i, j]]]
+        });
+        for (kind, sums) in [&mut sums.shape_index, &mut sums.curvedness].into_iter().enumerate() {
+            counts[kind] += asked.iter().filter(|asked| asked[kind]).count();
+            for (a, entries) in eight.entries[kind].chunks_exact(width).enumerate() {
+                let home = &mut sums[(eight.first[0] + a) * columns + eight.first[1]..][..width];
+                for (home, lanes) in home.iter_mut().zip(entries) {
+                    let of_asked = lanes.iter().zip(&asked).map(|(v, asked)| if asked[kind] { *v } else { 0.0 });
+                    *home += of_asked.sum::<f64>();
+                }
             }
-            let gradient = shape_gradient(&maps.points[[i, j]]);
-            let at = |a: usize, b: usize| (bx.first + a) * columns + by.first + b;
-            if maps.shape_index_at(i, j).is_some() {
-                defined += 1;
-                by_coefficients(&gradient.shape_index, bx, by, |a, b, value| sums.shape_index[at(a, b)] += value);
-            }
-            supported += 1;
-            by_coefficients(&gradient.curvedness, bx, by, |a, b, value| sums.curvedness[at(a, b)] += value);
         }
-    }
-    sums.shape_index.iter_mut().for_each(|v| *v /= defined.max(1) as f64);
-    sums.curvedness.iter_mut().for_each(|v| *v /= supported.max(1) as f64);
+    });
+    sums.shape_index.iter_mut().for_each(|v| *v /= counts[0].max(1) as f64);
+    sums.curvedness.iter_mut().for_each(|v| *v /= counts[1].max(1) as f64);
     sums
 }
 

@@ -10,6 +10,7 @@
 
 mod gradient;
 mod grid;
+mod grid_gradients;
 mod maps;
 mod plane;
 mod space_maps;
@@ -19,6 +20,7 @@ mod uv_support;
 
 pub use gradient::{MeanGradients, ShapeGradient, by_coefficients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
+pub use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub use space_maps::{SpaceMaps, space_maps, uv_grid};

@@ -130,7 +130,12 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
             *bound = V::splat(terms.moved) * bound.sqrt();
         }
         if let Some(directed) = &terms.directed {
-            let [forms, weighted] = forms::<V>(directed, gradients, lanes);
+            let is_patch = P * Q > 0 && directed.weights.len() == P * Q;
+            let [forms, weighted] = if is_patch {
+                patch_forms::<V, P, Q>(directed, gradients, lanes)
+            } else {
+                forms::<V>(directed, gradients, lanes)
+            };
             // solved in one go, coefficients have not settled on anything: most fits
             let lengths = if directed.settled > 0.0 { gradients.lengths::<V>(lanes) } else { [zero; KINDS] };
             for kind in 0..KINDS {
@@ -146,6 +151,36 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
         }
     }
     out
+}
+
+/// `[g'A g, |A g|'t]` where the cell is all there is: Q rows of A share the reading of g, and all lengths are literal.
+#[inline(always)]
+fn patch_forms<V: Lanes, const P: usize, const Q: usize>(
+    directed: &DirectedTerms,
+    gradients: &CellGradients,
+    lanes: usize,
+) -> [[V; KINDS]; 2] {
+    let [mut forms, mut weighted] = [[V::splat(0.0); KINDS]; 2];
+    let order = P * Q;
+    let (matrix, weights) = (&directed.matrix[..order * order], &directed.weights[..order]);
+    for a in 0..P {
+        let rows = &matrix[a * Q * order..(a + 1) * Q * order];
+        let mut products = [[V::splat(0.0); KINDS]; Q];
+        for v in 0..order {
+            let [g, h] = gradients.entry::<V>(v, lanes);
+            for (b, sums) in products.iter_mut().enumerate() {
+                let value = V::splat(rows[b * order + v]);
+                *sums = [value.mul_add(g, sums[0]), value.mul_add(h, sums[1])];
+            }
+        }
+        for (b, [along, across]) in products.into_iter().enumerate() {
+            let (u, [g, h]) = (a * Q + b, gradients.entry::<V>(a * Q + b, lanes));
+            let weight = V::splat(weights[u]);
+            forms = [along.mul_add(g, forms[0]), across.mul_add(h, forms[1])];
+            weighted = [along.abs().mul_add(weight, weighted[0]), across.abs().mul_add(weight, weighted[1])];
+        }
+    }
+    [forms, weighted]
 }
 
 /// `[g'A g, |A g|'t]`: rows of other cells have a part in the second only.

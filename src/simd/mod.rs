@@ -67,7 +67,7 @@ pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_gradients::{
-    CellPoints, CurveLanes, ORDERS, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients,
+    CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, ROUNDING, cell_curves, shape_gradients,
 };
 pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{

@@ -34,34 +34,30 @@ pub struct CellPoints<'a> {
     pub y: [&'a [PointLanes]; 3],
     /// The cell's coefficients summed along y by [`cell_curves`], `p + 1` rows.
     pub curves: &'a [CurveLanes],
-    /// Largest 2-norms over the basis functions of M, M', M'' at the points.
-    pub lengths: [f64; 3],
-    /// m: a derivative can be off by `e_k = m |N^(i)|_2 |M^(j)|_2` besides its rounding.
-    pub moved: f64,
-    /// u: rounding of a derivative relative to the size of its terms, and of S and R to their own.
-    pub rounding: f64,
 }
 
+/// Rounding of a derivative relative to the size of its terms, and of S and R to their own: sums over the tensor basis,
+/// in which each term is rounded about eight times.
+pub const ROUNDING: f64 = 8.0 * 0.5 * f64::EPSILON;
+
 /// What [`shape_gradients`] finds at the eight points besides the gradients.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PointShapes {
-    /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1; NaN where curvatures are so large or small that
-    /// their squares are lost.
+    /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1, u [`ROUNDING`] and the terms of a derivative
+    /// `sum_ab |c_ab| |D_k(N_a M_b)|`; NaN where curvatures are so large or small that their squares are lost.
     pub roundings: [PointLanes; 2],
-    /// Not 0 where `k1 - k2` is within `2 (e_2 + 2 e_3 + e_4) + 4 |k| (e_0 + e_1)`, rounding included: next to an umbilic.
-    pub near: PointLanes,
-    /// `sum_ab |c_ab| |D_k(N_a M_b)|`.
-    pub terms: [PointLanes; 5],
-    /// `k1 + k2`.
-    pub sum: PointLanes,
-    /// `k1 - k2`.
-    pub difference: PointLanes,
     /// What errors of S and of R are relative to: 1 and R.
     pub sizes: [PointLanes; 2],
+    /// `k1 - k2`.
+    pub difference: PointLanes,
+    /// `(|k1 + k2| + k1 - k2) / 2`.
+    pub bend: PointLanes,
+    /// `2 u (e_xx + 2 e_xy + e_yy) + 4 u bend (e_x + e_y)`, e the terms: what rounding alone opens a gap of `k1 - k2` by.
+    pub opening: PointLanes,
 }
 
 /// Orders of the five derivatives in x and in y.
-pub const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
 // `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
 #[inline(always)]
@@ -178,29 +174,7 @@ impl<'a> CellPoints<'a> {
             return *self;
         }
         let ([x, dx, ddx], [y, dy, ddy]) = (self.x, self.y);
-        CellPoints {
-            x: [&x[..P], &dx[..P], &ddx[..P]],
-            y: [&y[..Q], &dy[..Q], &ddy[..Q]],
-            curves: &self.curves[..P],
-            ..*self
-        }
-    }
-
-    /// e. Most points are far from umbilic: norms tell, before the derivatives' errors are worked out.
-    #[inline(always)]
-    fn off(&self) -> [f64; 5] {
-        let mut squares = [0.0; 3];
-        for (k, square) in squares.iter_mut().enumerate() {
-            for n in self.x[k] {
-                *square = n.mul_add(*n, *square);
-            }
-        }
-        let lengths = [squares[0].sqrt(), squares[1].sqrt(), squares[2].sqrt()];
-        let mut off = [0.0; 5];
-        for (off, (i, j)) in off.iter_mut().zip(ORDERS) {
-            *off = self.moved * lengths[i] * self.lengths[j];
-        }
-        off
+        CellPoints { x: [&x[..P], &dx[..P], &ddx[..P]], y: [&y[..Q], &dy[..Q], &ddy[..Q]], curves: &self.curves[..P] }
     }
 }
 
@@ -215,12 +189,11 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(
     let [of_shape_index, of_curvedness] = entries;
     let cell = points.x[0].len() * width;
     let entries = [&mut of_shape_index[..cell], &mut of_curvedness[..cell]];
-    let off = points.off();
     for lanes in (0..POINTS).step_by(V::N) {
         let [d, sizes] = derivatives::<V>(points, lanes);
         let (gradients, [sum, difference, size]) = gradient(d);
         let sound = is_sound(&gradients[0], size);
-        let unit = V::splat(points.rounding);
+        let unit = V::splat(ROUNDING);
         for (k, g) in gradients.iter().enumerate() {
             let mut rounding = if k == 0 { V::splat(1.0) } else { size };
             (0..5).for_each(|k| rounding = g[k].abs().mul_add(sizes[k], rounding));
@@ -236,10 +209,10 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(
                 }
             }
         }
-        (0..5).for_each(|k| sizes[k].store(&mut out.terms[k][lanes..]));
-        near(points, &off, &sizes, sum, difference).store(&mut out.near[lanes..]);
-        sum.store(&mut out.sum[lanes..]);
+        let bend = (sum.abs() + difference) * V::splat(0.5);
         difference.store(&mut out.difference[lanes..]);
+        bend.store(&mut out.bend[lanes..]);
+        opening(&sizes, bend).store(&mut out.opening[lanes..]);
         V::splat(1.0).store(&mut out.sizes[0][lanes..]);
         size.store(&mut out.sizes[1][lanes..]);
     }
@@ -254,13 +227,9 @@ fn is_sound<V: Lanes>(g: &[V; 5], size: V) -> V::Mask {
 }
 
 #[inline(always)]
-fn near<V: Lanes>(points: &CellPoints, off: &[f64; 5], sizes: &[V; 5], sum: V, difference: V) -> V {
-    let unit = V::splat(points.rounding);
-    let off = |k: usize| unit.mul_add(sizes[k], V::splat(off[k]));
-    let bend = (sum.abs() + difference) * V::splat(0.5);
-    let opens = V::splat(2.0) * off(3).mul_add(V::splat(2.0), off(2) + off(4));
-    let opens = (V::splat(4.0) * bend).mul_add(off(0) + off(1), opens);
-    V::select(opens.less(difference), V::splat(0.0), V::splat(1.0))
+fn opening<V: Lanes>(sizes: &[V; 5], bend: V) -> V {
+    let second = V::splat(2.0) * sizes[3].mul_add(V::splat(2.0), sizes[2] + sizes[4]);
+    (V::splat(4.0) * bend).mul_add(sizes[0] + sizes[1], second) * V::splat(ROUNDING)
 }
 
 /// The curves of a cell: `c` the coefficients, `runs` the first of each row of the cell, `y` M, M', M'' at the points.
@@ -298,8 +267,6 @@ mod tests {
     use crate::surface::HeightField;
     use ndarray::Array2;
 
-    const UNIT: f64 = 1e-15;
-
     /// Points of one cell of a wavy surface with slopes up to `steep`, every one against the shape room's formulas.
     fn compare(level: Level, degree: [usize; 2], steep: f64) {
         let knots = [Knots::uniform(degree[0], 1, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 1, -1.0, 1.0).unwrap()];
@@ -315,8 +282,7 @@ mod tests {
         let runs: Vec<usize> = (0..size[0]).map(|a| a * size[1]).collect();
         let mut curves = vec![CurveLanes::default(); size[0]];
         cell_curves(level, c.as_slice().unwrap(), &runs, y, &mut curves);
-        let lengths = [0.5, 1.0, 2.0];
-        let points = CellPoints { x, y, curves: &curves, lengths, moved: 1e-3, rounding: UNIT };
+        let points = CellPoints { x, y, curves: &curves };
         let [mut of_s, mut of_r] = [vec![[0.0; POINTS]; size[0] * size[1]], vec![[0.0; POINTS]; size[0] * size[1]]];
         let mut made = PointShapes::default();
         shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
@@ -329,24 +295,22 @@ mod tests {
                     gradients.compare(entries[k][a * size[1] + b][l], value);
                 });
             }
-            gradients.compare(made.sum[l], expected.sum);
+            let bend = 0.5 * (expected.sum.abs() + expected.difference);
+            gradients.compare(made.bend[l], bend);
             gradients.compare(made.difference[l], expected.difference);
             gradients.compare(made.sizes[1][l], 0.5 * expected.sum.hypot(expected.difference));
-            for (k, (i, j)) in ORDERS.into_iter().enumerate() {
+            let of_derivative = ORDERS.map(|(i, j)| {
                 let term = |a: usize, b: usize| (c[[a, b]] * bx.derivative(i)[a] * by.derivative(j)[b]).abs();
-                terms.compare(made.terms[k][l], (0..size[0] * size[1]).map(|u| term(u / size[1], u % size[1])).sum());
-            }
+                (0..size[0] * size[1]).map(|u| term(u / size[1], u % size[1])).sum::<f64>()
+            });
             for (k, (g, size)) in
                 [(&expected.shape_index, 1.0), (&expected.curvedness, made.sizes[1][l])].iter().enumerate()
             {
-                let sum: f64 = (0..5).map(|k| g[k].abs() * made.terms[k][l]).sum();
-                terms.compare(made.roundings[k][l], UNIT * (sum + size));
+                let sum: f64 = (0..5).map(|k| g[k].abs() * of_derivative[k]).sum();
+                terms.compare(made.roundings[k][l], ROUNDING * (sum + size));
             }
-            let length = |k: usize| bx.derivative(k).iter().map(|n| n * n).sum::<f64>().sqrt();
-            let off = |k: usize| 1e-3 * length(ORDERS[k].0) * lengths[ORDERS[k].1] + UNIT * made.terms[k][l];
-            let bend = 0.5 * (expected.sum.abs() + expected.difference);
-            let opens = 2.0 * (off(2) + 2.0 * off(3) + off(4)) + 4.0 * bend * (off(0) + off(1));
-            assert_eq!(made.near[l] > 0.0, expected.difference <= opens, "{} lane {l}", level.name());
+            let [x, y, xx, xy, yy] = of_derivative;
+            terms.compare(made.opening[l], ROUNDING * (2.0 * (xx + 2.0 * xy + yy) + 4.0 * bend * (x + y)));
         }
         gradients.hold(32.0);
         terms.hold(8.0);
@@ -375,7 +339,7 @@ mod tests {
                 cell_curves(level, &c, &[0, 2], y, &mut curves);
                 let [mut of_s, mut of_r] = [[[0.0; POINTS]; 4]; 2];
                 let mut made = PointShapes::default();
-                let points = CellPoints { x, y, curves: &curves, lengths: [1.0; 3], moved: 0.0, rounding: UNIT };
+                let points = CellPoints { x, y, curves: &curves };
                 shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
                 let [first, ..] = made.roundings[0];
                 assert!(made.roundings[0].iter().all(|r| r.is_nan() != alive && (!alive || *r == first)));
