@@ -8,8 +8,9 @@
 //!
 //! By `fit_contacts`, the call that a user makes: slope rows with given weights at 36 contacts (degree 2, one segment) and
 //! at 200,000 (degree 3, 64 x 64 segments), and the same 36 with normals and no word about their noise, which is what
-//! `palpate fit` does by default. The ways take turns in one process, each after an untimed fit with its shape, so that none
-//! finds caches, memory or the clock as another has left them; the ratios are medians over the rounds.
+//! `palpate fit` does by default. The ways take turns in one process, each with several calls in a row, as criterion
+//! measures them too; ratios are medians over the rounds. "once" is the certificate of one fit after others without: its
+//! instructions and its data are then further away, and the fit's are not.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -26,6 +27,8 @@ struct Problem {
     contacts: Contacts,
     options: FitOptions,
     rounds: usize,
+    /// Calls in a row.
+    calls: usize,
 }
 
 /// Heights and slopes of a wavy dish with a little noise.
@@ -50,13 +53,18 @@ fn problems() -> [Problem; 3] {
         let turned = |slopes: &[f64]| slopes.iter().map(|s| -s).collect();
         felt = felt.with_normals(turned(zx), turned(zy), vec![1.0; zx.len()]);
     }
-    let small =
-        Problem { rows: "slopes", contacts, options: FitOptions { objective, ..FitOptions::default() }, rounds: 2001 };
-    let by_default = Problem { rows: "normals", contacts: felt, options: FitOptions::default(), rounds: 401 };
+    let small = Problem {
+        rows: "slopes",
+        contacts,
+        options: FitOptions { objective, ..FitOptions::default() },
+        rounds: 801,
+        calls: 8,
+    };
+    let by_default = Problem { rows: "normals", contacts: felt, options: FitOptions::default(), rounds: 101, calls: 5 };
     let lcg = &mut Lcg::new(200_000);
     let (x, y) = (0..200_000).map(|_| (2.0 * lcg.uniform() - 1.0, 2.0 * lcg.uniform() - 1.0)).unzip();
     let options = FitOptions { degree: [3, 3], segments: [64, 64], objective, ..FitOptions::default() };
-    [small, by_default, Problem { rows: "slopes", contacts: touched(x, y), options, rounds: 21 }]
+    [small, by_default, Problem { rows: "slopes", contacts: touched(x, y), options, rounds: 21, calls: 1 }]
 }
 
 impl Problem {
@@ -88,7 +96,7 @@ fn timed(c: &mut Criterion) {
     for problem in problems() {
         let mut group = c.benchmark_group("certificate");
         let size = format!("{}_{}", problem.contacts.len(), problem.rows);
-        group.sample_size(10.max(problem.rounds / 100));
+        group.sample_size(10.max(problem.rounds / 40));
         group.bench_function(BenchmarkId::new("fit", &size), |b| b.iter(|| problem.fit()));
         group.bench_function(BenchmarkId::new("fit_shape", &size), |b| b.iter(|| problem.described()));
         group.bench_function(BenchmarkId::new("fit_shape_certificate", &size), |b| b.iter(|| problem.certified()));
@@ -96,12 +104,26 @@ fn timed(c: &mut Criterion) {
     }
 }
 
-fn seconds(work: impl Fn() -> Fit) -> f64 {
-    let start = Instant::now();
-    let fit = work();
-    let elapsed = start.elapsed().as_secs_f64();
-    drop(fit);
-    elapsed
+impl Problem {
+    /// Seconds a call, among calls of the same kind.
+    fn in_a_row(&self, way: fn(&Problem) -> Fit) -> f64 {
+        drop(way(self));
+        let start = Instant::now();
+        (0..self.calls).for_each(|_| drop(black_box(way(self))));
+        start.elapsed().as_secs_f64() / self.calls as f64
+    }
+
+    /// Seconds of one fit and of its certificate, after others without one.
+    fn once(&self) -> [f64; 2] {
+        (0..self.calls).for_each(|_| drop(black_box(self.described())));
+        let start = Instant::now();
+        let fit = self.fit();
+        let of_fit = start.elapsed().as_secs_f64();
+        black_box(fit.shape());
+        let start = Instant::now();
+        black_box(fit.certificate());
+        [of_fit, start.elapsed().as_secs_f64()]
+    }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -110,31 +132,26 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn compare() {
-    println!("contacts    rows       fit      shape  certificate   of the fit   of fit and shape   not asked for");
+    println!("                                             certificate");
+    println!(
+        "contacts    rows       fit      shape    in a row    of the fit   of fit and shape        once   not asked for"
+    );
     for problem in problems() {
         let ways: [fn(&Problem) -> Fit; 4] = [Problem::fit, Problem::not_asked, Problem::described, Problem::certified];
-        let rounds: Vec<[f64; 4]> = (0..problem.rounds)
-            .map(|_| {
-                let mut times = [0.0; 4];
-                for (way, time) in ways.iter().zip(&mut times) {
-                    // untimed: every way finds caches and memory as the same call leaves them
-                    black_box(problem.described());
-                    *time = seconds(|| way(&problem));
-                }
-                times
-            })
-            .collect();
-        let of = |value: &dyn Fn(&[f64; 4]) -> f64| median(rounds.iter().map(value).collect());
-        let fit = of(&|r| r[0]);
+        let rounds: Vec<([f64; 4], [f64; 2])> =
+            (0..problem.rounds).map(|_| (ways.map(|way| problem.in_a_row(way)), problem.once())).collect();
+        let of = |value: &dyn Fn(&[f64; 4]) -> f64| median(rounds.iter().map(|(row, _)| value(row)).collect());
+        let once = median(rounds.iter().map(|(_, [fit, certificate])| certificate / fit).collect());
         println!(
-            "{:>8} {:>7} {:>8.1} us {:>7.1} us {:>8.1} us {:>8.1} % {:>15.1} % {:>14.1} %",
+            "{:>8} {:>7} {:>8.1} us {:>7.1} us {:>8.1} us {:>11.1} % {:>16.1} % {:>9.1} % {:>13.1} %",
             problem.contacts.len(),
             problem.rows,
-            fit * 1e6,
+            of(&|r| r[0]) * 1e6,
             of(&|r| r[2] - r[0]) * 1e6,
             of(&|r| r[3] - r[2]) * 1e6,
             100.0 * of(&|r| (r[3] - r[2]) / r[0]),
             100.0 * of(&|r| (r[3] - r[2]) / r[2]),
+            100.0 * once,
             100.0 * of(&|r| (r[1] - r[0]) / r[0]),
         );
     }
