@@ -1,9 +1,12 @@
 //! What is counted: one run of each workload, set-up outside, everything on one thread.
 
+use std::hint::black_box;
+
 use palpate::bspline::linspace;
-use palpate::fit::{ImagePlan, SlopePlan};
+use palpate::fit::{Fit, ImagePlan, Objective, SlopePlan, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::surface::CurvatureGrid;
+use palpate::{Contacts, FitOptions, fit_contacts};
 
 use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 
@@ -11,14 +14,29 @@ use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, p
 pub type Run = Box<dyn FnMut() -> Result<(), Fault> + Send>;
 
 /// Names of all workloads.
-pub const NAMES: [&str; 6] = [
+pub const NAMES: [&str; 9] = [
     "paper_fit/w1",
+    "contacts/fit",
+    "contacts/fit_shape",
+    "contacts/fit_shape_certificate",
     "scattered_fit/w2",
     "image_fit/cold",
     "image_fit/reused",
     "noise_study/1000",
     "curvature_map/200x200",
 ];
+
+/// Fits the paper's contacts with slope rows and asks for something.
+fn touched(asked: fn(&Fit)) -> Run {
+    let [x, y, z, zx, zy] = paper(false).0;
+    let contacts = Contacts::from_positions(x, y, z).with_slopes(zx, zy);
+    let options = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
+    Box::new(move || {
+        let fit = fit_contacts(&contacts, &options)?;
+        asked(&fit);
+        Ok(())
+    })
+}
 
 /// Sets the workload up; its first run fills the buffers.
 pub fn prepare(name: &str) -> Result<Run, Fault> {
@@ -33,6 +51,15 @@ pub fn prepare(name: &str) -> Result<Run, Fault> {
                 Ok(())
             })
         }
+        // 36 contacts by the public call; what shape and certificate add is the difference of two rows
+        "contacts/fit" => touched(|_| ()),
+        "contacts/fit_shape" => touched(|fit| {
+            black_box(fit.shape());
+        }),
+        "contacts/fit_shape_certificate" => touched(|fit| {
+            black_box(fit.shape());
+            black_box(fit.certificate());
+        }),
         "scattered_fit/w2" => {
             let (columns, knots) = (scattered(200_000), square_knots(3, 64, 0.0, 1.0)?);
             let mut plan = SlopePlan::new(knots, [1.0; 3])?;
