@@ -150,6 +150,35 @@ impl Contacts {
         }
     }
 
+    /// The same contacts in another order: the k-th is number `order[k]` here.
+    ///
+    /// # Panics
+    /// When there is no contact of such a number.
+    pub fn in_order(&self, order: &[u32]) -> Contacts {
+        fn taken<T: Copy>(column: &[T], order: &[u32]) -> Vec<T> {
+            order.iter().map(|&number| column[number as usize]).collect()
+        }
+        let optional = |column: &Option<Vec<f64>>| column.as_ref().map(|column| taken(column, order));
+        let labels = |column: &Option<Vec<u32>>| column.as_ref().map(|column| taken(column, order));
+        let orientation = match &self.orientation {
+            Orientation::None => Orientation::None,
+            Orientation::Normals { nx, ny, nz } => {
+                Orientation::Normals { nx: taken(nx, order), ny: taken(ny, order), nz: taken(nz, order) }
+            }
+            Orientation::Slopes { zx, zy } => Orientation::Slopes { zx: taken(zx, order), zy: taken(zy, order) },
+        };
+        let RowWeights { z, x, y } = &self.weights;
+        Contacts {
+            x: taken(&self.x, order),
+            y: taken(&self.y, order),
+            z: taken(&self.z, order),
+            orientation,
+            finger: labels(&self.finger),
+            station: labels(&self.station),
+            weights: RowWeights { z: optional(z), x: optional(x), y: optional(y) },
+        }
+    }
+
     /// The same contacts with every normal reversed; slopes and positions stay.
     pub fn with_flipped_normals(mut self) -> Contacts {
         if let Orientation::Normals { nx, ny, nz } = &mut self.orientation {
@@ -167,4 +196,21 @@ pub(crate) fn unit(v: [f64; 3]) -> [f64; 3] {
     let w = [v[0] / largest, v[1] / largest, v[2] / largest];
     let length = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     [w[0] / length, w[1] / length, w[2] / length]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_order_takes_every_column_along() {
+        let contacts = Contacts::from_positions(vec![0.9, 0.1, 0.8], vec![0.5; 3], vec![1.0, 2.0, 3.0])
+            .with_slopes(vec![7.0; 3], vec![8.0, 9.0, 10.0]);
+        let weights = RowWeights { z: Some(vec![1.0, 0.0, 2.0]), ..RowWeights::default() };
+        let sorted = Contacts { station: Some(vec![4, 5, 6]), weights, ..contacts }.in_order(&[1, 0, 2]);
+        assert_eq!((sorted.x, sorted.y, sorted.z), (vec![0.1, 0.9, 0.8], vec![0.5; 3], vec![2.0, 1.0, 3.0]));
+        assert_eq!((sorted.station, sorted.finger), (Some(vec![5, 4, 6]), None));
+        assert_eq!(sorted.weights, RowWeights { z: Some(vec![0.0, 1.0, 2.0]), ..RowWeights::default() });
+        assert_eq!(sorted.orientation, Orientation::Slopes { zx: vec![7.0; 3], zy: vec![9.0, 8.0, 10.0] });
+    }
 }

@@ -2,16 +2,22 @@
 
 use ndarray::Array2;
 
+use super::equations::MANY;
 use super::{FitError, Observed, Patch};
 use crate::contact::{Contacts, Grid, Orientation};
 use crate::linalg::{Metric, RowMetric, Targets};
-use crate::observation::{GridSites, ScatteredSites, grid_slope_rows, slope_rows};
+use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows, slope_rows};
 
 /// Contacts or a grid in patch coordinates.
 #[derive(Clone, Debug)]
 pub enum Data {
     /// Scattered contacts, moved into the patch.
-    Scattered(Contacts),
+    Scattered {
+        /// The contacts.
+        contacts: Contacts,
+        /// The user's numbers of them, where many were put one knot cell after the other.
+        numbers: Option<Vec<u32>>,
+    },
     /// A grid in input units, with the patch's height origin and length.
     Gridded {
         /// The grid.
@@ -36,13 +42,26 @@ pub struct Measured {
     pub normal_weight: Vec<f64>,
 }
 
+fn points(contacts: &Contacts) -> Vec<[f64; 2]> {
+    contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect()
+}
+
 impl Data {
+    /// Contacts in patch coordinates. Many are put one knot cell after the other, once: their cells are visited many times,
+    /// and a contact in the user's order is then a walk through memory each time.
+    pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
+        if contacts.len() < MANY {
+            return Data::Scattered { contacts, numbers: None };
+        }
+        let CellNumbers { order, .. } = CellNumbers::of(&patch.knots, &points(&contacts));
+        Data::Scattered { contacts: contacts.in_order(&order), numbers: Some(order) }
+    }
+
     /// Where the data lie under the patch's knots.
     pub fn sites(&self, patch: &Patch) -> Observed {
         match self {
-            Data::Scattered(contacts) => {
-                let points = contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect();
-                Observed::Scattered(ScatteredSites::new(patch.knots.clone(), points))
+            Data::Scattered { contacts, .. } => {
+                Observed::Scattered(ScatteredSites::new(patch.knots.clone(), points(contacts)))
             }
             Data::Gridded { grid, .. } => {
                 let [ox, oy, _] = patch.frame.origin;
@@ -56,20 +75,20 @@ impl Data {
     /// Slopes or normals are there.
     pub fn has_orientation(&self) -> bool {
         match self {
-            Data::Scattered(contacts) => contacts.orientation != Orientation::None,
+            Data::Scattered { contacts, .. } => contacts.orientation != Orientation::None,
             Data::Gridded { grid, .. } => grid.zx.is_some(),
         }
     }
 
     /// Normals are there, not only slopes.
     pub fn has_normals(&self) -> bool {
-        matches!(self, Data::Scattered(Contacts { orientation: Orientation::Normals { .. }, .. }))
+        matches!(self, Data::Scattered { contacts: Contacts { orientation: Orientation::Normals { .. }, .. }, .. })
     }
 
     /// Slope rows with block weights in patch units.
     pub fn slope_rows(&self, block: [f64; 3]) -> (Metric, Targets) {
         match self {
-            Data::Scattered(contacts) => slope_rows(contacts, block),
+            Data::Scattered { contacts, .. } => slope_rows(contacts, block),
             Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
         }
     }
@@ -79,19 +98,10 @@ impl Data {
     /// # Errors
     /// [`FitError::NormalDown`], [`FitError::Steep`].
     pub fn check_slopes(&self) -> Result<(), FitError> {
-        if let Data::Scattered(Contacts { orientation: Orientation::Normals { nx, ny, nz }, .. }) = self {
-            for index in 0..nz.len() {
-                if nz[index] < 0.0 {
-                    return Err(FitError::NormalDown { index, nz: nz[index] });
-                }
-                let slopes = [nx[index] / nz[index], ny[index] / nz[index]];
-                // 1e8: beyond it the square of a slope drowns every other row's last digit
-                if !slopes.iter().all(|s| s.is_finite() && s.abs() < 1e8) {
-                    return Err(FitError::Steep { index, nz: nz[index] });
-                }
-            }
-        }
-        Ok(())
+        self.check_each_normal(|[nx, ny, nz]| {
+            // 1e8: beyond it the square of a slope drowns every other row's last digit
+            nz >= 0.0 && [nx / nz, ny / nz].iter().all(|s| s.is_finite() && s.abs() < 1e8)
+        })
     }
 
     /// Every normal must belong to a height field's free side: nz >= 0.
@@ -99,12 +109,18 @@ impl Data {
     /// # Errors
     /// [`FitError::NormalDown`].
     pub fn check_normals(&self) -> Result<(), FitError> {
-        if let Data::Scattered(Contacts { orientation: Orientation::Normals { nz, .. }, .. }) = self
-            && let Some(index) = nz.iter().position(|n| *n < 0.0)
-        {
-            return Err(FitError::NormalDown { index, nz: nz[index] });
-        }
-        Ok(())
+        self.check_each_normal(|[_, _, nz]| nz >= 0.0)
+    }
+
+    /// The user's first normal that is not sound, as an error.
+    fn check_each_normal(&self, is_sound: impl Fn([f64; 3]) -> bool) -> Result<(), FitError> {
+        let Data::Scattered { contacts, numbers } = self else { return Ok(()) };
+        let Orientation::Normals { nx, ny, nz } = &contacts.orientation else { return Ok(()) };
+        let number = |r: usize| numbers.as_ref().map_or(r, |numbers| numbers[r] as usize);
+        let unsound = (0..nz.len()).filter(|&r| !is_sound([nx[r], ny[r], nz[r]]));
+        let Some(first) = unsound.min_by_key(|&r| number(r)) else { return Ok(()) };
+        let (index, nz) = (number(first), nz[first]);
+        Err(if nz < 0.0 { FitError::NormalDown { index, nz } } else { FitError::Steep { index, nz } })
     }
 
     /// Heights and unit normals for normal rows.
@@ -128,7 +144,7 @@ impl Data {
             return ([0.0, 0.0, 1.0], 0.0);
         }
         let normal = match self {
-            Data::Scattered(contacts) => contacts.unit_normal(r),
+            Data::Scattered { contacts, .. } => contacts.unit_normal(r),
             Data::Gridded { .. } => {
                 let (p, q) = (target[1] / m.a, target[2] / m.d);
                 let w = p.hypot(q).hypot(1.0);
@@ -145,7 +161,7 @@ impl Data {
             Some(new.iter().enumerate().map(|(r, w)| w * old.as_ref().map_or(1.0, |o| o[r])).collect())
         };
         match &mut data {
-            Data::Scattered(contacts) => {
+            Data::Scattered { contacts, .. } => {
                 let old = contacts.weights.clone();
                 contacts.weights.z = times(&old.z, z);
                 contacts.weights.x = times(&old.x, slope);
@@ -168,7 +184,7 @@ impl Data {
     /// Root of the sum of squares of the heights that count, in the patch.
     pub fn size_of_heights(&self) -> f64 {
         let sum: f64 = match self {
-            Data::Scattered(contacts) => match &contacts.weights.z {
+            Data::Scattered { contacts, .. } => match &contacts.weights.z {
                 None => contacts.z.iter().map(|z| z * z).sum(),
                 Some(weights) => contacts.z.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(z, _)| z * z).sum(),
             },
@@ -186,11 +202,32 @@ impl Data {
         let largest =
             |v: &mut dyn Iterator<Item = f64>| v.filter(|z| z.is_finite()).fold(0.0_f64, |m, z| m.max(z.abs()));
         match self {
-            Data::Scattered(contacts) => {
+            Data::Scattered { contacts, .. } => {
                 let origin = if patch.frame.keeps_axes() { patch.frame.origin[2] } else { 0.0 };
                 largest(&mut contacts.z.iter().map(|z| origin + z * patch.frame.scale))
             }
             Data::Gridded { grid, .. } => largest(&mut grid.z.iter().copied()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{FitOptions, fit_contacts};
+
+    /// Many contacts are reordered inside; what a user reads is by the user's numbers.
+    #[test]
+    fn the_first_unsound_normal_keeps_its_number() {
+        let count = MANY + 7;
+        let at = |r: usize, step: f64| (r as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..count).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x * y).collect();
+        let mut nz = vec![1.0; count];
+        (nz[999], nz[17_000]) = (-0.5, -0.25);
+        let down = Contacts::from_positions(x, y, z).with_normals(vec![0.1; count], vec![0.0; count], nz);
+        let options = FitOptions { segments: [8, 8], ..FitOptions::default() };
+        let found = fit_contacts(&down, &options);
+        assert!(matches!(found, Err(FitError::NormalDown { index: 999, .. })), "{found:?}");
     }
 }

@@ -11,7 +11,7 @@ use crate::observation::{CellAssembly, CellLanes, LaneRows, kronecker_normal_mat
 /// From this many contacts on the normal matrix comes from moments, cell by cell and on all threads, and the visits of the
 /// rows from each cell's polynomial, eight contacts at once. Either agrees with the rows one by one to a few units in the
 /// last place of the largest term; below it row by row takes no time worth saving.
-const MANY: usize = 20_000;
+pub(super) const MANY: usize = 20_000;
 
 /// One linear problem: where, how weighted, towards what, how rough.
 #[derive(Clone, Debug)]

@@ -105,7 +105,8 @@ pub struct Fit {
 pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, FitError> {
     options.check()?;
     let (patch, local) = observed::place_contacts(contacts, options)?;
-    fit_data(patch, Data::Scattered(local), options)
+    let data = Data::scattered(local, &patch);
+    fit_data(patch, data, options)
 }
 
 /// Fits a grid of heights with optional slopes and weight maps; NaN entries are missing.

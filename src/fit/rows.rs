@@ -122,10 +122,10 @@ pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fit
 
 fn check_method(data: &Data, options: &FitOptions) -> Result<(), FitError> {
     match (options.method, data) {
-        (Method::Kronecker, Data::Scattered(_)) => {
+        (Method::Kronecker, Data::Scattered { .. }) => {
             Err(FitError::Method { method: "kronecker", why: "needs a complete grid" })
         }
-        (Method::Pcg, Data::Scattered(_)) => Err(FitError::Method { method: "pcg", why: "needs a grid" }),
+        (Method::Pcg, Data::Scattered { .. }) => Err(FitError::Method { method: "pcg", why: "needs a grid" }),
         _ => Ok(()),
     }
 }

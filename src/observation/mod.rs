@@ -23,5 +23,5 @@ pub use gridded::{AxisRows, GridSites};
 pub use kronecker::{SeparableWeights, kronecker_normal_matrix};
 pub use normal_rows::{angular_residual_squared, linearise_normals};
 pub use roughness::roughness_matrix;
-pub use scattered::ScatteredSites;
+pub use scattered::{CellNumbers, ScatteredSites};
 pub use slope_rows::{grid_slope_rows, slope_rows};

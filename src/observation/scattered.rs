@@ -25,17 +25,18 @@ pub struct ScatteredSites {
     kept: Arc<Kept>,
 }
 
-/// What is formed when it is asked for.
-#[derive(Debug, Default)]
-struct Kept {
-    /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
-    rows: OnceLock<Vec<f64>>,
-    lanes: OnceLock<Option<CellLanes>>,
+/// Points one knot cell after the other, by a counting sort that leaves those of a cell in their order.
+#[derive(Clone, Debug)]
+pub struct CellNumbers {
+    /// Numbers of the points.
+    pub order: Vec<u32>,
+    /// Start of every cell (x segment by x segment) in `order`, and the end.
+    pub cell_starts: Vec<u32>,
 }
 
-impl ScatteredSites {
-    /// Sorts the points `(x, y)` (coordinates of the knots) by knot cell.
-    pub fn new(knots: [Knots; 2], points: Vec<[f64; 2]>) -> ScatteredSites {
+impl CellNumbers {
+    /// Of the points `(x, y)`, coordinates of the knots.
+    pub fn of(knots: &[Knots; 2], points: &[[f64; 2]]) -> CellNumbers {
         let across = knots[1].n_segments();
         let cells: Vec<u32> =
             points.iter().map(|p| (knots[0].segment_of(p[0]) * across + knots[1].segment_of(p[1])) as u32).collect();
@@ -50,6 +51,22 @@ impl ScatteredSites {
             order[next[cell as usize] as usize] = site as u32;
             next[cell as usize] += 1;
         }
+        CellNumbers { order, cell_starts }
+    }
+}
+
+/// What is formed when it is asked for.
+#[derive(Debug, Default)]
+struct Kept {
+    /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
+    rows: OnceLock<Vec<f64>>,
+    lanes: OnceLock<Option<CellLanes>>,
+}
+
+impl ScatteredSites {
+    /// Sorts the points `(x, y)` (coordinates of the knots) by knot cell.
+    pub fn new(knots: [Knots; 2], points: Vec<[f64; 2]>) -> ScatteredSites {
+        let CellNumbers { order, cell_starts } = CellNumbers::of(&knots, &points);
         let sites = ScatteredSites {
             knots,
             points: points.into(),
