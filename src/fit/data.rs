@@ -2,7 +2,6 @@
 
 use ndarray::Array2;
 
-use super::equations::MANY;
 use super::{FitError, Observed, Patch};
 use crate::contact::{Contacts, Grid, Orientation};
 use crate::linalg::{Metric, RowMetric, Targets};
@@ -50,7 +49,7 @@ impl Data {
     /// Contacts in patch coordinates. Many are put one knot cell after the other, once: their cells are visited many times,
     /// and a contact in the user's order is then a walk through memory each time.
     pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
-        if contacts.len() < MANY {
+        if !ScatteredSites::many_go_by_cells(contacts.len(), &patch.knots) {
             return Data::Scattered { contacts, numbers: None };
         }
         let CellNumbers { order, .. } = CellNumbers::of(&patch.knots, &points(&contacts));
@@ -214,12 +213,12 @@ impl Data {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{FitOptions, fit_contacts};
+    use crate::fit::{FitOptions, Method, NormalSigma, Objective, fit_contacts};
 
     /// Many contacts are reordered inside; what a user reads is by the user's numbers.
     #[test]
     fn the_first_unsound_normal_keeps_its_number() {
-        let count = MANY + 7;
+        let count = 20_007;
         let at = |r: usize, step: f64| (r as f64 * step).fract();
         let (x, y): (Vec<f64>, Vec<f64>) = (0..count).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
         let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x * y).collect();
@@ -229,5 +228,30 @@ mod tests {
         let options = FitOptions { segments: [8, 8], ..FitOptions::default() };
         let found = fit_contacts(&down, &options);
         assert!(matches!(found, Err(FitError::NormalDown { index: 999, .. })), "{found:?}");
+    }
+
+    /// Cell by cell, in whatever order they came, and by QR of the rows: one answer.
+    #[test]
+    fn the_order_of_many_contacts_does_not_matter() {
+        let count = 600;
+        let at = |r: usize, step: f64| (r as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..count).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| (3.0 * x).sin() * y).collect();
+        let (nx, ny) = (x.iter().map(|x| -0.3 * x).collect(), y.iter().map(|y| 0.2 * y).collect());
+        let contacts = Contacts::from_positions(x, y, z).with_normals(nx, ny, vec![1.0; count]);
+        let backwards: Vec<u32> = (0..count as u32).rev().collect();
+        let objective = Objective::Normals(NormalSigma::Known { z: 0.01, normal_deg: 2.0 });
+        let fit = |contacts: &Contacts, method: Method| {
+            let options = FitOptions { degree: [3, 2], segments: [4, 4], objective, method, ..FitOptions::default() };
+            let fit = fit_contacts(contacts, &options).unwrap();
+            assert!(fit.equations().lanes().is_some());
+            fit.solution().coefficients.clone()
+        };
+        let expected = fit(&contacts, Method::Auto);
+        let size = expected.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        for other in [fit(&contacts.in_order(&backwards), Method::Auto), fit(&contacts, Method::Qr)] {
+            let gap = expected.iter().zip(&other).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(gap <= 1e-13 * size, "{gap:e} of {size:e}");
+        }
     }
 }

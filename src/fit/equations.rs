@@ -8,11 +8,6 @@ use crate::linalg::{
 };
 use crate::observation::{CellAssembly, CellLanes, LaneRows, kronecker_normal_matrix};
 
-/// From this many contacts on the normal matrix comes from moments, cell by cell and on all threads, and the visits of the
-/// rows from each cell's polynomial, eight contacts at once. Either agrees with the rows one by one to a few units in the
-/// last place of the largest term; below it row by row takes no time worth saving.
-pub(super) const MANY: usize = 20_000;
-
 /// One linear problem: where, how weighted, towards what, how rough.
 #[derive(Clone, Debug)]
 pub struct Equations {
@@ -157,7 +152,7 @@ pub fn data_normal_matrix(sites: &Observed, metric: &Metric) -> StencilMatrix {
 /// Contacts in the order and places of their cells, where there are many.
 pub fn cell_lanes(sites: &Observed) -> Option<&CellLanes> {
     match sites {
-        Observed::Scattered(scattered) if scattered.len() >= MANY => scattered.lanes(),
+        Observed::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
         _ => None,
     }
 }

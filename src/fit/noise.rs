@@ -31,9 +31,9 @@ const SHARE: f64 = 0.2;
 const ROUGHEST: f64 = 1e-2;
 /// Extrapolation beyond ten steps trusts two differences too far.
 const STEEPEST: f64 = 0.9;
-/// Up to this many unknowns the trace takes one solve per unknown, beyond it the inverse's entries within the band; both
-/// are exact. Other factors than a band's (nested dissection, QR, conjugate gradients) are probed (error below
-/// sqrt(2 n / 64)).
+/// Traces come from the inverse's entries within the band. Where another factor gives none, they take one solve per unknown
+/// up to so many of them; both are exact. Beyond (nested dissection, QR, conjugate gradients) they are probed, with an
+/// error below sqrt(2 n / 64).
 const UNIT_VECTORS: usize = 400;
 /// Probes of Hutchinson's estimator: its sd is then 18 % of sqrt(n), against rows that outnumber n.
 const PROBES: usize = 64;
@@ -65,11 +65,12 @@ pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
 
 /// `trace(A^-1 B)` over the unknowns that the data hold.
 fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
-    if b.order() <= UNIT_VECTORS {
-        return by_unit_vectors(solution, b);
-    }
     let exact = solution.factor.inverse_trace(b, |u| is_free(solution, u));
-    exact.unwrap_or_else(|| by_probes(solution, b))
+    exact.unwrap_or_else(
+        || {
+            if b.order() <= UNIT_VECTORS { by_unit_vectors(solution, b) } else { by_probes(solution, b) }
+        },
+    )
 }
 
 fn is_free(solution: &Solution, u: usize) -> bool {

@@ -9,9 +9,14 @@ use crate::linalg::{Site, Sites, TensorShape};
 /// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
 /// every visit, which costs twice the time and no memory.
 const KEPT: usize = 1 << 23;
-/// From this many sites on, rows are formed for whoever visits first: a fit of many contacts and its certificate go by the
-/// cells' lanes and visit none, QR of the rows does. Fewer are formed with the sites, while their points are at hand.
+/// From this many contacts on, or from [`SOME`] where cells hold [`DENSE`] each, equations come from moments, cell by cell
+/// and on all threads, and the visits of the rows from each cell's polynomial, eight contacts at once. Either agrees with
+/// the rows one by one to a few units in the last place of the largest term. A cell costs as much as some contacts.
 const MANY: usize = 20_000;
+/// See [`MANY`].
+const SOME: usize = 500;
+/// See [`MANY`].
+const DENSE: usize = 8;
 
 /// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
 #[derive(Clone, Debug)]
@@ -74,10 +79,22 @@ impl ScatteredSites {
             cell_starts: cell_starts.into(),
             kept: Arc::default(),
         };
-        if sites.points.len() < MANY {
+        // by the cells' lanes no rows are visited, but by QR of them; others are formed while their points are at hand
+        if !sites.go_by_cells() {
             sites.rows();
         }
         sites
+    }
+
+    /// Whether so many contacts under these knots are worth going by cells, which [`ScatteredSites::lanes`] hold.
+    pub fn many_go_by_cells(contacts: usize, knots: &[Knots; 2]) -> bool {
+        let cells = knots[0].n_segments() * knots[1].n_segments();
+        contacts >= MANY || contacts >= SOME.max(DENSE * cells)
+    }
+
+    /// Whether these do.
+    pub fn go_by_cells(&self) -> bool {
+        ScatteredSites::many_go_by_cells(self.points.len(), &self.knots)
     }
 
     /// The basis rows, where they are few enough to be kept.
