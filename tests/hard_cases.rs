@@ -44,6 +44,15 @@ fn check_digits(case: &HardCase, judged: &Judged) {
     }
 }
 
+/// A point where k1 - k2 is zero to the last bit has no gradient of S, but S and its error there are known all the same.
+#[test]
+fn an_exact_umbilic_promises_digits() {
+    let (case, golden) = same_inputs("umbilic_paraboloid");
+    let judged = judge(&case, &golden);
+    let [_, of_s, of_r] = judged.promised;
+    assert!(of_s.unwrap() > 12.0 && of_r.unwrap() > 12.0, "{:?}", judged.promised);
+}
+
 /// A refusal that says why, or the fitted heights of any minimiser, which are unique.
 fn check_deficient(judged: &Judged) {
     if judged.answered {

@@ -192,7 +192,7 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(
     for lanes in (0..POINTS).step_by(V::N) {
         let [d, sizes] = derivatives::<V>(points, lanes);
         let (gradients, [sum, difference, size]) = gradient(d);
-        let sound = is_sound(&gradients[0], size);
+        let sound = is_sound(&gradients, size);
         let unit = V::splat(ROUNDING);
         for (k, g) in gradients.iter().enumerate() {
             let mut rounding = if k == 0 { V::splat(1.0) } else { size };
@@ -218,12 +218,16 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(
     }
 }
 
-/// Lanes with a gradient of S and a finite R.
+/// Lanes with a gradient of R, and finite ones of both; at an umbilic that of S is zero, and its kink counts instead.
 #[inline(always)]
-fn is_sound<V: Lanes>(g: &[V; 5], size: V) -> V::Mask {
-    let reach = (g[0].abs() + g[1].abs()) + (g[2].abs() + g[3].abs()) + g[4].abs();
+fn is_sound<V: Lanes>([of_s, of_r]: &[[V; 5]; 2], size: V) -> V::Mask {
+    let (mut reach, mut other) = (V::splat(0.0), size);
+    for k in 0..5 {
+        reach = reach + of_r[k].abs();
+        other = other + of_s[k].abs();
+    }
     // infinite or NaN times 0 is NaN, which nothing is less than
-    V::splat(0.0).less(size.mul_add(V::splat(0.0), reach))
+    V::splat(0.0).less(other.mul_add(V::splat(0.0), reach))
 }
 
 #[inline(always)]
