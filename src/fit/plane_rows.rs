@@ -12,9 +12,9 @@ use crate::solve::PivotedQr;
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
-/// From this many sites on the rows are not written out: three dense columns of a million contacts are 72 MB, and their
-/// QR takes longer than the fit.
-const MANY: usize = 20_000;
+/// From this many sites on the rows are not written out: their QR takes longer than the fit, and three dense columns of a
+/// million contacts are 72 MB.
+const MANY: usize = 500;
 /// Squared pivots of the equilibrated 3 x 3 matrix below this leave too few digits for refinement to gain any: the
 /// rows are written out after all.
 const POOR: f64 = 1e-8;

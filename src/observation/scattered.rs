@@ -11,11 +11,11 @@ use crate::linalg::{Site, Sites, TensorShape};
 const KEPT: usize = 1 << 23;
 /// From this many contacts on, or from [`SOME`] where cells hold [`DENSE`] each, equations come from moments, cell by cell
 /// and on all threads, and the visits of the rows from each cell's polynomial, eight contacts at once. Either agrees with
-/// the rows one by one to a few units in the last place of the largest term. A cell costs as much as some contacts.
+/// the rows one by one to a few units in the last place of the largest term.
 const MANY: usize = 20_000;
-/// See [`MANY`].
-const SOME: usize = 500;
-/// See [`MANY`].
+/// So few go as fast one by one: less is to be gained than the cells' tables cost.
+const SOME: usize = 100;
+/// A cell costs as much as some contacts, however few it holds.
 const DENSE: usize = 8;
 
 /// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.

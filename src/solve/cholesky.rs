@@ -1,4 +1,4 @@
-//! `D A D = L L'` with `D = diag(A)^(-1/2)`: the normal matrix with unit columns, dense when small, else faer's LLT.
+//! `D A D = L L'` with `D = diag(A)^(-1/2)`: the normal matrix with unit columns, dense when small, else a band or faer's LLT.
 //!
 //! Forming `A = E'E` squares the condition; the certificate says what is left. LDL' is not used: it accepts indefinite
 //! matrices, and the failing pivot of LLT is the test for rank.
@@ -17,8 +17,9 @@ use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
 use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 
-/// Below this many unknowns a packed dense factor beats the set-up of a sparse one.
-pub const DENSE_LIMIT: usize = 100;
+/// Up to this many unknowns that are no patch a packed dense factor beats the set-up of a band. From 49 on the band's panels
+/// win, and its inverse's entries give traces without a solve for every unknown.
+pub const DENSE_LIMIT: usize = 30;
 
 /// The band does each multiply-add this many times faster than the sparse factor of a nested dissection: it has no
 /// small fronts, no indices and no symbolic step. At 4,489 unknowns (counted ratio 0.7) a whole fit with the sparse
