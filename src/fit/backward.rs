@@ -47,6 +47,10 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
     let (mut columns, mut rows) = (vec![ColumnTotals::default(); c.len()], RowSums::default());
     let v = span(&mut passes, solution, penalty.as_deref(), condition, &mut columns);
     passes.last(&v, &mut columns, &mut rows);
+    match solution.column_scales(equations) {
+        Some(scales) => columns.iter_mut().zip(scales).for_each(|(column, d)| column.norm = 1.0 / (d * d)),
+        None => passes.norms(&mut columns),
+    }
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
     let of_columns = orthogonality(solution, &columns, penalty.as_deref());
     let of_rows = if worst <= SUSPICIOUS {

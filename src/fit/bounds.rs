@@ -31,6 +31,8 @@ pub struct Bound {
     pub inverse: Vec<f64>,
     /// The bound on `|D^-1 dc|` times D's largest entry.
     pub moved: f64,
+    /// Whether the bound by `moved` can be the smaller one.
+    is_plain: bool,
     directed: Option<Directed>,
 }
 
@@ -65,8 +67,11 @@ impl Bound {
         let settled = if fit.fitted.settled > 0.0 { fit.fitted.settled.max(PLACING) } else { 0.0 };
         let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
+        let moved = moved + settled * size;
         let directed = Directed::new(fit, condition, backward, settled);
-        Some(Bound { inverse, moved: moved + settled * size, directed })
+        // a NaN is no answer
+        let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);
+        Some(Bound { inverse, moved, is_plain, directed })
     }
 }
 
@@ -96,6 +101,21 @@ impl Directed {
         })
     }
 
+    /// `most |D g|` is no less than the bound of any g: `|A^-1 g| <= s |D g|` with the row sums s of `|A^-1| D^-1`, and
+    /// `g'A^-1 g <= |D g|^2 max_u s_u / D_u`. NaN where D has zeros.
+    fn most(&self, inverse: &[f64]) -> f64 {
+        let (matrix, sizes) = self.parts();
+        let norms: Vec<f64> = inverse.iter().map(|d| 1.0 / d).collect();
+        let (mut largest, mut weighted, mut length) = (0.0_f64, 0.0, 0.0);
+        for (u, row) in matrix.chunks_exact(self.order).enumerate() {
+            let sum = row.iter().zip(&norms).fold(0.0, |sum, (a, norm)| sum + a.abs() * norm);
+            largest = largest.max(sum * norms[u]);
+            weighted += sum * sizes[u];
+            length += norms[u] * norms[u];
+        }
+        self.backward * (largest.sqrt() * self.rows + weighted) + self.settled * length.sqrt()
+    }
+
     /// A^-1, and `|E|'|r|`.
     fn parts(&self) -> (&[f64], &[f64]) {
         self.inverse.split_at(self.order * self.order)
@@ -109,7 +129,8 @@ impl Bound {
             let (matrix, weights) = d.parts();
             DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.settled }
         });
-        BoundTerms { scales: &self.inverse, moved: self.moved, directed }
+        let moved = if self.is_plain { self.moved } else { f64::INFINITY };
+        BoundTerms { scales: &self.inverse, moved, directed }
     }
 
     /// The worst bound of a coefficient, `g = e_u`.

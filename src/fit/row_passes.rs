@@ -10,7 +10,8 @@
 use super::Equations;
 use crate::linalg::{SiteBlocks, SiteRows, Sites};
 use crate::simd::{
-    CellSites, CellVectors, ColumnSums, Level, RowSums, SiteLanes, add_lanes, last_pass, norms_pass, products_pass,
+    CellSites, CellVectors, ColumnSums, Level, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
+    products_pass,
 };
 
 /// Sums over all rows for one unknown: `E'r`, `|E|'|r|`, squared norm of the column.
@@ -38,7 +39,7 @@ struct Cell {
     first: Option<[usize; 2]>,
     width: [usize; 2],
     columns: usize,
-    /// The cell's parts of the vectors that the rows are held against, one after the other.
+    /// The cell's parts of the vectors that the rows are held against, one after the other; none where it is the only cell.
     parts: Vec<f64>,
     sums: Vec<ColumnSums>,
 }
@@ -48,7 +49,8 @@ impl Cell {
         let shape = equations.sites.shape();
         let width = shape.degree.map(|d| d + 1);
         let local = width[0] * width[1];
-        let (parts, sums) = (vec![0.0; 2 * local], vec![ColumnSums::default(); local]);
+        let parts = if local == shape.unknowns() { Vec::new() } else { vec![0.0; 2 * local] };
+        let sums = vec![ColumnSums::default(); local];
         Cell { first: None, width, columns: shape.basis[1], parts, sums }
     }
 
@@ -96,7 +98,13 @@ impl<'a> RowPasses<'a> {
         self.visit([self.c, v], home, |sites, vectors, columns| products_pass(level, sites, vectors, columns));
     }
 
-    /// All sums.
+    /// Squared norms of the columns, added to `home`.
+    pub fn norms(&mut self, home: &mut [ColumnTotals]) {
+        let level = self.level;
+        self.visit([self.c, &[]], home, |sites, _, columns| columns_pass(level, sites, columns));
+    }
+
+    /// All sums but the columns' norms, which are left at zero.
     pub fn last(&mut self, v: &[f64], home: &mut [ColumnTotals], rows: &mut RowSums) {
         let level = self.level;
         home.fill(ColumnTotals::default());
@@ -122,8 +130,10 @@ impl<'a> RowPasses<'a> {
         let RowPasses { equations, lanes, cell, .. } = self;
         let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
             cell.enter(first, vectors, home);
-            let (c, v) = cell.parts.split_at(cell.sums.len());
-            let v = if vectors[1].is_empty() { &[] } else { v };
+            let [c, v] = match cell.parts.split_at_checked(cell.sums.len()) {
+                Some((c, v)) => [c, if vectors[1].is_empty() { &[] } else { v }],
+                None => vectors,
+            };
             pass(sites, &CellVectors { c, v, targets }, &mut cell.sums);
         };
         match equations.lanes() {

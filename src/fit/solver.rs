@@ -107,6 +107,15 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// Inverse norms of E's columns where the factor has them: those of a matrix that is E'E and nothing else, but for
+    /// unknowns that no data hold.
+    pub fn column_scales(&self, equations: &Equations) -> Option<&[f64]> {
+        match &self.factor {
+            Factor::Cholesky(factor) if equations.roughness.is_none() && self.pinned.is_none() => Some(factor.scale()),
+            _ => None,
+        }
+    }
+
     /// Sets the entries of unknowns that no data hold to zero.
     pub fn clear_free(&self, v: &mut [f64]) {
         self.unsupported.iter().chain(&self.pinned).for_each(|&u| v[u] = 0.0);

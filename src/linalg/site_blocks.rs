@@ -51,11 +51,9 @@ pub struct SiteBlocks {
 const BESIDES: usize = 7;
 
 /// Numbers of eight sites, number by number: eight loads and one store at a time.
-fn turn([a, b, c, d, e, f, g, h]: [&[f64]; SITES], out: &mut [SiteLanes]) {
+fn turned([a, b, c, d, e, f, g, h]: [&[f64]; SITES]) -> impl Iterator<Item = SiteLanes> {
     let of = a.iter().zip(b).zip(c).zip(d).zip(e).zip(f).zip(g).zip(h);
-    for (lanes, (((((((a, b), c), d), e), f), g), h)) in out.iter_mut().zip(of) {
-        *lanes = [*a, *b, *c, *d, *e, *f, *g, *h];
-    }
+    of.map(|(((((((a, b), c), d), e), f), g), h)| [*a, *b, *c, *d, *e, *f, *g, *h])
 }
 
 /// Up to eight sites of one cell as they come, site after site.
@@ -125,18 +123,16 @@ impl SiteBlocks {
 
     /// Up to eight sites become the lanes of a block, number by number of theirs: eight are one store.
     fn turn(&mut self, first: [usize; 2], numbers: &[u32], values: &[f64], rows: &SiteRows<impl Sites>) {
-        let (each, start) = (values.len() / numbers.len(), self.values.len());
-        self.values.resize(start + self.each(), [0.0; SITES]);
-        let (own, besides) = self.values[start..].split_at_mut(each);
+        let each = values.len() / numbers.len();
         // lanes without a site repeat the last, without weight and target
         let last = numbers.len() - 1;
-        turn(std::array::from_fn(|lane| &values[lane.min(last) * each..][..each]), own);
+        self.values.extend(turned(std::array::from_fn(|lane| &values[lane.min(last) * each..][..each])));
         let mut of = [[0.0; BESIDES]; SITES];
         for (of, &number) in of.iter_mut().zip(numbers) {
             let (m, [z, x, y]) = (rows.metric.at(number as usize), rows.targets[number as usize]);
             *of = [m.z, m.a, m.b, m.d, z, x, y];
         }
-        turn(of.each_ref().map(|of| &of[..]), besides);
+        self.values.extend(turned(of.each_ref().map(|of| &of[..])));
         self.first.push(first);
     }
 

@@ -38,7 +38,7 @@ pub struct DirectedTerms<'a> {
 pub struct BoundTerms<'a> {
     /// D, one number an unknown.
     pub scales: &'a [f64],
-    /// m.
+    /// m; infinite where the second bound is the smaller one for every g.
     pub moved: f64,
     /// The second bound, where there is one.
     pub directed: Option<DirectedTerms<'a>>,
@@ -125,9 +125,10 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
     let mut out = [[0.0; FUNCTIONALS]; KINDS];
     let zero = V::splat(0.0);
     for lanes in (0..FUNCTIONALS).step_by(V::N) {
-        let mut bounds = gradients.squares::<V>(terms.scales, lanes);
-        for bound in &mut bounds {
-            *bound = V::splat(terms.moved) * bound.sqrt();
+        let mut bounds = [V::splat(f64::INFINITY); KINDS];
+        if terms.moved < f64::INFINITY {
+            let [of_s, of_r] = gradients.squares::<V>(terms.scales, lanes);
+            bounds = [V::splat(terms.moved) * of_s.sqrt(), V::splat(terms.moved) * of_r.sqrt()];
         }
         if let Some(directed) = &terms.directed {
             let is_patch = P * Q > 0 && directed.weights.len() == P * Q;
@@ -285,7 +286,7 @@ mod tests {
             let directed =
                 |settled| Some(DirectedTerms { matrix: &matrix, weights: &weights, rows: 0.3, backward: 0.7, settled });
             for directed in [None, directed(0.0), directed(0.01)] {
-                for moved in [0.02, 20.0] {
+                for moved in [0.02, 20.0].into_iter().chain(directed.map(|_| f64::INFINITY)) {
                     let terms = BoundTerms { scales: &scales, moved, directed };
                     for level in Level::available() {
                         let bounds = functional_bounds(level, &terms, &gradients, &rounding, &size);

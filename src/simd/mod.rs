@@ -10,7 +10,7 @@
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
-//! | [`products_pass`], [`last_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
+//! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
 //! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
 //! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
@@ -71,7 +71,8 @@ pub use shape_gradients::{
 };
 pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{
-    CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, last_pass, norms_pass, products_pass,
+    CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
+    products_pass,
 };
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.

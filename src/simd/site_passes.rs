@@ -125,19 +125,22 @@ fn transposed<V: Lanes, const PLACE: usize>(
 
 /// `norms += ` squares of the rows, row by row.
 #[inline(always)]
-fn add_norms<V: Lanes>(sites: &CellSites, lanes: usize, sums: &mut [ColumnSums]) {
-    let at = |row: &SiteLanes| V::load(&row[lanes..]);
-    let w = sites.weights;
-    let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
-    let width = sites.y[0].len();
-    for (a, sums) in sums[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
-        let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
-        let [zn, an, bn, d_n] = [z * n, wa * dn, wb * n, d * n];
-        for (b, sum) in sums.iter_mut().enumerate() {
-            let (m, dm) = (at(&sites.y[0][b]), at(&sites.y[1][b]));
-            let (value, slope_x, slope_y) = (zn * m, an.mul_add(m, bn * dm), d_n * dm);
-            let norm = value.mul_add(value, at(&sum[NORMS]));
-            slope_y.mul_add(slope_y, slope_x.mul_add(slope_x, norm)).store(&mut sum[NORMS][lanes..]);
+fn norms<V: Lanes, const P: usize, const Q: usize>(sites: &CellSites, sums: &mut [ColumnSums]) {
+    let sites = &sites.cut::<P, Q>();
+    for lanes in (0..SITES).step_by(V::N) {
+        let at = |row: &SiteLanes| V::load(&row[lanes..]);
+        let w = sites.weights;
+        let (z, wa, wb, d) = (at(&w[0]), at(&w[1]), at(&w[2]), at(&w[3]));
+        let width = sites.y[0].len();
+        for (a, sums) in sums[..sites.x[0].len() * width].chunks_exact_mut(width).enumerate() {
+            let (n, dn) = (at(&sites.x[0][a]), at(&sites.x[1][a]));
+            let [zn, an, bn, d_n] = [z * n, wa * dn, wb * n, d * n];
+            for (b, sum) in sums.iter_mut().enumerate() {
+                let (m, dm) = (at(&sites.y[0][b]), at(&sites.y[1][b]));
+                let (value, slope_x, slope_y) = (zn * m, an.mul_add(m, bn * dm), d_n * dm);
+                let norm = value.mul_add(value, at(&sum[NORMS]));
+                slope_y.mul_add(slope_y, slope_x.mul_add(slope_x, norm)).store(&mut sum[NORMS][lanes..]);
+            }
         }
     }
 }
@@ -195,7 +198,6 @@ fn last<V: Lanes, const P: usize, const Q: usize>(
         add_worst::<V>(&computed, &left, &sizes, lanes, &mut rows.worst);
         let left = [left[0].abs(), left[1].abs(), left[2].abs()];
         transposed::<V, SIZES>(sites, left, lanes, V::abs, columns);
-        add_norms::<V>(sites, lanes, columns);
     }
 }
 
@@ -252,7 +254,15 @@ pub fn products_pass(level: Level, sites: &CellSites, vectors: &CellVectors, col
     ));
 }
 
-/// The last visit: everything that is summed over rows and columns.
+/// Squares of the columns.
+///
+/// # Panics
+/// As [`products_pass`].
+pub fn columns_pass(level: Level, sites: &CellSites, columns: &mut [ColumnSums]) {
+    by_width!(level, [sites.x[0].len(), sites.y[0].len()], norms(sites: &CellSites, columns: &mut [ColumnSums]));
+}
+
+/// The last visit: everything that is summed over rows, `E'r` and `|E|'|r|`.
 ///
 /// # Panics
 /// As [`products_pass`].
@@ -372,6 +382,7 @@ mod tests {
             products_pass(level, &cell.sites(), &vectors, &mut products);
             let (mut sums, mut rows) = (vec![ColumnSums::default(); unknowns], RowSums::default());
             last_pass(level, &cell.sites(), &vectors, &mut sums, &mut rows);
+            columns_pass(level, &cell.sites(), &mut sums);
             let (zero, mut of_zero, mut of_nothing) = (vec![0.0; unknowns], products.clone(), products.clone());
             products_pass(level, &cell.sites(), &CellVectors { v: &zero, ..vectors }, &mut of_zero);
             products_pass(level, &cell.sites(), &CellVectors { v: &[], ..vectors }, &mut of_nothing);
