@@ -62,7 +62,7 @@ impl Level {
         if CHOICE.load(Ordering::Relaxed) == 2 { Level::PORTABLE } else { Level::best() }
     }
 
-    /// The set for about so many sites or points in one go: [`Level::active`], but no 512-bit set for [`BRIEF`] or fewer.
+    /// The set for about so many sites or points in one go: [`Level::active`], but no 512-bit set for 4096 or fewer.
     pub fn for_work(items: usize) -> Level {
         let level = Level::active();
         #[cfg(target_arch = "x86_64")]
