@@ -11,7 +11,7 @@ use crate::bspline::{BasisRow, MAX_DEGREE};
 use crate::simd::{CellPoints, CurveLanes, Level, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
 use crate::surface::HeightField;
 
-/// Up to this many points gradients are kept (1.2 MB at degree 2, 1.9 at degree 3); of larger grids they are made anew
+/// Up to this many points gradients are kept (0.8 MB at degree 2, 1.3 at degree 3); of larger grids they are made anew
 /// for every reader, which takes no longer than fetching them from memory.
 const KEPT: usize = 1 << 12;
 

@@ -17,8 +17,8 @@ use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
 use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 
-/// Up to this many unknowns that are no patch a packed dense factor beats the set-up of a band. From 49 on the band's panels
-/// win, and its inverse's entries give traces without a solve for every unknown.
+/// Up to this many unknowns that are no patch a packed dense factor beats the set-up of a band. Beyond, the band's panels win,
+/// and its inverse's entries give traces without a solve for every unknown.
 pub const DENSE_LIMIT: usize = 30;
 
 /// The band does each multiply-add this many times faster than the sparse factor of a nested dissection: it has no
