@@ -150,3 +150,79 @@ impl Bound {
 pub fn maximum(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::Lcg;
+    use crate::contact::Contacts;
+    use crate::fit::backward::backward;
+    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+    use crate::linalg::Sites;
+
+    fn dish(noise: f64, degree: usize) -> Fit {
+        let lcg = &mut Lcg::new(7);
+        let place = |k: usize, step: f64| (k as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..60).map(|k| (place(k, 0.754_877_666), place(k, 0.569_840_291))).unzip();
+        let mut noisy = |value: f64| value + noise * lcg.normal();
+        let z = x.iter().zip(&y).map(|(x, y)| noisy(x * x - 0.5 * x * y)).collect();
+        let zx = x.iter().zip(&y).map(|(x, y)| noisy(2.0 * x - 0.5 * y)).collect();
+        let zy = x.iter().map(|x| noisy(-0.5 * x)).collect();
+        let objective = Objective::Slopes(SlopeWeights::Tangent);
+        let options = FitOptions { degree: [degree; 2], objective, ..FitOptions::default() };
+        fit_contacts(&Contacts::from_positions(x, y, z).with_slopes(zx, zy), &options).unwrap()
+    }
+
+    /// Where the plain bound is left out, no functional would have taken it.
+    #[test]
+    fn the_plain_bound_is_left_out_only_where_it_is_the_larger() {
+        let mut left_out = 0;
+        for (noise, degree) in [(0.0, 2), (1e-3, 2), (0.3, 2), (1e-3, 3), (0.3, 4)] {
+            let fit = dish(noise, degree);
+            let bound = Bound::new(&fit, fit.condition(), &backward(&fit, fit.condition())).unwrap();
+            let directed = bound.directed.as_ref().unwrap();
+            let (matrix, sizes) = directed.parts();
+            left_out += usize::from(!bound.is_plain);
+            let lcg = &mut Lcg::new(11);
+            for _ in 0..200 {
+                let g: Vec<f64> = sizes.iter().map(|_| lcg.normal()).collect();
+                let times = |row: &[f64]| row.iter().zip(&g).map(|(a, v)| a * v).sum::<f64>();
+                let products: Vec<f64> = matrix.chunks_exact(g.len()).map(times).collect();
+                let form = times(&products).max(0.0);
+                let weighted: f64 = products.iter().zip(sizes).map(|(p, t)| p.abs() * t).sum();
+                let length: f64 = g.iter().map(|v| v.abs()).sum();
+                let own = directed.backward * (form.sqrt() * directed.rows + weighted) + directed.settled * length;
+                let size = g.iter().zip(&bound.inverse).map(|(v, d)| (v * d).powi(2)).sum::<f64>().sqrt();
+                assert!(own <= directed.most(&bound.inverse) * size * (1.0 + 1e-12));
+                assert!(bound.is_plain || own <= bound.moved * size * (1.0 + 1e-12), "{noise} {degree}");
+            }
+        }
+        assert!(left_out > 0);
+    }
+
+    /// Norms of the columns from the factor's equilibration and from the rows.
+    #[test]
+    fn the_factor_has_the_norms_of_the_columns() {
+        for degree in [2, 3, 5] {
+            let fit = dish(0.01, degree);
+            let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+            let shape = equations.sites.shape();
+            let mut squares = vec![0.0; shape.unknowns()];
+            equations.sites.visit(|site| {
+                let m = equations.metric.at(site.index);
+                for (a, (n, dn)) in site.x.iter().zip(site.dx).enumerate() {
+                    for (b, (v, dv)) in site.y.iter().zip(site.dy).enumerate() {
+                        let rows = [m.z * n * v, m.a * dn * v + m.b * n * dv, m.d * n * dv];
+                        squares[(site.first[0] + a) * shape.basis[1] + site.first[1] + b] +=
+                            rows.iter().map(|row| row * row).sum::<f64>();
+                    }
+                }
+            });
+            let found = backward(&fit, fit.condition()).columns;
+            assert!(solution.column_scales(equations).is_some());
+            for (column, square) in found.iter().zip(squares) {
+                assert!((column.norm / square - 1.0).abs() < 1e-13, "{} {square}", column.norm);
+            }
+        }
+    }
+}

@@ -66,9 +66,7 @@ pub use panel_products::{Panels, ProductSize, subtract_product};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
-pub use shape_gradients::{
-    CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, ROUNDING, cell_curves, shape_gradients,
-};
+pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
 pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{
     CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,

@@ -38,12 +38,12 @@ pub struct CellPoints<'a> {
 
 /// Rounding of a derivative relative to the size of its terms, and of S and R to their own: sums over the tensor basis,
 /// in which each term is rounded about eight times.
-pub const ROUNDING: f64 = 8.0 * 0.5 * f64::EPSILON;
+const ROUNDING: f64 = 8.0 * 0.5 * f64::EPSILON;
 
 /// What [`shape_gradients`] finds at the eight points besides the gradients.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointShapes {
-    /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1, u [`ROUNDING`] and the terms of a derivative
+    /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1, u eight half units in the last place, and the terms of a derivative
     /// `sum_ab |c_ab| |D_k(N_a M_b)|`; NaN where curvatures are so large or small that their squares are lost.
     pub roundings: [PointLanes; 2],
     /// What errors of S and of R are relative to: 1 and R.
