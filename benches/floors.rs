@@ -17,7 +17,7 @@ use std::time::Instant;
 use palpate::draws::EffectDraws;
 use palpate::fit::{ImagePlan, SlopePlan};
 use palpate::montecarlo::{FixedSites, ROW_NOISE};
-use palpate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, LANES, Level, chacha8, multiply_add_peak, normal_triples};
+use palpate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, LANES, Isa, chacha8, multiply_add_peak, gaussian_triples};
 use palpate::surface::CurvatureGrid;
 use workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 
@@ -42,9 +42,9 @@ struct Machine {
 
 impl Machine {
     fn measured() -> Machine {
-        let level = Level::active();
-        let [_, count] = multiply_add_peak(level, 1 << 20, 0.5, 1.0);
-        let multiply_adds = count / best(5, || _ = black_box(multiply_add_peak(level, 1 << 20, black_box(0.5), 1.0)));
+        let isa = Isa::active();
+        let [_, count] = multiply_add_peak(isa, 1 << 20, 0.5, 1.0);
+        let multiply_adds = count / best(5, || _ = black_box(multiply_add_peak(isa, 1 << 20, black_box(0.5), 1.0)));
         let mut array = vec![1.0_f64; ARRAY / 8];
         let sum = |array: &[f64]| {
             let mut sums = [0.0; 16];
@@ -54,7 +54,7 @@ impl Machine {
         let read = ARRAY as f64 / best(5, || _ = black_box(sum(black_box(&array))));
         let zero = ARRAY as f64 / best(5, || black_box(&mut array).fill(0.0));
         let touch = best(3, || _ = black_box(vec![1_u8; ARRAY])) - ARRAY as f64 / zero;
-        println!("one thread, {}: {:.1} G multiply-adds/s", level.name(), multiply_adds * 1e-9);
+        println!("one thread, {}: {:.1} G multiply-adds/s", isa.name(), multiply_adds * 1e-9);
         println!("memory: read {:.1} GB/s, zeroed {:.1} GB/s", read * 1e-9, zero * 1e-9);
         println!("a page touched first: {:.2} us more", touch / (ARRAY as f64 / 4096.0) * 1e6);
         Machine { multiply_adds, read, zero }
@@ -105,11 +105,11 @@ fn noise_study(machine: &Machine) -> Result<(), Fault> {
     let count = 20_000;
     let (mut s, mut r) = (vec![0.0; count], vec![0.0; count]);
     let takes = best(5, || sites.replicates(2026, 0, &mut s, &mut r));
-    let (level, key) = (Level::active(), EffectDraws::new(2026, ROW_NOISE).key());
+    let (isa, key) = (Isa::active(), EffectDraws::new(2026, ROW_NOISE).key());
     let (mut words, mut drawn) = ([[0; CHACHA_BLOCKS]; CHACHA_WORDS], [[0.0; 2 * CHACHA_BLOCKS]; 3]);
     const CALLS: usize = 1 << 14;
-    let chacha = best(5, || (0..CALLS).for_each(|k| chacha8(level, &key, k as u64, 0, black_box(&mut words))));
-    let normals = best(5, || (0..CALLS).for_each(|_| normal_triples(level, black_box(&words), black_box(&mut drawn))));
+    let chacha = best(5, || (0..CALLS).for_each(|k| chacha8(isa, &key, k as u64, 0, black_box(&mut words))));
+    let normals = best(5, || (0..CALLS).for_each(|_| gaussian_triples(isa, black_box(&words), black_box(&mut drawn))));
     // 4 double rounds of 8 quarter rounds of 12 operations, and 16 sums, on 16 words of 32 bits: half a register of 8 each
     let operations = (4 * 8 * 12 + 16) as f64 * CHACHA_BLOCKS as f64 / 2.0;
     line("W4, a thousand calls of chacha8", machine.floor(1e3 * operations, 0.0, 0.0), 1e3 * chacha / CALLS as f64);

@@ -124,7 +124,7 @@ fn inside(p: &Parameters) -> bool {
 /// A Gaussian step of `scale` times each range, from the draws at this address.
 fn step(from: &Parameters, scale: f64, draws: &EffectDraws, chain: u64, number: u64) -> Parameters {
     let mut normals = [0.0; N];
-    draws.normals(chain, number, N, &mut normals);
+    draws.gaussians(chain, number, N, &mut normals);
     std::array::from_fn(|i| from[i] + scale * (RANGES[i].2 - RANGES[i].1) * normals[i])
 }
 

@@ -99,7 +99,7 @@ fn missing_pixels_by_cells_and_by_conjugate_gradients_agree() {
 
 /// The written objective, dense: normal equations of the rows that `to_csr` writes out, by nalgebra's SVD.
 fn oracle(equations: &Equations) -> Vec<f64> {
-    let csr = to_csr(&equations.sites, &equations.metric);
+    let csr = to_csr(&equations.sites, &equations.row_weights);
     let dense = nalgebra_sparse::convert::serial::convert_csr_dense(&csr);
     let rhs = nalgebra_sparse::na::DVector::from_iterator(
         3 * equations.sites.len(),

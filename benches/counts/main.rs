@@ -24,7 +24,7 @@ use compare::{ALLOWED, Counts, growths};
 use ndarray::Array2;
 use palpate::fit::{Method, Note, Objective, Reason, SlopeWeights};
 use palpate::linalg::TensorShape;
-use palpate::simd::Level;
+use palpate::simd::Isa;
 use palpate::solve::Cholesky;
 use palpate::{Contacts, FitOptions, Grid, fit_contacts, fit_grid};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -78,7 +78,7 @@ fn count() -> Result<Counts, Fault> {
     };
     for name in regions::NAMES {
         match instructions(name)? {
-            Some((level, value)) => note(format!("{name} instructions ({level})"), value),
+            Some((isa, value)) => note(format!("{name} instructions ({isa})"), value),
             None => println!("{:<58} not counted: no valgrind", format!("{name} instructions")),
         }
         note(format!("{name} allocations"), pool(1)?.install(|| allocations(name))?);
@@ -100,7 +100,7 @@ fn counted_region(run: &mut regions::Run) -> Result<(), Fault> {
 }
 
 fn region(name: &str) -> Result<(), Fault> {
-    println!("{}", Level::active().name());
+    println!("{}", Isa::active().name());
     let mut run = regions::prepare(name)?;
     pool(1)?.install(|| counted_region(&mut run))
 }
@@ -115,10 +115,10 @@ fn instructions(name: &str) -> Result<Option<(String, u64)>, Fault> {
         .args(["--region", name])
         .output();
     let Ok(said) = said else { return Ok(None) };
-    let (level, log) = (String::from_utf8_lossy(&said.stdout), String::from_utf8_lossy(&said.stderr));
+    let (isa, log) = (String::from_utf8_lossy(&said.stdout), String::from_utf8_lossy(&said.stderr));
     let collected = log.lines().find_map(|line| line.split("Collected :").nth(1)?.trim().parse().ok());
     match collected {
-        Some(value) if said.status.success() && value > 0 => Ok(Some((level.trim().to_string(), value))),
+        Some(value) if said.status.success() && value > 0 => Ok(Some((isa.trim().to_string(), value))),
         _ => Err(format!("callgrind counted nothing in {name}: {log}").into()),
     }
 }

@@ -41,7 +41,7 @@ fn cylinder(x: f64, y: f64) -> [f64; 3] {
 
 fn noisy(exact: [f64; 3], sd: [f64; 3], draws: &EffectDraws, contact: u64) -> [f64; 3] {
     let mut drawn = [0.0; 4];
-    draws.normals(contact, 0, 4, &mut drawn);
+    draws.gaussians(contact, 0, 4, &mut drawn);
     [0, 1, 2].map(|k| exact[k] + sd[k] * drawn[k])
 }
 
@@ -59,7 +59,7 @@ pub fn paper(exact: bool) -> Columns {
     let sd = if exact { [0.0; 3] } else { [0.02, 0.05, 0.05] };
     columns((0..36).map(|r| {
         let mut off = [0.0; 2];
-        draws.normals(1000 + r, 0, 2, &mut off);
+        draws.gaussians(1000 + r, 0, 2, &mut off);
         let station = (r % 12 / 2) as f64;
         let (x, y) = ((r / 12) as f64 * 4.0 - 4.0 + 0.1 * off[0], station * 1.6 - 4.0 + 0.1 * off[1]);
         let [z, zx, zy] = noisy(cylinder(x, y), sd, &draws, r);

@@ -54,7 +54,7 @@ pub(super) struct Destination<'a> {
 pub(super) fn describe(fit: &FittedSurface, subject: &Subject, to: &Destination) -> Result<(), Failure> {
     match fit {
         FittedSurface::Height(fit) => describe_height(fit, subject, to),
-        FittedSurface::Parametric(fit) => super::describe_space::describe(fit, subject, to),
+        FittedSurface::Parametric(fit) => super::describe_parametric::describe(fit, subject, to),
     }
 }
 
@@ -141,7 +141,7 @@ fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
     if frame.keeps_axes() {
         return (contacts.x.clone(), contacts.y.clone());
     }
-    (0..contacts.len()).map(|r| frame.turn([contacts.x[r], contacts.y[r], contacts.z[r]])).map(|p| (p[0], p[1])).unzip()
+    (0..contacts.len()).map(|r| frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]])).map(|p| (p[0], p[1])).unzip()
 }
 
 fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Seconds) -> FitDocument {
@@ -235,7 +235,7 @@ pub(super) fn spread_part(spread: Spread) -> SpreadPart {
 fn truth_part(fit: &Fit, truth: &Truth) -> TruthPart {
     let (frame, shape) = (fit.frame(), fit.shape());
     let found = compare_with_truth(&shape.maps, |point| {
-        let [x, y, _] = if frame.keeps_axes() { point } else { frame.turn_back(point) };
+        let [x, y, _] = if frame.keeps_axes() { point } else { frame.rotate_back(point) };
         let local = truth.at(x, y)?.local;
         Some((local.shape_index(), local.curvedness()))
     });

@@ -7,7 +7,7 @@
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
 mod describe;
-mod describe_space;
+mod describe_parametric;
 mod failure;
 mod fit;
 mod options;
@@ -16,7 +16,7 @@ mod run;
 mod scene;
 mod scenes;
 mod show;
-mod show_space;
+mod show_parametric;
 mod simulate;
 mod values;
 
@@ -62,7 +62,7 @@ pub fn main() -> ExitCode {
         }
     };
     if line.portable {
-        crate::simd::Level::force_portable();
+        crate::simd::Isa::force_portable();
     }
     // without a handler Ctrl-C still ends the process, only less tidily
     let _ = ctrlc::set_handler(|| {

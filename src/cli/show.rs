@@ -19,7 +19,7 @@ use super::describe::{headline, picture_maps, spread_part};
 use super::failure::Failure;
 use super::options::{GridFlags, OutputFlags};
 use super::output::print;
-use super::show_space;
+use super::show_parametric;
 
 /// Arguments of `palpate show`.
 #[derive(Args)]
@@ -52,8 +52,8 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
     match (&saved.surface, &args.at) {
         (AnySurface::Height(surface), Some(at)) => show_points(args, &saved, surface, at),
         (AnySurface::Height(surface), None) => show_shape(args, &saved, surface, &bytes),
-        (AnySurface::Parametric(surface, support), Some(at)) => show_space::points(args, surface, support, at),
-        (AnySurface::Parametric(surface, support), None) => show_space::shape(args, &saved, surface, support, &bytes),
+        (AnySurface::Parametric(surface, support), Some(at)) => show_parametric::points(args, surface, support, at),
+        (AnySurface::Parametric(surface, support), None) => show_parametric::shape(args, &saved, surface, support, &bytes),
     }
 }
 
@@ -86,7 +86,7 @@ fn point(saved: &Saved, surface: &HeightField, x: f64, y: f64) -> PointShape {
         z: here.z,
         zx: here.zx,
         zy: here.zy,
-        normal: if saved.frame.keeps_axes() { normal } else { saved.frame.turn_back(normal) },
+        normal: if saved.frame.keeps_axes() { normal } else { saved.frame.rotate_back(normal) },
         k1: principal.map(|p| p.k1),
         k2: principal.map(|p| p.k2),
         shape_index: principal.and_then(|p| p.shape_index()),

@@ -24,18 +24,18 @@ impl Frame {
     /// A point of the input in patch coordinates.
     pub fn to_patch(&self, point: [f64; 3]) -> [f64; 3] {
         let d = [point[0] - self.origin[0], point[1] - self.origin[1], point[2] - self.origin[2]];
-        let local = if self.keeps_axes() { d } else { self.turn(d) };
+        let local = if self.keeps_axes() { d } else { self.rotate(d) };
         local.map(|v| v / self.scale)
     }
 
     /// A direction of the input (normal, tangent) in patch axes; lengths stay.
-    pub fn turn(&self, v: [f64; 3]) -> [f64; 3] {
+    pub fn rotate(&self, v: [f64; 3]) -> [f64; 3] {
         let dot = |a: &[f64; 3]| a[0] * v[0] + a[1] * v[1] + a[2] * v[2];
         [dot(&self.axes[0]), dot(&self.axes[1]), dot(&self.axes[2])]
     }
 
     /// A direction in patch axes, back in the input's axes.
-    pub fn turn_back(&self, v: [f64; 3]) -> [f64; 3] {
+    pub fn rotate_back(&self, v: [f64; 3]) -> [f64; 3] {
         let a = &self.axes;
         [0, 1, 2].map(|k| a[0][k] * v[0] + a[1][k] * v[1] + a[2][k] * v[2])
     }
@@ -43,7 +43,7 @@ impl Frame {
     /// A point of the patch in input coordinates.
     pub fn to_input(&self, point: [f64; 3]) -> [f64; 3] {
         let scaled = point.map(|v| v * self.scale);
-        let local = if self.keeps_axes() { scaled } else { self.turn_back(scaled) };
+        let local = if self.keeps_axes() { scaled } else { self.rotate_back(scaled) };
         [0, 1, 2].map(|k| self.origin[k] + local[k])
     }
 }

@@ -11,12 +11,12 @@
 //! ChaCha8: D. J. Bernstein, *ChaCha, a variant of Salsa20*, 2008. G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29
 //! (1958) 610.
 
-mod normal;
+mod gaussian;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-pub use normal::{box_muller, uniform_open};
+pub use gaussian::{box_muller, uniform_open};
 
 /// Words (u64) drawn from the generator at once. Long enough for the vector loop, short enough that clearing it costs
 /// a single replicate nothing it would notice (512 bytes).
@@ -50,7 +50,7 @@ impl EffectDraws {
     ///
     /// # Panics
     /// When `per` exceeds 64.
-    pub fn normals(&self, contact: u64, first_replicate: u64, per: usize, out: &mut [f64]) {
+    pub fn gaussians(&self, contact: u64, first_replicate: u64, per: usize, out: &mut [f64]) {
         self.fill(contact, first_replicate, per, out, box_muller);
     }
 
@@ -119,10 +119,10 @@ mod tests {
         let draws = EffectDraws::new(7, "row_noise");
         for per in [1, 2, 3, 5] {
             let mut whole = vec![0.0; per * 700];
-            draws.normals(11, 40, per, &mut whole);
+            draws.gaussians(11, 40, per, &mut whole);
             for (first, count) in [(0, 1), (0, 700), (1, 255), (256, 257), (513, 187), (699, 1)] {
                 let mut part = vec![0.0; per * count];
-                draws.normals(11, 40 + first as u64, per, &mut part);
+                draws.gaussians(11, 40 + first as u64, per, &mut part);
                 assert_eq!(part, whole[first * per..(first + count) * per]);
             }
         }
@@ -132,7 +132,7 @@ mod tests {
     fn every_part_of_the_address_matters() {
         let draw = |seed, name, contact, replicate| {
             let mut out = [0.0; 3];
-            EffectDraws::new(seed, name).normals(contact, replicate, 3, &mut out);
+            EffectDraws::new(seed, name).gaussians(contact, replicate, 3, &mut out);
             out
         };
         let reference = draw(1, "a", 1, 1);
@@ -147,7 +147,7 @@ mod tests {
     fn normals_have_the_moments_of_a_normal() {
         let count = 1_000_000;
         let mut out = vec![0.0; count];
-        EffectDraws::new(3, "moments").normals(0, 0, 1, &mut out);
+        EffectDraws::new(3, "moments").gaussians(0, 0, 1, &mut out);
         // (power, mean, variance of the power)
         for (power, mean, variance) in
             [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0), (6, 15.0, 10170.0)]

@@ -209,7 +209,7 @@ mod tests {
             let shape = equations.sites.shape();
             let mut squares = vec![0.0; shape.unknowns()];
             equations.sites.visit(|site| {
-                let m = equations.metric.at(site.index);
+                let m = equations.row_weights.at(site.index);
                 for (a, (n, dn)) in site.x.iter().zip(site.dx).enumerate() {
                     for (b, (v, dv)) in site.y.iter().zip(site.dy).enumerate() {
                         let rows = [m.z * n * v, m.a * dn * v + m.b * n * dv, m.d * n * dv];

@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use super::{FitError, Observed, Patch};
 use crate::contact::{Contacts, Grid, Orientation};
-use crate::linalg::{Metric, RowMetric, Targets};
+use crate::linalg::{RowWeights, SiteWeights, Targets};
 use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows, slope_rows};
 
 /// Contacts or a grid in patch coordinates.
@@ -85,7 +85,7 @@ impl Data {
     }
 
     /// Slope rows with block weights in patch units.
-    pub fn slope_rows(&self, block: [f64; 3]) -> (Metric, Targets) {
+    pub fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
         match self {
             Data::Scattered { contacts, .. } => slope_rows(contacts, block),
             Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
@@ -124,10 +124,10 @@ impl Data {
 
     /// Heights and unit normals for normal rows.
     pub fn measured(&self) -> Measured {
-        let (metric, targets) = self.slope_rows([1.0, 1.0, 1.0]);
+        let (row_weights, targets) = self.slope_rows([1.0, 1.0, 1.0]);
         let mut measured = Measured::default();
         for (r, target) in targets.iter().enumerate() {
-            let m = metric.at(r);
+            let m = row_weights.at(r);
             measured.z.push(if m.z == 0.0 { 0.0 } else { target[0] / m.z });
             measured.z_weight.push(m.z);
             let (normal, weight) = self.normal_and_weight(r, &m, target);
@@ -137,7 +137,7 @@ impl Data {
         measured
     }
 
-    fn normal_and_weight(&self, r: usize, m: &RowMetric, target: &[f64; 3]) -> ([f64; 3], f64) {
+    fn normal_and_weight(&self, r: usize, m: &SiteWeights, target: &[f64; 3]) -> ([f64; 3], f64) {
         let weight = m.a.min(m.d);
         if weight == 0.0 {
             return ([0.0, 0.0, 1.0], 0.0);

@@ -3,7 +3,7 @@
 use super::plane_rows::plane_rows;
 use super::{Declared, Fit, uncertainty};
 use crate::curvature::{ShapeClass, principal_curvatures};
-use crate::linalg::{Metric, RowMetric, Sites};
+use crate::linalg::{RowWeights, SiteWeights, Sites};
 use crate::shape::{
     GridGradients, Interval, ShapeGrid, ShapeMaps, Spread, best_plane, chi_square_upper_tail, class_probabilities,
     f_upper_tail, gap_gradient, mean_gradients, normal_interval, radius_of, shape_maps, spread,
@@ -109,7 +109,7 @@ fn summarise(fit: &Fit, local: &ShapeMaps, plane_p: Option<f64>, is_plane: bool)
 /// Maps in input units along the frame's axes.
 fn in_input_units(fit: &Fit, local: &ShapeMaps) -> ShapeMaps {
     let frame = &fit.patch.frame;
-    let origin = if frame.keeps_axes() { frame.origin } else { frame.turn(frame.origin) };
+    let origin = if frame.keeps_axes() { frame.origin } else { frame.rotate(frame.origin) };
     let mut maps = local.clone();
     let place = |axis: &mut [f64], o: f64| axis.iter_mut().for_each(|v| *v = o + frame.scale * *v);
     place(&mut maps.grid.x, origin[0]);
@@ -141,7 +141,7 @@ fn direction(fit: &Fit) -> Option<f64> {
     if principal.difference <= (2.0 * noise).max(rounding) {
         return None;
     }
-    let d = fit.patch.frame.turn_back(principal.direction1);
+    let d = fit.patch.frame.rotate_back(principal.direction1);
     if d[0] == 0.0 && d[1] == 0.0 {
         return None;
     }
@@ -187,7 +187,7 @@ fn is_flat(fit: &Fit, local: &ShapeMaps) -> bool {
         return false;
     }
     let measured = fit.data.measured();
-    let one = Metric::Uniform(RowMetric { z: 1.0, ..RowMetric::default() });
+    let one = RowWeights::Uniform(SiteWeights { z: 1.0, ..SiteWeights::default() });
     let mut places = vec![[0.0; 3]; sites.len()];
     let knots = sites.knots();
     let coordinate = |axis: usize| -> Vec<f64> {

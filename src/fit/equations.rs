@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::Observed;
 use crate::linalg::{
-    Metric, RowMetric, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
+    RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
 };
-use crate::observation::{CellAssembly, CellLanes, LaneRows, kronecker_normal_matrix};
+use crate::observation::{CellAssembly, PackedCells, PackedRows, kronecker_normal_matrix};
 
 /// One linear problem: where, how weighted, towards what, how rough.
 #[derive(Clone, Debug)]
@@ -14,13 +14,13 @@ pub struct Equations {
     /// Sites of the data.
     pub sites: Observed,
     /// Weights of the rows.
-    pub metric: Metric,
+    pub row_weights: RowWeights,
     /// Weighted right-hand sides.
     pub targets: Targets,
     /// `lambda` and P.
     pub roughness: Option<(f64, StencilMatrix)>,
     /// Weights and targets of many scattered contacts cell by cell, put there by the first visit.
-    pub(super) lanes: OnceLock<Arc<LaneRows>>,
+    pub(super) lanes: OnceLock<Arc<PackedRows>>,
 }
 
 /// The two kinds of rows, whose noise levels are separate variance components.
@@ -33,14 +33,14 @@ pub enum Block {
 }
 
 /// The rows of one block alone: the other's weights set to zero.
-pub fn only(metric: &Metric, block: Block) -> Metric {
-    let keep = |m: &RowMetric| match block {
-        Block::Heights => RowMetric { z: m.z, ..RowMetric::default() },
-        Block::Slopes => RowMetric { z: 0.0, ..*m },
+pub fn only(row_weights: &RowWeights, block: Block) -> RowWeights {
+    let keep = |m: &SiteWeights| match block {
+        Block::Heights => SiteWeights { z: m.z, ..SiteWeights::default() },
+        Block::Slopes => SiteWeights { z: 0.0, ..*m },
     };
-    match metric {
-        Metric::Uniform(m) => Metric::Uniform(keep(m)),
-        Metric::PerSite(all) => Metric::PerSite(all.iter().map(keep).collect()),
+    match row_weights {
+        RowWeights::Uniform(m) => RowWeights::Uniform(keep(m)),
+        RowWeights::PerSite(all) => RowWeights::PerSite(all.iter().map(keep).collect()),
     }
 }
 
@@ -48,16 +48,16 @@ impl Equations {
     /// These rows; none is visited yet.
     pub fn new(
         sites: Observed,
-        metric: Metric,
+        row_weights: RowWeights,
         targets: Targets,
         roughness: Option<(f64, StencilMatrix)>,
     ) -> Equations {
-        Equations { sites, metric, targets, roughness, lanes: OnceLock::new() }
+        Equations { sites, row_weights, targets, roughness, lanes: OnceLock::new() }
     }
 
     /// Equations: rows whose weight is not zero.
     pub fn count(&self) -> usize {
-        self.metric.row_counts(self.sites.len()).iter().sum()
+        self.row_weights.row_counts(self.sites.len()).iter().sum()
     }
 
     /// Unknowns n m.
@@ -67,7 +67,7 @@ impl Equations {
 
     /// `E'E + lambda P`, from Kronecker Grams where a grid's weights allow it.
     pub fn normal_matrix(&self) -> StencilMatrix {
-        let mut matrix = data_normal_matrix(&self.sites, &self.metric);
+        let mut matrix = data_normal_matrix(&self.sites, &self.row_weights);
         if let Some((lambda, penalty)) = &self.roughness {
             matrix.add_scaled(*lambda, penalty);
         }
@@ -75,9 +75,9 @@ impl Equations {
     }
 
     /// The rows of many scattered contacts as lanes; `None` for few, for grids and for degrees above 3.
-    pub fn lanes(&self) -> Option<(&CellLanes, &LaneRows)> {
-        let lanes = cell_lanes(&self.sites)?;
-        Some((lanes, self.lanes.get_or_init(|| Arc::new(lanes.rows(&self.metric, &self.targets)))))
+    pub fn lanes(&self) -> Option<(&PackedCells, &PackedRows)> {
+        let lanes = packed_cells(&self.sites)?;
+        Some((lanes, self.lanes.get_or_init(|| Arc::new(lanes.rows(&self.row_weights, &self.targets)))))
     }
 
     /// `E' b`.
@@ -85,7 +85,7 @@ impl Equations {
         let mut out = vec![0.0; self.unknowns()];
         match self.lanes() {
             Some((lanes, rows)) => lanes.descent(rows, &vec![0.0; out.len()], &mut out),
-            None => normal_rhs(&self.sites, &self.metric, &self.targets, &mut out),
+            None => normal_rhs(&self.sites, &self.row_weights, &self.targets, &mut out),
         }
         out
     }
@@ -104,14 +104,14 @@ impl Equations {
             return lanes.squares(rows, false, v);
         }
         let mut rows = Targets::new();
-        apply_rows(&self.sites, &self.metric, v, &mut rows);
+        apply_rows(&self.sites, &self.row_weights, v, &mut rows);
         block_squares(&rows)
     }
 
     /// `b - E c`, row by row.
     pub fn residuals(&self, c: &[f64]) -> Targets {
         let mut out = Targets::new();
-        residuals(&self.sites, &self.metric, &self.targets, c, &mut out);
+        residuals(&self.sites, &self.row_weights, &self.targets, c, &mut out);
         out
     }
 
@@ -120,7 +120,7 @@ impl Equations {
         let mut out = vec![0.0; self.unknowns()];
         match self.lanes() {
             Some((lanes, rows)) => lanes.descent(rows, c, &mut out),
-            None => descent(&self.sites, &self.metric, &self.targets, c, &mut out),
+            None => descent(&self.sites, &self.row_weights, &self.targets, c, &mut out),
         }
         if let Some((lambda, penalty)) = &self.roughness {
             let mut bent = vec![0.0; c.len()];
@@ -132,25 +132,25 @@ impl Equations {
 }
 
 /// `E'E` of data rows alone.
-pub fn data_normal_matrix(sites: &Observed, metric: &Metric) -> StencilMatrix {
-    if let (Observed::Gridded(grid), Metric::Uniform(m)) = (sites, metric)
+pub fn data_normal_matrix(sites: &Observed, row_weights: &RowWeights) -> StencilMatrix {
+    if let (Observed::Gridded(grid), RowWeights::Uniform(m)) = (sites, row_weights)
         && m.b == 0.0
     {
         return kronecker_normal_matrix(grid, [m.z, m.a, m.d]);
     }
     let mut matrix = StencilMatrix::zeros(sites.shape());
-    if let (Observed::Scattered(scattered), Some(lanes)) = (sites, cell_lanes(sites))
+    if let (Observed::Scattered(scattered), Some(lanes)) = (sites, packed_cells(sites))
         && let Some(mut cells) = CellAssembly::new(scattered.knots().clone())
     {
-        cells.add_lanes(metric, lanes, &mut matrix);
+        cells.add_packed(row_weights, lanes, &mut matrix);
         return matrix;
     }
-    assemble(sites, metric, &mut matrix);
+    assemble(sites, row_weights, &mut matrix);
     matrix
 }
 
 /// Contacts in the order and places of their cells, where there are many.
-pub fn cell_lanes(sites: &Observed) -> Option<&CellLanes> {
+pub fn packed_cells(sites: &Observed) -> Option<&PackedCells> {
     match sites {
         Observed::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
         _ => None,

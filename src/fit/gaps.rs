@@ -14,7 +14,7 @@
 use super::equations::Equations;
 use super::reasons::Reason;
 use super::solver::Solution;
-use crate::linalg::{Metric, RowMetric, StencilMatrix, apply_rows};
+use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows};
 use crate::observation::roughness_matrix;
 use crate::solve::Cholesky;
 
@@ -202,10 +202,10 @@ pub fn smooth_along(penalty: &StencilMatrix, directions: &[Vec<f64>], c: &mut [f
 /// Moves the surface up or down until its mean height over the data's sites is zero.
 pub fn level(equations: &Equations, c: &mut [f64]) {
     let mut rows = Vec::new();
-    let heights = Metric::Uniform(RowMetric { z: 1.0, ..RowMetric::default() });
+    let heights = RowWeights::Uniform(SiteWeights { z: 1.0, ..SiteWeights::default() });
     apply_rows(&equations.sites, &heights, c, &mut rows);
     let counts = |r: usize| {
-        let m = equations.metric.at(r);
+        let m = equations.row_weights.at(r);
         m.a != 0.0 || m.d != 0.0
     };
     let met: Vec<f64> = (0..rows.len()).filter(|&r| counts(r)).map(|r| rows[r][0]).collect();

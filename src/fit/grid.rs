@@ -9,7 +9,7 @@ use super::reasons::{MethodUsed, Reason};
 use super::refinement::refine;
 use super::solver::{Factor, Solution};
 use super::{FitError, Method, Observed};
-use crate::linalg::{Metric, Sites, StencilMatrix};
+use crate::linalg::{RowWeights, Sites, StencilMatrix};
 use crate::observation::GridSites;
 use crate::solve::{FastDiagonalisation, GridSolver};
 
@@ -24,7 +24,7 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
     if !free.is_empty() {
         return refuse("needs data under every coefficient: this grid has gaps, use --method auto");
     }
-    let exact = matches!(&equations.metric, Metric::Uniform(m) if m.b == 0.0) && equations.roughness.is_none();
+    let exact = matches!(&equations.row_weights, RowWeights::Uniform(m) if m.b == 0.0) && equations.roughness.is_none();
     if method == Method::Kronecker && !exact {
         return refuse("is exact only for complete grids with one weight per block and no roughness: use pcg or auto");
     }
@@ -60,9 +60,9 @@ fn diagonalise(sites: &GridSites, weights: [f64; 3]) -> Result<FastDiagonalisati
 
 /// Root mean squared weights of the three blocks over all pixels.
 fn mean_weights(equations: &Equations) -> [f64; 3] {
-    let squares = match &equations.metric {
-        Metric::Uniform(m) => [m.z * m.z, m.a * m.a, m.d * m.d],
-        Metric::PerSite(all) => {
+    let squares = match &equations.row_weights {
+        RowWeights::Uniform(m) => [m.z * m.z, m.a * m.a, m.d * m.d],
+        RowWeights::PerSite(all) => {
             let count = equations.sites.len() as f64;
             all.iter().fold([0.0; 3], |s, m| {
                 [s[0] + m.z * m.z / count, s[1] + m.a * m.a / count, s[2] + (m.b * m.b + m.d * m.d) / count]

@@ -165,7 +165,7 @@ impl Fit {
     /// When the input's own rounding leaves no distinct knots.
     pub fn input_surface(&self) -> Result<HeightField, FitError> {
         let frame = &self.patch.frame;
-        let height = if frame.keeps_axes() { frame.origin[2] } else { frame.turn(frame.origin)[2] };
+        let height = if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] };
         let coefficients = self.surface.coefficients().mapv(|c| height + frame.scale * c);
         Ok(HeightField::new(self.patch.input_knots.clone(), coefficients)?)
     }

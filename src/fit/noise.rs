@@ -54,12 +54,12 @@ pub struct Trial {
 
 /// Traces of both blocks' hat matrices.
 pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
-    let heights = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Heights));
+    let heights = data_normal_matrix(&equations.sites, &only(&equations.row_weights, Block::Heights));
     let of_heights = trace(solution, &heights);
     if equations.roughness.is_none() {
         return [of_heights, solution.rank as f64 - of_heights];
     }
-    let slopes = data_normal_matrix(&equations.sites, &only(&equations.metric, Block::Slopes));
+    let slopes = data_normal_matrix(&equations.sites, &only(&equations.row_weights, Block::Slopes));
     [of_heights, trace(solution, &slopes)]
 }
 
@@ -131,7 +131,7 @@ pub fn variance_components(
 ) -> Result<(Levels, Trial, Option<Note>), FitError> {
     let mut levels = Levels { z: 1.0, slope: 1.0 };
     let mut trial = solve_at(Asked { levels, start: None, within: ROUGHEST })?;
-    let rows = trial.equations.metric.row_counts(trial.equations.sites.len()).map(|r| r as f64);
+    let rows = trial.equations.row_weights.row_counts(trial.equations.sites.len()).map(|r| r as f64);
     let rms = |t: &Trial| [0, 1].map(|b| if rows[b] > 0.0 { (t.squares[b] / rows[b]).sqrt() } else { 0.0 });
     if trial.moved > SETTLED && rms(&trial).iter().all(|r| *r <= ROUGHEST) {
         // so little may be noise, or what the last step has left
@@ -213,7 +213,7 @@ mod tests {
             let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
             assert!(!solution.unsupported.is_empty() && equations.unknowns() > UNIT_VECTORS);
             for block in [Block::Heights, Block::Slopes] {
-                let b = data_normal_matrix(&equations.sites, &only(&equations.metric, block));
+                let b = data_normal_matrix(&equations.sites, &only(&equations.row_weights, block));
                 let (exact, expected) = (trace(solution, &b), by_unit_vectors(solution, &b));
                 assert!((exact - expected).abs() <= 1e-9 * expected, "{weights:?} {block:?}: {exact} {expected}");
                 // the estimator, where it is still needed, aims at the same number

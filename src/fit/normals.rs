@@ -5,10 +5,10 @@
 //! is then polished until rounding moves it, for steps contract linearly and 1e-10 of a move is not 1e-10 of an error.
 
 use super::data::Measured;
-use super::equations::{Equations, cell_lanes};
+use super::equations::{Equations, packed_cells};
 use super::solver::{self, Solution};
 use super::{FitError, Method, Observed};
-use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix, Targets, site_rows};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
 use crate::observation::{angular_residual_squared, linearise_normals};
 
 /// A move below this share of the largest coefficient ends the iteration (design, section 1).
@@ -132,8 +132,8 @@ impl NormalProblem<'_> {
     }
 
     fn start(&self) -> Result<Vec<f64>, FitError> {
-        let heights = Metric::PerSite(
-            self.measured.z_weight.iter().map(|w| RowMetric { z: *w, ..RowMetric::default() }).collect(),
+        let heights = RowWeights::PerSite(
+            self.measured.z_weight.iter().map(|w| SiteWeights { z: *w, ..SiteWeights::default() }).collect(),
         );
         let targets: Targets =
             self.measured.z.iter().zip(&self.measured.z_weight).map(|(z, w)| [w * z, 0.0, 0.0]).collect();
@@ -148,41 +148,41 @@ impl NormalProblem<'_> {
     }
 
     fn slope_start(&self) -> Equations {
-        let (mut metrics, mut targets) = (Vec::new(), Targets::new());
+        let (mut site_weights, mut targets) = (Vec::new(), Targets::new());
         for r in 0..self.measured.z.len() {
             let [nx, ny, nz] = self.measured.normals[r];
             let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
             let nz = nz.max(START_NZ);
-            metrics.push(RowMetric { z: wz, a: w, b: 0.0, d: w });
+            site_weights.push(SiteWeights { z: wz, a: w, b: 0.0, d: w });
             targets.push([wz * self.measured.z[r], -w * nx / nz, -w * ny / nz]);
         }
-        Equations::new(self.sites.clone(), Metric::PerSite(metrics), targets, self.roughness.clone())
+        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
     }
 
     /// The rows of one Gauss-Newton step about `c`.
     pub fn linearised(&self, c: &[f64]) -> Equations {
-        let mut metrics = vec![RowMetric::default(); self.sites.len()];
+        let mut site_weights = vec![SiteWeights::default(); self.sites.len()];
         let mut targets = vec![[0.0; 3]; self.sites.len()];
         self.each_site(c, |r, [_, p, q]| {
             let z = self.measured.z_weight[r] / self.levels.z;
             let w = self.measured.normal_weight[r] / self.levels.slope;
-            metrics[r].z = z;
+            site_weights[r].z = z;
             targets[r][0] = z * self.measured.z[r];
             if w != 0.0 {
                 let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
-                metrics[r] = RowMetric { z, a: w * u.a, b: w * u.b, d: w * u.d };
+                site_weights[r] = SiteWeights { z, a: w * u.a, b: w * u.b, d: w * u.d };
                 (targets[r][1], targets[r][2]) = (w * first, w * second);
             }
         });
-        Equations::new(self.sites.clone(), Metric::PerSite(metrics), targets, self.roughness.clone())
+        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
     }
 
     /// `visit(site, [S, S_x, S_y])` for every site, in the order of the cells.
     fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
-        if let Some(lanes) = cell_lanes(self.sites) {
+        if let Some(lanes) = packed_cells(self.sites) {
             return lanes.values(c, visit);
         }
-        let (columns, plain) = (self.sites.shape().basis[1], RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
+        let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
         self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
     }
 

@@ -145,11 +145,11 @@ fn turn(contacts: &Contacts, axes: &[[f64; 3]; 3]) -> Contacts {
     let frame = Frame { axes: *axes, ..Frame::IDENTITY };
     let mut turned = contacts.clone();
     for r in 0..contacts.len() {
-        [turned.x[r], turned.y[r], turned.z[r]] = frame.turn([contacts.x[r], contacts.y[r], contacts.z[r]]);
+        [turned.x[r], turned.y[r], turned.z[r]] = frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]]);
     }
     if let Orientation::Normals { nx, ny, nz } = &mut turned.orientation {
         for r in 0..nx.len() {
-            [nx[r], ny[r], nz[r]] = frame.turn([nx[r], ny[r], nz[r]]);
+            [nx[r], ny[r], nz[r]] = frame.rotate([nx[r], ny[r], nz[r]]);
         }
     }
     turned
@@ -170,7 +170,7 @@ fn lay_out(x: &[f64], y: &[f64], z_middle: f64, axes: [[f64; 3]; 3], options: &F
     let map = |k: &Knots, o: f64, axis| k.mapped(o, scale).map_err(|source| FitError::Knots { axis, source });
     let knots = [map(&input_knots[0], centre[0], "x")?, map(&input_knots[1], centre[1], "y")?];
     let unturned = Frame { axes, ..Frame::IDENTITY };
-    let origin = if unturned.keeps_axes() { centre } else { unturned.turn_back(centre) };
+    let origin = if unturned.keeps_axes() { centre } else { unturned.rotate_back(centre) };
     Ok(Patch { frame: Frame { origin, axes, scale }, knots, input_knots, side })
 }
 
@@ -233,7 +233,7 @@ fn check_not_collinear(contacts: &Contacts) -> Result<(), FitError> {
 
 fn shift(mut contacts: Contacts, frame: &Frame) -> Contacts {
     let unturned = Frame { axes: frame.axes, ..Frame::IDENTITY };
-    let centre = if frame.keeps_axes() { frame.origin } else { unturned.turn(frame.origin) };
+    let centre = if frame.keeps_axes() { frame.origin } else { unturned.rotate(frame.origin) };
     for (column, origin) in [(&mut contacts.x, centre[0]), (&mut contacts.y, centre[1]), (&mut contacts.z, centre[2])] {
         column.iter_mut().for_each(|v| *v = (*v - origin) / frame.scale);
     }

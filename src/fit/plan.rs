@@ -10,16 +10,16 @@
 
 use super::FitError;
 use crate::bspline::Knots;
-use crate::linalg::{Metric, RowMetric, StencilMatrix};
+use crate::linalg::{RowWeights, SiteWeights, StencilMatrix};
 use crate::observation::{CellAssembly, CellRows, GridSites};
-use crate::simd::{BandTerm, Level, contract_rows};
+use crate::simd::{BandTerm, Isa, contract_rows};
 use crate::solve::{Cholesky, FastDiagonalisation};
 
 /// Repeated fits of scattered contacts with slopes under fixed knots and weights.
 #[derive(Debug)]
 pub struct SlopePlan {
     cells: CellAssembly,
-    metric: RowMetric,
+    row_weights: SiteWeights,
     matrix: StencilMatrix,
     right: Vec<f64>,
     factor: Cholesky,
@@ -75,7 +75,7 @@ impl SlopePlan {
         let factor = Cholesky::plan(shape).map_err(|source| FitError::Solve { source })?;
         Ok(SlopePlan {
             cells,
-            metric: RowMetric { z: weights[0], a: weights[1], b: 0.0, d: weights[2] },
+            row_weights: SiteWeights { z: weights[0], a: weights[1], b: 0.0, d: weights[2] },
             matrix: StencilMatrix::zeros(shape),
             right: vec![0.0; shape.unknowns()],
             factor,
@@ -110,8 +110,8 @@ impl SlopePlan {
         let n = contacts.x.len();
         let SlopeColumns { x, y, z, zx, zy } = *contacts;
         let columns = SlopeColumns { x, y: &y[..n], z: &z[..n], zx: &zx[..n], zy: &zy[..n] };
-        let rows = WeightedColumns { columns, squares: [self.metric.z, self.metric.a, self.metric.d].map(|w| w * w) };
-        self.cells.add(&Metric::Uniform(self.metric), &rows, &mut self.matrix, &mut self.right);
+        let rows = WeightedColumns { columns, squares: [self.row_weights.z, self.row_weights.a, self.row_weights.d].map(|w| w * w) };
+        self.cells.add(&RowWeights::Uniform(self.row_weights), &rows, &mut self.matrix, &mut self.right);
     }
 
     /// The fit of all contacts taken in; more may follow.
@@ -183,7 +183,7 @@ impl ImagePlan {
     /// # Panics
     /// When an image is shorter than the axes say.
     pub fn fit_frame(&mut self, z: &[f64], zx: &[f64], zy: &[f64]) -> &[f64] {
-        let level = Level::active();
+        let isa = Isa::active();
         let [ax, ay] = self.sites.axes();
         let (n, m, pixels) = (ax.knots.n_basis(), ay.knots.n_basis(), ay.first.len());
         self.half.iter_mut().for_each(|h| h.fill(0.0));
@@ -191,14 +191,14 @@ impl ImagePlan {
         let term = |values, image| BandTerm { values, image };
         let [values, slopes, across] = &self.weighted;
         let along = [term(&values[..], z), term(&slopes[..], zx)];
-        contract_rows(level, width, &ax.first, &along, pixels, &mut self.half[0]);
-        contract_rows(level, width, &ax.first, &[term(&across[..], zy)], pixels, &mut self.half[1]);
+        contract_rows(isa, width, &ax.first, &along, pixels, &mut self.half[0]);
+        contract_rows(isa, width, &ax.first, &[term(&across[..], zy)], pixels, &mut self.half[1]);
         for (turned, half) in self.turned.iter_mut().zip(&self.half) {
             turn(half, n, pixels, turned);
         }
         self.right.fill(0.0);
         let terms = [term(&ay.values, &self.turned[0][..]), term(&ay.slopes, &self.turned[1][..])];
-        contract_rows(level, ay.knots.degree() + 1, &ay.first, &terms, n, &mut self.right);
+        contract_rows(isa, ay.knots.degree() + 1, &ay.first, &terms, n, &mut self.right);
         turn(&self.right, m, n, &mut self.coefficients);
         self.solver.solve(&mut self.coefficients);
         &self.coefficients
@@ -223,7 +223,7 @@ fn turn(from: &[f64], rows: usize, columns: usize, out: &mut [f64]) {
 mod tests {
     use super::*;
     use crate::bspline::linspace;
-    use crate::linalg::{Metric, assemble, normal_rhs};
+    use crate::linalg::{RowWeights, assemble, normal_rhs};
     use crate::observation::ScatteredSites;
 
     fn wave(r: usize, k: f64) -> f64 {
@@ -233,13 +233,13 @@ mod tests {
     /// Oracle: the written normal equations, row by row, through the dense or sparse factor.
     fn oracle(knots: &[Knots; 2], points: Vec<[f64; 2]>, data: &[[f64; 3]], weights: [f64; 3]) -> Vec<f64> {
         let sites = ScatteredSites::new(knots.clone(), points);
-        let metric = Metric::Uniform(RowMetric { z: weights[0], a: weights[1], b: 0.0, d: weights[2] });
+        let row_weights = RowWeights::Uniform(SiteWeights { z: weights[0], a: weights[1], b: 0.0, d: weights[2] });
         let rows: Vec<[f64; 3]> = data.iter().map(|d| [0, 1, 2].map(|k| weights[k] * d[k])).collect();
         let shape = crate::linalg::Sites::shape(&sites);
         let mut matrix = StencilMatrix::zeros(shape);
-        assemble(&sites, &metric, &mut matrix);
+        assemble(&sites, &row_weights, &mut matrix);
         let mut right = vec![0.0; shape.unknowns()];
-        normal_rhs(&sites, &metric, &rows, &mut right);
+        normal_rhs(&sites, &row_weights, &rows, &mut right);
         let mut factor = Cholesky::plan(shape).unwrap();
         factor.factor(&matrix).unwrap();
         factor.solve(&mut right);

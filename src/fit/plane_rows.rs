@@ -52,8 +52,8 @@ impl Tally {
     }
 }
 
-/// The least squares plane under the fit's weights. With normal rows the metric is the fitted surface's, so a surface
-/// far from a plane is compared with the plane in its own metric. `largest` height of the data in patch units.
+/// The least squares plane under the fit's weights. With normal rows the weights are those of the fitted surface's, so a surface
+/// far from a plane is compared with the plane under its own weights. `largest` height of the data in patch units.
 pub fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     if equations.sites.len() >= MANY
         && let Some(plane) = of_many(equations, largest)
@@ -103,7 +103,7 @@ impl Rows<'_> {
 
     /// About the weighted centre of the heights.
     fn centre(&mut self) {
-        let square = |r: usize| self.equations.metric.at(r).z.powi(2);
+        let square = |r: usize| self.equations.row_weights.at(r).z.powi(2);
         let (mut total, mut sum) = (0.0, [0.0; 2]);
         for (r, place) in self.places.iter().enumerate() {
             total += square(r);
@@ -116,7 +116,7 @@ impl Rows<'_> {
     }
 
     fn at(&self, r: usize) -> [[f64; 3]; 3] {
-        let (m, [u, v]) = (self.equations.metric.at(r), self.places[r]);
+        let (m, [u, v]) = (self.equations.row_weights.at(r), self.places[r]);
         [[m.z, m.z * u, m.z * v], [0.0, m.a, m.b], [0.0, 0.0, m.d]]
     }
 
@@ -124,7 +124,7 @@ impl Rows<'_> {
         let mut tally = Tally { squares: 0.0, is_rounding: true };
         self.each(|r, row, target| {
             // only the height row has a first entry
-            let height = if row[0] == 0.0 { 0.0 } else { self.equations.metric.at(r).z * largest };
+            let height = if row[0] == 0.0 { 0.0 } else { self.equations.row_weights.at(r).z * largest };
             tally.add(target, [0, 1, 2].map(|k| c[k] * row[k]), height);
         });
         tally.done()
@@ -197,25 +197,25 @@ mod tests {
     use super::*;
     use crate::bspline::Knots;
     use crate::fit::Observed;
-    use crate::linalg::{Metric, RowMetric};
+    use crate::linalg::{RowWeights, SiteWeights};
     use crate::observation::ScatteredSites;
 
-    fn equations(metric: impl Fn(usize) -> RowMetric, data: impl Fn([f64; 2]) -> [f64; 3]) -> Equations {
+    fn equations(row_weights: impl Fn(usize) -> SiteWeights, data: impl Fn([f64; 2]) -> [f64; 3]) -> Equations {
         let knots = [Knots::uniform(3, 4, -1.0, 1.0).unwrap(), Knots::uniform(2, 3, -0.5, 1.5).unwrap()];
         let points: Vec<[f64; 2]> = (0..900)
             .map(|r| [(r as f64 * 0.754_877_666).fract() * 2.0 - 1.0, (r as f64 * 0.569_840_291).fract() * 2.0 - 0.5])
             .collect();
-        let metrics: Vec<RowMetric> = (0..points.len()).map(metric).collect();
+        let site_weights: Vec<SiteWeights> = (0..points.len()).map(row_weights).collect();
         let targets = points
             .iter()
-            .zip(&metrics)
+            .zip(&site_weights)
             .map(|(p, m)| {
                 let [z, zx, zy] = data(*p);
                 [m.z * z, m.a * zx + m.b * zy, m.d * zy]
             })
             .collect();
         let sites = Observed::Scattered(ScatteredSites::new(knots, points));
-        Equations::new(sites, Metric::PerSite(metrics), targets, None)
+        Equations::new(sites, RowWeights::PerSite(site_weights), targets, None)
     }
 
     #[test]
@@ -224,19 +224,19 @@ mod tests {
         let flat = |[x, y]: [f64; 2]| [3.0 + 2.0 * x - y, 2.0, -1.0];
         let varied = |r: usize| {
             let w = 1.0 + 0.5 * (r as f64).sin();
-            RowMetric { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
+            SiteWeights { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
         };
         for blocks in [[1.0, 1.0], [1e6, 1.0], [1.0, 1e6], [0.0, 1.0], [1.0, 0.0]] {
-            let metric = |r: usize| {
+            let row_weights = |r: usize| {
                 let m = varied(r);
-                RowMetric { z: m.z * blocks[0], a: m.a * blocks[1], b: m.b * blocks[1], d: m.d * blocks[1] }
+                SiteWeights { z: m.z * blocks[0], a: m.a * blocks[1], b: m.b * blocks[1], d: m.d * blocks[1] }
             };
-            let curved = equations(metric, bent);
+            let curved = equations(row_weights, bent);
             let (few, many) = (of_few(&curved, 6.0).unwrap(), of_many(&curved, 6.0).unwrap());
             assert!((many.squares / few.squares - 1.0).abs() < 1e-9, "{blocks:?}: {many:?} {few:?}");
             assert!(!few.is_rounding && !many.is_rounding);
             // 2700 rows cost the QR a few digits more than the refined short way
-            let plane = of_many(&equations(metric, flat), 6.0).unwrap();
+            let plane = of_many(&equations(row_weights, flat), 6.0).unwrap();
             assert!(plane.is_rounding, "{blocks:?}: {plane:?}");
         }
     }

@@ -12,7 +12,7 @@ use super::backward::Backward;
 use super::bounds::{Bound, PLACING, maximum};
 use crate::bspline::{BasisRow, MAX_DEGREE};
 use crate::shape::EightPoints;
-use crate::simd::{CellGradients, Level, OfKinds, POINTS, PointLanes, PointShapes, functional_bounds};
+use crate::simd::{CellGradients, Isa, OfKinds, POINTS, PointLanes, PointShapes, functional_bounds};
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = PLACING;
@@ -35,7 +35,7 @@ pub fn promise(fit: &Fit, condition: f64, backward: &Backward) -> Promise {
     let c = &fit.fitted.solution.coefficients;
     let Some(bound) = Bound::new(fit, condition, backward) else { return Promise::default() };
     let frame = fit.frame();
-    let origin = if frame.keeps_axes() { frame.origin[2] } else { frame.turn(frame.origin)[2] };
+    let origin = if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] };
     let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / frame.scale + v).abs()));
     let coefficients = bound.of_coefficients();
     let [shape_index, curvedness] = at_points(fit, &bound);
@@ -55,14 +55,14 @@ fn digits(bound: f64) -> f64 {
 fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
     let shape = fit.shape();
     let (maps, terms) = (&shape.maps, bound.terms());
-    let level = Level::for_work(maps.grid.len());
+    let isa = Isa::for_work(maps.grid.len());
     let (columns, width) = (fit.surface().coefficients().ncols(), fit.options().degree[0] + 1);
     let mut worst = [0.0; 2];
     shape.gradients.visit(fit.surface(), &maps.rows, |eight| {
         let runs: [usize; MAX_DEGREE + 1] = std::array::from_fn(|a| (eight.first[0] + a) * columns + eight.first[1]);
         let gradients = CellGradients { runs: &runs[..width], entries: eight.entries };
         let PointShapes { roundings, sizes, .. } = eight.shapes;
-        let mut found = functional_bounds(level, &terms, &gradients, roundings, sizes);
+        let mut found = functional_bounds(isa, &terms, &gradients, roundings, sizes);
         if may_be_umbilic(eight, bound.moved) {
             add_kinks(eight, gradients.runs, &maps.rows, bound, &mut found[0]);
         }

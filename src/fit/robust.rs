@@ -13,7 +13,7 @@ use super::data::Data;
 use super::notes::Note;
 use super::rows::{Fitted, Levelled, fit_plain, noise_levels};
 use super::{Declared, FitError, FitOptions, NoiseLevels, NormalSigma, Objective, Patch, Robust, SlopeWeights};
-use crate::linalg::{RowMetric, Sites, site_rows};
+use crate::linalg::{SiteWeights, Sites, site_rows};
 use crate::observation::angular_residual_squared;
 
 const HUBER: f64 = 1.345;
@@ -125,7 +125,7 @@ fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
     let sites = &fitted.equations.sites;
     let columns = sites.shape().basis[1];
     let by_angle = data.has_normals() && !matches!(options.objective, Objective::Slopes(_));
-    let one = RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+    let one = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
     let mut found = Distances { z: vec![None; sites.len()], slope: vec![None; sites.len()] };
     sites.visit(|site| {
         let r = site.index;

@@ -10,7 +10,7 @@
 use super::Equations;
 use crate::linalg::{SiteBlocks, SiteRows, Sites};
 use crate::simd::{
-    CellSites, CellVectors, ColumnSums, Level, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
+    CellSites, CellVectors, ColumnSums, Isa, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
     products_pass,
 };
 
@@ -29,7 +29,7 @@ pub struct ColumnTotals {
 pub struct RowPasses<'a> {
     equations: &'a Equations,
     c: &'a [f64],
-    level: Level,
+    isa: Isa,
     lanes: SiteBlocks,
     cell: Cell,
 }
@@ -88,35 +88,35 @@ impl<'a> RowPasses<'a> {
     /// The rows of `equations`, held against `c`.
     pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
         let (lanes, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
-        RowPasses { equations, c, level: Level::for_work(equations.sites.len()), lanes, cell }
+        RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), lanes, cell }
     }
 
     /// `E'r`, the other sums left at zero; no `v` is v = 0.
     pub fn products(&mut self, v: &[f64], home: &mut [ColumnTotals]) {
-        let level = self.level;
+        let isa = self.isa;
         home.fill(ColumnTotals::default());
-        self.visit([self.c, v], home, |sites, vectors, columns| products_pass(level, sites, vectors, columns));
+        self.visit([self.c, v], home, |sites, vectors, columns| products_pass(isa, sites, vectors, columns));
     }
 
     /// Squared norms of the columns, added to `home`.
     pub fn norms(&mut self, home: &mut [ColumnTotals]) {
-        let level = self.level;
-        self.visit([self.c, &[]], home, |sites, _, columns| columns_pass(level, sites, columns));
+        let isa = self.isa;
+        self.visit([self.c, &[]], home, |sites, _, columns| columns_pass(isa, sites, columns));
     }
 
     /// All sums but the columns' norms, which are left at zero.
     pub fn last(&mut self, v: &[f64], home: &mut [ColumnTotals], rows: &mut RowSums) {
-        let level = self.level;
+        let isa = self.isa;
         home.fill(ColumnTotals::default());
-        self.visit([self.c, v], home, |sites, vectors, columns| last_pass(level, sites, vectors, columns, rows));
+        self.visit([self.c, v], home, |sites, vectors, columns| last_pass(isa, sites, vectors, columns, rows));
     }
 
     /// The worst ratio with sizes below `tiny` of the rows' norms, `|E|_1 largest`, taken with those besides.
     pub fn against_norms(&mut self, v: &[f64], largest: f64, tiny: f64) -> f64 {
-        let (level, largest) = (self.level, vec![largest; self.cell.sums.len()]);
+        let (isa, largest) = (self.isa, vec![largest; self.cell.sums.len()]);
         let (mut unused, mut worst) = (vec![ColumnTotals::default(); v.len()], SiteLanes::default());
         self.visit([self.c, v], &mut unused, |sites, vectors, _| {
-            norms_pass(level, sites, vectors, &largest, tiny, &mut worst);
+            norms_pass(isa, sites, vectors, &largest, tiny, &mut worst);
         });
         worst.iter().fold(0.0, |m: f64, v| m.max(*v))
     }
@@ -139,8 +139,8 @@ impl<'a> RowPasses<'a> {
         match equations.lanes() {
             Some((lanes, rows)) => lanes.visit(rows, eight),
             None => {
-                let Equations { sites, metric, targets, .. } = equations;
-                lanes.visit(&SiteRows { sites, metric, targets }, |block| {
+                let Equations { sites, row_weights, targets, .. } = equations;
+                lanes.visit(&SiteRows { sites, row_weights, targets }, |block| {
                     eight(block.first, &block.lanes, block.targets)
                 });
             }

@@ -10,7 +10,7 @@ use super::normals::{Levels, NormalProblem, SETTLED, Settled};
 use super::notes::Note;
 use super::solver::{self, Solution};
 use super::{Fit, FitError, FitOptions, Method, NormalSigma, Objective, Observed, Patch, Robust, SlopeWeights, Smooth};
-use crate::linalg::{Metric, RowMetric, Sites, StencilMatrix};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix};
 use crate::observation::{angular_residual_squared, roughness_matrix};
 
 /// What the rows were weighted by.
@@ -139,7 +139,7 @@ fn roughness(patch: &Patch, options: &FitOptions) -> Option<(f64, StencilMatrix)
 }
 
 fn too_few(equations: &Equations) -> Result<(), FitError> {
-    let [z, slopes] = equations.metric.row_counts(equations.sites.len());
+    let [z, slopes] = equations.row_weights.row_counts(equations.sites.len());
     if z + slopes == 0 {
         return Err(FitError::NoWeight);
     }
@@ -174,13 +174,13 @@ fn fit_slopes(
     let scale = patch.frame.scale;
     let unit = std::cell::Cell::new(1.0);
     let trial_at = |block: [f64; 3]| -> Result<Trial, FitError> {
-        let (mut metric, mut targets) = data.slope_rows(block);
-        unit.set(balance(&metric));
+        let (mut row_weights, mut targets) = data.slope_rows(block);
+        unit.set(balance(&row_weights));
         if unit.get() != 1.0 {
-            (metric, targets) = data.slope_rows(block.map(|w| w * unit.get()));
+            (row_weights, targets) = data.slope_rows(block.map(|w| w * unit.get()));
         }
         let roughness = roughness.clone().map(|(lambda, p)| (lambda * unit.get() * unit.get(), p));
-        let equations = Equations::new(sites.clone(), metric, targets, roughness);
+        let equations = Equations::new(sites.clone(), row_weights, targets, roughness);
         too_few(&equations)?;
         let solution = solver::solve(&equations, method)?;
         let squares = equations.residual_squares(&solution.coefficients);
@@ -196,14 +196,14 @@ fn fit_slopes(
     } else {
         (trial_at(block)?, None)
     };
-    let [heights, _] = trial.equations.metric.row_counts(sites.len());
+    let [heights, _] = trial.equations.row_weights.row_counts(sites.len());
     if heights == 0 {
         notes.push(Note::SlopesOnly);
     }
     let levels = match levels {
         Some(l) => {
             let used = [1.0 / (l.z * scale), 1.0 / l.slope, 1.0 / l.slope];
-            let counts = trial.equations.metric.row_counts(sites.len());
+            let counts = trial.equations.row_weights.row_counts(sites.len());
             Levelled::Known(NoiseLevels {
                 declared: Declared::Estimated,
                 ..of_weights(weights, used, 1.0, [1.0, 1.0], counts)
@@ -235,7 +235,7 @@ pub fn noise_levels(fitted: &Fitted) -> NoiseLevels {
     match &fitted.levels {
         Levelled::Known(levels) => *levels,
         Levelled::Weights { word, used, unit, squares } => {
-            let rows = fitted.equations.metric.row_counts(fitted.equations.sites.len());
+            let rows = fitted.equations.row_weights.row_counts(fitted.equations.sites.len());
             let variance = residual_variances(&fitted.equations, &fitted.solution, *squares);
             of_weights(*word, *used, *unit, variance, rows)
         }
@@ -247,11 +247,11 @@ const EXTREME: f64 = 1e100;
 
 /// The power of two that brings extreme weights near one; 1 for all others, whose bits it leaves alone. Weights say
 /// what counts more, so that a common factor changes nothing.
-fn balance(metric: &Metric) -> f64 {
-    let of = |m: &RowMetric| m.z.abs().max(m.a.abs()).max(m.d.abs());
-    let largest = match metric {
-        Metric::Uniform(m) => of(m),
-        Metric::PerSite(all) => all.iter().fold(0.0_f64, |most, m| most.max(of(m))),
+fn balance(row_weights: &RowWeights) -> f64 {
+    let of = |m: &SiteWeights| m.z.abs().max(m.a.abs()).max(m.d.abs());
+    let largest = match row_weights {
+        RowWeights::Uniform(m) => of(m),
+        RowWeights::PerSite(all) => all.iter().fold(0.0_f64, |most, m| most.max(of(m))),
     };
     if largest == 0.0 || !largest.is_finite() || (1.0 / EXTREME..EXTREME).contains(&largest) {
         1.0
@@ -262,7 +262,7 @@ fn balance(metric: &Metric) -> f64 {
 
 /// Variance of the weighted rows of each block, from its residuals and its share of the unknowns.
 fn residual_variances(equations: &Equations, solution: &Solution, squares: [f64; 2]) -> [f64; 2] {
-    let rows = equations.metric.row_counts(equations.sites.len()).map(|r| r as f64);
+    let rows = equations.row_weights.row_counts(equations.sites.len()).map(|r| r as f64);
     let traces = hat_traces(equations, solution);
     [0, 1].map(|b| {
         let freedom = rows[b] - traces[b];
@@ -335,7 +335,7 @@ pub fn rms(fit: &Fit) -> Rms {
     let sites = &fit.fitted.equations.sites;
     let columns = sites.shape().basis[1];
     let measured = fit.data.measured();
-    let one = crate::linalg::RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+    let one = crate::linalg::SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
     let (mut sums, mut counts) = ([0.0; 4], [0usize; 4]);
     sites.visit(|site| {
         let r = site.index;

@@ -135,7 +135,7 @@ pub fn solve_on_the_way(equations: &Equations, method: Method) -> Result<Solutio
 fn solve_refined(equations: &Equations, method: Method, refinement: Refinement) -> Result<Solution, FitError> {
     let matrix = equations.normal_matrix();
     let mut free = gaps::find(&matrix, equations.roughness.is_some());
-    let [heights, _] = equations.metric.row_counts(equations.sites.len());
+    let [heights, _] = equations.row_weights.row_counts(equations.sites.len());
     if heights == 0 {
         free = free.pin_constant(&matrix);
     }
@@ -234,7 +234,7 @@ fn by_qr(
     if !free.is_empty() || equations.roughness.is_some() {
         return by_masked_cholesky(equations, matrix, free, reasons, dense);
     }
-    let factor = TriangularFactor::of_rows(&equations.sites, &equations.metric, &equations.targets, &matrix.diagonal())
+    let factor = TriangularFactor::of_rows(&equations.sites, &equations.row_weights, &equations.targets, &matrix.diagonal())
         .map_err(|source| FitError::Solve { source })?;
     if factor.rank() < equations.unknowns() {
         reasons.push(Reason::RankDeficient { rank: factor.rank() });
@@ -278,7 +278,7 @@ fn by_masked_cholesky(
 }
 
 fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: Free) -> Result<Solution, FitError> {
-    let e = to_csr(&equations.sites, &equations.metric);
+    let e = to_csr(&equations.sites, &equations.row_weights);
     let unknowns = equations.unknowns();
     let live: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
     // the constant, which no slope sees, gets a row of its own: sum of the coefficients zero
@@ -334,7 +334,7 @@ fn weight_ratio(equations: &Equations) -> f64 {
         }
     };
     for r in 0..equations.sites.len() {
-        let m = equations.metric.at(r);
+        let m = equations.row_weights.at(r);
         [m.z, m.a, m.d].into_iter().for_each(&mut take);
     }
     if hi == 0.0 { 1.0 } else { hi / lo }

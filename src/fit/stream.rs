@@ -263,7 +263,7 @@ mod tests {
             let mut stream = TouchStream::new([knots.clone(), knots.clone()], sigma, [&points, &points]).unwrap();
             for r in 0..40 {
                 let mut n = [0.0; 4];
-                draws.normals(r as u64, run as u64, 4, &mut n);
+                draws.gaussians(r as u64, run as u64, 4, &mut n);
                 let [x, y] = touch(r).at;
                 let exact = [0.3 * x * x + 0.1 * y * y, 0.6 * x, 0.2 * y];
                 let [z, zx, zy] = [0, 1, 2].map(|k| exact[k] + sigma[k] * n[k]);

@@ -7,7 +7,7 @@
 //! all sites:  A = E'E (stencil of a tensor spline),  E'b,  b - E c
 //! ```
 //!
-//! [`Sites`] says where the data lie (scattered or gridded: two implementations that never meet), [`Metric`] how the
+//! [`Sites`] says where the data lie (scattered or gridded: two implementations that never meet), [`RowWeights`] how the
 //! rows are weighted, [`Targets`] what they should be. Everything else is written once over the three.
 
 mod blocks;
@@ -22,7 +22,7 @@ pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
 pub use double_double::DoubleDouble;
 pub use site_blocks::{SiteBlock, SiteBlocks, SiteRows};
 pub use sites::{
-    Metric, RowMetric, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
+    RowWeights, SiteWeights, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
     site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

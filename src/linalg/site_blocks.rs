@@ -7,7 +7,7 @@
 //!
 //! A block never crosses a cell, so its coefficients are the cell's; lanes without a site have no weight.
 
-use super::sites::{Metric, Sites};
+use super::sites::{RowWeights, Sites};
 use crate::simd::{CellSites, SITES, SiteLanes};
 
 /// Up to this many sites the blocks of the first visit are kept for the next (0.8 MB at degree 3); turning rows into
@@ -31,7 +31,7 @@ pub struct SiteRows<'a, S> {
     /// Basis rows.
     pub sites: &'a S,
     /// Weights.
-    pub metric: &'a Metric,
+    pub row_weights: &'a RowWeights,
     /// Weighted right-hand sides, in the user's order.
     pub targets: &'a [[f64; 3]],
 }
@@ -129,7 +129,7 @@ impl SiteBlocks {
         self.values.extend(turned(std::array::from_fn(|lane| &values[lane.min(last) * each..][..each])));
         let mut of = [[0.0; BESIDES]; SITES];
         for (of, &number) in of.iter_mut().zip(numbers) {
-            let (m, [z, x, y]) = (rows.metric.at(number as usize), rows.targets[number as usize]);
+            let (m, [z, x, y]) = (rows.row_weights.at(number as usize), rows.targets[number as usize]);
             *of = [m.z, m.a, m.b, m.d, z, x, y];
         }
         self.values.extend(turned(of.each_ref().map(|of| &of[..])));
@@ -150,7 +150,7 @@ impl SiteBlocks {
 mod tests {
     use super::*;
     use crate::bspline::Knots;
-    use crate::linalg::{RowMetric, Site, TensorShape};
+    use crate::linalg::{SiteWeights, Site, TensorShape};
     use crate::observation::ScatteredSites;
 
     /// Sites that come one by one only.
@@ -183,10 +183,10 @@ mod tests {
     /// Every site once, in the order of the plain visit and with its numbers, at the first visit and at the next.
     fn compare(sites: &impl Sites) {
         let count = sites.len();
-        let weigh = |k: usize| RowMetric { z: 1.0 + k as f64, a: 2.0, b: 3.0, d: 4.0 };
-        let metric = Metric::PerSite((0..count).map(weigh).collect());
+        let weigh = |k: usize| SiteWeights { z: 1.0 + k as f64, a: 2.0, b: 3.0, d: 4.0 };
+        let row_weights = RowWeights::PerSite((0..count).map(weigh).collect());
         let targets: Vec<[f64; 3]> = (0..count).map(|k| [k as f64, -1.0, k as f64 + 0.5]).collect();
-        let rows = SiteRows { sites, metric: &metric, targets: &targets };
+        let rows = SiteRows { sites, row_weights: &row_weights, targets: &targets };
         let mut expected = Vec::new();
         sites.visit(|s| expected.push((s.index, s.first, s.x.to_vec(), s.dx.to_vec(), s.y.to_vec(), s.dy.to_vec())));
         let mut blocks = SiteBlocks::new(sites);

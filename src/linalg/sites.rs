@@ -68,7 +68,7 @@ pub trait Sites: Sync {
 
 /// Weights of one site's rows: `wz` and the upper triangle `[a b; 0 d]`. Residuals are multiplied, not squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RowMetric {
+pub struct SiteWeights {
     /// Weight of the value row.
     pub z: f64,
     /// Entry a: slope in x.
@@ -81,30 +81,30 @@ pub struct RowMetric {
 
 /// Weights of all rows.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Metric {
+pub enum RowWeights {
     /// The same everywhere.
-    Uniform(RowMetric),
+    Uniform(SiteWeights),
     /// One per site.
-    PerSite(Vec<RowMetric>),
+    PerSite(Vec<SiteWeights>),
 }
 
-impl Metric {
+impl RowWeights {
     /// Weights of site `index`.
     #[inline]
-    pub fn at(&self, index: usize) -> RowMetric {
+    pub fn at(&self, index: usize) -> SiteWeights {
         match self {
-            Metric::Uniform(metric) => *metric,
-            Metric::PerSite(metrics) => metrics[index],
+            RowWeights::Uniform(row_weights) => *row_weights,
+            RowWeights::PerSite(site_weights) => site_weights[index],
         }
     }
 
     /// Number of rows with a weight that is not zero, among `sites` sites: `[values, slopes]`.
     pub fn row_counts(&self, sites: usize) -> [usize; 2] {
         let count =
-            |m: &RowMetric| [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)];
+            |m: &SiteWeights| [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)];
         match self {
-            Metric::Uniform(metric) => count(metric).map(|c| c * sites),
-            Metric::PerSite(metrics) => metrics.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]]),
+            RowWeights::Uniform(row_weights) => count(row_weights).map(|c| c * sites),
+            RowWeights::PerSite(site_weights) => site_weights.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]]),
         }
     }
 }
@@ -114,12 +114,12 @@ pub type Targets = Vec<[f64; 3]>;
 
 /// `[wz S, a S_x + b S_y, d S_y]` of the spline `c` at one site.
 #[inline]
-pub fn site_rows(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
-    site.unrolled(|site| site_rows_of(site, metric, c, columns))
+pub fn site_rows(site: &Site, row_weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
+    site.unrolled(|site| site_rows_of(site, row_weights, c, columns))
 }
 
 #[inline(always)]
-fn site_rows_of(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [f64; 3] {
+fn site_rows_of(site: &Site, row_weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
     let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
     for a in 0..site.x.len() {
         let start = (site.first[0] + a) * columns + site.first[1];
@@ -133,42 +133,42 @@ fn site_rows_of(site: &Site, metric: &RowMetric, c: &[f64], columns: usize) -> [
         sx += site.dx[a] * along;
         sy += site.x[a] * slope;
     }
-    [metric.z * s, metric.a * sx + metric.b * sy, metric.d * sy]
+    [row_weights.z * s, row_weights.a * sx + row_weights.b * sy, row_weights.d * sy]
 }
 
 /// `out = E c`, weighted, in the user's order.
-pub fn apply_rows(sites: &impl Sites, metric: &Metric, c: &[f64], out: &mut Targets) {
+pub fn apply_rows(sites: &impl Sites, row_weights: &RowWeights, c: &[f64], out: &mut Targets) {
     let columns = sites.shape().basis[1];
     out.clear();
     out.resize(sites.len(), [0.0; 3]);
-    sites.visit(|site| out[site.index] = site_rows(site, &metric.at(site.index), c, columns));
+    sites.visit(|site| out[site.index] = site_rows(site, &row_weights.at(site.index), c, columns));
 }
 
 /// `out = b - E c`, weighted, in the user's order.
-pub fn residuals(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64], out: &mut Targets) {
+pub fn residuals(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut Targets) {
     let columns = sites.shape().basis[1];
     out.clear();
     out.resize(sites.len(), [0.0; 3]);
     sites.visit(|site| {
-        let rows = site_rows(site, &metric.at(site.index), c, columns);
+        let rows = site_rows(site, &row_weights.at(site.index), c, columns);
         let target = targets[site.index];
         out[site.index] = [0, 1, 2].map(|k| target[k] - rows[k]);
     });
 }
 
 /// `out = E' r` for weighted rows `r`.
-pub fn normal_rhs(sites: &impl Sites, metric: &Metric, rows: &Targets, out: &mut [f64]) {
+pub fn normal_rhs(sites: &impl Sites, row_weights: &RowWeights, rows: &Targets, out: &mut [f64]) {
     let columns = sites.shape().basis[1];
     out.fill(0.0);
-    sites.visit(|site| add_transposed(site, &metric.at(site.index), rows[site.index], columns, out));
+    sites.visit(|site| add_transposed(site, &row_weights.at(site.index), rows[site.index], columns, out));
 }
 
 /// `out = E'(b - E c)`: residuals and their product in one visit, with the bits of the two one after the other.
-pub fn descent(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64], out: &mut [f64]) {
+pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut [f64]) {
     let columns = sites.shape().basis[1];
     out.fill(0.0);
     sites.visit(|site| {
-        let m = metric.at(site.index);
+        let m = row_weights.at(site.index);
         let (rows, target) = (site_rows(site, &m, c, columns), targets[site.index]);
         add_transposed(site, &m, [0, 1, 2].map(|k| target[k] - rows[k]), columns, out);
     });
@@ -176,12 +176,12 @@ pub fn descent(sites: &impl Sites, metric: &Metric, targets: &Targets, c: &[f64]
 
 /// `out += E_site' r` for the weighted rows `r` of one site; `columns` are the basis functions in y.
 #[inline]
-pub fn add_transposed(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: &mut [f64]) {
+pub fn add_transposed(site: &Site, m: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
     site.unrolled(|site| add_transposed_of(site, m, r, columns, out))
 }
 
 #[inline(always)]
-fn add_transposed_of(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, out: &mut [f64]) {
+fn add_transposed_of(site: &Site, m: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
     let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
     for a in 0..site.x.len() {
         let start = (site.first[0] + a) * columns + site.first[1];
@@ -194,7 +194,7 @@ fn add_transposed_of(site: &Site, m: &RowMetric, r: [f64; 3], columns: usize, ou
 }
 
 /// Adds `E'E` to `out`, cell by cell: a dense local matrix takes the rank-one updates, then is scattered once.
-pub fn assemble(sites: &impl Sites, metric: &Metric, out: &mut StencilMatrix) {
+pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilMatrix) {
     let shape = sites.shape();
     let mut local = LocalMatrix::new(shape);
     sites.visit(|site| {
@@ -202,7 +202,7 @@ pub fn assemble(sites: &impl Sites, metric: &Metric, out: &mut StencilMatrix) {
             local.scatter(out);
             local.first = site.first;
         }
-        local.add(site, &metric.at(site.index));
+        local.add(site, &row_weights.at(site.index));
     });
     local.scatter(out);
 }
@@ -231,7 +231,7 @@ impl LocalMatrix {
         }
     }
 
-    fn add(&mut self, site: &Site, m: &RowMetric) {
+    fn add(&mut self, site: &Site, m: &SiteWeights) {
         self.touched = true;
         let square = self.width[1] * self.width[1];
         for b in 0..self.width[1] {

@@ -12,7 +12,7 @@ use crate::bspline::Knots;
 use crate::draws::EffectDraws;
 use crate::fit::{FitError, SlopeColumns, SlopePlan};
 use crate::simd::{
-    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, LANES, Level, add_draws, chacha8, mean_shapes, normal_triples,
+    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, LANES, Isa, add_draws, chacha8, mean_shapes, gaussian_triples,
 };
 use crate::surface::pieces_of;
 
@@ -106,19 +106,19 @@ impl FixedSites {
 
     /// One block from an even replicate on; lane `p 16 + l` is replicate `first + 2 l + p`, since a ChaCha block feeds two replicates.
     fn block(&self, key: &[u32; 8], first: u64, c: &mut [[f64; LANES]], s: &mut [f64], r: &mut [f64]) {
-        let level = Level::active();
+        let isa = Isa::active();
         for (lanes, value) in c.iter_mut().zip(&self.nominal) {
             *lanes = [*value; LANES];
         }
         let mut words = [[0_u64; CHACHA_BLOCKS]; CHACHA_WORDS];
         let mut drawn = [[0.0; LANES]; 3];
         for (contact, weights) in self.noise.iter().enumerate() {
-            chacha8(level, key, contact as u64, first / 2, &mut words);
-            normal_triples(level, &words, &mut drawn);
-            add_draws(level, weights, &drawn, c);
+            chacha8(isa, key, contact as u64, first / 2, &mut words);
+            gaussian_triples(isa, &words, &mut drawn);
+            add_draws(isa, weights, &drawn, c);
         }
         let (mut means, mut curved) = ([0.0; LANES], [0.0; LANES]);
-        mean_shapes(level, self.degree, &self.grid, c, &mut means, &mut curved);
+        mean_shapes(isa, self.degree, &self.grid, c, &mut means, &mut curved);
         for (k, (s, r)) in s.iter_mut().zip(r.iter_mut()).enumerate() {
             let lane = k % 2 * CHACHA_BLOCKS + k / 2;
             (*s, *r) = (means[lane], curved[lane]);
@@ -180,7 +180,7 @@ mod tests {
             let mut noisy = data.clone();
             for contact in 0..36 {
                 let mut n = [0.0; 3];
-                draws.normals(contact as u64, 100 + k as u64, 3, &mut n);
+                draws.gaussians(contact as u64, 100 + k as u64, 3, &mut n);
                 for c in 0..3 {
                     noisy[2 + c][contact] += sigma[c] * n[c];
                 }

@@ -2,15 +2,15 @@
 
 use nalgebra_sparse::{CooMatrix, CsrMatrix};
 
-use crate::linalg::{Metric, Sites};
+use crate::linalg::{RowWeights, Sites};
 
 /// E in compressed rows: row `3 r + k` is row k (value, first slope, second slope) of site r. Structural zeros of a
 /// site's (p + 1)(q + 1) entries are kept, rows of weight zero are empty.
-pub fn to_csr(sites: &impl Sites, metric: &Metric) -> CsrMatrix<f64> {
+pub fn to_csr(sites: &impl Sites, row_weights: &RowWeights) -> CsrMatrix<f64> {
     let shape = sites.shape();
     let mut triplets = CooMatrix::new(3 * sites.len(), shape.unknowns());
     sites.visit(|site| {
-        let m = metric.at(site.index);
+        let m = row_weights.at(site.index);
         for a in 0..site.x.len() {
             for b in 0..site.y.len() {
                 let column = (site.first[0] + a) * shape.basis[1] + site.first[1] + b;

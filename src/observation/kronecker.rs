@@ -29,7 +29,7 @@ pub fn kronecker_normal_matrix(sites: &GridSites, weights: SeparableWeights) -> 
 mod tests {
     use super::*;
     use crate::bspline::{Knots, linspace};
-    use crate::linalg::{Metric, RowMetric, assemble};
+    use crate::linalg::{RowWeights, SiteWeights, assemble};
 
     #[test]
     fn grams_and_pixels_give_the_same_matrix() {
@@ -38,8 +38,8 @@ mod tests {
         let weights = [1.5, 0.5, 2.0];
         let fast = kronecker_normal_matrix(&sites, weights);
         let mut slow = StencilMatrix::zeros(sites.shape());
-        let metric = RowMetric { z: weights[0], a: weights[1], b: 0.0, d: weights[2] };
-        assemble(&sites, &Metric::Uniform(metric), &mut slow);
+        let row_weights = SiteWeights { z: weights[0], a: weights[1], b: 0.0, d: weights[2] };
+        assemble(&sites, &RowWeights::Uniform(row_weights), &mut slow);
         let largest = slow.values().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         for (a, b) in fast.values().iter().zip(slow.values()) {
             assert!((a - b).abs() < 1e-13 * largest);

@@ -6,13 +6,13 @@
 //! rows:  U (S_x, S_y) = U (p, q) + U'^-1 J'n           (J' n^ = 0, so J'(n - n^) = J'n)
 //! ```
 //!
-//! The metric is that of the FITTED surface: whitening with the measured normal biases slopes. Nothing divides by nz.
+//! The weights are those of the FITTED surface: whitening with the measured normal biases slopes. Nothing divides by nz.
 
-use crate::linalg::RowMetric;
+use crate::linalg::SiteWeights;
 
 /// Unweighted rows at the current slopes `(p, q)`: the triangle U and its two targets.
 #[inline]
-pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (RowMetric, [f64; 2]) {
+pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (SiteWeights, [f64; 2]) {
     let w2 = 1.0 + p * p + q * q;
     let w = w2.sqrt();
     let l2 = 1.0 + q * q;
@@ -24,7 +24,7 @@ pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (RowMetric, [f64; 
     let across = (p * q * normal[0] - (1.0 + p * p) * normal[1] - q * normal[2]) / w3;
     let first = along / a;
     let second = (across - b * first) / d;
-    (RowMetric { z: 0.0, a, b, d }, [a * p + b * q + first, d * q + second])
+    (SiteWeights { z: 0.0, a, b, d }, [a * p + b * q + first, d * q + second])
 }
 
 /// `|n - n^(p, q)|^2`: the squared chord between a measured and a fitted normal.

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::cells::CellLanes;
+use super::cells::PackedCells;
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::{Site, Sites, TensorShape};
 
@@ -65,7 +65,7 @@ impl CellNumbers {
 struct Kept {
     /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
     rows: OnceLock<Vec<f64>>,
-    lanes: OnceLock<Option<CellLanes>>,
+    lanes: OnceLock<Option<PackedCells>>,
 }
 
 impl ScatteredSites {
@@ -116,8 +116,8 @@ impl ScatteredSites {
     }
 
     /// The contacts cell by cell, put there by whoever asks first; `None` above the degree that moments are kept for.
-    pub fn lanes(&self) -> Option<&CellLanes> {
-        let put = || CellLanes::new(&self.knots, &self.points, &self.order, &self.cell_starts);
+    pub fn lanes(&self) -> Option<&PackedCells> {
+        let put = || PackedCells::new(&self.knots, &self.points, &self.order, &self.cell_starts);
         self.kept.lanes.get_or_init(put).as_ref()
     }
 

@@ -1,30 +1,30 @@
 //! Slope rows: `wz (z - S)`, `wx (zx - S_x)`, `wy (zy - S_y)` with `(zx, zy) = (-nx/nz, -ny/nz)` (paper Eq. 13, 14).
 
 use crate::contact::{Contacts, Grid, Orientation};
-use crate::linalg::{Metric, RowMetric, Targets};
+use crate::linalg::{RowWeights, SiteWeights, Targets};
 
 /// Weights and targets of scattered contacts that are already in the patch frame; `block` is `[wz, wx, wy]` there.
 ///
 /// Contacts without slopes have height rows only. A normal with nz = 0 has no slope: the caller refuses it first.
-pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (Metric, Targets) {
+pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, Targets) {
     let weights = &contacts.weights;
     let has_slopes = contacts.orientation != Orientation::None;
     let block = if has_slopes { block } else { [block[0], 0.0, 0.0] };
     let row = |column: &Option<Vec<f64>>, r: usize| column.as_ref().map_or(1.0, |w| w[r]);
-    let metric_of = |r: usize| RowMetric {
+    let metric_of = |r: usize| SiteWeights {
         z: block[0] * row(&weights.z, r),
         a: block[1] * row(&weights.x, r),
         b: 0.0,
         d: block[2] * row(&weights.y, r),
     };
-    let metric = if weights.z.is_none() && weights.x.is_none() && weights.y.is_none() {
-        Metric::Uniform(metric_of(0))
+    let row_weights = if weights.z.is_none() && weights.x.is_none() && weights.y.is_none() {
+        RowWeights::Uniform(metric_of(0))
     } else {
-        Metric::PerSite((0..contacts.len()).map(metric_of).collect())
+        RowWeights::PerSite((0..contacts.len()).map(metric_of).collect())
     };
     let targets = (0..contacts.len())
         .map(|r| {
-            let m = metric.at(r);
+            let m = row_weights.at(r);
             let [zx, zy] = match &contacts.orientation {
                 Orientation::None => [0.0, 0.0],
                 Orientation::Normals { nx, ny, nz } => [-nx[r] / nz[r], -ny[r] / nz[r]],
@@ -35,15 +35,15 @@ pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (Metric, Targets) {
             [weighted(m.z, contacts.z[r]), weighted(m.a, zx), weighted(m.d, zy)]
         })
         .collect();
-    (metric, targets)
+    (row_weights, targets)
 }
 
 /// The same for a grid, `origin` and `scale` taking its heights into the patch frame; NaN has weight zero.
-pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (Metric, Targets) {
+pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (RowWeights, Targets) {
     let at = |array: &Option<ndarray::Array2<f64>>, i: usize, j: usize, otherwise: f64| {
         array.as_ref().map_or(otherwise, |a| a[[i, j]])
     };
-    let mut metrics = Vec::with_capacity(grid.len());
+    let mut site_weights = Vec::with_capacity(grid.len());
     let mut targets = Vec::with_capacity(grid.len());
     for i in 0..grid.x.len() {
         for j in 0..grid.y.len() {
@@ -51,12 +51,12 @@ pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) ->
                 [(grid.z[[i, j]] - origin) / scale, at(&grid.zx, i, j, f64::NAN), at(&grid.zy, i, j, f64::NAN)];
             let maps = [at(&grid.wz, i, j, 1.0), at(&grid.wx, i, j, 1.0), at(&grid.wy, i, j, 1.0)];
             let w = [0, 1, 2].map(|k| if values[k].is_nan() { 0.0 } else { block[k] * maps[k] });
-            metrics.push(RowMetric { z: w[0], a: w[1], b: 0.0, d: w[2] });
+            site_weights.push(SiteWeights { z: w[0], a: w[1], b: 0.0, d: w[2] });
             targets.push([0, 1, 2].map(|k| if w[k] == 0.0 { 0.0 } else { w[k] * values[k] }));
         }
     }
-    let uniform = metrics.first().copied().unwrap_or_default();
-    let metric =
-        if metrics.iter().all(|m| *m == uniform) { Metric::Uniform(uniform) } else { Metric::PerSite(metrics) };
-    (metric, targets)
+    let uniform = site_weights.first().copied().unwrap_or_default();
+    let row_weights =
+        if site_weights.iter().all(|m| *m == uniform) { RowWeights::Uniform(uniform) } else { RowWeights::PerSite(site_weights) };
+    (row_weights, targets)
 }

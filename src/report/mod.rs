@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! FitDocument (palpate.fit/1)  ->  JSON | table for people
-//! ShapeMaps, SpaceMaps         ->  maps.csv, maps.npz, shape.svg
+//! ShapeMaps, ParametricMaps         ->  maps.csv, maps.npz, shape.svg
 //! ```
 
 mod document;
@@ -11,7 +11,7 @@ mod maps;
 mod picture;
 mod points;
 mod schema;
-mod space;
+mod parametric;
 mod table;
 
 pub use document::{
@@ -23,5 +23,5 @@ pub use maps::{write_maps_csv, write_maps_npz};
 pub use picture::{PictureOptions, write_picture};
 pub use points::{PointShape, write_points_csv};
 pub use schema::fit_schema;
-pub use space::{SpacePointShape, write_space_maps_csv, write_space_points_csv};
+pub use parametric::{ParametricPointShape, write_parametric_maps_csv, write_parametric_points_csv};
 pub use table::{significant, write_table};

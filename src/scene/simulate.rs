@@ -82,7 +82,7 @@ impl Block {
         draws: &EffectDraws,
         change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
     ) {
-        self.for_each(|contact, first, out| draws.normals(contact, first, N, out), change);
+        self.for_each(|contact, first, out| draws.gaussians(contact, first, N, out), change);
     }
 
     /// The same with uniforms in (0, 1).

@@ -8,7 +8,7 @@
 //! certificate's digits do.
 
 use crate::bspline::{BasisRow, MAX_DEGREE};
-use crate::simd::{CellPoints, CurveLanes, Level, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
+use crate::simd::{CellPoints, CurveLanes, Isa, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
 use crate::surface::HeightField;
 
 /// Up to this many points gradients are kept (0.8 MB at degree 2, 1.3 at degree 3); of larger grids they are made anew
@@ -92,7 +92,7 @@ impl GridGradients {
 
 /// Where a visit is: the points in y, the cell, and its coefficients summed along y.
 struct Walk<'a> {
-    level: Level,
+    isa: Isa,
     coefficients: std::borrow::Cow<'a, [f64]>,
     /// Basis functions in y.
     columns: usize,
@@ -110,7 +110,7 @@ impl Walk<'_> {
         let width = surface.knots().each_ref().map(|knots| knots.degree() + 1);
         let coefficients = surface.coefficients();
         Walk {
-            level: Level::for_work(along_x.len() * along_y.len()),
+            isa: Isa::for_work(along_x.len() * along_y.len()),
             coefficients: match coefficients.as_slice() {
                 Some(slice) => slice.into(),
                 None => coefficients.iter().copied().collect::<Vec<f64>>().into(),
@@ -176,7 +176,7 @@ impl Walk<'_> {
         let mut runs = [0; MAX_DEGREE + 1];
         runs.iter_mut().enumerate().for_each(|(a, run)| *run = (first[0] + a) * self.columns + first[1]);
         let mut curves = std::mem::take(&mut self.curves);
-        cell_curves(self.level, &self.coefficients, &runs[..self.width[0]], self.y(), &mut curves);
+        cell_curves(self.isa, &self.coefficients, &runs[..self.width[0]], self.y(), &mut curves);
         self.curves = curves;
     }
 
@@ -188,7 +188,7 @@ impl Walk<'_> {
         let points = CellPoints { x, y: self.y(), curves: &self.curves };
         let (of_s, of_r) = kept.entries[start..].split_at_mut(cell);
         if let Some(head) = kept.heads.last_mut() {
-            shape_gradients(self.level, &points, [of_s, of_r], &mut head.shapes);
+            shape_gradients(self.isa, &points, [of_s, of_r], &mut head.shapes);
         }
     }
 }

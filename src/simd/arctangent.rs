@@ -58,7 +58,7 @@ pub(super) fn angle<V: Lanes>(r: V, offset: V, y: V, unit: f64) -> V {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Level, dispatch, ulps};
+    use super::super::{Isa, dispatch, ulps};
     use super::*;
 
     #[inline(always)]
@@ -87,13 +87,13 @@ mod tests {
         y.extend([0.0, 1.0, -1.0, 1.0, -1.0, 1e-300, 0.5, TAN_EIGHTH]);
         x.extend([1.0, 0.0, 0.0, 1.0, 1.0, 1e-300, 2.0, 1.0]);
         assert_eq!(y.len() % 8, 0);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut out = vec![0.0; y.len()];
             let (ys, xs, o) = (&y[..], &x[..], &mut out[..]);
-            dispatch!(level, all [](ys: &[f64], xs: &[f64], o: &mut [f64]));
+            dispatch!(isa, all [](ys: &[f64], xs: &[f64], o: &mut [f64]));
             let worst = (0..y.len()).map(|i| ulps(out[i], y[i].atan2(x[i]))).fold(0.0, f64::max);
-            println!("atan2 {}: largest difference {worst:.2} ulp", level.name());
-            assert!(worst <= 2.0, "{}: {worst} ulp", level.name());
+            println!("atan2 {}: largest difference {worst:.2} ulp", isa.name());
+            assert!(worst <= 2.0, "{}: {worst} ulp", isa.name());
         }
     }
 }

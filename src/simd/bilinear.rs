@@ -3,7 +3,7 @@
 //! `X_t` is rows x powers, `G_t` powers x 8, `Y_t` 8 x 16, all padded to whole sets of lanes.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// One term `X G Y`; only the first `powers[0]` rows of G and `powers[1]` rows of Y are read.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,8 @@ fn generic<V: Lanes>(terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
 ///
 /// # Panics
 /// When a matrix has fewer rows than its powers.
-pub fn bilinear(level: Level, terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
-    dispatch!(level, generic [](terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]));
+pub fn bilinear(isa: Isa, terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
+    dispatch!(isa, generic [](terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]));
 }
 
 #[cfg(test)]
@@ -69,10 +69,10 @@ mod tests {
         let right: Vec<[f64; 16]> = (0..8).map(|b| std::array::from_fn(|k| value(b, k, 2.3))).collect();
         let term = |powers| BilinearTerm { left: &left, middle: &middle, right: &right, powers };
         let terms = [term([7, 7]), term([5, 8])];
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut out = vec![[0.25; 16]; 10];
-            bilinear(level, &terms, &mut out);
-            let mut twins = Twins::new("bilinear", level);
+            bilinear(isa, &terms, &mut out);
+            let mut twins = Twins::new("bilinear", isa);
             for r in 0..10 {
                 for k in 0..16 {
                     let mut expected = 0.25;

@@ -13,7 +13,7 @@
 //! 24 multiply-adds. Column c ends at row `c + reach`, so a tile far down begins with the first column that reaches it.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Numbers that memory for blocks needs in addition, so that the first may stand where a cache line begins.
 pub const PADDING: usize = PANEL - 1;
@@ -270,16 +270,16 @@ fn factor<V: Lanes>(shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> 
 }
 
 /// `target -= sum A_r B_r'` over `blocks`, all of one shape, of which the last is `gap + 1` blocks left of the target.
-pub fn update_block(level: Level, shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
-    dispatch!(level, update [](shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]));
+pub fn update_block(isa: Isa, shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
+    dispatch!(isa, update [](shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]));
 }
 
 /// Factors an updated block column in place; its smallest squared pivot, or the column whose pivot is not positive.
 ///
 /// # Errors
 /// `Err(column)`, counted from the block's first.
-pub fn factor_block(level: Level, shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> {
-    dispatch!(level, factor [](shape: BlockShape, block: &mut [f64]) -> Result<f64, usize>)
+pub fn factor_block(isa: Isa, shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> {
+    dispatch!(isa, factor [](shape: BlockShape, block: &mut [f64]) -> Result<f64, usize>)
 }
 
 #[cfg(test)]
@@ -313,7 +313,7 @@ mod tests {
         }
         let expected = dense_cholesky(&a, n);
         let shape = BlockShape { width: 24, height: 72, reach: band };
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut blocks = vec![0.0; n / 24 * shape.len()];
             let mut v: Vec<f64> = (0..n + 72).map(|i| if i < n { (i as f64).cos() } else { 0.0 }).collect();
             let right = v.clone();
@@ -326,19 +326,19 @@ mod tests {
                     }
                 }
                 // beyond the matrix: ones on the diagonal never occur, rows there stay zero
-                update_block(level, shape, &done[b.saturating_sub(3) * shape.len()..], 0, block);
-                factor_block(level, shape, block).unwrap();
-                forward_block(level, shape, block, &mut v[b * 24..b * 24 + 72]);
+                update_block(isa, shape, &done[b.saturating_sub(3) * shape.len()..], 0, block);
+                factor_block(isa, shape, block).unwrap();
+                forward_block(isa, shape, block, &mut v[b * 24..b * 24 + 72]);
             }
             for b in (0..n / 24).rev() {
                 backward_block(
-                    level,
+                    isa,
                     shape,
                     &blocks[b * shape.len()..(b + 1) * shape.len()],
                     &mut v[b * 24..b * 24 + 72],
                 );
             }
-            let [mut factor, mut solution] = ["factor_block", "backward_block"].map(|kernel| Twins::new(kernel, level));
+            let [mut factor, mut solution] = ["factor_block", "backward_block"].map(|kernel| Twins::new(kernel, isa));
             for i in 0..n {
                 for j in i.saturating_sub(band)..=i {
                     let found = blocks[j / 24 * shape.len() + shape.place(i - j / 24 * 24, j % 24)];
@@ -351,7 +351,7 @@ mod tests {
             solution.hold(64.0);
             let mut bad = vec![0.0; shape.len()];
             bad[0] = 1.0;
-            assert_eq!(factor_block(level, shape, &mut bad), Err(1));
+            assert_eq!(factor_block(isa, shape, &mut bad), Err(1));
         }
     }
 }

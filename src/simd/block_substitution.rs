@@ -8,7 +8,7 @@
 
 use super::block_columns::{BlockShape, PANEL};
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// `v[row..] -= sum_k L[row.., k] x_k` over one panel's columns before `x.len()`, in four sums that do not wait for
 /// one another.
@@ -97,14 +97,14 @@ fn backward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
 
 /// `v <- L^-1 v` for one block column: the block's own unknowns, then what they take from those below. `v` starts at
 /// the block's first unknown and has `height` numbers.
-pub fn forward_block(level: Level, shape: BlockShape, block: &[f64], v: &mut [f64]) {
-    dispatch!(level, forward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
+pub fn forward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
+    dispatch!(isa, forward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }
 
 /// `v <- L^-T v` for one block column, those below being known.
 ///
 /// # Panics
 /// When the block is wider than 96 columns.
-pub fn backward_block(level: Level, shape: BlockShape, block: &[f64], v: &mut [f64]) {
-    dispatch!(level, backward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
+pub fn backward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
+    dispatch!(isa, backward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }

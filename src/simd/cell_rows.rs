@@ -11,7 +11,7 @@
 
 use super::lanes::Lanes;
 use super::site_passes::{SITES, SiteLanes};
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Coefficients `[i][j]` of `u^i v^j`.
 pub type CellPowers = [[f64; 4]; 4];
@@ -173,14 +173,14 @@ fn basis<V: Lanes>(
 
 /// Basis functions of degree at most 3, given by their powers of u, and their slopes at eight places.
 pub fn cell_basis(
-    level: Level,
+    isa: Isa,
     functions: &[[f64; 8]],
     inverse_half: f64,
     u: &SiteLanes,
     values: &mut [SiteLanes],
     slopes: &mut [SiteLanes],
 ) {
-    dispatch!(level, basis [](
+    dispatch!(isa, basis [](
         functions: &[[f64; 8]],
         inverse_half: f64,
         u: &SiteLanes,
@@ -191,13 +191,13 @@ pub fn cell_basis(
 
 /// `out = [S, S_x, S_y]` at places in u and v, one for every eight.
 pub fn cell_values(
-    level: Level,
+    isa: Isa,
     surface: &CellPowers,
     inverse_half: [f64; 2],
     places: [&[SiteLanes]; 2],
     out: &mut [[SiteLanes; 3]],
 ) {
-    dispatch!(level, values [](
+    dispatch!(isa, values [](
         surface: &CellPowers,
         inverse_half: [f64; 2],
         places: [&[SiteLanes]; 2],
@@ -206,13 +206,13 @@ pub fn cell_values(
 }
 
 /// `out = G`.
-pub fn cell_products(level: Level, piece: &CellPiece, out: &mut CellPowers) {
-    dispatch!(level, products [](piece: &CellPiece<'_>, out: &mut CellPowers));
+pub fn cell_products(isa: Isa, piece: &CellPiece, out: &mut CellPowers) {
+    dispatch!(isa, products [](piece: &CellPiece<'_>, out: &mut CellPowers));
 }
 
 /// Adds `r_0^2` and `r_1^2 + r_2^2`.
-pub fn cell_squares(level: Level, piece: &CellPiece, out: &mut [f64; 2]) {
-    dispatch!(level, squares [](piece: &CellPiece<'_>, out: &mut [f64; 2]));
+pub fn cell_squares(isa: Isa, piece: &CellPiece, out: &mut [f64; 2]) {
+    dispatch!(isa, squares [](piece: &CellPiece<'_>, out: &mut [f64; 2]));
 }
 
 #[cfg(test)]
@@ -265,21 +265,21 @@ mod tests {
                     z * r[0] * s[i][j] + h[0] * a * r[1] * sx[i][j] + h[1] * (b * r[1] + d * r[2]) * sy[i][j];
             }
         }
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut found, mut squares) = ([[0.0; 4]; 4], [0.0; 2]);
-            cell_products(level, &piece, &mut found);
-            cell_squares(level, &piece, &mut squares);
-            let mut twins = Twins::new("cell_rows", level);
+            cell_products(isa, &piece, &mut found);
+            cell_squares(isa, &piece, &mut squares);
+            let mut twins = Twins::new("cell_rows", isa);
             (0..16).for_each(|n| twins.compare(found[n / 4][n % 4], expected[n / 4][n % 4]));
             let mut at = [[[0.0; SITES]; 3]; 3];
-            cell_values(level, &surface, h, [&u, &v], &mut at);
+            cell_values(isa, &surface, h, [&u, &v], &mut at);
             for (site, expected) in values.iter().enumerate() {
                 (0..3).for_each(|t| twins.compare(at[site / 8][t][site % 8], expected[t]));
             }
             (0..2).for_each(|block| twins.compare(squares[block], sums[block]));
             let functions = [[0.3, -0.2, 0.7, 0.4, 0.0, 0.0, 0.0, 0.0], [1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
             let [mut values, mut slopes] = [[[0.0; SITES]; 2]; 2];
-            cell_basis(level, &functions, h[0], &u[1], &mut values, &mut slopes);
+            cell_basis(isa, &functions, h[0], &u[1], &mut values, &mut slopes);
             for (n, l) in (0..2 * SITES).map(|n| (n / SITES, n % SITES)) {
                 let sum =
                     |of: &dyn Fn(f64, usize) -> f64| (0..4).map(|i| functions[n][i] * of(u[1][l], i)).sum::<f64>();

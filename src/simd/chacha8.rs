@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::lanes::{Lanes, Words};
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Blocks made at once: one 512-bit register of 32-bit words.
 pub const BLOCKS: usize = 16;
@@ -90,8 +90,8 @@ fn generic<V: Lanes>(key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[
 }
 
 /// Blocks `first_block ..` of a stream: `out[j][l]` is the j-th 64-bit word of block `first_block + l`.
-pub fn chacha8(level: Level, key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]) {
-    dispatch!(level, generic [](key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]));
+pub fn chacha8(isa: Isa, key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]) {
+    dispatch!(isa, generic [](key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]));
 }
 
 /// The safe twin: `rand_chacha`, one block after the other.
@@ -120,11 +120,11 @@ mod tests {
         for (stream, block) in [(0, 0), (7, 1), (u64::MAX, 3), (1 << 40, u64::from(u32::MAX) - 5)] {
             let mut expected = [[0; BLOCKS]; WORDS];
             chacha8_twin(&key, stream, block, &mut expected);
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let mut words = [[0; BLOCKS]; WORDS];
-                chacha8(level, &key, stream, block, &mut words);
-                assert_eq!(words, expected, "{} stream {stream} block {block}", level.name());
-                println!("{:<18} {:<9} the same words", "chacha8", level.name());
+                chacha8(isa, &key, stream, block, &mut words);
+                assert_eq!(words, expected, "{} stream {stream} block {block}", isa.name());
+                println!("{:<18} {:<9} the same words", "chacha8", isa.name());
             }
         }
     }

@@ -4,7 +4,7 @@
 //! Plain loops: compiled for each instruction set they are as wide as it is.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// One term: direction and products.
 pub type RowTerm<'a> = ([f64; 3], &'a [f64]);
@@ -36,8 +36,8 @@ fn generic<V: Lanes>(local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
 ///
 /// # Panics
 /// When `row` or the products of a term are shorter than that needs.
-pub fn combine_rows(level: Level, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
-    dispatch!(level, generic [](local: usize, terms: &[RowTerm<'_>], row: &mut [f64]))
+pub fn combine_rows(isa: Isa, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
+    dispatch!(isa, generic [](local: usize, terms: &[RowTerm<'_>], row: &mut [f64]))
 }
 
 #[cfg(test)]
@@ -52,10 +52,10 @@ mod tests {
             let directions = [[1.0, -0.5, 0.25], [0.3, 0.7, -2.0], [-1.0, 0.1, 0.9]];
             let terms: Vec<RowTerm<'_>> =
                 directions.iter().enumerate().map(|(k, d)| (*d, &products[16 * k..16 * k + local])).collect();
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let mut row = vec![9.0; 3 * local];
-                combine_rows(level, local, &terms, &mut row);
-                let mut twins = Twins::new("combine_rows", level);
+                combine_rows(isa, local, &terms, &mut row);
+                let mut twins = Twins::new("combine_rows", isa);
                 for (k, value) in row.iter().enumerate() {
                     let expected: f64 = terms.iter().map(|(g, p)| g[k / local] * p[k % local]).sum();
                     twins.compare(*value, expected);

@@ -5,7 +5,7 @@
 //! memory traffic is all there is.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// One term `B' Z`: `values[i * width + a]` is entry `(i, first[i] + a)` of B.
 #[derive(Clone, Copy, Debug)]
@@ -88,14 +88,14 @@ fn rest(rows: std::ops::Range<usize>, terms: &[BandTerm<'_>], width: usize, m: u
 ///
 /// # Panics
 /// When an array is shorter than its shape.
-pub fn contract_rows(level: Level, width: usize, first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
+pub fn contract_rows(isa: Isa, width: usize, first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
     macro_rules! of_width {
         ($w:literal) => {{
             #[inline(always)]
             fn fixed<V: Lanes>(first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
                 generic::<V, $w>(first, terms, m, out);
             }
-            dispatch!(level, fixed [](first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]))
+            dispatch!(isa, fixed [](first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]))
         }};
     }
     match width {
@@ -131,10 +131,10 @@ mod tests {
                 [BandTerm { values: &data[0], image: &data[1] }, BandTerm { values: &data[2], image: &data[3] }];
             let mut expected = vec![0.5; columns * m];
             contract_rows_twin(width, &first, &terms, m, &mut expected);
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let mut made = vec![0.5; columns * m];
-                contract_rows(level, width, &first, &terms, m, &mut made);
-                let mut twins = Twins::new("contract_rows", level);
+                contract_rows(isa, width, &first, &terms, m, &mut made);
+                let mut twins = Twins::new("contract_rows", isa);
                 made.iter().zip(&expected).for_each(|(a, b)| twins.compare(*a, *b));
                 twins.hold(32.0);
             }

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Points of which S and R are under way at once: 6 KiB, the longest batch that leaves the cache to the row's curves.
 const BATCH: usize = 256;
@@ -342,7 +342,7 @@ fn derive<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: 
 /// # Panics
 /// When an array is shorter than its shape.
 pub fn curvature_row(
-    level: Level,
+    isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
     rows: &[f64],
@@ -351,7 +351,7 @@ pub fn curvature_row(
     curvedness: &mut [f64],
 ) {
     scratch.make_room(row);
-    dispatch!(level, shape [](
+    dispatch!(isa, shape [](
         row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch,
         shape_index: &mut [f64], curvedness: &mut [f64]));
 }
@@ -361,7 +361,7 @@ pub fn curvature_row(
 /// # Panics
 /// When an array is shorter than its shape.
 pub fn derivative_row(
-    level: Level,
+    isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
     rows: &[f64],
@@ -369,6 +369,6 @@ pub fn derivative_row(
     out: [&mut [f64]; 6],
 ) {
     scratch.make_room(row);
-    dispatch!(level, derive [](
+    dispatch!(isa, derive [](
         row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch, out: [&mut [f64]; 6]));
 }

@@ -12,7 +12,7 @@
 //! ```
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Columns of a matrix of order N with one more row for the right-hand side; `PADDED > N` is a multiple of 8.
 pub type DenseColumns<const N: usize, const PADDED: usize> = [[f64; PADDED]; N];
@@ -50,11 +50,11 @@ fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColu
 /// # Errors
 /// `Err(column)`.
 pub fn factor_columns<const N: usize, const PADDED: usize>(
-    level: Level,
+    isa: Isa,
     columns: &mut DenseColumns<N, PADDED>,
 ) -> Result<f64, usize> {
     const { assert!(PADDED > N && PADDED.is_multiple_of(8)) };
-    dispatch!(level, factor [N, PADDED](columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize>)
+    dispatch!(isa, factor [N, PADDED](columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize>)
 }
 
 #[inline(always)]
@@ -91,12 +91,12 @@ fn invert<V: Lanes, const N: usize, const PADDED: usize>(
 /// `(L L')^-1` row by row, from the columns of L that [`factor_columns`] left and the reciprocals of its diagonal; what
 /// stands beyond N in a row has no meaning.
 pub fn invert_columns<const N: usize, const PADDED: usize>(
-    level: Level,
+    isa: Isa,
     columns: &DenseColumns<N, PADDED>,
     reciprocals: &[f64; N],
 ) -> DenseColumns<N, PADDED> {
     const { assert!(PADDED > N && PADDED.is_multiple_of(8)) };
-    dispatch!(level, invert [N, PADDED](
+    dispatch!(isa, invert [N, PADDED](
         columns: &DenseColumns<N, PADDED>,
         reciprocals: &[f64; N],
     ) -> DenseColumns<N, PADDED>)
@@ -135,9 +135,9 @@ fn factor_any<V: Lanes>(order: usize, stride: usize, columns: &mut [f64]) -> Res
 ///
 /// # Panics
 /// When `columns` is shorter than its shape, or `stride` no multiple of 8.
-pub fn factor_dense(level: Level, order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
+pub fn factor_dense(isa: Isa, order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
     assert!(stride.is_multiple_of(8) && stride >= order && columns.len() >= order * stride);
-    dispatch!(level, factor_any [](order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize>)
+    dispatch!(isa, factor_any [](order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize>)
 }
 
 #[cfg(test)]
@@ -165,15 +165,15 @@ mod tests {
             .collect();
         let b: Vec<f64> = (0..N).map(|i| (i as f64).cos()).collect();
         let expected = textbook(&a);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut columns = [[0.0; PADDED]; N];
             for j in 0..N {
                 (j..N).for_each(|i| columns[j][i] = a[i][j]);
                 columns[j][N] = b[j];
             }
-            let pivot = factor_columns(level, &mut columns).unwrap();
+            let pivot = factor_columns(isa, &mut columns).unwrap();
             assert!(pivot > 1.0 && pivot <= 30.0);
-            let [mut factor, mut forwards] = [(); 2].map(|()| Twins::new("factor_columns", level));
+            let [mut factor, mut forwards] = [(); 2].map(|()| Twins::new("factor_columns", isa));
             for i in 0..N {
                 for j in 0..=i {
                     factor.compare(columns[j][i], expected[i][j]);
@@ -183,8 +183,8 @@ mod tests {
             }
             factor.hold(16.0);
             forwards.hold(16.0);
-            let inverse = invert_columns(level, &columns, &std::array::from_fn(|k| 1.0 / columns[k][k]));
-            let mut products = Twins::new("invert_columns", level);
+            let inverse = invert_columns(isa, &columns, &std::array::from_fn(|k| 1.0 / columns[k][k]));
+            let mut products = Twins::new("invert_columns", isa);
             for i in 0..N {
                 for j in 0..N {
                     let product: f64 = (0..N).map(|k| a[i][k] * inverse[k][j]).sum();
@@ -196,8 +196,8 @@ mod tests {
             for j in 0..N {
                 (j..N).for_each(|i| flat[j * PADDED + i] = a[i][j]);
             }
-            factor_dense(level, N, PADDED, &mut flat).unwrap();
-            let mut flattened = Twins::new("factor_dense", level);
+            factor_dense(isa, N, PADDED, &mut flat).unwrap();
+            let mut flattened = Twins::new("factor_dense", isa);
             for i in 0..N {
                 for j in 0..=i {
                     flattened.compare(flat[j * PADDED + i], expected[i][j]);
@@ -205,7 +205,7 @@ mod tests {
             }
             flattened.hold(16.0);
             columns[3] = [0.0; PADDED];
-            assert!(factor_columns(level, &mut columns).is_err());
+            assert!(factor_columns(isa, &mut columns).is_err());
         }
     }
 

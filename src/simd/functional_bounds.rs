@@ -8,7 +8,7 @@
 //! eight, then entry u + 1. Two kinds at once share the reading of A.
 
 use super::lanes::Lanes;
-use super::{Level, by_width, dispatch};
+use super::{Isa, by_width, dispatch};
 
 /// Functionals of one kind taken at once.
 pub const FUNCTIONALS: usize = 8;
@@ -230,14 +230,14 @@ impl DirectedTerms<'_> {
 /// # Panics
 /// When an unknown has no scale or no column in the matrix, or there are fewer entries than runs need.
 pub fn functional_bounds(
-    level: Level,
+    isa: Isa,
     terms: &BoundTerms,
     gradients: &CellGradients,
     rounding: &OfKinds,
     size: &OfKinds,
 ) -> OfKinds {
     let widths = [gradients.runs.len(), gradients.width()];
-    by_width!(level, widths, bounds(
+    by_width!(isa, widths, bounds(
         terms: &BoundTerms,
         gradients: &CellGradients,
         rounding: &OfKinds,
@@ -288,9 +288,9 @@ mod tests {
             for directed in [None, directed(0.0), directed(0.01)] {
                 for moved in [0.02, 20.0].into_iter().chain(directed.map(|_| f64::INFINITY)) {
                     let terms = BoundTerms { scales: &scales, moved, directed };
-                    for level in Level::available() {
-                        let bounds = functional_bounds(level, &terms, &gradients, &rounding, &size);
-                        let mut twins = Twins::new("functional_bounds", level);
+                    for isa in Isa::available() {
+                        let bounds = functional_bounds(isa, &terms, &gradients, &rounding, &size);
+                        let mut twins = Twins::new("functional_bounds", isa);
                         for (kind, k) in (0..KINDS * FUNCTIONALS).map(|p| (p / FUNCTIONALS, p % FUNCTIONALS)) {
                             let mut whole = vec![0.0; n];
                             alive.iter().zip(&entries[kind]).for_each(|(&u, g)| whole[u] = g[k]);

@@ -3,7 +3,7 @@
 //! J is row-major with `stride` columns, a multiple of 8; tiles of G stay in registers over all rows.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Rows of G a tile: with two sets of lanes that is eight sums, enough to hide the latency of multiply-adds.
 const TALL: usize = 4;
@@ -55,9 +55,9 @@ fn generic<V: Lanes>(stride: usize, rows: &[f64], out: &mut [f64]) {
 ///
 /// # Panics
 /// When `out` is shorter than that, or `stride` no multiple of 8.
-pub fn gram_rows(level: Level, stride: usize, rows: &[f64], out: &mut [f64]) {
+pub fn gram_rows(isa: Isa, stride: usize, rows: &[f64], out: &mut [f64]) {
     assert!(stride.is_multiple_of(8) && out.len() >= stride * stride);
-    dispatch!(level, generic [](stride: usize, rows: &[f64], out: &mut [f64]))
+    dispatch!(isa, generic [](stride: usize, rows: &[f64], out: &mut [f64]))
 }
 
 /// The safe twin: plain loops.
@@ -82,10 +82,10 @@ mod tests {
             let rows: Vec<f64> = (0..stride * count).map(|r| (r as f64 * 78.233).sin()).collect();
             let mut expected = vec![0.5; stride * stride];
             gram_rows_twin(stride, &rows, &mut expected);
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let mut made = vec![0.5; stride * stride];
-                gram_rows(level, stride, &rows, &mut made);
-                let mut twins = Twins::new("gram_rows", level);
+                gram_rows(isa, stride, &rows, &mut made);
+                let mut twins = Twins::new("gram_rows", isa);
                 for i in 0..stride {
                     for j in 0..=i {
                         twins.compare(made[i * stride + j], expected[i * stride + j]);

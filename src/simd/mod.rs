@@ -8,7 +8,7 @@
 //! | [`factor_columns`], [`factor_dense`], [`invert_columns`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred; the inverse |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
-//! | [`normals`], [`normal_triples`], [`chacha8`] | standard normals from addressed random words |
+//! | [`gaussians`], [`gaussian_triples`], [`chacha8`] | standard normals from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
 //! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
@@ -37,9 +37,9 @@ mod dense_columns;
 mod functional_bounds;
 mod gram_rows;
 mod lanes;
-mod level;
+mod isa;
 mod moments;
-mod normals;
+mod gaussian;
 mod panel_products;
 mod patch_maps;
 mod peak;
@@ -59,9 +59,9 @@ pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
 pub use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
 pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
 pub use gram_rows::{gram_rows, gram_rows_twin};
-pub use level::Level;
+pub use isa::Isa;
 pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
-pub use normals::{box_muller_pairs, normal_triples, normals};
+pub use gaussian::{box_muller_pairs, gaussian_triples, gaussians};
 pub use panel_products::{Panels, ProductSize, subtract_product};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
@@ -73,10 +73,10 @@ pub use site_passes::{
     products_pass,
 };
 
-/// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `level`.
+/// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `isa`.
 macro_rules! dispatch {
-    ($level:expr, $generic:ident [$($konst:ident),*] ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {{
-        use $crate::simd::level::Kind;
+    ($isa:expr, $generic:ident [$($konst:ident),*] ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {{
+        use $crate::simd::isa::Kind;
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
         fn on_avx512<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
@@ -87,8 +87,8 @@ macro_rules! dispatch {
         fn on_avx2<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
             $generic::<$crate::simd::lanes::avx2::Avx2, $($konst),*>($($arg),*)
         }
-        match $level.kind() {
-            // SAFETY: a `Level` of this kind is only made after the processor was asked for these features
+        match $isa.kind() {
+            // SAFETY: a `Isa` of this kind is only made after the processor was asked for these features
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512 => unsafe { on_avx512::<$($konst),*>($($arg),*) },
             #[cfg(target_arch = "x86_64")]
@@ -103,20 +103,20 @@ use dispatch;
 /// stand for "as long as the slices are", for all others. Loops of known length are unrolled, and their
 /// bounds are not checked.
 macro_rules! by_width {
-    ($level:expr, $widths:expr, $kernel:ident($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {
+    ($isa:expr, $widths:expr, $kernel:ident($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {
         match $widths {
-            [3, 3] => by_width!(@ $level, $kernel, 3, ($($arg: $ty),*) $(-> $ret)?),
-            [4, 4] => by_width!(@ $level, $kernel, 4, ($($arg: $ty),*) $(-> $ret)?),
-            [5, 5] => by_width!(@ $level, $kernel, 5, ($($arg: $ty),*) $(-> $ret)?),
-            _ => by_width!(@ $level, $kernel, 0, ($($arg: $ty),*) $(-> $ret)?),
+            [3, 3] => by_width!(@ $isa, $kernel, 3, ($($arg: $ty),*) $(-> $ret)?),
+            [4, 4] => by_width!(@ $isa, $kernel, 4, ($($arg: $ty),*) $(-> $ret)?),
+            [5, 5] => by_width!(@ $isa, $kernel, 5, ($($arg: $ty),*) $(-> $ret)?),
+            _ => by_width!(@ $isa, $kernel, 0, ($($arg: $ty),*) $(-> $ret)?),
         }
     };
-    (@ $level:expr, $kernel:ident, $width:literal, ($($arg:ident : $ty:ty),*) $(-> $ret:ty)?) => {{
+    (@ $isa:expr, $kernel:ident, $width:literal, ($($arg:ident : $ty:ty),*) $(-> $ret:ty)?) => {{
         #[inline(always)]
         fn generic<V: Lanes>($($arg: $ty),*) $(-> $ret)? {
             $kernel::<V, $width, $width>($($arg),*)
         }
-        dispatch!($level, generic []($($arg: $ty),*) $(-> $ret)?)
+        dispatch!($isa, generic []($($arg: $ty),*) $(-> $ret)?)
     }};
 }
 use by_width;
@@ -134,15 +134,15 @@ pub fn ulps(value: f64, expected: f64) -> f64 {
 #[cfg(test)]
 struct Twins {
     kernel: &'static str,
-    level: Level,
+    isa: Isa,
     difference: f64,
     size: f64,
 }
 
 #[cfg(test)]
 impl Twins {
-    fn new(kernel: &'static str, level: Level) -> Twins {
-        Twins { kernel, level, difference: 0.0, size: 0.0 }
+    fn new(kernel: &'static str, isa: Isa) -> Twins {
+        Twins { kernel, isa, difference: 0.0, size: 0.0 }
     }
 
     fn compare(&mut self, value: f64, expected: f64) {
@@ -158,8 +158,8 @@ impl Twins {
         println!(
             "{:<18} {:<9} largest difference {found:>6.1} ulp of the largest number",
             self.kernel,
-            self.level.name()
+            self.isa.name()
         );
-        assert!(found < most, "{} {}: {found} ulp", self.kernel, self.level.name());
+        assert!(found < most, "{} {}: {found} ulp", self.kernel, self.isa.name());
     }
 }

@@ -11,7 +11,7 @@
 //! degree 3 the rows themselves are used.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Largest degree per direction whose squares fit the eight lanes: 2 * 3 + 1 = 7.
 pub const MAX_MOMENT_DEGREE: usize = 3;
@@ -229,7 +229,7 @@ fn add_batch<V: Lanes>(
 /// # Panics
 /// When an array is shorter than u.
 pub fn moments(
-    level: Level,
+    isa: Isa,
     degree: usize,
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
@@ -238,7 +238,7 @@ pub fn moments(
     out: &mut CellMoments,
 ) {
     assert!((1..=MAX_MOMENT_DEGREE).contains(&degree), "moments are made for degrees 1 to {MAX_MOMENT_DEGREE}");
-    dispatch!(level, generic [](
+    dispatch!(isa, generic [](
         degree: usize, local: [&[f64]; 2], weight: Option<&[f64]>, data: Option<[&[f64]; 3]>,
         powers: &mut MomentPowers, out: &mut CellMoments));
 }
@@ -283,10 +283,10 @@ mod tests {
             for weight in [None, Some(&w[..])] {
                 let mut expected = CellMoments::ZERO;
                 moments_twin(degree, [&u, &v], weight, Some(data), &mut expected);
-                for level in Level::available() {
+                for isa in Isa::available() {
                     let mut made = CellMoments::ZERO;
-                    moments(level, degree, [&u, &v], weight, Some(data), &mut MomentPowers::default(), &mut made);
-                    let mut twins = Twins::new("moments", level);
+                    moments(isa, degree, [&u, &v], weight, Some(data), &mut MomentPowers::default(), &mut made);
+                    let mut twins = Twins::new("moments", isa);
                     for a in 0..=2 * degree {
                         for b in 0..7 {
                             twins.compare(made.weights[a][b], expected.weights[a][b]);

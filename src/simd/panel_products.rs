@@ -8,7 +8,7 @@
 //! registers from three running streams and B by single numbers from a fourth.
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Rows of a panel.
 const PANEL: usize = 8;
@@ -86,8 +86,8 @@ fn subtract<V: Lanes>(factors: [Panels; 2], size: ProductSize, c: &mut [f64], st
 }
 
 /// `C -= A B'` for the factors `[A, B]`; `c` has `stride` columns a panel and begins at the product's first entry.
-pub fn subtract_product(level: Level, factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
-    dispatch!(level, subtract [](factors: [Panels<'_>; 2], size: ProductSize, c: &mut [f64], stride: usize));
+pub fn subtract_product(isa: Isa, factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
+    dispatch!(isa, subtract [](factors: [Panels<'_>; 2], size: ProductSize, c: &mut [f64], stride: usize));
 }
 
 #[cfg(test)]
@@ -103,11 +103,11 @@ mod tests {
         let at = |stride: usize, r: usize, k: usize| (r / PANEL * stride + k) * PANEL + r % PANEL;
         let filled = |length: usize, seed: f64| -> Vec<f64> { (0..length).map(|k| (k as f64 * seed).sin()).collect() };
         let (a, b, start) = (filled(6 * 41 * 8, 0.7), filled(3 * 40 * 8, 1.3), filled(6 * 30 * 8, 0.4));
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut c = start.clone();
             let factors = [Panels { values: &a, stride: strides[0] }, Panels { values: &b, stride: strides[1] }];
-            subtract_product(level, factors, size, &mut c, strides[2]);
-            let mut twins = Twins::new("subtract_product", level);
+            subtract_product(isa, factors, size, &mut c, strides[2]);
+            let mut twins = Twins::new("subtract_product", isa);
             for (i, j) in (0..48 * 30).map(|n| (n / 30, n % 30)) {
                 let place = at(strides[2], i, j);
                 let product: f64 = (0..37).map(|k| a[at(strides[0], i, k)] * b[at(strides[1], j % 24, k)]).sum();

@@ -9,7 +9,7 @@
 use super::curvature_row::RowPieces;
 use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Grids up to this many points are worth the short way; beyond it rows are better shared among threads.
 pub const PATCH_POINTS: usize = 4096;
@@ -98,7 +98,7 @@ fn generic<V: Lanes, const W: usize>(
 /// # Panics
 /// When an array is shorter than its shape.
 pub fn patch_maps(
-    level: Level,
+    isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
     coefficients: &[f64],
@@ -109,23 +109,23 @@ pub fn patch_maps(
         return false;
     }
     match row.degree {
-        2 => on_level::<3>(level, row, basis, coefficients, shape_index, curvedness),
-        3 => on_level::<4>(level, row, basis, coefficients, shape_index, curvedness),
-        4 => on_level::<5>(level, row, basis, coefficients, shape_index, curvedness),
+        2 => on_level::<3>(isa, row, basis, coefficients, shape_index, curvedness),
+        3 => on_level::<4>(isa, row, basis, coefficients, shape_index, curvedness),
+        4 => on_level::<5>(isa, row, basis, coefficients, shape_index, curvedness),
         _ => return false,
     }
     true
 }
 
 fn on_level<const W: usize>(
-    level: Level,
+    isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
     coefficients: &[f64],
     shape_index: &mut [f64],
     curvedness: &mut [f64],
 ) {
-    dispatch!(level, generic [W](
+    dispatch!(isa, generic [W](
         row: &RowPieces, basis: [&[f64]; 3], coefficients: &[f64], shape_index: &mut [f64], curvedness: &mut [f64]));
 }
 
@@ -170,11 +170,11 @@ mod tests {
             }
             let (mut s, mut r) = (vec![0.0; 117], vec![0.0; 117]);
             shape_maps_twin(derivatives.each_ref().map(|d| &d[..]), &mut s, &mut r);
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let (mut index, mut curved) = (vec![0.0; 117], vec![0.0; 117]);
-                assert!(patch_maps(level, &row, basis.each_ref().map(|b| &b[..]), &c, &mut index, &mut curved));
+                assert!(patch_maps(isa, &row, basis.each_ref().map(|b| &b[..]), &c, &mut index, &mut curved));
                 let [mut twins_s, mut twins_r] =
-                    ["patch_maps S", "patch_maps R"].map(|kernel| Twins::new(kernel, level));
+                    ["patch_maps S", "patch_maps R"].map(|kernel| Twins::new(kernel, isa));
                 for j in 0..117 {
                     twins_s.compare(index[j], s[j]);
                     twins_r.compare(curved[j] / r[j], 1.0);

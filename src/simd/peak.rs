@@ -5,7 +5,7 @@
 //! ```
 
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Independent chains.
 const CHAINS: usize = 12;
@@ -27,8 +27,8 @@ fn generic<V: Lanes>(rounds: usize, a: f64, b: f64) -> [f64; 2] {
 }
 
 /// The sum of all chains after `rounds` steps from 1, and the multiply-adds done.
-pub fn multiply_add_peak(level: Level, rounds: usize, a: f64, b: f64) -> [f64; 2] {
-    dispatch!(level, generic [](rounds: usize, a: f64, b: f64) -> [f64; 2])
+pub fn multiply_add_peak(isa: Isa, rounds: usize, a: f64, b: f64) -> [f64; 2] {
+    dispatch!(isa, generic [](rounds: usize, a: f64, b: f64) -> [f64; 2])
 }
 
 #[cfg(test)]
@@ -37,11 +37,11 @@ mod tests {
 
     #[test]
     fn every_chain_ends_where_the_series_does() {
-        for level in Level::available() {
-            let [total, count] = multiply_add_peak(level, 9, 0.5, 3.0);
+        for isa in Isa::available() {
+            let [total, count] = multiply_add_peak(isa, 9, 0.5, 3.0);
             let chains = count / 9.0;
             // 2^-9 + 6 (1 - 2^-9), exact in binary
-            assert_eq!(total, chains * (6.0 - 5.0 / 512.0), "{}", level.name());
+            assert_eq!(total, chains * (6.0 - 5.0 / 512.0), "{}", isa.name());
         }
     }
 }

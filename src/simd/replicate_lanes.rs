@@ -10,7 +10,7 @@
 use super::curvature_row::RowPieces;
 use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Numbers of which S and R are under way at once: 32 points of eight lanes.
 const BATCH: usize = 256;
@@ -44,8 +44,8 @@ fn draws<V: Lanes>(weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficien
 }
 
 /// `coefficients[i] += sum_k weights[i][k] normals[k]`, lane by lane.
-pub fn add_draws(level: Level, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
-    dispatch!(level, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
+pub fn add_draws(isa: Isa, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
+    dispatch!(isa, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
 }
 
 /// Sums over the points of a grid, lane by lane.
@@ -185,7 +185,7 @@ fn means_of<V: Lanes, const W: usize>(
 ///
 /// Both degrees are equal, 2 to 4; returns `false`, and does nothing, for others.
 pub fn mean_shapes(
-    level: Level,
+    isa: Isa,
     degree: [usize; 2],
     grid: &GridTables,
     coefficients: &[[f64; LANES]],
@@ -196,22 +196,22 @@ pub fn mean_shapes(
         return false;
     }
     match degree[0] {
-        2 => on_level::<3>(level, grid, coefficients, shape_index, curvedness),
-        3 => on_level::<4>(level, grid, coefficients, shape_index, curvedness),
-        4 => on_level::<5>(level, grid, coefficients, shape_index, curvedness),
+        2 => on_level::<3>(isa, grid, coefficients, shape_index, curvedness),
+        3 => on_level::<4>(isa, grid, coefficients, shape_index, curvedness),
+        4 => on_level::<5>(isa, grid, coefficients, shape_index, curvedness),
         _ => return false,
     }
     true
 }
 
 fn on_level<const W: usize>(
-    level: Level,
+    isa: Isa,
     grid: &GridTables,
     coefficients: &[[f64; LANES]],
     shape_index: &mut [f64; LANES],
     curvedness: &mut [f64; LANES],
 ) {
-    dispatch!(level, means_of [W](
+    dispatch!(isa, means_of [W](
         grid: &GridTables, coefficients: &[[f64; LANES]],
         shape_index: &mut [f64; LANES], curvedness: &mut [f64; LANES]));
 }
@@ -270,10 +270,10 @@ mod tests {
                 shape_maps_twin(derivatives.each_ref().map(|d| &d[..]), &mut s, &mut r);
                 [s.iter().sum::<f64>() / 117.0, r.iter().sum::<f64>() / 117.0]
             };
-            for level in Level::available() {
+            for isa in Isa::available() {
                 let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
-                assert!(mean_shapes(level, [width - 1; 2], &grid, &coefficients, &mut s, &mut r));
-                let [mut twins_s, mut twins_r] = ["mean_shapes S", "mean_shapes R"].map(|name| Twins::new(name, level));
+                assert!(mean_shapes(isa, [width - 1; 2], &grid, &coefficients, &mut s, &mut r));
+                let [mut twins_s, mut twins_r] = ["mean_shapes S", "mean_shapes R"].map(|name| Twins::new(name, isa));
                 for l in 0..LANES {
                     let [mean_s, mean_r] = mean_of(l);
                     twins_s.compare(s[l], mean_s);
@@ -288,10 +288,10 @@ mod tests {
     #[test]
     fn flat_points_are_left_out_of_the_mean_of_s() {
         let (grid, _) = grid(3);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
-            assert!(mean_shapes(level, [2, 2], &grid, &[[0.0; LANES]; 16], &mut s, &mut r));
-            assert!(s.iter().all(|s| s.is_nan()) && r == [0.0; LANES], "{}", level.name());
+            assert!(mean_shapes(isa, [2, 2], &grid, &[[0.0; LANES]; 16], &mut s, &mut r));
+            assert!(s.iter().all(|s| s.is_nan()) && r == [0.0; LANES], "{}", isa.name());
         }
     }
 
@@ -300,10 +300,10 @@ mod tests {
     fn draws_at_every_level_agree_with_the_written_sum() {
         let weights: Vec<[f64; 3]> = (0..7).map(|i| std::array::from_fn(|k| value(i, k))).collect();
         let normals: [[f64; LANES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut coefficients = [[0.25; LANES]; 7];
-            add_draws(level, &weights, &normals, &mut coefficients);
-            let mut twins = Twins::new("add_draws", level);
+            add_draws(isa, &weights, &normals, &mut coefficients);
+            let mut twins = Twins::new("add_draws", isa);
             for (c, w) in coefficients.iter().zip(&weights) {
                 for l in 0..LANES {
                     twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * normals[k][l]).sum::<f64>());

@@ -14,7 +14,7 @@
 //! is what their rounding is relative to.
 
 use super::lanes::Lanes;
-use super::{Level, by_width, dispatch};
+use super::{Isa, by_width, dispatch};
 
 /// Points taken at once.
 pub const POINTS: usize = 8;
@@ -240,8 +240,8 @@ fn opening<V: Lanes>(sizes: &[V; 5], bend: V) -> V {
 ///
 /// # Panics
 /// When a run leaves the coefficients, or rows are not of one length.
-pub fn cell_curves(level: Level, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], out: &mut [CurveLanes]) {
-    by_width!(level, [runs.len(), y[0].len()], curves(
+pub fn cell_curves(isa: Isa, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], out: &mut [CurveLanes]) {
+    by_width!(isa, [runs.len(), y[0].len()], curves(
         c: &[f64],
         runs: &[usize],
         y: [&[PointLanes]; 3],
@@ -253,9 +253,9 @@ pub fn cell_curves(level: Level, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3
 ///
 /// # Panics
 /// When there are fewer curves or entries than basis rows ask for.
-pub fn shape_gradients(level: Level, points: &CellPoints, entries: [&mut [PointLanes]; 2], out: &mut PointShapes) {
+pub fn shape_gradients(isa: Isa, points: &CellPoints, entries: [&mut [PointLanes]; 2], out: &mut PointShapes) {
     let widths = [points.x[0].len(), points.y[0].len()];
-    by_width!(level, widths, gradients(
+    by_width!(isa, widths, gradients(
         points: &CellPoints,
         entries: [&mut [PointLanes]; 2],
         out: &mut PointShapes,
@@ -272,7 +272,7 @@ mod tests {
     use ndarray::Array2;
 
     /// Points of one cell of a wavy surface with slopes up to `steep`, every one against the shape room's formulas.
-    fn compare(level: Level, degree: [usize; 2], steep: f64) {
+    fn compare(isa: Isa, degree: [usize; 2], steep: f64) {
         let knots = [Knots::uniform(degree[0], 1, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 1, -1.0, 1.0).unwrap()];
         let size = degree.map(|d| d + 1);
         let c = Array2::from_shape_fn(size, |(i, j)| steep * (i as f64 * 1.7 + j as f64 * 0.9).sin());
@@ -285,13 +285,13 @@ mod tests {
         let y = y.each_ref().map(|y| &y[..]);
         let runs: Vec<usize> = (0..size[0]).map(|a| a * size[1]).collect();
         let mut curves = vec![CurveLanes::default(); size[0]];
-        cell_curves(level, c.as_slice().unwrap(), &runs, y, &mut curves);
+        cell_curves(isa, c.as_slice().unwrap(), &runs, y, &mut curves);
         let points = CellPoints { x, y, curves: &curves };
         let [mut of_s, mut of_r] = [vec![[0.0; POINTS]; size[0] * size[1]], vec![[0.0; POINTS]; size[0] * size[1]]];
         let mut made = PointShapes::default();
-        shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
+        shape_gradients(isa, &points, [&mut of_s, &mut of_r], &mut made);
         let entries = [of_s, of_r];
-        let (mut gradients, mut terms) = (Twins::new("shape_gradients", level), Twins::new("their terms", level));
+        let (mut gradients, mut terms) = (Twins::new("shape_gradients", isa), Twins::new("their terms", isa));
         for (l, by) in rows.iter().enumerate() {
             let expected = shape_gradient(&surface.with_rows(&bx, by));
             for (k, by_point) in [&expected.shape_index, &expected.curvedness].into_iter().enumerate() {
@@ -322,9 +322,9 @@ mod tests {
 
     #[test]
     fn every_level_agrees_with_the_shape_room() {
-        for level in Level::available() {
+        for isa in Isa::available() {
             for degree in [[2, 2], [3, 3], [2, 4]] {
-                [0.1, 1.0, 20.0].into_iter().for_each(|steep| compare(level, degree, steep));
+                [0.1, 1.0, 20.0].into_iter().for_each(|steep| compare(isa, degree, steep));
             }
         }
     }
@@ -335,16 +335,16 @@ mod tests {
         let y: [Vec<[f64; POINTS]>; 3] =
             [vec![[0.3; POINTS], [0.7; POINTS]], vec![[-1.0; POINTS], [1.0; POINTS]], vec![[0.0; POINTS]; 2]];
         let y = y.each_ref().map(|y| &y[..]);
-        for level in Level::available() {
+        for isa in Isa::available() {
             for (twist, alive) in [(0.3, true), (0.0, false)] {
                 // c_01 - c_00 and c_11 - c_10 are the slopes in y; the twist is their difference
                 let c = [0.1, 0.3, 0.1, 0.3 + twist];
                 let mut curves = [CurveLanes::default(); 2];
-                cell_curves(level, &c, &[0, 2], y, &mut curves);
+                cell_curves(isa, &c, &[0, 2], y, &mut curves);
                 let [mut of_s, mut of_r] = [[[0.0; POINTS]; 4]; 2];
                 let mut made = PointShapes::default();
                 let points = CellPoints { x, y, curves: &curves };
-                shape_gradients(level, &points, [&mut of_s, &mut of_r], &mut made);
+                shape_gradients(isa, &points, [&mut of_s, &mut of_r], &mut made);
                 let [first, ..] = made.roundings[0];
                 assert!(made.roundings[0].iter().all(|r| r.is_nan() != alive && (!alive || *r == first)));
             }

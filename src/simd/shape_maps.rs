@@ -14,7 +14,7 @@
 
 use super::arctangent::{angle, reduced};
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 /// Points of a batch here: 32 sets of eight lanes keep roots and divider busy; the three arrays are 6 KiB of the 32 KiB at
 /// hand. Callers with few points take less, because a batch begins with zeros.
@@ -134,8 +134,8 @@ fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curv
 ///
 /// # Panics
 /// When an array is shorter than `shape_index`.
-pub fn shape_maps(level: Level, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
-    dispatch!(level, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
+pub fn shape_maps(isa: Isa, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+    dispatch!(isa, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
 }
 
 /// The safe twin: the textbook's shape operator with divisions, `hypot` and the library's `atan2`, one point at a time.
@@ -211,9 +211,9 @@ mod tests {
         let slices = d.each_ref().map(|v| &v[..]);
         let (mut s0, mut r0) = (vec![0.0; n], vec![0.0; n]);
         shape_maps_twin(slices, &mut s0, &mut r0);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut s, mut r) = (vec![0.0; n], vec![0.0; n]);
-            shape_maps(level, slices, &mut s, &mut r);
+            shape_maps(isa, slices, &mut s, &mut r);
             let (mut worst_s, mut worst_r) = (0.0_f64, 0.0_f64);
             for i in 0..n {
                 assert_eq!(s[i].is_nan(), s0[i].is_nan());
@@ -221,20 +221,20 @@ mod tests {
                 worst_s = worst_s.max(if s[i].is_nan() { 0.0 } else { (s[i] - s0[i]).abs() });
                 worst_r = worst_r.max(ulps(r[i], r0[i]));
             }
-            println!("shape_maps {}: S {worst_s:.1e}, R {worst_r:.1} ulp", level.name());
-            assert!(worst_s < 1e-12 && worst_r < 600.0, "{}: {worst_s:e} {worst_r}", level.name());
+            println!("shape_maps {}: S {worst_s:.1e}, R {worst_r:.1} ulp", isa.name());
+            assert!(worst_s < 1e-12 && worst_r < 600.0, "{}: {worst_s:e} {worst_r}", isa.name());
         }
     }
 
     #[test]
     fn a_point_does_not_depend_on_its_place() {
         let d = samples();
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut s, mut r) = (vec![0.0; 40], vec![0.0; 40]);
-            shape_maps(level, d.each_ref().map(|v| &v[..40]), &mut s, &mut r);
+            shape_maps(isa, d.each_ref().map(|v| &v[..40]), &mut s, &mut r);
             for from in 1..30 {
                 let (mut s1, mut r1) = (vec![0.0; 7], vec![0.0; 7]);
-                shape_maps(level, d.each_ref().map(|v| &v[from..from + 7]), &mut s1, &mut r1);
+                shape_maps(isa, d.each_ref().map(|v| &v[from..from + 7]), &mut s1, &mut r1);
                 let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
                 assert!(same(&s1, &s[from..from + 7]) && same(&r1, &r[from..from + 7]));
             }

@@ -11,7 +11,7 @@
 //! sites stay apart lane by lane; [`add_lanes`] brings them together. Lanes whose weights are zero add nothing.
 
 use super::lanes::Lanes;
-use super::{Level, by_width, dispatch};
+use super::{Isa, by_width, dispatch};
 
 /// Sites taken at once.
 pub const SITES: usize = 8;
@@ -246,8 +246,8 @@ fn against_norms<V: Lanes, const P: usize, const Q: usize>(
 ///
 /// # Panics
 /// When slices are shorter than the cell's `(p + 1)(q + 1)` coefficients.
-pub fn products_pass(level: Level, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums]) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], products(
+pub fn products_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums]) {
+    by_width!(isa, [sites.x[0].len(), sites.y[0].len()], products(
         sites: &CellSites,
         vectors: &CellVectors,
         columns: &mut [ColumnSums],
@@ -258,8 +258,8 @@ pub fn products_pass(level: Level, sites: &CellSites, vectors: &CellVectors, col
 ///
 /// # Panics
 /// As [`products_pass`].
-pub fn columns_pass(level: Level, sites: &CellSites, columns: &mut [ColumnSums]) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], norms(sites: &CellSites, columns: &mut [ColumnSums]));
+pub fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
+    by_width!(isa, [sites.x[0].len(), sites.y[0].len()], norms(sites: &CellSites, columns: &mut [ColumnSums]));
 }
 
 /// The last visit: everything that is summed over rows, `E'r` and `|E|'|r|`.
@@ -267,13 +267,13 @@ pub fn columns_pass(level: Level, sites: &CellSites, columns: &mut [ColumnSums])
 /// # Panics
 /// As [`products_pass`].
 pub fn last_pass(
-    level: Level,
+    isa: Isa,
     sites: &CellSites,
     vectors: &CellVectors,
     columns: &mut [ColumnSums],
     rows: &mut RowSums,
 ) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], last(
+    by_width!(isa, [sites.x[0].len(), sites.y[0].len()], last(
         sites: &CellSites,
         vectors: &CellVectors,
         columns: &mut [ColumnSums],
@@ -287,14 +287,14 @@ pub fn last_pass(
 /// # Panics
 /// As [`products_pass`].
 pub fn norms_pass(
-    level: Level,
+    isa: Isa,
     sites: &CellSites,
     vectors: &CellVectors,
     largest: &[f64],
     tiny: f64,
     worst: &mut SiteLanes,
 ) {
-    by_width!(level, [sites.x[0].len(), sites.y[0].len()], against_norms(
+    by_width!(isa, [sites.x[0].len(), sites.y[0].len()], against_norms(
         sites: &CellSites,
         vectors: &CellVectors,
         largest: &[f64],
@@ -377,19 +377,19 @@ mod tests {
         let over = |of: &dyn Fn(usize, usize) -> f64| (0..3 * SITES).map(|p| of(p / 3, p % 3)).sum::<f64>();
         let vectors = CellVectors { c: &cell.c, v: &v, targets: targets.each_ref() };
         let (largest, tiny) = (vec![3.0; unknowns], 0.3);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut products = vec![ColumnSums::default(); unknowns];
-            products_pass(level, &cell.sites(), &vectors, &mut products);
+            products_pass(isa, &cell.sites(), &vectors, &mut products);
             let (mut sums, mut rows) = (vec![ColumnSums::default(); unknowns], RowSums::default());
-            last_pass(level, &cell.sites(), &vectors, &mut sums, &mut rows);
-            columns_pass(level, &cell.sites(), &mut sums);
+            last_pass(isa, &cell.sites(), &vectors, &mut sums, &mut rows);
+            columns_pass(isa, &cell.sites(), &mut sums);
             let (zero, mut of_zero, mut of_nothing) = (vec![0.0; unknowns], products.clone(), products.clone());
-            products_pass(level, &cell.sites(), &CellVectors { v: &zero, ..vectors }, &mut of_zero);
-            products_pass(level, &cell.sites(), &CellVectors { v: &[], ..vectors }, &mut of_nothing);
+            products_pass(isa, &cell.sites(), &CellVectors { v: &zero, ..vectors }, &mut of_zero);
+            products_pass(isa, &cell.sites(), &CellVectors { v: &[], ..vectors }, &mut of_nothing);
             assert_eq!(of_zero, of_nothing);
             let mut against = SiteLanes::default();
-            norms_pass(level, &cell.sites(), &vectors, &largest, tiny, &mut against);
-            let mut twins = Twins::new("site_passes", level);
+            norms_pass(isa, &cell.sites(), &vectors, &largest, tiny, &mut against);
+            let mut twins = Twins::new("site_passes", isa);
             for l in 0..SITES {
                 let three = |of: &dyn Fn(usize) -> f64| (0..3).map(of).collect::<Vec<f64>>();
                 twins.compare(rows.sizes[l], three(&|k| whole(l, k).powi(2)).iter().sum());

@@ -12,7 +12,7 @@
 
 use super::numbering::Numbering;
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::simd::{BlockShape, GRAIN, Level, PADDING, backward_block, factor_block, forward_block, update_block};
+use crate::simd::{BlockShape, GRAIN, Isa, PADDING, backward_block, factor_block, forward_block, update_block};
 
 /// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs. 72 is no faster, and
 /// the zeros that a block keeps beside its columns grow with it: at 17,161 unknowns one end would pass the 32 MB from
@@ -98,11 +98,11 @@ impl BandCholesky {
     /// # Errors
     /// The unknown at which a pivot is not positive.
     pub fn factor_and_solve(&mut self, matrix: &StencilMatrix, scale: &[f64], v: &mut [f64]) -> Result<f64, usize> {
-        let level = Level::active();
-        let smallest = self.eliminate_ends(level, matrix, scale, v)?;
+        let isa = Isa::active();
+        let smallest = self.eliminate_ends(isa, matrix, scale, v)?;
         self.gather_middle(matrix, scale, v);
-        let smallest = smallest.min(self.factor_middle(level)?);
-        self.substitute_back(level, v);
+        let smallest = smallest.min(self.factor_middle(isa)?);
+        self.substitute_back(isa, v);
         Ok(smallest)
     }
 
@@ -115,7 +115,7 @@ impl BandCholesky {
         self.factor_and_solve(matrix, scale, &mut nothing)
     }
 
-    fn eliminate_ends(&mut self, level: Level, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) -> Result<f64, usize> {
+    fn eliminate_ends(&mut self, isa: Isa, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) -> Result<f64, usize> {
         if self.end == 0 {
             return Ok(f64::INFINITY);
         }
@@ -130,8 +130,8 @@ impl BandCholesky {
         let forwards = Numbering { matrix, scale, reversed: false };
         let backwards = Numbering { matrix, scale, reversed: true };
         let (a, b) = rayon::join(
-            || left.eliminate(level, block, end, &forwards),
-            || right.eliminate(level, block, end, &backwards),
+            || left.eliminate(isa, block, end, &forwards),
+            || right.eliminate(isa, block, end, &backwards),
         );
         Ok(a?.min(b.map_err(|unknown| order - 1 - unknown)?))
     }
@@ -190,7 +190,7 @@ impl BandCholesky {
         }
     }
 
-    fn factor_middle(&mut self, level: Level) -> Result<f64, usize> {
+    fn factor_middle(&mut self, isa: Isa) -> Result<f64, usize> {
         let block = self.middle_block;
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;
@@ -198,20 +198,20 @@ impl BandCholesky {
             let Part { memory, start, vector, .. } = &mut self.centre;
             let (done, rest) = memory[*start..].split_at_mut(b * block.len());
             let target = &mut rest[..block.len()];
-            update_block(level, block, &done[b.saturating_sub(reach) * block.len()..], 0, target);
-            let pivot = factor_block(level, block, target).map_err(|c| self.end + b * WIDTH + c)?;
+            update_block(isa, block, &done[b.saturating_sub(reach) * block.len()..], 0, target);
+            let pivot = factor_block(isa, block, target).map_err(|c| self.end + b * WIDTH + c)?;
             smallest = smallest.min(pivot);
-            forward_block(level, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
+            forward_block(isa, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
         }
         Ok(smallest)
     }
 
-    fn substitute_back(&mut self, level: Level, v: &mut [f64]) {
+    fn substitute_back(&mut self, isa: Isa, v: &mut [f64]) {
         let (end, middle, block) = (self.end, self.middle, self.middle_block);
         for b in (0..self.centre.count).rev() {
             let Part { memory, start, vector, .. } = &mut self.centre;
             let columns = &memory[*start + b * block.len()..][..block.len()];
-            backward_block(level, block, columns, &mut vector[b * WIDTH..b * WIDTH + block.height]);
+            backward_block(isa, block, columns, &mut vector[b * WIDTH..b * WIDTH + block.height]);
         }
         v[end..end + middle].copy_from_slice(&self.centre.vector[..middle]);
         if end == 0 {
@@ -223,7 +223,7 @@ impl BandCholesky {
         }
         let ends = self.end_block;
         let [mut left, mut right] = [&mut self.left, &mut self.right].map(|part| std::mem::take(&mut part.vector));
-        rayon::join(|| self.left.back(level, ends, end, &mut left), || self.right.back(level, ends, end, &mut right));
+        rayon::join(|| self.left.back(isa, ends, end, &mut left), || self.right.back(isa, ends, end, &mut right));
         v[..end].copy_from_slice(&left[..end]);
         v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(target, value)| *target = *value);
         (self.left.vector, self.right.vector) = (left, right);
@@ -231,7 +231,7 @@ impl BandCholesky {
 
     /// `v <- (D A D)^-1 v` with the factor at hand.
     pub fn solve(&self, v: &mut [f64]) {
-        let level = Level::active();
+        let isa = Isa::active();
         let (end, middle) = (self.end, self.middle);
         let mut left = vec![0.0; if end == 0 { 0 } else { self.left.vector.len() }];
         let mut right = left.clone();
@@ -242,8 +242,8 @@ impl BandCholesky {
             left[..end].copy_from_slice(&v[..end]);
             right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
             rayon::join(
-                || self.left.forth(level, ends, end, &mut left),
-                || self.right.forth(level, ends, end, &mut right),
+                || self.left.forth(isa, ends, end, &mut left),
+                || self.right.forth(isa, ends, end, &mut right),
             );
             for k in 0..middle {
                 centre[k] += left[end + k] + right[end + middle - 1 - k];
@@ -251,10 +251,10 @@ impl BandCholesky {
         }
         let block = self.middle_block;
         for b in 0..self.centre.count {
-            forward_block(level, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+            forward_block(isa, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
         }
         for b in (0..self.centre.count).rev() {
-            backward_block(level, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
+            backward_block(isa, block, self.centre.block(b, block), &mut centre[b * WIDTH..b * WIDTH + block.height]);
         }
         v[end..end + middle].copy_from_slice(&centre[..middle]);
         if end > 0 {
@@ -263,8 +263,8 @@ impl BandCholesky {
                 right[end + middle - 1 - k] = centre[k];
             }
             rayon::join(
-                || self.left.back(level, ends, end, &mut left),
-                || self.right.back(level, ends, end, &mut right),
+                || self.left.back(isa, ends, end, &mut left),
+                || self.right.back(isa, ends, end, &mut right),
             );
             v[..end].copy_from_slice(&left[..end]);
             v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(t, s)| *t = *s);
@@ -289,7 +289,7 @@ impl Part {
     }
 
     /// Factors the columns below `end` and leaves in those after it what is taken from the middle.
-    fn eliminate(&mut self, level: Level, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
+    fn eliminate(&mut self, isa: Isa, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;
         self.memory.clear();
@@ -308,26 +308,26 @@ impl Part {
             if near.is_empty() && b > 0 {
                 continue;
             }
-            update_block(level, block, near, b - sources.end, target);
+            update_block(isa, block, near, b - sources.end, target);
             if eliminated {
-                smallest = smallest.min(factor_block(level, block, target).map_err(|c| b * WIDTH + c)?);
-                forward_block(level, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
+                smallest = smallest.min(factor_block(isa, block, target).map_err(|c| b * WIDTH + c)?);
+                forward_block(isa, block, target, &mut vector[b * WIDTH..b * WIDTH + block.height]);
             }
         }
         Ok(smallest)
     }
 
     /// `v <- L^-1 v` down to the middle.
-    fn forth(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
+    fn forth(&self, isa: Isa, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in 0..end / WIDTH {
-            forward_block(level, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
+            forward_block(isa, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
         }
     }
 
     /// `v <- L'^-1 v` up from the middle.
-    fn back(&self, level: Level, block: BlockShape, end: usize, v: &mut [f64]) {
+    fn back(&self, isa: Isa, block: BlockShape, end: usize, v: &mut [f64]) {
         for b in (0..end / WIDTH).rev() {
-            backward_block(level, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
+            backward_block(isa, block, self.block(b, block), &mut v[b * WIDTH..b * WIDTH + block.height]);
         }
     }
 }

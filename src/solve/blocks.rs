@@ -10,7 +10,7 @@ use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
 use crate::linalg::{BlockMatrix, inverse_norm1_estimate};
-use crate::simd::{Level, factor_dense};
+use crate::simd::{Isa, factor_dense};
 
 /// Up to this many unknowns the dense factor wins: its 4.5 million multiply-adds cost what a symbolic step does.
 const DENSE_LIMIT: usize = 300;
@@ -101,7 +101,7 @@ impl BlockCholesky {
             return Err(SolveError::NotFinite { unknown: 0 });
         }
         match &mut self.kind {
-            Kind::Dense(dense) => factor_dense(Level::active(), scale.len(), dense.stride, &mut dense.columns)
+            Kind::Dense(dense) => factor_dense(Isa::active(), scale.len(), dense.stride, &mut dense.columns)
                 .map(|_| ())
                 .map_err(|unknown| SolveError::NotPositiveDefinite { unknown }),
             Kind::Sparse(sparse) => sparse.factor(),

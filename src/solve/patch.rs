@@ -1,7 +1,7 @@
 //! Cholesky for a patch of one segment per direction, degree 2, 3 or 4: 9, 16 or 25 unknowns, all lengths literal.
 
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::simd::{DenseColumns, Level, factor_columns, invert_columns};
+use crate::simd::{DenseColumns, Isa, factor_columns, invert_columns};
 
 /// A factor of 9, 16 or 25 unknowns.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
         if let Some(v) = &v {
             self.columns.iter_mut().zip(v.iter()).for_each(|(column, b)| column[N] = *b);
         }
-        let pivot = factor_columns(Level::active(), &mut self.columns)?;
+        let pivot = factor_columns(Isa::active(), &mut self.columns)?;
         for (k, inverse) in self.inverse.iter_mut().enumerate() {
             *inverse = 1.0 / self.columns[k][k];
         }
@@ -125,7 +125,7 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
     }
 
     fn write_inverse(&self, out: &mut [f64]) {
-        let inverse = invert_columns(Level::for_work(N), &self.columns, &self.inverse);
+        let inverse = invert_columns(Isa::for_work(N), &self.columns, &self.inverse);
         out.chunks_exact_mut(N).zip(&inverse).for_each(|(out, row)| out.copy_from_slice(&row[..N]));
     }
 

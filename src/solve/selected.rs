@@ -12,7 +12,7 @@
 use super::band::{BandCholesky, Part, WIDTH};
 use super::numbering::Numbering;
 use crate::linalg::StencilMatrix;
-use crate::simd::{BlockShape, GRAIN, Level, Panels, ProductSize, subtract_product};
+use crate::simd::{BlockShape, GRAIN, Isa, Panels, ProductSize, subtract_product};
 
 /// Rows of a panel.
 const PANEL: usize = 8;
@@ -99,7 +99,7 @@ impl Ring {
     }
 
     /// `Z_JR` and `Z_JJ` of block column b, of `count`.
-    fn advance(&mut self, level: Level, shape: BlockShape, columns: &[f64], b: usize, count: usize) {
+    fn advance(&mut self, isa: Isa, shape: BlockShape, columns: &[f64], b: usize, count: usize) {
         let order = self.order();
         self.corner.invert(shape, columns);
         let Ring { grains, whole, values, multipliers, rows, corner } = self;
@@ -111,7 +111,7 @@ impl Ring {
             let to = (GRAINS * (b + 1) + g) % *grains * GRAIN;
             let from = Panels { values: &columns[shape.place(WIDTH + g * GRAIN, 0)..], stride: WIDTH };
             let size = ProductSize { rows: WIDTH, columns: GRAIN, inner: WIDTH };
-            subtract_product(level, [inverse, from], size, &mut multipliers[to * PANEL..], order);
+            subtract_product(isa, [inverse, from], size, &mut multipliers[to * PANEL..], order);
         }
         // what is filled: everything once the ring has gone round, the end of it before
         let first = if *whole { (b + 1) * WIDTH } else { 0 };
@@ -120,16 +120,16 @@ impl Ring {
         if inner > 0 {
             let z = Panels { values: &values[place(order, first, first)..], stride: order };
             let size = ProductSize { rows: WIDTH, columns: inner, inner };
-            subtract_product(level, [m, z], size, &mut rows[first * PANEL..], order);
+            subtract_product(isa, [m, z], size, &mut rows[first * PANEL..], order);
         }
         corner.own.fill(0.0);
         let [negative, inverse] = [&corner.negative, &corner.inverse].map(|values| Panels { values, stride: WIDTH });
         let size = ProductSize { rows: WIDTH, columns: WIDTH, inner: WIDTH };
-        subtract_product(level, [negative, inverse], size, &mut corner.own, WIDTH);
+        subtract_product(isa, [negative, inverse], size, &mut corner.own, WIDTH);
         if inner > 0 {
             let z = Panels { values: &rows[first * PANEL..], stride: order };
             let size = ProductSize { rows: WIDTH, columns: WIDTH, inner };
-            subtract_product(level, [z, m], size, &mut corner.own, WIDTH);
+            subtract_product(isa, [z, m], size, &mut corner.own, WIDTH);
         }
     }
 
@@ -184,14 +184,14 @@ impl Ring {
 impl BandCholesky {
     /// `tr (D A D)^-1 D B D` with this `scale` for D.
     pub fn inverse_trace(&self, b: &StencilMatrix, scale: &[f64]) -> f64 {
-        let level = Level::active();
+        let isa = Isa::active();
         let (end, middle) = (self.end, self.middle);
         let forwards = Numbering { matrix: b, scale, reversed: false };
         let count = self.centre.count;
         let mut ring = Ring::new(self.middle_block, count, end > 0);
         let mut sum = 0.0;
         for k in (0..count).rev() {
-            ring.advance(level, self.middle_block, self.centre.block(k, self.middle_block), k, count);
+            ring.advance(isa, self.middle_block, self.centre.block(k, self.middle_block), k, count);
             sum += ring.products(k, middle, |number, put| forwards.column(end + number, put));
             ring.keep(k);
         }
@@ -202,7 +202,7 @@ impl BandCholesky {
         // the middle's ring holds all of it, in its own order
         let entry = |i: usize, k: usize| ring.values[place(ring.order(), i, k)];
         let one = |part: &Part, numbering: &Numbering, reversed: bool| {
-            self.end_products(level, part, numbering, |i, k| {
+            self.end_products(isa, part, numbering, |i, k| {
                 if reversed { entry(middle - 1 - i, middle - 1 - k) } else { entry(i, k) }
             })
         };
@@ -211,7 +211,7 @@ impl BandCholesky {
     }
 
     /// One end's share, given the inverse among the unknowns of the middle in the end's own order.
-    fn end_products(&self, level: Level, part: &Part, b: &Numbering, middle: impl Fn(usize, usize) -> f64) -> f64 {
+    fn end_products(&self, isa: Isa, part: &Part, b: &Numbering, middle: impl Fn(usize, usize) -> f64) -> f64 {
         let mut ring = Ring::new(self.end_block, part.count, false);
         let known = self.middle.min(ring.order());
         let (order, stand) = (ring.order(), (0..known).map(|k| ring.at(self.end + k)).collect::<Vec<usize>>());
@@ -222,7 +222,7 @@ impl BandCholesky {
         }
         let mut sum = 0.0;
         for k in (0..self.end / WIDTH).rev() {
-            ring.advance(level, self.end_block, part.block(k, self.end_block), k, part.count);
+            ring.advance(isa, self.end_block, part.block(k, self.end_block), k, part.count);
             sum += ring.products(k, self.end + self.middle, |number, put| b.column(number, put));
             ring.keep(k);
         }

@@ -13,7 +13,7 @@
 
 use super::SolveError;
 use super::householder::Front;
-use crate::linalg::{Metric, Sites, Targets, TensorShape, inverse_norm1_estimate};
+use crate::linalg::{RowWeights, Sites, Targets, TensorShape, inverse_norm1_estimate};
 
 /// Cell fronts are reduced whenever they hold this many times their width in rows: larger wastes memory, smaller work.
 const CELL_ROWS: usize = 4;
@@ -46,7 +46,7 @@ impl TriangularFactor {
     /// [`SolveError::EmptyColumn`], [`SolveError::NotFinite`].
     pub fn of_rows(
         sites: &impl Sites,
-        metric: &Metric,
+        row_weights: &RowWeights,
         targets: &Targets,
         norms_squared: &[f64],
     ) -> Result<TriangularFactor, SolveError> {
@@ -63,7 +63,7 @@ impl TriangularFactor {
             if site.first[1] != strip.cell_first {
                 strip.advance_to(site.first[1]);
             }
-            strip.add(site, &metric.at(site.index), &targets[site.index], &scale);
+            strip.add(site, &row_weights.at(site.index), &targets[site.index], &scale);
         });
         strip.finish(&mut band);
         band.advance_to(shape.basis[0]);
@@ -173,7 +173,7 @@ impl Strip {
         self.done.clear();
     }
 
-    fn add(&mut self, site: &crate::linalg::Site, m: &crate::linalg::RowMetric, target: &[f64; 3], scale: &[f64]) {
+    fn add(&mut self, site: &crate::linalg::Site, m: &crate::linalg::SiteWeights, target: &[f64; 3], scale: &[f64]) {
         let last = self.cell.columns - 1;
         let wide = self.shape.degree[0] + 1;
         for (kind, rhs) in target.iter().enumerate() {

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use super::HeightField;
 use crate::bspline::Knots;
-use crate::simd::{Level, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
+use crate::simd::{Isa, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
 
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
 #[derive(Debug)]
@@ -58,13 +58,13 @@ impl CurvatureGrid {
     /// When `coefficients` are fewer than the knots' basis functions.
     pub fn derivatives(&mut self, coefficients: &[f64], mut row: impl FnMut(usize, [&[f64]; 6])) {
         let mut scratch = self.take_scratch();
-        let level = Level::active();
+        let isa = Isa::active();
         let mut out: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; self.pieces.len()]);
         for (i, &first) in self.first.iter().enumerate() {
             let basis = self.basis.each_ref().map(|table| &table[i * self.width..(i + 1) * self.width]);
             let lines = &coefficients[first * self.columns..];
             derivative_row(
-                level,
+                isa,
                 &self.pieces,
                 basis,
                 lines,
@@ -97,7 +97,7 @@ impl CurvatureGrid {
         let basis = self.basis.each_ref().map(|table| &table[..]);
         let coefficients = &coefficients[first * self.columns + column..];
         let (s, r) = (&mut shape_index[..points], &mut curvedness[..points]);
-        patch_maps(Level::active(), &self.pieces, basis, coefficients, s, r)
+        patch_maps(Isa::active(), &self.pieces, basis, coefficients, s, r)
     }
 
     /// The maps of a surface over these knots.
@@ -119,12 +119,12 @@ impl CurvatureGrid {
             return;
         }
         let mut scratch = self.take_scratch();
-        let level = Level::active();
+        let isa = Isa::active();
         for (k, (s, r)) in s.chunks_mut(m).zip(r.chunks_mut(m)).take(rows).enumerate() {
             let values = (from + k) * self.width..(from + k + 1) * self.width;
             let basis = self.basis.each_ref().map(|table| &table[values.clone()]);
             let lines = &c[self.first[from + k] * self.columns..];
-            curvature_row(level, &self.pieces, basis, lines, &mut scratch, s, r);
+            curvature_row(isa, &self.pieces, basis, lines, &mut scratch, s, r);
         }
         self.put_scratch(scratch);
     }

@@ -10,7 +10,7 @@ use super::{ParametricFit, problem};
 use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
 use crate::shape::{
-    SpaceMaps, Spread, chi_square_upper_tail, class_probabilities, normal_interval, radius_of, space_maps, spread,
+    ParametricMaps, Spread, chi_square_upper_tail, class_probabilities, normal_interval, radius_of, parametric_maps, spread,
     uv_grid,
 };
 
@@ -25,7 +25,7 @@ const PLANE_STEPS: usize = 2000;
 #[derive(Clone, Debug)]
 pub struct ParametricShape {
     /// Maps over the grid.
-    pub maps: SpaceMaps,
+    pub maps: ParametricMaps,
     /// Shape index S; all `None` for a plane.
     pub shape_index: Statistic,
     /// Curvedness R, 1/length.
@@ -52,7 +52,7 @@ pub struct ParametricShape {
 pub fn describe(fit: &ParametricFit) -> ParametricShape {
     let domain = [0, 1].map(|k| &fit.cells.knots()[k]);
     let grid = uv_grid(domain, fit.options.grid, fit.options.inset);
-    let local = space_maps(&fit.surface, grid, &fit.support);
+    let local = parametric_maps(&fit.surface, grid, &fit.support);
     let scale = fit.frame.scale;
     let (s, r) = (spread(local.defined(&local.shape_index)), spread(local.defined(&local.curvedness)));
     let [u_s, u_r] = uncertainties(fit, &local, s.count);
@@ -85,7 +85,7 @@ pub fn describe(fit: &ParametricFit) -> ParametricShape {
 }
 
 /// Standard uncertainties of mean S and mean R, patch units.
-fn uncertainties(fit: &ParametricFit, maps: &SpaceMaps, defined: usize) -> [f64; 2] {
+fn uncertainties(fit: &ParametricFit, maps: &ParametricMaps, defined: usize) -> [f64; 2] {
     let unknowns = 3 * fit.cells.shape().coefficients();
     let mut sums = [vec![0.0; unknowns], vec![0.0; unknowns]];
     let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
@@ -112,7 +112,7 @@ fn uncertainties(fit: &ParametricFit, maps: &SpaceMaps, defined: usize) -> [f64;
     })
 }
 
-fn direction(maps: &SpaceMaps) -> Option<Vector> {
+fn direction(maps: &ParametricMaps) -> Option<Vector> {
     let middle = [&maps.grid.x, &maps.grid.y].map(|axis| 0.5 * (axis[0] + axis[axis.len() - 1]));
     let distance = |at: (usize, usize)| (maps.grid.x[at.0] - middle[0]).hypot(maps.grid.y[at.1] - middle[1]);
     let supported = maps.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at);

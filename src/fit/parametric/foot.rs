@@ -70,7 +70,7 @@ fn newton(cells: &Cells, c: &[Vector], at: [f64; 2], point: Vector) -> ([f64; 2]
     let first = [dot(qu, qu), dot(qu, qv), dot(qv, qv)];
     let full = [first[0] - dot(d, jet[2][0]), first[1] - dot(d, jet[1][1]), first[2] - dot(d, jet[0][2])];
     let determinant = |m: &[f64; 3]| m[0] * m[2] - m[1] * m[1];
-    // a tenth of the metric's determinant: nearer to the evolute the full matrix throws feet about
+    // a tenth of the metric determinant: nearer to the evolute the full matrix throws feet about
     let own = full[0] > 0.0 && determinant(&full) > 0.1 * determinant(&first);
     let m = if own { full } else { first };
     let det = determinant(&m);

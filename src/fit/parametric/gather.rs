@@ -7,15 +7,15 @@
 use super::cells::Row;
 use super::vector::Vector;
 use crate::linalg::BlockMatrix;
-use crate::simd::{Level, RowTerm, combine_rows, gram_rows};
+use crate::simd::{Isa, RowTerm, combine_rows, gram_rows};
 
-/// Rows that are gathered before they are multiplied out: with 56 columns they fill a level-1 cache.
+/// Rows that are gathered before they are multiplied out: with 56 columns they fill a isa-1 cache.
 const CHUNK: usize = 64;
 
 /// Sums over the rows of one cell, and the buffers that they are made in.
 #[derive(Clone, Debug)]
 pub struct Gather {
-    level: Level,
+    isa: Isa,
     local: usize,
     stride: usize,
     rows: Vec<f64>,
@@ -29,7 +29,7 @@ impl Gather {
     pub fn new(local: usize) -> Gather {
         let stride = (3 * local + 1).next_multiple_of(8);
         let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
-        Gather { level: Level::active(), local, stride, rows, filled: 0, gram, any: false }
+        Gather { isa: Isa::active(), local, stride, rows, filled: 0, gram, any: false }
     }
 
     /// For the next cell.
@@ -47,7 +47,7 @@ impl Gather {
         self.any = true;
         let row = &mut self.rows[self.filled * self.stride..(self.filled + 1) * self.stride];
         self.filled += 1;
-        combine_rows(self.level, self.local, terms, row);
+        combine_rows(self.isa, self.local, terms, row);
         row[3 * self.local] = target;
     }
 
@@ -61,7 +61,7 @@ impl Gather {
     }
 
     fn multiply_out(&mut self) {
-        gram_rows(self.level, self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
+        gram_rows(self.isa, self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
         self.filled = 0;
     }
 

@@ -10,7 +10,7 @@
 //! stripe into cells by their number alone, so each is moved once. Stripes are summed in a fixed number of panels whose
 //! overlaps are added in order: the bits do not depend on the number of threads.
 
-mod lanes;
+mod packed;
 mod sorting;
 mod sums;
 mod tables;
@@ -19,9 +19,9 @@ mod target;
 use std::sync::Mutex;
 
 use crate::bspline::Knots;
-use crate::linalg::{Metric, StencilMatrix, TensorShape};
+use crate::linalg::{RowWeights, StencilMatrix, TensorShape};
 use crate::simd::MAX_MOMENT_DEGREE;
-pub use lanes::{CellLanes, LaneRows};
+pub use packed::{PackedCells, PackedRows};
 use sorting::Stripes;
 use sums::Scratch;
 use tables::{Axis, AxisTables, XTables, YTables, squares_of};
@@ -30,7 +30,7 @@ use target::Overlap;
 /// Panels that the stripes are shared into: enough for the threads of a desktop, few enough that their overlaps are
 /// a small part of the matrix.
 const PANELS: usize = 8;
-/// Numbers that a contact takes along: x, y and the three loads, and then the four squares of its metric.
+/// Numbers that a contact takes along: x, y and the three loads, and then the four squares of its row weights.
 const UNIFORM: usize = 5;
 const WEIGHTED: usize = 9;
 
@@ -106,20 +106,20 @@ impl CellAssembly {
     }
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
-    pub fn assemble(&mut self, metric: &Metric, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+    pub fn assemble(&mut self, row_weights: &RowWeights, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
         matrix.clear();
         right.fill(0.0);
-        self.add(metric, rows, matrix, right);
+        self.add(row_weights, rows, matrix, right);
     }
 
     /// `matrix += E'E` and `right += E'b`: contacts that come in pieces, none of which is kept.
-    pub fn add(&mut self, metric: &Metric, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+    pub fn add(&mut self, row_weights: &RowWeights, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
         let abscissa = |r: usize| rows.at(r)[0];
-        match metric {
-            Metric::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {
+        match row_weights {
+            RowWeights::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {
                 self.sum_one_cell(rows, squares_of(*m), matrix, right);
             }
-            Metric::Uniform(m) => {
+            RowWeights::Uniform(m) => {
                 self.stripes.sort::<UNIFORM>(&self.knots[0], rows.len(), abscissa, |r, record| {
                     let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
                     record.copy_from_slice(&[x, y, z, zx, zy]);
@@ -129,10 +129,10 @@ impl CellAssembly {
                     own.one_stripe::<UNIFORM>(stripe, squares, scratch, target);
                 });
             }
-            Metric::PerSite(metrics) => {
+            RowWeights::PerSite(site_weights) => {
                 self.stripes.sort::<WEIGHTED>(&self.knots[0], rows.len(), abscissa, |r, record| {
                     let ([x, y], [z, zx, zy]) = (rows.at(r), rows.loads(r));
-                    let [zz, aa, ab, dd] = squares_of(metrics[r]);
+                    let [zz, aa, ab, dd] = squares_of(site_weights[r]);
                     record.copy_from_slice(&[x, y, z, zx, zy, zz, aa, ab, dd]);
                 });
                 self.sum_panels(matrix, right, &|own, stripe, scratch, target| {
@@ -145,10 +145,10 @@ impl CellAssembly {
 
 impl CellAssembly {
     /// `matrix += E'E` of contacts that are in their cells already: with the bits of [`CellAssembly::add`].
-    pub fn add_lanes(&mut self, metric: &Metric, lanes: &CellLanes, matrix: &mut StencilMatrix) {
+    pub fn add_packed(&mut self, row_weights: &RowWeights, lanes: &PackedCells, matrix: &mut StencilMatrix) {
         let mut nothing = vec![0.0; matrix.order()];
         self.sum_panels(matrix, &mut nothing, &|own, stripe, scratch, target| {
-            own.lane_stripe(stripe, metric, lanes, scratch, target);
+            own.lane_stripe(stripe, row_weights, lanes, scratch, target);
         });
     }
 }
@@ -156,7 +156,7 @@ impl CellAssembly {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{RowMetric, assemble, normal_rhs};
+    use crate::linalg::{SiteWeights, assemble, normal_rhs};
     use crate::observation::ScatteredSites;
 
     struct Given {
@@ -186,7 +186,7 @@ mod tests {
         degree: [usize; 2],
         segments: [usize; 2],
         count: usize,
-        metric: impl Fn(usize) -> RowMetric,
+        row_weights: impl Fn(usize) -> SiteWeights,
         uniform: bool,
     ) {
         let knots = [
@@ -196,26 +196,26 @@ mod tests {
         let points = points(count);
         let rows: Vec<[f64; 3]> = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
         let sites = ScatteredSites::new(knots.clone(), points.clone());
-        let metrics =
-            if uniform { Metric::Uniform(metric(0)) } else { Metric::PerSite((0..count).map(&metric).collect()) };
+        let site_weights =
+            if uniform { RowWeights::Uniform(row_weights(0)) } else { RowWeights::PerSite((0..count).map(&row_weights).collect()) };
         let mut cells = CellAssembly::new(knots).unwrap();
         let shape = cells.shape();
         let mut expected = StencilMatrix::zeros(shape);
-        assemble(&sites, &metrics, &mut expected);
+        assemble(&sites, &site_weights, &mut expected);
         let mut expected_right = vec![0.0; shape.unknowns()];
-        normal_rhs(&sites, &metrics, &rows, &mut expected_right);
+        normal_rhs(&sites, &site_weights, &rows, &mut expected_right);
         let loads = (0..count).map(|r| {
-            let (m, b) = (metrics.at(r), rows[r]);
+            let (m, b) = (site_weights.at(r), rows[r]);
             [m.z * b[0], m.a * b[1], m.b * b[1] + m.d * b[2]]
         });
         let given = Given { points, loads: loads.collect() };
         let (mut matrix, mut right) = (StencilMatrix::zeros(shape), vec![1.0; shape.unknowns()]);
         for _ in 0..2 {
-            cells.assemble(&metrics, &given, &mut matrix, &mut right);
+            cells.assemble(&site_weights, &given, &mut matrix, &mut right);
         }
         let mut again = StencilMatrix::zeros(shape);
         if let Some(lanes) = sites.lanes() {
-            cells.add_lanes(&metrics, lanes, &mut again);
+            cells.add_packed(&site_weights, lanes, &mut again);
             assert!(again == matrix, "contacts that are in their cells already: other bits");
         }
         let diagonal = expected.diagonal();
@@ -238,11 +238,11 @@ mod tests {
         for (degree, segments) in
             [([3, 3], [5, 4]), ([2, 2], [1, 1]), ([2, 3], [12, 3]), ([1, 2], [3, 9]), ([3, 1], [9, 2])]
         {
-            check(degree, segments, 3000, |_| RowMetric { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }, true);
-            check(degree, segments, 700, |_| RowMetric { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }, true);
+            check(degree, segments, 3000, |_| SiteWeights { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }, true);
+            check(degree, segments, 700, |_| SiteWeights { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }, true);
             let varied = |r: usize| {
                 let w = 1.0 + 0.5 * (r as f64).sin();
-                RowMetric { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
+                SiteWeights { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
             };
             check(degree, segments, 700, varied, false);
         }
@@ -257,10 +257,10 @@ mod tests {
             let mut cells = CellAssembly::new(knots.clone()).unwrap();
             let mut matrix = StencilMatrix::zeros(cells.shape());
             let mut right = vec![0.0; matrix.order()];
-            let metric = Metric::Uniform(RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
+            let row_weights = RowWeights::Uniform(SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
             let loads = points.iter().map(|p| [p[0].sin(), p[1].sin(), 1.0]).collect();
             let given = Given { points: points.clone(), loads };
-            pool.install(|| cells.assemble(&metric, &given, &mut matrix, &mut right));
+            pool.install(|| cells.assemble(&row_weights, &given, &mut matrix, &mut right));
             (matrix, right)
         };
         assert!(run(1) == run(2));

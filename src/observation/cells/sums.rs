@@ -3,9 +3,9 @@
 use super::sorting::CellOrder;
 use super::tables::{Combined, XTables, YTables, squares_of};
 use super::target::{Overlap, Target};
-use super::{CellAssembly, CellLanes, CellRows, WEIGHTED};
-use crate::linalg::{Metric, StencilMatrix, TensorShape};
-use crate::simd::{BilinearTerm, CellMoments, Level, MomentPowers, bilinear, moments};
+use super::{CellAssembly, PackedCells, CellRows, WEIGHTED};
+use crate::linalg::{RowWeights, StencilMatrix, TensorShape};
+use crate::simd::{BilinearTerm, CellMoments, Isa, MomentPowers, bilinear, moments};
 
 /// Contacts whose local coordinates are formed at once; they stay in the first-level cache.
 const BATCH: usize = 64;
@@ -121,20 +121,20 @@ impl CellAssembly {
     pub(super) fn lane_stripe(
         &self,
         stripe: usize,
-        metric: &Metric,
-        lanes: &CellLanes,
+        row_weights: &RowWeights,
+        lanes: &PackedCells,
         scratch: &mut Scratch,
         target: &mut Target<'_>,
     ) {
         let Scratch { local, batch, sums, work, .. } = scratch;
-        let uniform = match metric {
-            Metric::Uniform(m) => Some(squares_of(*m)),
-            Metric::PerSite(_) => None,
+        let uniform = match row_weights {
+            RowWeights::Uniform(m) => Some(squares_of(*m)),
+            RowWeights::PerSite(_) => None,
         };
         work.start(&self.x.products[stripe], self.shape, uniform);
         local.resize(WEIGHTED * BATCH, 0.0);
         let columns: &mut [[f64; BATCH]] = local.as_chunks_mut::<BATCH>().0;
-        let (level, degree) = (Level::active(), self.shape.degree[0].max(self.shape.degree[1]));
+        let (isa, degree) = (Isa::active(), self.shape.degree[0].max(self.shape.degree[1]));
         for cell in 0..self.knots[1].n_segments() {
             let ([u, v], numbers) = lanes.contacts([stripe, cell]);
             if numbers.is_empty() {
@@ -143,15 +143,15 @@ impl CellAssembly {
             let sums = if uniform.is_some() { &mut sums[..1] } else { &mut sums[..] };
             sums.fill(CellMoments::ZERO);
             for (numbers, (u, v)) in numbers.chunks(BATCH).zip(u.chunks(BATCH).zip(v.chunks(BATCH))) {
-                let Metric::PerSite(metrics) = metric else {
-                    moments(level, degree, [u, v], None, None, batch, &mut sums[0]);
+                let RowWeights::PerSite(site_weights) = row_weights else {
+                    moments(isa, degree, [u, v], None, None, batch, &mut sums[0]);
                     continue;
                 };
                 for (k, &number) in numbers.iter().enumerate() {
-                    squares_of(metrics[number as usize]).iter().zip(&mut *columns).for_each(|(w, c)| c[k] = *w);
+                    squares_of(site_weights[number as usize]).iter().zip(&mut *columns).for_each(|(w, c)| c[k] = *w);
                 }
                 for (sum, weights) in sums.iter_mut().zip(&*columns) {
-                    moments(level, degree, [u, v], Some(&weights[..u.len()]), None, batch, sum);
+                    moments(isa, degree, [u, v], Some(&weights[..u.len()]), None, batch, sum);
                 }
             }
             self.add_matrix([stripe, cell], sums, work, target);
@@ -220,7 +220,7 @@ impl CellAssembly {
         }
     }
 
-    /// Adds at most [`BATCH`] contacts of one cell to G (for a uniform metric one with weight 1, else four) and F.
+    /// Adds at most [`BATCH`] contacts of one cell to G (for a uniform row weights one with weight 1, else four) and F.
     #[inline]
     fn add_batch<const RECORD: usize>(
         &self,
@@ -243,17 +243,17 @@ impl CellAssembly {
             }
             n = k + 1;
         }
-        let level = Level::active();
+        let isa = Isa::active();
         let degree = self.shape.degree[0].max(self.shape.degree[1]);
         let (u, v) = (&columns[0][..n], &columns[1][..n]);
         let data = Some([&columns[2][..n], &columns[3][..n], &columns[4][..n]]);
         if let [sum] = sums {
-            moments(level, degree, [u, v], None, data, powers, sum);
+            moments(isa, degree, [u, v], None, data, powers, sum);
             return;
         }
         for (t, sum) in sums.iter_mut().enumerate() {
             let data = if t == 0 { data } else { None };
-            moments(level, degree, [u, v], Some(&columns[5 + t][..n]), data, powers, sum);
+            moments(isa, degree, [u, v], Some(&columns[5 + t][..n]), data, powers, sum);
         }
     }
 
@@ -281,9 +281,9 @@ impl CellAssembly {
         let [mm, dd] = [term(&combined.values[..], 0), term(&combined.across[..], 1)];
         if combined.coupled {
             let [left, right] = [&combined.coupling[0][..], &combined.coupling[1][..]];
-            bilinear(Level::active(), &[mm, dd, term(left, 2), term(right, 3)], block);
+            bilinear(Isa::active(), &[mm, dd, term(left, 2), term(right, 3)], block);
         } else {
-            bilinear(Level::active(), &[mm, dd], block);
+            bilinear(Isa::active(), &[mm, dd], block);
         }
     }
 
@@ -296,7 +296,7 @@ impl CellAssembly {
             powers,
         };
         let terms = [term(0, 0, 0), term(1, 1, 0), term(0, 3, 1), term(2, 2, 2), term(3, 2, 3)];
-        bilinear(Level::active(), &terms, block);
+        bilinear(Isa::active(), &terms, block);
     }
 
     /// `right += N' F_z M + N'' F_x M + N' F_y M'` of one cell.

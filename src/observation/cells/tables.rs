@@ -5,7 +5,7 @@
 //! ```
 
 use crate::bspline::Knots;
-use crate::linalg::{DoubleDouble, RowMetric};
+use crate::linalg::{DoubleDouble, SiteWeights};
 
 /// Numbers of one axis, segment by segment.
 #[derive(Debug)]
@@ -168,12 +168,12 @@ impl YTables {
     }
 }
 
-/// Squares that the metric enters with: `wz^2, a^2, a b, b^2 + d^2`.
-pub(super) fn squares_of(m: RowMetric) -> [f64; 4] {
+/// Squares that the row weights enter with: `wz^2, a^2, a b, b^2 + d^2`.
+pub(super) fn squares_of(m: SiteWeights) -> [f64; 4] {
     [m.z * m.z, m.a * m.a, m.a * m.b, m.b * m.b + m.d * m.d]
 }
 
-/// The x tables of one stripe with a uniform metric taken in.
+/// The x tables of one stripe with a uniform row weights taken in.
 #[derive(Debug, Default)]
 pub(super) struct Combined {
     pub values: Vec<[f64; 8]>,

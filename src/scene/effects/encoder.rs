@@ -132,7 +132,7 @@ impl Stage for Prepared {
         let mut read = vec![0.0; joints];
         for (contact, angles) in self.joints.iter().enumerate() {
             if self.sigma_deg > 0.0 {
-                draws.normals(contact as u64, block.first_replicate(), joints, &mut drawn);
+                draws.gaussians(contact as u64, block.first_replicate(), joints, &mut drawn);
             }
             for (lane, values) in drawn.chunks_exact(joints).enumerate() {
                 for ((read, angle), noise) in read.iter_mut().zip(angles).zip(values) {

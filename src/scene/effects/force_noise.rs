@@ -106,7 +106,7 @@ impl Stage for Prepared {
         let mut walk = vec![[0.0; 3]; lanes];
         for (contact, continues) in self.continues.iter().enumerate() {
             if per > 0 {
-                draws.normals(contact as u64, block.first_replicate(), per, &mut drawn);
+                draws.gaussians(contact as u64, block.first_replicate(), per, &mut drawn);
             }
             for (lane, values) in drawn.chunks_exact(6).enumerate() {
                 let entry = contact * lanes + lane;

@@ -69,7 +69,7 @@ impl Stage for Prepared {
         let mut varied = vec![0.0; lanes];
         for (contact, sliding) in self.sliding.iter().enumerate() {
             if self.friction.sigma > 0.0 {
-                draws.normals(contact as u64, block.first_replicate(), 1, &mut varied);
+                draws.gaussians(contact as u64, block.first_replicate(), 1, &mut varied);
             }
             for (lane, varied) in varied.iter().enumerate() {
                 let entry = contact * lanes + lane;

@@ -82,7 +82,7 @@ impl Stage for Prepared {
         let mut states = vec![[0.0; 5]; lanes];
         let angle = self.of.sigma_deg.to_radians();
         for (contact, (keep, fresh)) in self.steps.iter().enumerate() {
-            draws.normals(contact as u64, block.first_replicate(), 5, &mut drawn);
+            draws.gaussians(contact as u64, block.first_replicate(), 5, &mut drawn);
             for (lane, (state, values)) in states.iter_mut().zip(drawn.chunks_exact(5)).enumerate() {
                 for (s, value) in state.iter_mut().zip(values) {
                     *s = keep * *s + fresh * value;

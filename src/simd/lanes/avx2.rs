@@ -1,7 +1,7 @@
 //! Four lanes of AVX2 with fused multiply-add.
 //!
 //! SAFETY of every block below: the intrinsics need AVX2 and FMA; this type is only named by `dispatch`, whose
-//! function carries both and is only called at a [`super::super::Level`] that was detected on this machine.
+//! function carries both and is only called at a [`super::super::Isa`] that was detected on this machine.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};

@@ -11,7 +11,7 @@
 
 use super::chacha8::{BLOCKS, WORDS};
 use super::lanes::Lanes;
-use super::{Level, dispatch};
+use super::{Isa, dispatch};
 
 const LN: [f64; 7] = [
     6.666_666_666_666_735_130e-1,
@@ -122,8 +122,8 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
 ///
 /// # Panics
 /// When `first.len()` is no multiple of 8 or another array is shorter.
-pub fn normals(level: Level, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
-    dispatch!(level, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
+pub fn gaussians(isa: Isa, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
+    dispatch!(isa, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
 }
 
 #[inline(always)]
@@ -161,8 +161,8 @@ fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS
 
 /// Three standard normals for each half of every block, `out[k][16 half + block]`: the first three of the four that
 /// [`normals`] makes of the half's words.
-pub fn normal_triples(level: Level, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
-    dispatch!(level, triples [](words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]));
+pub fn gaussian_triples(isa: Isa, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
+    dispatch!(isa, triples [](words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]));
 }
 
 /// The safe twin: the library's `ln`, `sin` and `cos`, one pair at a time.
@@ -187,7 +187,7 @@ mod tests {
         let mut out = [[0; BLOCKS]; WORDS];
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for block in (0..).step_by(BLOCKS) {
-            chacha8(Level::best(), &[seed, 0, 0, 0, 0, 0, 0, 0], 3, block, &mut out);
+            chacha8(Isa::best(), &[seed, 0, 0, 0, 0, 0, 0, 0], 3, block, &mut out);
             for pair in out.chunks_exact(2) {
                 a.extend(pair[0]);
                 b.extend(pair[1]);
@@ -206,9 +206,9 @@ mod tests {
         let n = a.len();
         let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
         box_muller_pairs([&a, &b], &mut x, &mut y);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut p, mut q) = (vec![0.0; n], vec![0.0; n]);
-            normals(level, [&a, &b], &mut p, Some(&mut q));
+            gaussians(isa, [&a, &b], &mut p, Some(&mut q));
             let mut worst = 0.0_f64;
             let mut in_ulps = 0.0_f64;
             for i in 0..n {
@@ -216,10 +216,10 @@ mod tests {
                 worst = worst.max((p[i] - x[i]).abs().max((q[i] - y[i]).abs()) / scale.max(1e-8));
                 in_ulps = in_ulps.max(ulps(p[i].hypot(q[i]), scale));
             }
-            println!("normals {}: radius {in_ulps:.1} ulp, point {worst:.1e} of the radius", level.name());
-            assert!(worst < 2e-15 && in_ulps < 8.0, "{}: {worst:e} {in_ulps}", level.name());
+            println!("normals {}: radius {in_ulps:.1} ulp, point {worst:.1e} of the radius", isa.name());
+            assert!(worst < 2e-15 && in_ulps < 8.0, "{}: {worst:e} {in_ulps}", isa.name());
             let mut alone = vec![0.0; n];
-            normals(level, [&a, &b], &mut alone, None);
+            gaussians(isa, [&a, &b], &mut alone, None);
             assert_eq!(alone, p);
         }
     }
@@ -227,19 +227,19 @@ mod tests {
     /// Twin of the twin: the pairs are held against the library above, the triples are theirs to the bit.
     #[test]
     fn triples_are_the_first_three_of_two_pairs() {
-        for level in Level::available() {
+        for isa in Isa::available() {
             let mut words = [[0; BLOCKS]; WORDS];
-            chacha8(level, &[9, 0, 0, 0, 0, 0, 0, 1], 4, 11, &mut words);
+            chacha8(isa, &[9, 0, 0, 0, 0, 0, 0, 1], 4, 11, &mut words);
             words[2][..3].copy_from_slice(&[0, u64::MAX, 1 << 63]);
             let mut triples = [[0.0; 2 * BLOCKS]; 3];
-            normal_triples(level, &words, &mut triples);
+            gaussian_triples(isa, &words, &mut triples);
             for half in 0..2 {
                 let of = |k: usize| &words[4 * half + k][..];
                 let [mut z, mut x, mut y, mut unused] = [[0.0; BLOCKS]; 4];
-                normals(level, [of(0), of(1)], &mut z, Some(&mut x));
-                normals(level, [of(2), of(3)], &mut y, Some(&mut unused));
+                gaussians(isa, [of(0), of(1)], &mut z, Some(&mut x));
+                gaussians(isa, [of(2), of(3)], &mut y, Some(&mut unused));
                 for (triple, single) in triples.iter().zip([z, x, y]) {
-                    assert_eq!(triple[half * BLOCKS..][..BLOCKS], single, "{} half {half}", level.name());
+                    assert_eq!(triple[half * BLOCKS..][..BLOCKS], single, "{} half {half}", isa.name());
                 }
             }
         }
@@ -250,9 +250,9 @@ mod tests {
     fn they_are_normal() {
         use statrs::distribution::{ContinuousCDF, Normal};
         let (a, b) = words(1 << 21, 2);
-        for level in Level::available() {
+        for isa in Isa::available() {
             let (mut p, mut q) = (vec![0.0; a.len()], vec![0.0; a.len()]);
-            normals(level, [&a, &b], &mut p, Some(&mut q));
+            gaussians(isa, [&a, &b], &mut p, Some(&mut q));
             p.extend(q);
             let n = p.len() as f64;
             for (power, mean, variance) in
@@ -260,18 +260,18 @@ mod tests {
             {
                 let sum: f64 = p.iter().map(|v| v.powi(power)).sum();
                 let sigmas = (sum / n - mean) / (variance / n).sqrt();
-                println!("normals {}: moment {power} is {sigmas:+.2} sigma off", level.name());
+                println!("normals {}: moment {power} is {sigmas:+.2} sigma off", isa.name());
                 assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");
             }
             let tail = p.iter().filter(|v| v.abs() > 4.0).count() as f64;
             let expected = 6.334_248_366_623_984e-5 * n;
-            println!("normals {}: {tail} of {n} beyond 4, expected {expected:.0}", level.name());
+            println!("normals {}: {tail} of {n} beyond 4, expected {expected:.0}", isa.name());
             assert!((tail - expected).abs() < 5.0 * expected.sqrt(), "tail {tail} of {expected}");
             p.sort_by(f64::total_cmp);
             let normal = Normal::standard();
             let distance =
                 p.iter().enumerate().map(|(i, v)| (normal.cdf(*v) - (i as f64 + 0.5) / n).abs()).fold(0.0, f64::max);
-            println!("normals {}: Kolmogorov-Smirnov {:.2}", level.name(), distance * n.sqrt());
+            println!("normals {}: Kolmogorov-Smirnov {:.2}", isa.name(), distance * n.sqrt());
             // 1.95 is exceeded once in a thousand
             assert!(distance * n.sqrt() < 1.95, "Kolmogorov-Smirnov {distance}");
         }

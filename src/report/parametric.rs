@@ -4,11 +4,11 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use crate::shape::SpaceMaps;
+use crate::shape::ParametricMaps;
 
 /// Point, normal and shape at one (u, v). Input units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SpacePointShape {
+pub struct ParametricPointShape {
     /// As given.
     pub u: f64,
     /// As given.
@@ -39,7 +39,7 @@ const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R\n";
 ///
 /// # Errors
 /// What the system says.
-pub fn write_space_points_csv(points: &[SpacePointShape], out: &mut dyn Write) -> std::io::Result<()> {
+pub fn write_parametric_points_csv(points: &[ParametricPointShape], out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from(HEADER);
     for p in points {
         text.push_str(&row(p));
@@ -51,7 +51,7 @@ pub fn write_space_points_csv(points: &[SpacePointShape], out: &mut dyn Write) -
 ///
 /// # Errors
 /// What the system says.
-pub fn write_space_maps_csv(maps: &SpaceMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub fn write_parametric_maps_csv(maps: &ParametricMaps, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from(HEADER);
     for (i, u) in maps.grid.x.iter().enumerate() {
         for (j, v) in maps.grid.y.iter().enumerate() {
@@ -59,7 +59,7 @@ pub fn write_space_maps_csv(maps: &SpaceMaps, out: &mut dyn Write) -> std::io::R
             let inside = maps.supported[at];
             let number = |value: f64| (inside && !value.is_nan()).then_some(value);
             let vector = |value: [f64; 3]| (inside && !value[0].is_nan()).then_some(value);
-            text.push_str(&row(&SpacePointShape {
+            text.push_str(&row(&ParametricPointShape {
                 u: *u,
                 v: *v,
                 inside,
@@ -76,7 +76,7 @@ pub fn write_space_maps_csv(maps: &SpaceMaps, out: &mut dyn Write) -> std::io::R
     out.write_all(text.as_bytes())
 }
 
-fn row(p: &SpacePointShape) -> String {
+fn row(p: &ParametricPointShape) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let vector = |value: Option<[f64; 3]>| value.map_or(",,".into(), |[x, y, z]| format!("{x},{y},{z}"));
     let [x, y, z] = p.point;

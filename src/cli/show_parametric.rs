@@ -5,31 +5,31 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::describe::headline;
-use super::describe_space::picture_maps;
+use super::describe_parametric::picture_maps;
 use super::failure::Failure;
 use super::output::print;
 use super::show::{Again, ShowArgs, finish, take_again, whole};
 use crate::fit::FitOptions;
 use crate::io::{Saved, read_points};
 use crate::report::{
-    PictureOptions, SpacePointShape, write_json, write_maps_npz, write_picture, write_space_maps_csv,
-    write_space_points_csv,
+    PictureOptions, ParametricPointShape, write_json, write_maps_npz, write_picture, write_parametric_maps_csv,
+    write_parametric_points_csv,
 };
-use crate::shape::{SpaceMaps, UvSupport, space_maps, spread, uv_grid};
+use crate::shape::{ParametricMaps, UvSupport, parametric_maps, spread, uv_grid};
 use crate::surface::Parametric;
 
 #[derive(Serialize)]
 struct PointsDocument<'a> {
     schema: &'static str,
-    points: &'a [SpacePointShape],
+    points: &'a [ParametricPointShape],
 }
 
 /// Its values at given (u, v).
 pub(super) fn points(args: &ShowArgs, surface: &Parametric, support: &UvSupport, at: &Path) -> Result<(), Failure> {
     let places = read_points(at)?;
-    let points: Vec<SpacePointShape> =
+    let points: Vec<ParametricPointShape> =
         places.x.iter().zip(&places.y).map(|(u, v)| point(surface, support, *u, *v)).collect();
-    args.output.file("points.csv", &mut |out| write_space_points_csv(&points, out))?;
+    args.output.file("points.csv", &mut |out| write_parametric_points_csv(&points, out))?;
     if args.output.json {
         let document = PointsDocument { schema: "palpate.space_points/1", points: &points };
         return print(&mut |out| write_json(&document, out));
@@ -37,13 +37,13 @@ pub(super) fn points(args: &ShowArgs, surface: &Parametric, support: &UvSupport,
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_space_points_csv(&points, out))
+    print(&mut |out| write_parametric_points_csv(&points, out))
 }
 
-fn point(surface: &Parametric, support: &UvSupport, u: f64, v: f64) -> SpacePointShape {
+fn point(surface: &Parametric, support: &UvSupport, u: f64, v: f64) -> ParametricPointShape {
     let here = surface.at(u, v);
     let principal = here.principal();
-    SpacePointShape {
+    ParametricPointShape {
         u,
         v,
         inside: support.holds(u, v),
@@ -70,12 +70,12 @@ pub(super) fn shape(
     args.grid.apply(&mut options);
     options.check().map_err(|e| Failure::Input(e.to_string()))?;
     let knots = [0, 1].map(|k| &surface.knots()[k]);
-    let maps = space_maps(surface, uv_grid(knots, options.grid, options.inset), support);
+    let maps = parametric_maps(surface, uv_grid(knots, options.grid, options.inset), support);
     if args.grid.any() {
         take_again(&mut document, &spreads(&maps));
     }
     args.output.file("fit.json", &mut |out| write_json(&document, out))?;
-    args.output.file("maps.csv", &mut |out| write_space_maps_csv(&maps, out))?;
+    args.output.file("maps.csv", &mut |out| write_parametric_maps_csv(&maps, out))?;
     args.output.file("maps.npz", &mut |out| write_maps_npz(&maps.flat(), out))?;
     let title = headline(&saved.file, &document);
     let fine = picture_maps(surface, options.grid, support);
@@ -84,7 +84,7 @@ pub(super) fn shape(
     finish(args, saved, &document)
 }
 
-fn spreads(maps: &SpaceMaps) -> Again {
+fn spreads(maps: &ParametricMaps) -> Again {
     Again {
         grid: [maps.grid.x.len(), maps.grid.y.len()],
         spreads: [&maps.shape_index, &maps.curvedness, &maps.k1, &maps.k2].map(|map| spread(maps.defined(map))),

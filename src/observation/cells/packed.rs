@@ -9,15 +9,15 @@
 
 use super::tables::AxisTables;
 use crate::bspline::Knots;
-use crate::linalg::{Metric, Targets, TensorShape};
+use crate::linalg::{RowWeights, Targets, TensorShape};
 use crate::simd::{
-    CellPiece, CellPowers, CellSites, Level, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_basis, cell_products,
+    CellPiece, CellPowers, CellSites, Isa, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_basis, cell_products,
     cell_squares, cell_values,
 };
 
 /// Where contacts lie in their cells, by eights; the last eight of a cell are filled up with nothing.
 #[derive(Debug)]
-pub struct CellLanes {
+pub struct PackedCells {
     shape: TensorShape,
     axes: [AxisTables; 2],
     /// Cells in y.
@@ -34,7 +34,7 @@ pub struct CellLanes {
 
 /// Weights and targets in the same order.
 #[derive(Debug)]
-pub struct LaneRows {
+pub struct PackedRows {
     targets: [Vec<SiteLanes>; 3],
     weights: LaneWeights,
 }
@@ -46,10 +46,10 @@ enum LaneWeights {
     PerSite(Vec<[SiteLanes; 4]>),
 }
 
-impl CellLanes {
+impl PackedCells {
     /// Contacts of every cell of these knots, their numbers one cell after the other in `order`; `None` above
     /// [`MAX_MOMENT_DEGREE`].
-    pub fn new(knots: &[Knots; 2], points: &[[f64; 2]], order: &[u32], cell_starts: &[u32]) -> Option<CellLanes> {
+    pub fn new(knots: &[Knots; 2], points: &[[f64; 2]], order: &[u32], cell_starts: &[u32]) -> Option<PackedCells> {
         if knots.iter().any(|k| k.degree() > MAX_MOMENT_DEGREE) {
             return None;
         }
@@ -78,7 +78,7 @@ impl CellLanes {
                 numbers[eight][lane] = number;
             }
         }
-        Some(CellLanes { shape, axes, across, starts, counts, places, numbers })
+        Some(PackedCells { shape, axes, across, starts, counts, places, numbers })
     }
 
     /// u, v and numbers of the contacts of one cell.
@@ -90,16 +90,16 @@ impl CellLanes {
     }
 
     /// Weights and targets in the order of the cells.
-    pub fn rows(&self, metric: &Metric, targets: &Targets) -> LaneRows {
+    pub fn rows(&self, row_weights: &RowWeights, targets: &Targets) -> PackedRows {
         let eights = self.numbers.len();
-        let mut made = LaneRows {
+        let mut made = PackedRows {
             targets: [0; 3].map(|_| vec![[0.0; SITES]; eights]),
-            weights: match metric {
-                Metric::Uniform(m) => LaneWeights::Uniform(Box::new(std::array::from_fn(|filled| {
+            weights: match row_weights {
+                RowWeights::Uniform(m) => LaneWeights::Uniform(Box::new(std::array::from_fn(|filled| {
                     let live = if filled == 0 { SITES } else { filled };
                     [m.z, m.a, m.b, m.d].map(|w| std::array::from_fn(|lane| if lane < live { w } else { 0.0 }))
                 }))),
-                Metric::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; eights]),
+                RowWeights::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; eights]),
             },
         };
         for (cell, &start) in self.starts[..self.counts.len()].iter().enumerate() {
@@ -109,8 +109,8 @@ impl CellLanes {
                 for (column, target) in made.targets.iter_mut().zip(targets[number]) {
                     column[eight][lane] = target;
                 }
-                if let (LaneWeights::PerSite(weights), Metric::PerSite(metrics)) = (&mut made.weights, metric) {
-                    let m = metrics[number];
+                if let (LaneWeights::PerSite(weights), RowWeights::PerSite(site_weights)) = (&mut made.weights, row_weights) {
+                    let m = site_weights[number];
                     for (column, weight) in weights[eight].iter_mut().zip([m.z, m.a, m.b, m.d]) {
                         column[lane] = weight;
                     }
@@ -121,8 +121,8 @@ impl CellLanes {
     }
 
     /// Visits all contacts by eights with the values of their basis functions: `visit(first basis functions, sites, b)`.
-    pub fn visit(&self, rows: &LaneRows, mut visit: impl FnMut([usize; 2], &CellSites, [&SiteLanes; 3])) {
-        let (level, width) = (Level::active(), self.shape.degree.map(|d| d + 1));
+    pub fn visit(&self, rows: &PackedRows, mut visit: impl FnMut([usize; 2], &CellSites, [&SiteLanes; 3])) {
+        let (isa, width) = (Isa::active(), self.shape.degree.map(|d| d + 1));
         let mut basis = vec![[0.0; SITES]; 2 * (width[0] + width[1])];
         for (cell, &count) in self.counts.iter().enumerate() {
             let segment = [cell / self.across, cell % self.across];
@@ -133,7 +133,7 @@ impl CellLanes {
                 for (k, [values, slopes]) in [[&mut *x, &mut *dx], [&mut *y, &mut *dy]].into_iter().enumerate() {
                     let (functions, inverse_half) =
                         (&self.axes[k].values[segment[k]], self.axes[k].inverse_half[segment[k]]);
-                    cell_basis(level, functions, inverse_half, &self.places[k][eight], values, slopes);
+                    cell_basis(isa, functions, inverse_half, &self.places[k][eight], values, slopes);
                 }
                 let is_last = eight + 1 == self.starts[cell + 1];
                 let weights = match &rows.weights {
@@ -147,26 +147,26 @@ impl CellLanes {
     }
 
     /// `out += E'(b - E c)`.
-    pub fn descent(&self, rows: &LaneRows, c: &[f64], out: &mut [f64]) {
-        let level = Level::active();
+    pub fn descent(&self, rows: &PackedRows, c: &[f64], out: &mut [f64]) {
+        let isa = Isa::active();
         self.each_cell(rows, true, c, |[x, y], piece| {
             let mut powers = [[0.0; 4]; 4];
-            cell_products(level, piece, &mut powers);
+            cell_products(isa, piece, &mut powers);
             self.add_products([x, y], &powers, out);
         });
     }
 
     /// `|b - E c|^2` of heights and of slopes; without `targets`, `|E c|^2`.
-    pub fn squares(&self, rows: &LaneRows, targets: bool, c: &[f64]) -> [f64; 2] {
-        let level = Level::active();
+    pub fn squares(&self, rows: &PackedRows, targets: bool, c: &[f64]) -> [f64; 2] {
+        let isa = Isa::active();
         let mut sums = [0.0; 2];
-        self.each_cell(rows, targets, c, |_, piece| cell_squares(level, piece, &mut sums));
+        self.each_cell(rows, targets, c, |_, piece| cell_squares(isa, piece, &mut sums));
         sums
     }
 
     /// `visit(contact, [S, S_x, S_y])`, cell by cell.
     pub fn values(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
-        let (level, mut found) = (Level::active(), Vec::new());
+        let (isa, mut found) = (Isa::active(), Vec::new());
         for (cell, &count) in self.counts.iter().enumerate() {
             if count == 0 {
                 continue;
@@ -176,7 +176,7 @@ impl CellLanes {
             found.resize(range.len(), [[0.0; SITES]; 3]);
             let places = [0, 1].map(|k| &self.places[k][range.clone()]);
             let inverse_half = [0, 1].map(|k| self.axes[k].inverse_half[segment[k]]);
-            cell_values(level, &self.surface(segment, c), inverse_half, places, &mut found);
+            cell_values(isa, &self.surface(segment, c), inverse_half, places, &mut found);
             let (_, numbers) = self.contacts(segment);
             for (k, &number) in numbers.iter().enumerate() {
                 let eight = &found[k / SITES];
@@ -185,7 +185,7 @@ impl CellLanes {
         }
     }
 
-    fn each_cell(&self, rows: &LaneRows, targets: bool, c: &[f64], mut visit: impl FnMut([usize; 2], &CellPiece)) {
+    fn each_cell(&self, rows: &PackedRows, targets: bool, c: &[f64], mut visit: impl FnMut([usize; 2], &CellPiece)) {
         for (cell, &count) in self.counts.iter().enumerate() {
             if count == 0 {
                 continue;
@@ -247,7 +247,7 @@ impl CellLanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{RowMetric, Sites, apply_rows, descent, residuals};
+    use crate::linalg::{SiteWeights, Sites, apply_rows, descent, residuals};
     use crate::observation::ScatteredSites;
 
     /// Slopes are as large as the segments are many.
@@ -255,7 +255,7 @@ mod tests {
         1.0 + segments[0].max(segments[1]) as f64
     }
 
-    fn check(degree: [usize; 2], segments: [usize; 2], count: usize, metric: &Metric) {
+    fn check(degree: [usize; 2], segments: [usize; 2], count: usize, row_weights: &RowWeights) {
         let knots = [
             Knots::uniform(degree[0], segments[0], 0.0, 1.0).unwrap(),
             Knots::uniform(degree[1], segments[1], -1.0, 1.0).unwrap(),
@@ -266,12 +266,12 @@ mod tests {
         let targets: Targets = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
         let sites = ScatteredSites::new(knots, points);
         let lanes = sites.lanes().unwrap();
-        let rows = lanes.rows(metric, &targets);
+        let rows = lanes.rows(row_weights, &targets);
         let unknowns = lanes.shape.unknowns();
         let c: Vec<f64> = (0..unknowns).map(|u| (u as f64 * 0.7).cos()).collect();
         for (with_targets, given) in [(true, &targets), (false, &vec![[0.0; 3]; count])] {
             let mut expected = Targets::new();
-            residuals(&sites, metric, given, &c, &mut expected);
+            residuals(&sites, row_weights, given, &c, &mut expected);
             let squares =
                 expected.iter().fold([0.0, 0.0], |s, r| [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]]);
             let found = lanes.squares(&rows, with_targets, &c);
@@ -279,9 +279,9 @@ mod tests {
                 assert!((found[block] - squares[block]).abs() <= 1e-13 * squares[block], "{found:?} {squares:?}");
             }
         }
-        let plain = RowMetric { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+        let plain = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
         let (mut visited, mut expected) = (0, Targets::new());
-        apply_rows(&sites, &Metric::Uniform(plain), &c, &mut expected);
+        apply_rows(&sites, &RowWeights::Uniform(plain), &c, &mut expected);
         lanes.values(&c, |number, found| {
             let size = size_of(segments);
             (0..3).for_each(|k| assert!((found[k] - expected[number][k]).abs() < 1e-14 * size, "{k} {found:?}"));
@@ -296,7 +296,7 @@ mod tests {
             // lanes without a site have no weight
             for l in (0..SITES).filter(|l| eight.weights[0][*l] != 0.0) {
                 let (start, index, values) = next.next().unwrap();
-                let m = metric.at(*index);
+                let m = row_weights.at(*index);
                 assert_eq!((first, eight.weights.iter().map(|w| w[l]).collect()), (*start, vec![m.z, m.a, m.b, m.d]));
                 assert_eq!(b.map(|b| b[l]), targets[*index]);
                 basis.iter().zip(values).for_each(|(a, b)| assert!((a[l] - b).abs() < 1e-14 * size_of(segments)));
@@ -305,7 +305,7 @@ mod tests {
         assert!(next.next().is_none());
         let (mut found, mut expected) = (vec![0.0; unknowns], vec![0.0; unknowns]);
         lanes.descent(&rows, &c, &mut found);
-        descent(&sites, metric, &targets, &c, &mut expected);
+        descent(&sites, row_weights, &targets, &c, &mut expected);
         let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max);
         println!("degree {degree:?} contacts {count}: {worst:.1e} of the largest entry");
@@ -317,13 +317,13 @@ mod tests {
         for (degree, segments) in
             [([3, 3], [5, 4]), ([2, 2], [1, 1]), ([2, 3], [12, 3]), ([1, 2], [3, 9]), ([3, 1], [9, 40])]
         {
-            check(degree, segments, 3000, &Metric::Uniform(RowMetric { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }));
-            check(degree, segments, 50, &Metric::Uniform(RowMetric { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }));
+            check(degree, segments, 3000, &RowWeights::Uniform(SiteWeights { z: 2.0, a: 0.5, b: 0.0, d: 0.7 }));
+            check(degree, segments, 50, &RowWeights::Uniform(SiteWeights { z: 1.0, a: 0.5, b: -0.3, d: 0.7 }));
             let varied = |r: usize| {
                 let w = 1.0 + 0.5 * (r as f64).sin();
-                RowMetric { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
+                SiteWeights { z: w, a: 0.5 * w, b: 0.2 * (r as f64).cos(), d: 2.0 - w }
             };
-            check(degree, segments, 700, &Metric::PerSite((0..700).map(varied).collect()));
+            check(degree, segments, 700, &RowWeights::PerSite((0..700).map(varied).collect()));
         }
         let knots = [Knots::uniform(4, 2, 0.0, 1.0).unwrap(), Knots::uniform(3, 2, 0.0, 1.0).unwrap()];
         assert!(ScatteredSites::new(knots, vec![[0.5, 0.5]]).lanes().is_none());

@@ -8,10 +8,10 @@ use crate::fit::ParametricFit;
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
 use crate::report::{
     FitDocument, FitPart, ParametricPart, PictureOptions, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
-    write_json, write_maps_npz, write_picture, write_space_maps_csv,
+    write_json, write_maps_npz, write_picture, write_parametric_maps_csv,
 };
 use crate::scene::Truth;
-use crate::shape::{SpaceMaps, space_maps, uv_grid};
+use crate::shape::{ParametricMaps, parametric_maps, uv_grid};
 use crate::surface::Parametric;
 
 /// Describes `fit` wherever the flags ask for it.
@@ -30,7 +30,7 @@ pub(super) fn describe(fit: &ParametricFit, subject: &Subject, to: &Destination)
         write_atomically(path, &mut |out| write_json(&document, out))?;
     }
     to.output.file("fit.json", &mut |out| write_json(&document, out))?;
-    to.output.file("maps.csv", &mut |out| write_space_maps_csv(&shape.maps, out))?;
+    to.output.file("maps.csv", &mut |out| write_parametric_maps_csv(&shape.maps, out))?;
     to.output.file("maps.npz", &mut |out| write_maps_npz(&shape.maps.flat(), out))?;
     if to.output.out.is_some() {
         let fine = picture_maps(&surface, fit.options().grid, &fit.input_support());
@@ -48,10 +48,10 @@ pub(super) fn describe(fit: &ParametricFit, subject: &Subject, to: &Destination)
 }
 
 /// Maps over all of (u, v), fine enough to look at.
-pub(super) fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &crate::shape::UvSupport) -> SpaceMaps {
+pub(super) fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &crate::shape::UvSupport) -> ParametricMaps {
     let [least, most] = PICTURE_CELLS;
     let knots = [0, 1].map(|k| &surface.knots()[k]);
-    space_maps(surface, uv_grid(knots, grid.map(|n| n.clamp(least, most)), 0.0), support)
+    parametric_maps(surface, uv_grid(knots, grid.map(|n| n.clamp(least, most)), 0.0), support)
 }
 
 fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, seconds: Seconds) -> FitDocument {

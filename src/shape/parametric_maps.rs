@@ -10,7 +10,7 @@ type Vector = [f64; 3];
 
 /// Maps over (u, v), input units.
 #[derive(Clone, Debug)]
-pub struct SpaceMaps {
+pub struct ParametricMaps {
     /// Where, in u (as `x`) and v (as `y`).
     pub grid: ShapeGrid,
     /// Points in space.
@@ -45,10 +45,10 @@ pub fn uv_grid(knots: [&Knots; 2], points: [usize; 2], inset: f64) -> ShapeGrid 
 }
 
 /// Evaluates the surface and its shape over `grid`, where `support` holds.
-pub fn space_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) -> SpaceMaps {
+pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) -> ParametricMaps {
     let size = (grid.x.len(), grid.y.len());
     let nan = Array2::from_elem(size, f64::NAN);
-    let mut maps = SpaceMaps {
+    let mut maps = ParametricMaps {
         points: Array2::from_elem(size, [0.0; 3]),
         normals: Array2::from_elem(size, [f64::NAN; 3]),
         direction: Array2::from_elem(size, [f64::NAN; 3]),
@@ -75,9 +75,9 @@ pub fn space_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) ->
     maps
 }
 
-impl SpaceMaps {
+impl ParametricMaps {
     /// The same under `P -> origin + scale P`, u and v scaled alike.
-    pub fn placed(mut self, origin: Vector, scale: f64) -> SpaceMaps {
+    pub fn placed(mut self, origin: Vector, scale: f64) -> ParametricMaps {
         for axis in [&mut self.grid.x, &mut self.grid.y] {
             axis.iter_mut().for_each(|t| *t *= scale);
         }

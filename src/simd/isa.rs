@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 /// An instruction set that this machine has.
 ///
-/// It can only be made by asking the processor ([`Level::best`], [`Level::available`]), which is what makes calling a
+/// It can only be made by asking the processor ([`Isa::best`], [`Isa::available`]), which is what makes calling a
 /// kernel with it sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Level(Kind);
+pub struct Isa(Kind);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
@@ -26,50 +26,50 @@ const BRIEF: usize = 1 << 12;
 /// 0: not chosen yet; 1: the best there is; 2: portable.
 static CHOICE: AtomicU8 = AtomicU8::new(0);
 
-impl Level {
+impl Isa {
     /// Plain Rust without fused multiply-add: the same bits on every machine.
-    pub const PORTABLE: Level = Level(Kind::Portable);
+    pub const PORTABLE: Isa = Isa(Kind::Portable);
 
     /// The widest set of this machine.
-    pub fn best() -> Level {
+    pub fn best() -> Isa {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
             let avx2 = has!("avx2") && has!("fma") && has!("bmi2");
             if avx2 && has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
-                return Level(Kind::Avx512);
+                return Isa(Kind::Avx512);
             }
             if avx2 {
-                return Level(Kind::Avx2);
+                return Isa(Kind::Avx2);
             }
         }
-        Level::PORTABLE
+        Isa::PORTABLE
     }
 
     /// Every set of this machine, the portable one first.
-    pub fn available() -> Vec<Level> {
-        match Level::best().0 {
+    pub fn available() -> Vec<Isa> {
+        match Isa::best().0 {
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => vec![Level::PORTABLE, Level(Kind::Avx2), Level(Kind::Avx512)],
+            Kind::Avx512 => vec![Isa::PORTABLE, Isa(Kind::Avx2), Isa(Kind::Avx512)],
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => vec![Level::PORTABLE, Level(Kind::Avx2)],
-            Kind::Portable => vec![Level::PORTABLE],
+            Kind::Avx2 => vec![Isa::PORTABLE, Isa(Kind::Avx2)],
+            Kind::Portable => vec![Isa::PORTABLE],
         }
     }
 
-    /// The set in use: the best, or the portable one after [`Level::force_portable`].
-    pub fn active() -> Level {
-        if CHOICE.load(Ordering::Relaxed) == 2 { Level::PORTABLE } else { Level::best() }
+    /// The set in use: the best, or the portable one after [`Isa::force_portable`].
+    pub fn active() -> Isa {
+        if CHOICE.load(Ordering::Relaxed) == 2 { Isa::PORTABLE } else { Isa::best() }
     }
 
-    /// The set for about so many sites or points in one go: [`Level::active`], but no 512-bit set for 4096 or fewer.
-    pub fn for_work(items: usize) -> Level {
-        let level = Level::active();
+    /// The set for about so many sites or points in one go: [`Isa::active`], but no 512-bit set for 4096 or fewer.
+    pub fn for_work(items: usize) -> Isa {
+        let isa = Isa::active();
         #[cfg(target_arch = "x86_64")]
-        if items <= BRIEF && level.0 == Kind::Avx512 {
-            return Level(Kind::Avx2);
+        if items <= BRIEF && isa.0 == Kind::Avx512 {
+            return Isa(Kind::Avx2);
         }
-        level
+        isa
     }
 
     /// From now on the whole process takes the portable path (`--portable`), for the same bits on different machines.
