@@ -15,9 +15,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use palpate::draws::EffectDraws;
-use palpate::fit::{ImagePlan, SlopePlan};
 use palpate::montecarlo::{FixedSites, ROW_NOISE};
-use palpate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, LANES, Isa, chacha8, multiply_add_peak, gaussian_triples};
+use palpate::plans::{ImagePlan, SlopePlan};
+use palpate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, LANES, chacha8, gaussian_triples, multiply_add_peak};
 use palpate::surface::CurvatureGrid;
 use workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 

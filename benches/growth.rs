@@ -15,7 +15,7 @@ mod workloads;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use palpate::fit::{ImagePlan, SlopePlan, Touch, TouchStream};
+use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
 use workloads::{Fault, image, image_knots, paper_points, pool, scattered_from, square_knots};
 
 /// Contacts taken in at once. Every piece costs each cell it touches a microsecond, however few its contacts.

@@ -8,8 +8,9 @@ use std::io::Read;
 use std::time::Instant;
 
 use palpate::bspline::{Knots, linspace};
-use palpate::fit::{ImagePlan, Objective, SlopeColumns, SlopePlan, SlopeWeights};
+use palpate::fit::{Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
+use palpate::plans::{ImagePlan, SlopeColumns, SlopePlan};
 use palpate::surface::CurvatureGrid;
 use palpate::{Contacts, FitOptions, fit_contacts};
 

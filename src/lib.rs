@@ -29,6 +29,8 @@ pub mod io;
 pub mod linalg;
 pub mod montecarlo;
 pub mod observation;
+pub mod parametric;
+pub mod plans;
 #[cfg(feature = "cli")]
 pub mod report;
 pub mod scene;

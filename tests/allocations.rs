@@ -9,7 +9,7 @@ mod workloads;
 use std::alloc::System;
 
 use palpate::bspline::linspace;
-use palpate::fit::{ImagePlan, SlopePlan, Touch, TouchStream};
+use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
 use palpate::surface::CurvatureGrid;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};

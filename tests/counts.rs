@@ -9,7 +9,7 @@ mod workloads;
 use std::alloc::System;
 
 use compare::{Counts, Growth, growths};
-use palpate::fit::SlopePlan;
+use palpate::plans::SlopePlan;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, paper, paper_knots, pool};
 

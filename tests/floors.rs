@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 20] = [
+const FLOORS: [(&str, u8); 22] = [
     ("simd", 0),
     ("contact", 1),
     ("bspline", 1),
@@ -19,14 +19,16 @@ const FLOORS: [(&str, u8); 20] = [
     ("surface", 2),
     ("shape", 3),
     ("fit", 4),
-    ("montecarlo", 5),
-    ("frontier", 5),
-    ("explore", 5),
-    ("cases", 5),
-    ("io", 6),
-    ("report", 7),
-    ("cli", 8),
-    ("main", 9),
+    ("parametric", 5),
+    ("plans", 5),
+    ("montecarlo", 6),
+    ("frontier", 6),
+    ("explore", 6),
+    ("cases", 6),
+    ("io", 7),
+    ("report", 8),
+    ("cli", 9),
+    ("main", 10),
 ];
 
 /// Every `crate::room` named in a file, `use crate::{a, b}` included; a `mod tests` may look anywhere for its oracle.

@@ -2,10 +2,8 @@
 
 use palpate::Contacts;
 use palpate::contact::Orientation;
-use palpate::fit::{
-    FitError, FitOptions, FittedSurface, NormalSigma, Objective, ParametricFit, Smooth, SurfaceKind, choose_surface,
-    fit_contacts, fit_parametric, fit_surface,
-};
+use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
+use palpate::parametric::{FittedSurface, ParametricFit, choose_surface, fit_parametric, fit_surface};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
 use palpate::scene::{Surface, Sweep, World, linspace};

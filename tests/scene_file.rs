@@ -1,9 +1,10 @@
 //! Scene files: what is wrong is said with its line and column, the nearest known word, and the numbers that clash.
 #![cfg(feature = "cli")]
 
-use palpate::fit::{FittedSurface, fit_contacts, fit_surface};
+use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 use palpate::io::scene_file::{SceneFileError, builtin, builtin_scenes, read_scene};
+use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Effect;
 
 const SCENE: &str = "[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-4.0, 0.0, 4.0]\nfrom = -4.0\nto = 4.0\nstations = 9\n";

@@ -5,8 +5,8 @@
 mod workloads;
 
 use palpate::bspline::linspace;
-use palpate::fit::SlopePlan;
 use palpate::montecarlo::FixedSites;
+use palpate::plans::SlopePlan;
 use palpate::surface::CurvatureGrid;
 use palpate::{Contacts, FitOptions, fit_contacts};
 use workloads::{Fault, paper, paper_knots, paper_points, pool, scattered, square_knots};

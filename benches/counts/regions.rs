@@ -3,8 +3,9 @@
 use std::hint::black_box;
 
 use palpate::bspline::linspace;
-use palpate::fit::{Fit, ImagePlan, Objective, SlopePlan, SlopeWeights};
+use palpate::fit::{Fit, Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
+use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::surface::CurvatureGrid;
 use palpate::{Contacts, FitOptions, fit_contacts};
 

@@ -1,7 +1,8 @@
 //! Every paper scene under `auto`: which kind it chose, and the errors of both kinds against the truth.
 
-use palpate::fit::{FitOptions, FittedSurface, SurfaceKind, fit_surface};
+use palpate::fit::{FitOptions, SurfaceKind};
 use palpate::io::scene_file::{builtin, builtin_scenes};
+use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Truth;
 
 pub fn print() {
@@ -17,7 +18,7 @@ pub fn print() {
             Err(error) => error.to_string().chars().take(22).collect(),
         };
         let auto = FitOptions { surface: SurfaceKind::Auto, ..file.fit.clone() };
-        let (chosen, why) = palpate::fit::choose_surface(&contacts, &auto);
+        let (chosen, why) = palpate::parametric::choose_surface(&contacts, &auto);
         let space = FitOptions {
             surface: SurfaceKind::Parametric,
             degree: file.fit.degree.map(|p| p.max(3)),

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use palpate::fit::{Fit, ParametricFit};
+use palpate::fit::Fit;
+use palpate::parametric::ParametricFit;
 use palpate::scene::surface::{Body, Sphere};
 use palpate::scene::{Surface, Sweep, World, linspace};
 

@@ -1,9 +1,8 @@
 //! The paper's patch on balls and bars, and what a fit of it says.
 
 use palpate::Contacts;
-use palpate::fit::{
-    Fit, FitOptions, NormalSigma, Objective, ParametricFit, Smooth, SurfaceKind, fit_contacts, fit_parametric,
-};
+use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
+use palpate::parametric::{ParametricFit, fit_parametric};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
 use palpate::scene::{Simulator, Surface, Sweep, World, linspace};

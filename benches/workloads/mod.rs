@@ -8,7 +8,7 @@
 
 use palpate::bspline::{Knots, linspace};
 use palpate::draws::EffectDraws;
-use palpate::fit::SlopeColumns;
+use palpate::plans::SlopeColumns;
 
 /// Any error of a bench.
 pub type Fault = Box<dyn std::error::Error + Send + Sync>;

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
-use crate::fit::{Declared, Fit, FittedSurface, Statistic};
+use crate::fit::{Declared, Fit, Statistic};
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
+use crate::parametric::FittedSurface;
 use crate::report::{
     ChosenPart, FitDocument, FitPart, MeasurePart, PictureOptions, PromisePart, RmsPart, Seconds, ShapePart, Shares,
     SigmaPart, SpreadPart, TruthPart, significant, write_json, write_maps_csv, write_maps_npz, write_picture,
@@ -141,7 +142,10 @@ fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
     if frame.keeps_axes() {
         return (contacts.x.clone(), contacts.y.clone());
     }
-    (0..contacts.len()).map(|r| frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]])).map(|p| (p[0], p[1])).unzip()
+    (0..contacts.len())
+        .map(|r| frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]]))
+        .map(|p| (p[0], p[1]))
+        .unzip()
 }
 
 fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Seconds) -> FitDocument {

@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use super::describe::{Destination, PICTURE_CELLS, Subject, headline, measure, shares, spread_part, tell};
 use super::failure::Failure;
-use crate::fit::ParametricFit;
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
+use crate::parametric::ParametricFit;
 use crate::report::{
     FitDocument, FitPart, ParametricPart, PictureOptions, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
-    write_json, write_maps_npz, write_picture, write_parametric_maps_csv,
+    write_json, write_maps_npz, write_parametric_maps_csv, write_picture,
 };
 use crate::scene::Truth;
 use crate::shape::{ParametricMaps, parametric_maps, uv_grid};
@@ -48,7 +48,11 @@ pub(super) fn describe(fit: &ParametricFit, subject: &Subject, to: &Destination)
 }
 
 /// Maps over all of (u, v), fine enough to look at.
-pub(super) fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &crate::shape::UvSupport) -> ParametricMaps {
+pub(super) fn picture_maps(
+    surface: &Parametric,
+    grid: [usize; 2],
+    support: &crate::shape::UvSupport,
+) -> ParametricMaps {
     let [least, most] = PICTURE_CELLS;
     let knots = [0, 1].map(|k| &surface.knots()[k]);
     parametric_maps(surface, uv_grid(knots, grid.map(|n| n.clamp(least, most)), 0.0), support)

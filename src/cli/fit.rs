@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::contact::ContactError;
-use crate::fit::{FitError, FitOptions, FittedSurface, SurfaceKind, fit_grid, fit_surface};
+use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::{Input, ReadOptions, Reading, read_input};
+use crate::parametric::{FittedSurface, fit_surface};
 use crate::report::ChosenPart;
 
 use super::describe::{Destination, Subject, describe};

@@ -53,7 +53,9 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
         (AnySurface::Height(surface), Some(at)) => show_points(args, &saved, surface, at),
         (AnySurface::Height(surface), None) => show_shape(args, &saved, surface, &bytes),
         (AnySurface::Parametric(surface, support), Some(at)) => show_parametric::points(args, surface, support, at),
-        (AnySurface::Parametric(surface, support), None) => show_parametric::shape(args, &saved, surface, support, &bytes),
+        (AnySurface::Parametric(surface, support), None) => {
+            show_parametric::shape(args, &saved, surface, support, &bytes)
+        }
     }
 }
 

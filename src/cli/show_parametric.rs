@@ -12,8 +12,8 @@ use super::show::{Again, ShowArgs, finish, take_again, whole};
 use crate::fit::FitOptions;
 use crate::io::{Saved, read_points};
 use crate::report::{
-    PictureOptions, ParametricPointShape, write_json, write_maps_npz, write_picture, write_parametric_maps_csv,
-    write_parametric_points_csv,
+    ParametricPointShape, PictureOptions, write_json, write_maps_npz, write_parametric_maps_csv,
+    write_parametric_points_csv, write_picture,
 };
 use crate::shape::{ParametricMaps, UvSupport, parametric_maps, spread, uv_grid};
 use crate::surface::Parametric;

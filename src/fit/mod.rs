@@ -28,53 +28,28 @@
 //! # Ok::<(), fit::FitError>(())
 //! ```
 
-mod axes;
-mod backward;
-mod bounds;
 mod certificate;
-mod data;
 mod describe;
-mod equations;
 mod error;
-mod gaps;
-mod grid;
+mod linear;
 mod noise;
-mod normals;
 mod notes;
-mod observed;
+mod objective;
 mod options;
-mod parametric;
-mod plan;
-mod plane_rows;
-mod probes;
-mod promise;
-mod reasons;
-mod refinement;
-mod robust;
-mod row_passes;
-mod rows;
-mod smoothing;
-mod solver;
-mod stream;
-mod uncertainty;
+mod placing;
 
 pub use certificate::Certificate;
+pub use certificate::guaranteed_digits::Promise;
 pub use describe::{Shape, Statistic};
-pub use equations::{Block, Equations};
 pub use error::FitError;
+pub use linear::reasons::{MethodUsed, Reason};
+pub use linear::{Factor, Solution};
+pub(crate) use noise::probes::Signs;
 pub use notes::Note;
-pub use observed::{Observed, Patch};
-pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-pub use parametric::{
-    FittedSurface, ParametricCertificate, ParametricFit, ParametricLevels, ParametricShape, SurfaceKind,
-    choose_surface, fit_parametric, fit_surface,
-};
-pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
-pub use promise::Promise;
-pub use reasons::{MethodUsed, Reason};
-pub use rows::{Declared, NoiseLevels, Rms};
-pub use solver::{Factor, Solution};
-pub use stream::{StreamShape, Touch, TouchStream};
+pub use objective::equations::{Block, Equations};
+pub use objective::{Declared, NoiseLevels, Rms};
+pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+pub use placing::{Observed, Patch};
 
 use std::sync::OnceLock;
 
@@ -82,7 +57,7 @@ use ndarray::Array2;
 
 use crate::contact::{Contacts, Frame, Grid};
 use crate::surface::HeightField;
-use data::Data;
+use objective::data::Data;
 
 /// A fitted patch: the surface, the equations it solves, and all that is asked of it later.
 #[derive(Debug)]
@@ -90,7 +65,7 @@ pub struct Fit {
     pub(crate) options: FitOptions,
     pub(crate) patch: Patch,
     pub(crate) surface: HeightField,
-    pub(crate) fitted: rows::Fitted,
+    pub(crate) fitted: objective::Fitted,
     pub(crate) data: Data,
     noise: OnceLock<NoiseLevels>,
     condition: OnceLock<f64>,
@@ -104,7 +79,7 @@ pub struct Fit {
 /// Every [`FitError`]; nothing panics on what a user can hand in.
 pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, FitError> {
     options.check()?;
-    let (patch, local) = observed::place_contacts(contacts, options)?;
+    let (patch, local) = placing::place_contacts(contacts, options)?;
     let data = Data::scattered(local, &patch);
     fit_data(patch, data, options)
 }
@@ -115,13 +90,13 @@ pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, Fi
 /// Every [`FitError`].
 pub fn fit_grid(grid: &Grid, options: &FitOptions) -> Result<Fit, FitError> {
     options.check()?;
-    let patch = observed::place_grid(grid, options)?;
+    let patch = placing::place_grid(grid, options)?;
     let (origin, scale) = (patch.frame.origin[2], patch.frame.scale);
     fit_data(patch, Data::Gridded { grid: grid.clone(), origin, scale }, options)
 }
 
 fn fit_data(patch: Patch, data: Data, options: &FitOptions) -> Result<Fit, FitError> {
-    let fitted = rows::fit_rows(&patch, &data, options)?;
+    let fitted = objective::fit_rows(&patch, &data, options)?;
     let shape = [patch.knots[0].n_basis(), patch.knots[1].n_basis()];
     let coefficients = Array2::from_shape_fn(shape, |(i, j)| fitted.solution.coefficients[i * shape[1] + j]);
     let surface = HeightField::new(patch.knots.clone(), coefficients)?;
@@ -179,8 +154,8 @@ impl Fit {
     pub fn smoothing(&self) -> f64 {
         // extreme weights are divided by a power of two, and the penalty with them
         let unit = match self.fitted.levels {
-            rows::Levelled::Weights { unit, .. } => unit,
-            rows::Levelled::Known(_) => 1.0,
+            objective::Levelled::Weights { unit, .. } => unit,
+            objective::Levelled::Known(_) => 1.0,
         };
         self.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| lambda / unit / unit)
     }
@@ -192,12 +167,12 @@ impl Fit {
 
     /// What the noise levels or weights were, declared or found; under weights they come from the residuals on first access.
     pub fn noise(&self) -> &NoiseLevels {
-        self.noise.get_or_init(|| rows::noise_levels(&self.fitted))
+        self.noise.get_or_init(|| objective::noise_levels(&self.fitted))
     }
 
     /// Root mean square residuals, input units.
     pub fn rms(&self) -> Rms {
-        rows::rms(self)
+        objective::rms(self)
     }
 
     /// Remarks that a user should see.

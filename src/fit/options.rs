@@ -1,6 +1,8 @@
 //! What a user may choose about a fit; the same words on the command line, in a scene's `[fit]` and here.
 
-use super::{FitError, SurfaceKind};
+use std::fmt;
+
+use super::FitError;
 
 /// Shape grids beyond this many points are typing errors: their maps alone would take gigabytes.
 const MAX_GRID_POINTS: usize = 100_000_000;
@@ -95,6 +97,35 @@ pub enum FrameChoice {
     Keep,
     /// Those of the input when all nz > 0 or without normals, else from the mean normal and the sweep.
     Auto,
+}
+
+/// Which kind of surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// `z = S(x, y)`.
+    #[default]
+    Height,
+    /// `Q(u, v)`.
+    Parametric,
+    /// Whichever the contacts call for.
+    Auto,
+}
+
+impl SurfaceKind {
+    /// The word on the command line, in scenes and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            SurfaceKind::Height => "height",
+            SurfaceKind::Parametric => "parametric",
+            SurfaceKind::Auto => "auto",
+        }
+    }
+}
+
+impl fmt::Display for SurfaceKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// Everything that decides a fit, with the design's defaults.

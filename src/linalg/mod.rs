@@ -22,7 +22,7 @@ pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
 pub use double_double::DoubleDouble;
 pub use site_blocks::{SiteBlock, SiteBlocks, SiteRows};
 pub use sites::{
-    RowWeights, SiteWeights, Site, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs, residuals,
-    site_rows,
+    RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs,
+    residuals, site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

@@ -150,7 +150,7 @@ impl SiteBlocks {
 mod tests {
     use super::*;
     use crate::bspline::Knots;
-    use crate::linalg::{SiteWeights, Site, TensorShape};
+    use crate::linalg::{Site, SiteWeights, TensorShape};
     use crate::observation::ScatteredSites;
 
     /// Sites that come one by one only.

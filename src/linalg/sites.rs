@@ -100,11 +100,14 @@ impl RowWeights {
 
     /// Number of rows with a weight that is not zero, among `sites` sites: `[values, slopes]`.
     pub fn row_counts(&self, sites: usize) -> [usize; 2] {
-        let count =
-            |m: &SiteWeights| [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)];
+        let count = |m: &SiteWeights| {
+            [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)]
+        };
         match self {
             RowWeights::Uniform(row_weights) => count(row_weights).map(|c| c * sites),
-            RowWeights::PerSite(site_weights) => site_weights.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]]),
+            RowWeights::PerSite(site_weights) => {
+                site_weights.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]])
+            }
         }
     }
 }

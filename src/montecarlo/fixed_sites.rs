@@ -10,9 +10,10 @@
 
 use crate::bspline::Knots;
 use crate::draws::EffectDraws;
-use crate::fit::{FitError, SlopeColumns, SlopePlan};
+use crate::fit::FitError;
+use crate::plans::{SlopeColumns, SlopePlan};
 use crate::simd::{
-    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, LANES, Isa, add_draws, chacha8, mean_shapes, gaussian_triples,
+    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, Isa, LANES, add_draws, chacha8, gaussian_triples, mean_shapes,
 };
 use crate::surface::pieces_of;
 

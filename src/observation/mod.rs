@@ -17,7 +17,7 @@ mod roughness;
 mod scattered;
 mod slope_rows;
 
-pub use cells::{CellAssembly, PackedCells, CellRows, PackedRows};
+pub use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
 pub use csr::to_csr;
 pub use gridded::{AxisRows, GridSites};
 pub use kronecker::{SeparableWeights, kronecker_normal_matrix};

@@ -56,7 +56,10 @@ pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) ->
         }
     }
     let uniform = site_weights.first().copied().unwrap_or_default();
-    let row_weights =
-        if site_weights.iter().all(|m| *m == uniform) { RowWeights::Uniform(uniform) } else { RowWeights::PerSite(site_weights) };
+    let row_weights = if site_weights.iter().all(|m| *m == uniform) {
+        RowWeights::Uniform(uniform)
+    } else {
+        RowWeights::PerSite(site_weights)
+    };
     (row_weights, targets)
 }

@@ -8,10 +8,10 @@
 mod document;
 mod json;
 mod maps;
+mod parametric;
 mod picture;
 mod points;
 mod schema;
-mod parametric;
 mod table;
 
 pub use document::{
@@ -20,8 +20,8 @@ pub use document::{
 };
 pub use json::write_json;
 pub use maps::{write_maps_csv, write_maps_npz};
+pub use parametric::{ParametricPointShape, write_parametric_maps_csv, write_parametric_points_csv};
 pub use picture::{PictureOptions, write_picture};
 pub use points::{PointShape, write_points_csv};
 pub use schema::fit_schema;
-pub use parametric::{ParametricPointShape, write_parametric_maps_csv, write_parametric_points_csv};
 pub use table::{significant, write_table};

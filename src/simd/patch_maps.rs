@@ -173,8 +173,7 @@ mod tests {
             for isa in Isa::available() {
                 let (mut index, mut curved) = (vec![0.0; 117], vec![0.0; 117]);
                 assert!(patch_maps(isa, &row, basis.each_ref().map(|b| &b[..]), &c, &mut index, &mut curved));
-                let [mut twins_s, mut twins_r] =
-                    ["patch_maps S", "patch_maps R"].map(|kernel| Twins::new(kernel, isa));
+                let [mut twins_s, mut twins_r] = ["patch_maps S", "patch_maps R"].map(|kernel| Twins::new(kernel, isa));
                 for j in 0..117 {
                     twins_s.compare(index[j], s[j]);
                     twins_r.compare(curved[j] / r[j], 1.0);

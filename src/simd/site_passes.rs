@@ -266,13 +266,7 @@ pub fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
 ///
 /// # Panics
 /// As [`products_pass`].
-pub fn last_pass(
-    isa: Isa,
-    sites: &CellSites,
-    vectors: &CellVectors,
-    columns: &mut [ColumnSums],
-    rows: &mut RowSums,
-) {
+pub fn last_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums], rows: &mut RowSums) {
     by_width!(isa, [sites.x[0].len(), sites.y[0].len()], last(
         sites: &CellSites,
         vectors: &CellVectors,

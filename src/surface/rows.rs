@@ -63,14 +63,7 @@ impl CurvatureGrid {
         for (i, &first) in self.first.iter().enumerate() {
             let basis = self.basis.each_ref().map(|table| &table[i * self.width..(i + 1) * self.width]);
             let lines = &coefficients[first * self.columns..];
-            derivative_row(
-                isa,
-                &self.pieces,
-                basis,
-                lines,
-                &mut scratch,
-                out.each_mut().map(|column| &mut column[..]),
-            );
+            derivative_row(isa, &self.pieces, basis, lines, &mut scratch, out.each_mut().map(|column| &mut column[..]));
             row(i, out.each_ref().map(|column| &column[..]));
         }
         self.put_scratch(scratch);

@@ -106,14 +106,26 @@ impl CellAssembly {
     }
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
-    pub fn assemble(&mut self, row_weights: &RowWeights, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+    pub fn assemble(
+        &mut self,
+        row_weights: &RowWeights,
+        rows: &impl CellRows,
+        matrix: &mut StencilMatrix,
+        right: &mut [f64],
+    ) {
         matrix.clear();
         right.fill(0.0);
         self.add(row_weights, rows, matrix, right);
     }
 
     /// `matrix += E'E` and `right += E'b`: contacts that come in pieces, none of which is kept.
-    pub fn add(&mut self, row_weights: &RowWeights, rows: &impl CellRows, matrix: &mut StencilMatrix, right: &mut [f64]) {
+    pub fn add(
+        &mut self,
+        row_weights: &RowWeights,
+        rows: &impl CellRows,
+        matrix: &mut StencilMatrix,
+        right: &mut [f64],
+    ) {
         let abscissa = |r: usize| rows.at(r)[0];
         match row_weights {
             RowWeights::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {
@@ -196,8 +208,11 @@ mod tests {
         let points = points(count);
         let rows: Vec<[f64; 3]> = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
         let sites = ScatteredSites::new(knots.clone(), points.clone());
-        let site_weights =
-            if uniform { RowWeights::Uniform(row_weights(0)) } else { RowWeights::PerSite((0..count).map(&row_weights).collect()) };
+        let site_weights = if uniform {
+            RowWeights::Uniform(row_weights(0))
+        } else {
+            RowWeights::PerSite((0..count).map(&row_weights).collect())
+        };
         let mut cells = CellAssembly::new(knots).unwrap();
         let shape = cells.shape();
         let mut expected = StencilMatrix::zeros(shape);

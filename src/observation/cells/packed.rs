@@ -109,7 +109,9 @@ impl PackedCells {
                 for (column, target) in made.targets.iter_mut().zip(targets[number]) {
                     column[eight][lane] = target;
                 }
-                if let (LaneWeights::PerSite(weights), RowWeights::PerSite(site_weights)) = (&mut made.weights, row_weights) {
+                if let (LaneWeights::PerSite(weights), RowWeights::PerSite(site_weights)) =
+                    (&mut made.weights, row_weights)
+                {
                     let m = site_weights[number];
                     for (column, weight) in weights[eight].iter_mut().zip([m.z, m.a, m.b, m.d]) {
                         column[lane] = weight;

@@ -3,7 +3,7 @@
 use super::sorting::CellOrder;
 use super::tables::{Combined, XTables, YTables, squares_of};
 use super::target::{Overlap, Target};
-use super::{CellAssembly, PackedCells, CellRows, WEIGHTED};
+use super::{CellAssembly, CellRows, PackedCells, WEIGHTED};
 use crate::linalg::{RowWeights, StencilMatrix, TensorShape};
 use crate::simd::{BilinearTerm, CellMoments, Isa, MomentPowers, bilinear, moments};
 

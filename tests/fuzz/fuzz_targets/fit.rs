@@ -5,9 +5,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use palpate::Contacts;
-use palpate::fit::{
-    FitOptions, FittedSurface, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, fit_surface,
-};
+use palpate::fit::{FitOptions, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+use palpate::parametric::{FittedSurface, fit_surface};
 
 /// Touches at most: hard enough. Loss, smoothing and noise levels iterate, so that a fit in ten takes a tenth of a second.
 const MOST: usize = 40;

@@ -1,0 +1,115 @@
+//! How little the data would have to change for the coefficients to be exact.
+//!
+//! ```text
+//! {r + E c = b, E'r = 0}      backward error   max_i |residual|_i / (|M||v| + |f|)_i     (Oettli and Prager 1964)
+//! ```
+//!
+//! r is a variable of that system: it is taken orthogonal to E, so an exact fit is judged by its rounding and not by
+//! the direction of a residual that is nothing but rounding. Rows whose own terms are all but zero are measured against
+//! `|E_i|_1 max|c|` (M. Arioli, J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), for there the plain
+//! ratio compares rounding with rounding.
+
+use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
+use crate::fit::{Fit, Solution};
+use crate::simd::{RowSums, add_lanes};
+
+/// A ratio above this is looked at again with the rows' norms: no row that solves anything is off by so much.
+const SUSPICIOUS: f64 = 1e-13;
+/// Arioli, Demmel and Duff: denominators below this many roundings of the row's norm are replaced by it.
+const TINY: f64 = 1e3 * f64::EPSILON;
+/// The first correction of r is itself only accurate to condition^2 u; above this condition a second one is worth its cost.
+const CORRECT_TWICE: f64 = 1e4;
+
+/// The backward error and the sizes it is relative to.
+#[derive(Debug)]
+pub struct Backward {
+    /// Largest relative change of a datum.
+    pub error: f64,
+    /// `| |E||c| + |r| + |b| |_2`, by which a relative change of the rows moves them.
+    pub rows: f64,
+    /// `|r|_2`.
+    pub residual: f64,
+    /// `|E|'|r|`, by which it moves the normal equations, and the squared norms of E's columns.
+    pub columns: Vec<ColumnTotals>,
+}
+
+/// The backward error of a fit with this condition: two visits of the rows, three where r is corrected twice.
+pub fn backward(fit: &Fit, condition: f64) -> Backward {
+    let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+    let c = &solution.coefficients;
+    let penalty = equations.roughness.as_ref().map(|(lambda, p)| {
+        let mut bent = vec![0.0; c.len()];
+        p.multiply(c, &mut bent);
+        bent.iter_mut().for_each(|b| *b *= lambda);
+        bent
+    });
+    let mut passes = RowPasses::new(equations, c);
+    let (mut columns, mut rows) = (vec![ColumnTotals::default(); c.len()], RowSums::default());
+    let v = span(&mut passes, solution, penalty.as_deref(), condition, &mut columns);
+    passes.last(&v, &mut columns, &mut rows);
+    match solution.column_scales(equations) {
+        Some(scales) => columns.iter_mut().zip(scales).for_each(|(column, d)| column.norm = 1.0 / (d * d)),
+        None => passes.norms(&mut columns),
+    }
+    let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
+    let of_columns = orthogonality(solution, &columns, penalty.as_deref());
+    let of_rows = if worst <= SUSPICIOUS {
+        worst
+    } else {
+        passes.against_norms(&v, c.iter().fold(0.0_f64, |m, v| m.max(v.abs())), TINY)
+    };
+    Backward {
+        error: of_rows.max(of_columns),
+        rows: add_lanes(&rows.sizes).sqrt(),
+        residual: add_lanes(&rows.residual).sqrt(),
+        columns,
+    }
+}
+
+/// v, the part of the computed residual in the span of E; `columns` is room for its sums.
+fn span(
+    passes: &mut RowPasses,
+    solution: &Solution,
+    penalty: Option<&[f64]>,
+    condition: f64,
+    columns: &mut [ColumnTotals],
+) -> Vec<f64> {
+    let mut step = |v: &[f64]| {
+        passes.products(v, columns);
+        let mut step = products(solution, columns, penalty);
+        solution.factor.solve(&mut step);
+        solution.clear_free(&mut step);
+        step
+    };
+    let mut v = step(&[]);
+    if condition > CORRECT_TWICE {
+        let again = step(&v);
+        v.iter_mut().zip(&again).for_each(|(v, d)| *v += d);
+    }
+    v
+}
+
+/// `E'r - lambda P c` over the determined columns, 0 in the others.
+fn products(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> Vec<f64> {
+    let mut out: Vec<f64> = (0..sums.len()).map(|u| product(sums, penalty, u)).collect();
+    solution.clear_free(&mut out);
+    out
+}
+
+/// `(E'r - lambda P c)_u`.
+fn product(sums: &[ColumnTotals], penalty: Option<&[f64]>, u: usize) -> f64 {
+    sums[u].product - penalty.map_or(0.0, |bent| bent[u])
+}
+
+/// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
+fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> f64 {
+    let mut worst = 0.0_f64;
+    for (u, sum) in sums.iter().enumerate() {
+        let size = sum.size + penalty.map_or(0.0, |bent| bent[u].abs());
+        let is_determined = solution.unsupported.binary_search(&u).is_err() && solution.pinned != Some(u);
+        if size > 0.0 && is_determined {
+            worst = worst.max(product(sums, penalty, u).abs() / size);
+        }
+    }
+    worst
+}

@@ -1,0 +1,228 @@
+//! How far linear functionals of the coefficients can be off.
+//!
+//! ```text
+//! |D^-1 dc| <= 10 w (kappa + kappa^2 |r| / (|E D| |D^-1 c|)) |D^-1 c|       w backward error, D the columns' inverse norms
+//! |g'dc|    <= |D g| |D^-1 dc|
+//! |g'dc|    <= v (sqrt(g'A^-1 g) | |E||c| + |r| + |b| |_2 + |A^-1 g|' |E|'|r|)     A = E'E, where A^-1 is at hand;
+//!                                                                                     v = w / (1 - 10 w kappa)
+//! ```
+//!
+//! The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
+//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, taken in the direction that is asked about instead of the
+//! worst one: on small problems it promises about two digits more, and v allows for the second order. The smaller bound
+//! is used.
+
+use crate::fit::certificate::backward::Backward;
+use crate::fit::{Fit, MethodUsed};
+use crate::simd::{BoundTerms, DirectedTerms};
+
+/// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
+const ESTIMATOR: f64 = 10.0;
+/// Unit roundoff 2^-53. Placing data and knots in the patch frame rounds each of them: no backward error is below this.
+pub const PLACING: f64 = 0.5 * f64::EPSILON;
+/// Unknowns up to which A^-1 is written out: n^3 multiplications against the fit's g n^2.
+const INVERTED: usize = 100;
+/// Condition up to which A^-1 has digits enough for a bound: had from Cholesky of the normal matrix, and from R of the rows.
+const INVERTIBLE: [f64; 2] = [1e6, 1e12];
+
+/// What bounds a linear functional of the coefficients.
+pub struct Bound {
+    /// D over its largest entry; zero for unsupported coefficients.
+    pub inverse: Vec<f64>,
+    /// The bound on `|D^-1 dc|` times D's largest entry.
+    pub moved: f64,
+    /// Whether the bound by `moved` can be the smaller one.
+    is_plain: bool,
+    directed: Option<Directed>,
+}
+
+/// The bound in the direction asked about.
+struct Directed {
+    /// A^-1, row by row, and `|E|'|r|` after it.
+    inverse: Vec<f64>,
+    order: usize,
+    rows: f64,
+    backward: f64,
+    settled: f64,
+}
+
+impl Bound {
+    /// `None` when no coefficient is held by data.
+    pub fn new(fit: &Fit, condition: f64, backward: &Backward) -> Option<Bound> {
+        let solution = &fit.fitted.solution;
+        let c = &solution.coefficients;
+        let inverse = |norm: f64| if norm > 0.0 { 1.0 / norm.sqrt() } else { 0.0 };
+        let mut inverse: Vec<f64> = backward.columns.iter().map(|column| inverse(column.norm)).collect();
+        solution.unsupported.iter().for_each(|&u| inverse[u] = 0.0);
+        let largest = inverse.iter().fold(0.0_f64, |m, d| m.max(*d));
+        if largest == 0.0 {
+            return None;
+        }
+        let scaled = c.iter().zip(&inverse).filter(|(_, d)| **d > 0.0).map(|(c, d)| c / d * largest);
+        let size = scaled.fold(0.0_f64, |s, v| s + v * v).sqrt();
+        let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
+        let error = backward.error.max(PLACING);
+        let residual = largest * backward.residual;
+        // what a contraction by half leaves after the last step
+        let settled = if fit.fitted.settled > 0.0 { fit.fitted.settled.max(PLACING) } else { 0.0 };
+        let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
+        inverse.iter_mut().for_each(|d| *d /= largest);
+        let moved = moved + settled * size;
+        let directed = Directed::new(fit, condition, backward, settled);
+        // a NaN is no answer
+        let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);
+        Some(Bound { inverse, moved, is_plain, directed })
+    }
+}
+
+impl Directed {
+    /// `None` where A^-1 is dear, not to be trusted, or not the inverse of E'E.
+    fn new(fit: &Fit, condition: f64, backward: &Backward, settled: f64) -> Option<Directed> {
+        let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+        let order = equations.unknowns();
+        let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
+        let invertible = INVERTIBLE[usize::from(solution.method != MethodUsed::Cholesky)];
+        if order > INVERTED || !whole || solution.rank < order || condition > invertible {
+            return None;
+        }
+        let mut inverse = vec![0.0; order * order + order];
+        let (matrix, sizes) = inverse.split_at_mut(order * order);
+        solution.factor.write_inverse(matrix);
+        sizes.iter_mut().zip(&backward.columns).for_each(|(size, column)| *size = column.size);
+        let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let error = backward.error.max(PLACING);
+        let second_order = 1.0 - ESTIMATOR * error * condition;
+        (second_order > 0.5).then_some(Directed {
+            inverse,
+            order,
+            rows: backward.rows,
+            backward: error / second_order,
+            settled: settled * largest,
+        })
+    }
+
+    /// `most |D g|` is no less than the bound of any g: `|A^-1 g| <= s |D g|` with the row sums s of `|A^-1| D^-1`, and
+    /// `g'A^-1 g <= |D g|^2 max_u s_u / D_u`. NaN where D has zeros.
+    fn most(&self, inverse: &[f64]) -> f64 {
+        let (matrix, sizes) = self.parts();
+        let norms: Vec<f64> = inverse.iter().map(|d| 1.0 / d).collect();
+        let (mut largest, mut weighted, mut length) = (0.0_f64, 0.0, 0.0);
+        for (u, row) in matrix.chunks_exact(self.order).enumerate() {
+            let sum = row.iter().zip(&norms).fold(0.0, |sum, (a, norm)| sum + a.abs() * norm);
+            largest = largest.max(sum * norms[u]);
+            weighted += sum * sizes[u];
+            length += norms[u] * norms[u];
+        }
+        self.backward * (largest.sqrt() * self.rows + weighted) + self.settled * length.sqrt()
+    }
+
+    /// A^-1, and `|E|'|r|`.
+    fn parts(&self) -> (&[f64], &[f64]) {
+        self.inverse.split_at(self.order * self.order)
+    }
+}
+
+impl Bound {
+    /// What the kernel needs of it.
+    pub fn terms(&self) -> BoundTerms<'_> {
+        let directed = self.directed.as_ref().map(|d| {
+            let (matrix, weights) = d.parts();
+            DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.settled }
+        });
+        let moved = if self.is_plain { self.moved } else { f64::INFINITY };
+        BoundTerms { scales: &self.inverse, moved, directed }
+    }
+
+    /// The worst bound of a coefficient, `g = e_u`.
+    pub fn of_coefficients(&self) -> f64 {
+        let plain = self.inverse.iter().map(|d| self.moved * d);
+        let Some(directed) = &self.directed else { return plain.fold(0.0, maximum) };
+        let (matrix, sizes) = directed.parts();
+        let along = matrix.chunks_exact(directed.order).enumerate().map(|(u, row)| {
+            let weighted: f64 = row.iter().zip(sizes).map(|(a, t)| a.abs() * t).sum();
+            directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.settled
+        });
+        plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)
+    }
+}
+
+/// The larger one, or NaN if there is one.
+pub fn maximum(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::Lcg;
+    use crate::contact::Contacts;
+    use crate::fit::certificate::backward::backward;
+    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+    use crate::linalg::Sites;
+
+    fn dish(noise: f64, degree: usize) -> Fit {
+        let lcg = &mut Lcg::new(7);
+        let place = |k: usize, step: f64| (k as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..60).map(|k| (place(k, 0.754_877_666), place(k, 0.569_840_291))).unzip();
+        let mut noisy = |value: f64| value + noise * lcg.normal();
+        let z = x.iter().zip(&y).map(|(x, y)| noisy(x * x - 0.5 * x * y)).collect();
+        let zx = x.iter().zip(&y).map(|(x, y)| noisy(2.0 * x - 0.5 * y)).collect();
+        let zy = x.iter().map(|x| noisy(-0.5 * x)).collect();
+        let objective = Objective::Slopes(SlopeWeights::Tangent);
+        let options = FitOptions { degree: [degree; 2], objective, ..FitOptions::default() };
+        fit_contacts(&Contacts::from_positions(x, y, z).with_slopes(zx, zy), &options).unwrap()
+    }
+
+    /// Where the plain bound is left out, no functional would have taken it.
+    #[test]
+    fn the_plain_bound_is_left_out_only_where_it_is_the_larger() {
+        let mut left_out = 0;
+        for (noise, degree) in [(0.0, 2), (1e-3, 2), (0.3, 2), (1e-3, 3), (0.3, 4)] {
+            let fit = dish(noise, degree);
+            let bound = Bound::new(&fit, fit.condition(), &backward(&fit, fit.condition())).unwrap();
+            let directed = bound.directed.as_ref().unwrap();
+            let (matrix, sizes) = directed.parts();
+            left_out += usize::from(!bound.is_plain);
+            let lcg = &mut Lcg::new(11);
+            for _ in 0..200 {
+                let g: Vec<f64> = sizes.iter().map(|_| lcg.normal()).collect();
+                let times = |row: &[f64]| row.iter().zip(&g).map(|(a, v)| a * v).sum::<f64>();
+                let products: Vec<f64> = matrix.chunks_exact(g.len()).map(times).collect();
+                let form = times(&products).max(0.0);
+                let weighted: f64 = products.iter().zip(sizes).map(|(p, t)| p.abs() * t).sum();
+                let length: f64 = g.iter().map(|v| v.abs()).sum();
+                let own = directed.backward * (form.sqrt() * directed.rows + weighted) + directed.settled * length;
+                let size = g.iter().zip(&bound.inverse).map(|(v, d)| (v * d).powi(2)).sum::<f64>().sqrt();
+                assert!(own <= directed.most(&bound.inverse) * size * (1.0 + 1e-12));
+                assert!(bound.is_plain || own <= bound.moved * size * (1.0 + 1e-12), "{noise} {degree}");
+            }
+        }
+        assert!(left_out > 0);
+    }
+
+    /// Norms of the columns from the factor's equilibration and from the rows.
+    #[test]
+    fn the_factor_has_the_norms_of_the_columns() {
+        for degree in [2, 3, 5] {
+            let fit = dish(0.01, degree);
+            let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+            let shape = equations.sites.shape();
+            let mut squares = vec![0.0; shape.unknowns()];
+            equations.sites.visit(|site| {
+                let m = equations.row_weights.at(site.index);
+                for (a, (n, dn)) in site.x.iter().zip(site.dx).enumerate() {
+                    for (b, (v, dv)) in site.y.iter().zip(site.dy).enumerate() {
+                        let rows = [m.z * n * v, m.a * dn * v + m.b * n * dv, m.d * n * dv];
+                        squares[(site.first[0] + a) * shape.basis[1] + site.first[1] + b] +=
+                            rows.iter().map(|row| row * row).sum::<f64>();
+                    }
+                }
+            });
+            let found = backward(&fit, fit.condition()).columns;
+            assert!(solution.column_scales(equations).is_some());
+            for (column, square) in found.iter().zip(squares) {
+                assert!((column.norm / square - 1.0).abs() < 1e-13, "{} {square}", column.norm);
+            }
+        }
+    }
+}

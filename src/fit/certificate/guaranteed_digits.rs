@@ -1,0 +1,140 @@
+//! Digits that an answer is promised to have, before anyone knows the truth.
+//!
+//! ```text
+//! |dc_u|    <= bound of the functional c_u                                                       bounds.rs
+//! |dS| <= |g'dc| of S's gradient + rounding of the derivatives that S is made of    R likewise, relative
+//! ```
+//!
+//! Promised digits are `-log10` of the worst bound.
+
+use crate::bspline::{BasisRow, MAX_DEGREE};
+use crate::fit::Fit;
+use crate::fit::certificate::backward::Backward;
+use crate::fit::certificate::bounds::{Bound, PLACING, maximum};
+use crate::shape::EightPoints;
+use crate::simd::{CellGradients, Isa, OfKinds, POINTS, PointLanes, PointShapes, functional_bounds};
+
+/// Unit roundoff 2^-53.
+const UNIT: f64 = PLACING;
+/// Orders in x and in y of S_x, S_y, S_xx, S_xy, S_yy.
+const ORDERS: [[usize; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
+
+/// Decimal digits promised for a fit, as an exact solution of the written problem would have them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Promise {
+    /// Of the coefficients in the input's frame, relative to the largest.
+    pub coefficients: f64,
+    /// Of S at the worst supported grid point, absolute.
+    pub shape_index: f64,
+    /// Of R at the worst supported grid point, relative.
+    pub curvedness: f64,
+}
+
+/// Digits from the condition and the backward error.
+pub fn promise(fit: &Fit, condition: f64, backward: &Backward) -> Promise {
+    let c = &fit.fitted.solution.coefficients;
+    let Some(bound) = Bound::new(fit, condition, backward) else { return Promise::default() };
+    let frame = fit.frame();
+    let origin = if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] };
+    let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / frame.scale + v).abs()));
+    let coefficients = bound.of_coefficients();
+    let [shape_index, curvedness] = at_points(fit, &bound);
+    Promise {
+        coefficients: digits(if largest > 0.0 { coefficients / largest } else { 0.0 }),
+        shape_index: digits(shape_index),
+        curvedness: digits(curvedness),
+    }
+}
+
+/// `-log10` of a bound and one last rounding, between 0 and 15.95. NaN promises nothing.
+fn digits(bound: f64) -> f64 {
+    if bound.is_nan() { 0.0 } else { (-(bound + UNIT).log10()).max(0.0) }
+}
+
+/// The worst bounds on `|dS|` and `|dR| / R` over the supported points of the shape grid, up to eight of a row at once.
+fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
+    let shape = fit.shape();
+    let (maps, terms) = (&shape.maps, bound.terms());
+    let isa = Isa::for_work(maps.grid.len());
+    let (columns, width) = (fit.surface().coefficients().ncols(), fit.options().degree[0] + 1);
+    let mut worst = [0.0; 2];
+    shape.gradients.visit(fit.surface(), &maps.rows, |eight| {
+        let runs: [usize; MAX_DEGREE + 1] = std::array::from_fn(|a| (eight.first[0] + a) * columns + eight.first[1]);
+        let gradients = CellGradients { runs: &runs[..width], entries: eight.entries };
+        let PointShapes { roundings, sizes, .. } = eight.shapes;
+        let mut found = functional_bounds(isa, &terms, &gradients, roundings, sizes);
+        if may_be_umbilic(eight, bound.moved) {
+            add_kinks(eight, gradients.runs, &maps.rows, bound, &mut found[0]);
+        }
+        if exceeds(&found, worst) {
+            let [i, start] = eight.at;
+            worst = raised(worst, &found, eight.count, |l| maps.shape_index_at(i, start + l).is_some());
+        }
+    });
+    worst
+}
+
+/// Whether a bound is not below the worst so far; few rows have one, and only those ask where S is defined and supported.
+fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
+    let mut any = false;
+    for (found, worst) in found.iter().zip(worst) {
+        for bound in found {
+            let is_below = *bound <= worst;
+            any |= !is_below;
+        }
+    }
+    any
+}
+
+/// The worst bounds with those of the first `count` points in it that are asked for; NaN is the worst of all.
+fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, is_asked: impl Fn(usize) -> bool) -> [f64; 2] {
+    for l in (0..count).filter(|l| is_asked(*l)) {
+        (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][l]));
+    }
+    worst
+}
+
+/// Whether a gap `k1 - k2` among them is within what rounding and errors of at most `moved |D_k(N M)|_2` open.
+fn may_be_umbilic(eight: &EightPoints, moved: f64) -> bool {
+    let PointShapes { difference, bend, opening, .. } = eight.shapes;
+    let [of_second, of_first] = eight.spans.map(|span| moved * span);
+    let mut any = false;
+    for l in 0..POINTS {
+        let is_apart = difference[l] > opening[l] + (of_second + bend[l] * of_first);
+        any |= !is_apart;
+    }
+    any
+}
+
+/// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
+#[cold]
+fn add_kinks(
+    eight: &EightPoints,
+    runs: &[usize],
+    [along_x, along_y]: &[Vec<BasisRow>; 2],
+    bound: &Bound,
+    of_s: &mut PointLanes,
+) {
+    let PointShapes { difference, bend, opening, sizes, .. } = eight.shapes;
+    let [i, start] = eight.at;
+    for l in 0..eight.count {
+        let off = |k: usize| bound.moved * spread(bound, runs, [&along_x[i], &along_y[start + l]], ORDERS[k]);
+        let moved = 2.0 * (off(2) + 2.0 * off(3) + off(4)) + 4.0 * bend[l] * (off(0) + off(1));
+        let gap = opening[l] + moved;
+        let is_apart = difference[l] > gap;
+        if !is_apart {
+            of_s[l] += std::f64::consts::FRAC_2_PI * gap / (2.0 * sizes[1][l]);
+        }
+    }
+}
+
+/// `|D g|_2` of the derivative of these orders in x and y at one point.
+fn spread(bound: &Bound, runs: &[usize], [bx, by]: [&BasisRow; 2], [i, j]: [usize; 2]) -> f64 {
+    let mut spread = 0.0;
+    for (n, &start) in bx.derivative(i).iter().zip(runs) {
+        for (m, d) in by.derivative(j).iter().zip(&bound.inverse[start..]) {
+            spread += (n * m * d).powi(2);
+        }
+    }
+    spread.sqrt()
+}

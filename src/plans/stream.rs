@@ -1,0 +1,299 @@
+//! Contacts one at a time: `push` adds three rows to the equations, `shape` says what is known so far.
+//!
+//! ```text
+//! A += sum_k e_k e_k',   b += sum_k e_k d_k       k = height, x slope, y slope, each row divided by its sd
+//! A c = b        S, R = means over the grid        u^2 = g' A^-1 g,  g = d(mean)/dc      (delta method)
+//! ```
+//!
+//! For a robot that touches a thousand times a second: nothing is allocated after the plan on patches of one segment,
+//! and every contact costs the same. Slope rows with known noise, in the coordinates of the knots.
+
+use crate::bspline::{BasisRow, Knots, MAX_DEGREE};
+use crate::curvature::principal_curvatures;
+use crate::fit::FitError;
+use crate::linalg::{StencilMatrix, TensorShape};
+use crate::shape::{by_coefficients, shape_gradient};
+use crate::solve::Cholesky;
+use crate::surface::SurfacePoint;
+
+const WIDTH: usize = MAX_DEGREE + 1;
+
+/// A fit that grows contact by contact.
+#[derive(Debug)]
+pub struct TouchStream {
+    knots: [Knots; 2],
+    /// 1/sd of heights, x slopes, y slopes.
+    weights: [f64; 3],
+    matrix: StencilMatrix,
+    right: Vec<f64>,
+    factor: Cholesky,
+    coefficients: Vec<f64>,
+    grid: [Vec<BasisRow>; 2],
+    /// d(mean S)/dc, d(mean R)/dc, and one of them after a solve.
+    gradients: [Vec<f64>; 2],
+    solved: Vec<f64>,
+    contacts: usize,
+}
+
+/// One touch: where, how high, how steep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// x and y, the knots' coordinates.
+    pub at: [f64; 2],
+    /// Height.
+    pub z: f64,
+    /// dz/dx and dz/dy.
+    pub slopes: [f64; 2],
+}
+
+/// What is known after so many touches: means over the grid with their standard uncertainties.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamShape {
+    /// Touches so far.
+    pub contacts: usize,
+    /// Mean S; `None` where it is defined nowhere on the grid.
+    pub shape_index: Option<f64>,
+    /// Standard uncertainty of mean S.
+    pub u_shape_index: f64,
+    /// Mean R, 1 / length.
+    pub curvedness: f64,
+    /// Standard uncertainty of mean R.
+    pub u_curvedness: f64,
+}
+
+impl TouchStream {
+    /// Plans for these knots, the sds `[heights, x slopes, y slopes]` and the axes of the shape grid.
+    ///
+    /// # Errors
+    /// [`FitError::Option`] for an sd that is not positive or an empty grid; no memory.
+    pub fn new(knots: [Knots; 2], sigma: [f64; 3], grid: [&[f64]; 2]) -> Result<TouchStream, FitError> {
+        if let Some(sd) = sigma.iter().find(|sd| !(sd.is_finite() && **sd > 0.0)) {
+            return Err(FitError::Option { option: "sigma", value: sd.to_string(), expected: "a positive number" });
+        }
+        if grid.iter().any(|axis| axis.is_empty()) {
+            return Err(FitError::Option { option: "grid", value: "none".into(), expected: "at least one point" });
+        }
+        let shape =
+            TensorShape { basis: knots.each_ref().map(Knots::n_basis), degree: knots.each_ref().map(Knots::degree) };
+        let factor = Cholesky::plan(shape).map_err(|source| FitError::Solve { source })?;
+        let zeros = vec![0.0; shape.unknowns()];
+        let axis = |k: usize| grid[k].iter().map(|&at| knots[k].basis(at)).collect();
+        Ok(TouchStream {
+            weights: sigma.map(|sd| 1.0 / sd),
+            matrix: StencilMatrix::zeros(shape),
+            right: zeros.clone(),
+            factor,
+            coefficients: zeros.clone(),
+            grid: [axis(0), axis(1)],
+            gradients: [zeros.clone(), zeros.clone()],
+            solved: zeros,
+            contacts: 0,
+            knots,
+        })
+    }
+
+    /// Takes one touch in: three rows more, over the basis functions alive there.
+    ///
+    /// # Errors
+    /// [`FitError::Option`] where a number is not finite; nothing has changed then.
+    pub fn push(&mut self, touch: &Touch) -> Result<(), FitError> {
+        let Touch { at: [x, y], z, slopes: [zx, zy] } = *touch;
+        if let Some(bad) = [x, y, z, zx, zy].iter().find(|v| !v.is_finite()) {
+            return Err(FitError::Option { option: "touch", value: bad.to_string(), expected: "finite numbers" });
+        }
+        let [bx, by] = [(0, x), (1, y)].map(|(axis, at)| {
+            let knots = &self.knots[axis];
+            let mut rows = [0.0; 2 * WIDTH];
+            (knots.derivatives(at, 1, &mut rows[..2 * (knots.degree() + 1)]), rows)
+        });
+        let TensorShape { basis: [_, m], degree: [p, q] } = self.matrix.shape();
+        let [wz, wx, wy] = self.weights;
+        // the three rows at basis function (a, b)
+        let rows = |a: usize, b: usize| {
+            let ((n, dn), (m, dm)) = ((bx.1[a], bx.1[p + 1 + a]), (by.1[b], by.1[q + 1 + b]));
+            [wz * n * m, wx * dn * m, wy * n * dm]
+        };
+        let data = [wz * z, wx * zx, wy * zy];
+        for a in 0..=p {
+            for b in 0..=q {
+                let (row, own) = ((bx.0 + a) * m + by.0 + b, rows(a, b));
+                self.right[row] += (0..3).map(|k| own[k] * data[k]).sum::<f64>();
+                for k in 0..=a {
+                    for l in 0..=if k == a { b } else { q } {
+                        let other = rows(k, l);
+                        let position = self.matrix.position(row, a - k, l + q - b);
+                        self.matrix.values_mut()[position] += (0..3).map(|e| own[e] * other[e]).sum::<f64>();
+                    }
+                }
+            }
+        }
+        self.contacts += 1;
+        Ok(())
+    }
+
+    /// Coefficients, mean S and mean R and their uncertainties from all touches so far.
+    ///
+    /// # Errors
+    /// [`FitError::Solve`] while touches are too few or leave a basis function without data.
+    pub fn shape(&mut self) -> Result<StreamShape, FitError> {
+        self.coefficients.copy_from_slice(&self.right);
+        self.factor
+            .factor_and_solve(&self.matrix, &mut self.coefficients)
+            .map_err(|source| FitError::Solve { source })?;
+        let (index, curvedness) = self.means();
+        let [u_shape_index, u_curvedness] = [0, 1].map(|k| self.uncertainty(k));
+        Ok(StreamShape { contacts: self.contacts, shape_index: index, u_shape_index, curvedness, u_curvedness })
+    }
+
+    /// Coefficients of the last [`TouchStream::shape`], n x m, row-major.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// Mean S and R over the grid, and their gradients.
+    fn means(&mut self) -> (Option<f64>, f64) {
+        let TensorShape { basis: [_, m], .. } = self.matrix.shape();
+        let [of_index, of_curvedness] = &mut self.gradients;
+        of_index.fill(0.0);
+        of_curvedness.fill(0.0);
+        let (mut index, mut defined, mut curved) = (0.0, 0_usize, 0.0);
+        for bx in &self.grid[0] {
+            for by in &self.grid[1] {
+                let point = SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[i * m + j]);
+                let Some(principal) = principal_curvatures(&point.derivatives()) else { continue };
+                let gradient = shape_gradient(&point);
+                let at = |a: usize, b: usize| (bx.first + a) * m + by.first + b;
+                curved += principal.curvedness();
+                by_coefficients(&gradient.curvedness, bx, by, |a, b, value| of_curvedness[at(a, b)] += value);
+                if let Some(here) = principal.shape_index() {
+                    index += here;
+                    defined += 1;
+                    by_coefficients(&gradient.shape_index, bx, by, |a, b, value| of_index[at(a, b)] += value);
+                }
+            }
+        }
+        let points = (self.grid[0].len() * self.grid[1].len()) as f64;
+        of_index.iter_mut().for_each(|g| *g /= defined.max(1) as f64);
+        of_curvedness.iter_mut().for_each(|g| *g /= points);
+        ((defined > 0).then(|| index / defined as f64), curved / points)
+    }
+
+    /// `sqrt(g' A^-1 g)`.
+    fn uncertainty(&mut self, which: usize) -> f64 {
+        self.solved.copy_from_slice(&self.gradients[which]);
+        self.factor.solve(&mut self.solved);
+        let square: f64 = self.solved.iter().zip(&self.gradients[which]).map(|(v, g)| v * g).sum();
+        square.max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bspline::linspace;
+    use crate::contact::Contacts;
+    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+    use crate::plans::{SlopeColumns, SlopePlan};
+
+    fn touch(r: usize) -> Touch {
+        let (x, y) = ((r as f64 * 0.754_877_666).fract() * 2.0 - 1.0, (r as f64 * 0.569_840_291).fract() * 2.0 - 1.0);
+        let off = |k: f64| 0.01 * (r as f64 * k).sin();
+        Touch {
+            at: [x, y],
+            z: 0.3 * x * x + 0.1 * y * y + 0.05 * x + off(1.3),
+            slopes: [0.6 * x + 0.05 + off(2.1), 0.2 * y + off(3.7)],
+        }
+    }
+
+    /// Every tenth step against the whole fit with the same rows: coefficients, means, and uncertainties.
+    #[test]
+    fn every_state_is_the_fit_of_the_touches_so_far() {
+        let sigma = [0.02, 0.05, 0.04];
+        for (degree, segments) in [(2, 1), (3, 1), (3, 2)] {
+            let knots = Knots::uniform(degree, segments, -1.0, 1.0).unwrap();
+            let points = linspace(-1.0, 1.0, 8);
+            let mut stream = TouchStream::new([knots.clone(), knots.clone()], sigma, [&points, &points]).unwrap();
+            assert!(stream.shape().is_err());
+            let mut columns: [Vec<f64>; 5] = Default::default();
+            for r in 0..120 {
+                let Touch { at: [x, y], z, slopes: [zx, zy] } = touch(r);
+                columns.iter_mut().zip([x, y, z, zx, zy]).for_each(|(c, v)| c.push(v));
+                stream.push(&touch(r)).unwrap();
+                if r < 60 || r % 10 != 0 {
+                    continue;
+                }
+                let found = stream.shape().unwrap();
+                let [x, y, z, zx, zy] = &columns;
+                let weights = sigma.map(|s| 1.0 / s);
+                let mut plan = SlopePlan::new([knots.clone(), knots.clone()], weights).unwrap();
+                let c = plan.fit(&SlopeColumns { x, y, z, zx, zy }).unwrap();
+                assert!(c.iter().zip(stream.coefficients()).all(|(a, b)| (a - b).abs() < 1e-11), "degree {degree}");
+                let contacts =
+                    Contacts::from_positions(x.clone(), y.clone(), z.clone()).with_slopes(zx.clone(), zy.clone());
+                let fit = fit_contacts(
+                    &contacts,
+                    &FitOptions {
+                        degree: [degree; 2],
+                        segments: [segments; 2],
+                        domain: Some([-1.0, 1.0, -1.0, 1.0]),
+                        objective: Objective::Slopes(SlopeWeights::Explicit(weights)),
+                        ..FitOptions::default()
+                    },
+                );
+                let shape = fit.unwrap();
+                let shape = shape.shape();
+                assert_eq!(found.contacts, r + 1);
+                assert!((found.shape_index.unwrap() - shape.shape_index.mean.unwrap()).abs() < 1e-9);
+                assert!((found.curvedness - shape.curvedness.mean.unwrap()).abs() < 1e-9);
+                // the fit's uncertainty takes the residuals' variances, which are below the declared ones here
+                assert!(found.u_curvedness > 0.0 && found.u_curvedness < 20.0 * shape.curvedness.u.unwrap());
+            }
+        }
+    }
+
+    /// The delta method against many streams with other noise: the spread of R is its uncertainty.
+    #[test]
+    fn uncertainties_are_the_spread_over_repetitions() {
+        use crate::draws::EffectDraws;
+        let knots = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
+        let (points, sigma) = (linspace(-0.8, 0.8, 5), [0.01, 0.03, 0.03]);
+        let draws = EffectDraws::new(5, "stream");
+        let (mut sums, mut claimed) = ([0.0; 4], [0.0; 2]);
+        const RUNS: usize = 400;
+        for run in 0..RUNS {
+            let mut stream = TouchStream::new([knots.clone(), knots.clone()], sigma, [&points, &points]).unwrap();
+            for r in 0..40 {
+                let mut n = [0.0; 4];
+                draws.gaussians(r as u64, run as u64, 4, &mut n);
+                let [x, y] = touch(r).at;
+                let exact = [0.3 * x * x + 0.1 * y * y, 0.6 * x, 0.2 * y];
+                let [z, zx, zy] = [0, 1, 2].map(|k| exact[k] + sigma[k] * n[k]);
+                stream.push(&Touch { at: [x, y], z, slopes: [zx, zy] }).unwrap();
+            }
+            let found = stream.shape().unwrap();
+            let values = [found.shape_index.unwrap(), found.curvedness];
+            (0..2).for_each(|k| {
+                sums[k] += values[k];
+                sums[2 + k] += values[k] * values[k];
+            });
+            claimed[0] += found.u_shape_index / RUNS as f64;
+            claimed[1] += found.u_curvedness / RUNS as f64;
+        }
+        for k in 0..2 {
+            let mean = sums[k] / RUNS as f64;
+            let sd = (sums[2 + k] / RUNS as f64 - mean * mean).sqrt();
+            // 400 repetitions know their sd to 3.5 %: five sigma
+            assert!((sd / claimed[k] - 1.0).abs() < 0.18, "{k}: {sd} against {}", claimed[k]);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_refused_and_changes_nothing() {
+        let knots = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
+        let mut stream = TouchStream::new([knots.clone(), knots.clone()], [1.0; 3], [&[0.0], &[0.0]]).unwrap();
+        assert!(stream.push(&Touch { at: [0.0, f64::NAN], z: 0.0, slopes: [0.0; 2] }).is_err());
+        assert!(stream.right.iter().chain(stream.matrix.values()).all(|v| *v == 0.0) && stream.contacts == 0);
+        assert!(TouchStream::new([knots.clone(), knots.clone()], [0.0; 3], [&[0.0], &[0.0]]).is_err());
+        assert!(TouchStream::new([knots.clone(), knots], [1.0; 3], [&[0.0], &[]]).is_err());
+    }
+}
