@@ -1,4 +1,4 @@
-//! Contacts one at a time: `push` adds three rows to the equations, `shape` says what is known so far.
+//! Contacts one at a time: `push` adds three rows to the equations, `shape` returns S and R so far.
 //!
 //! ```text
 //! A += sum_k e_k e_k',   b += sum_k e_k d_k       k = height, x slope, y slope, each row divided by its sd
@@ -47,8 +47,9 @@ pub struct TouchStream {
     factor: Cholesky,
     coefficients: Vec<f64>,
     grid: [Vec<BasisRow>; 2],
-    /// d(mean S)/dc, d(mean R)/dc, and one of them after a solve.
+    /// d(mean S)/dc and d(mean R)/dc.
     gradients: [Vec<f64>; 2],
+    /// One of the gradients times `A^-1`.
     solved: Vec<f64>,
     contacts: usize,
 }

@@ -2,43 +2,11 @@
 
 use ndarray::Array2;
 
+use super::error::SurfaceError;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
-use crate::bspline::{BasisRow, KnotError, Knots};
+use crate::bspline::{BasisRow, Knots};
 use crate::curvature::Derivatives;
-
-/// Why coefficients and knots do not make a surface.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// The coefficient array does not fit the knots.
-    #[error("coefficients are {found:?}, but the knots call for {expected:?}")]
-    Shape {
-        /// Shape of the array.
-        found: [usize; 2],
-        /// Basis functions in x and y.
-        expected: [usize; 2],
-    },
-    /// A coefficient is NaN or infinite.
-    #[error("coefficient ({i}, {j}) is not finite")]
-    NotFinite {
-        /// Index in x.
-        i: usize,
-        /// Index in y.
-        j: usize,
-    },
-    /// In a closed direction the last coefficients must repeat the first.
-    #[error("coefficient ({i}, {j}) does not repeat the one it closes on")]
-    Seam {
-        /// Index in u.
-        i: usize,
-        /// Index in v.
-        j: usize,
-    },
-    /// The knots are not usable.
-    #[error(transparent)]
-    Knots(#[from] KnotError),
-}
 
 /// Height and derivatives at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -170,6 +138,23 @@ impl HeightField {
         let place = |k: &Knots, o: f64| Knots::new(k.degree(), k.as_slice().iter().map(|t| o + scale * t).collect());
         let knots = [place(&self.knots[0], origin[0])?, place(&self.knots[1], origin[1])?];
         HeightField::new(knots, self.coefficients.mapv(|c| origin[2] + scale * c))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<HeightField> for SavedSurface<f64> {
+    fn from(surface: HeightField) -> SavedSurface<f64> {
+        SavedSurface::of(&surface.knots, &surface.coefficients)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SavedSurface<f64>> for HeightField {
+    type Error = SurfaceError;
+
+    fn try_from(saved: SavedSurface<f64>) -> Result<HeightField, SurfaceError> {
+        let (knots, coefficients) = saved.read()?;
+        HeightField::new(knots, coefficients)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use ndarray::Array2;
 
-use super::SurfaceError;
+use super::error::SurfaceError;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
 use crate::bspline::Knots;
@@ -133,6 +133,23 @@ impl Parametric {
     pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<Parametric, SurfaceError> {
         let knots = [self.knots[0].mapped(0.0, 1.0 / scale)?, self.knots[1].mapped(0.0, 1.0 / scale)?];
         Parametric::new(knots, self.coefficients.mapv(|c| [0, 1, 2].map(|k| origin[k] + scale * c[k])))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Parametric> for SavedSurface<[f64; 3]> {
+    fn from(surface: Parametric) -> SavedSurface<[f64; 3]> {
+        SavedSurface::of(&surface.knots, &surface.coefficients)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SavedSurface<[f64; 3]>> for Parametric {
+    type Error = SurfaceError;
+
+    fn try_from(saved: SavedSurface<[f64; 3]>) -> Result<Parametric, SurfaceError> {
+        let (knots, coefficients) = saved.read()?;
+        Parametric::new(knots, coefficients)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use super::{HeightField, Parametric, SurfaceError};
+use super::error::SurfaceError;
 use crate::bspline::{KnotError, Knots};
 
 /// One knot vector.
@@ -26,19 +26,26 @@ impl SavedKnots {
     }
 
     fn read(self) -> Result<Knots, KnotError> {
-        if self.closed { Knots::closed_from(self.degree, &self.knots) } else { Knots::new(self.degree, self.knots) }
+        if self.closed {
+            return Knots::closed_from(self.degree, &self.knots);
+        }
+        let knots = Knots::new(self.degree, self.knots)?;
+        // made as uniform knots again, they find the segment of a point without a search
+        let [lo, hi] = knots.domain();
+        let uniform = Knots::uniform(self.degree, knots.n_segments(), lo, hi);
+        Ok(uniform.ok().filter(|uniform| uniform.as_slice() == knots.as_slice()).unwrap_or(knots))
     }
 }
 
 impl<C: Copy> SavedSurface<C> {
-    fn of(knots: &[Knots; 2], coefficients: &Array2<C>) -> SavedSurface<C> {
+    pub(super) fn of(knots: &[Knots; 2], coefficients: &Array2<C>) -> SavedSurface<C> {
         SavedSurface {
             knots: knots.each_ref().map(SavedKnots::of),
             coefficients: coefficients.rows().into_iter().map(|row| row.to_vec()).collect(),
         }
     }
 
-    fn read(self) -> Result<([Knots; 2], Array2<C>), SurfaceError> {
+    pub(super) fn read(self) -> Result<([Knots; 2], Array2<C>), SurfaceError> {
         let [u, v] = self.knots;
         let knots = [u.read()?, v.read()?];
         let expected = [knots[0].n_basis(), knots[1].n_basis()];
@@ -50,39 +57,10 @@ impl<C: Copy> SavedSurface<C> {
     }
 }
 
-impl From<HeightField> for SavedSurface<f64> {
-    fn from(surface: HeightField) -> SavedSurface<f64> {
-        SavedSurface::of(surface.knots(), surface.coefficients())
-    }
-}
-
-impl TryFrom<SavedSurface<f64>> for HeightField {
-    type Error = SurfaceError;
-
-    fn try_from(saved: SavedSurface<f64>) -> Result<HeightField, SurfaceError> {
-        let (knots, coefficients) = saved.read()?;
-        HeightField::new(knots, coefficients)
-    }
-}
-
-impl From<Parametric> for SavedSurface<[f64; 3]> {
-    fn from(surface: Parametric) -> SavedSurface<[f64; 3]> {
-        SavedSurface::of(surface.knots(), surface.coefficients())
-    }
-}
-
-impl TryFrom<SavedSurface<[f64; 3]>> for Parametric {
-    type Error = SurfaceError;
-
-    fn try_from(saved: SavedSurface<[f64; 3]>) -> Result<Parametric, SurfaceError> {
-        let (knots, coefficients) = saved.read()?;
-        Parametric::new(knots, coefficients)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::{HeightField, Parametric};
 
     #[test]
     fn surfaces_come_back_and_faulty_ones_do_not() {
