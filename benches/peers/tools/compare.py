@@ -304,7 +304,7 @@ def about():
     for name in ("scipy", "skimage", "open3d", "pygismo"):
         try:
             module = __import__(name)
-            versions[name] = str(getattr(module, "__version__", ""))
+            versions[name] = str(getattr(module, "__version__", "")).strip()
         except Exception as fault:
             versions[name] = f"not here ({fault})"
     for name, command in {
@@ -342,7 +342,7 @@ def main():
                     except Exception as fault:
                         print(f"left out: {name}, {count}: {fault}", file=sys.stderr, flush=True)
                         continue
-                    relative = "-" if r is None else f"{100 * r:.2g} %"
+                    relative = "-" if r is None else f"{float(f'{100 * r:.2g}'):g} %"
                     lines.append(f"| {task} | {name} | {count} | {s:.3f} | {relative} | {spell(seconds)} | {word} |")
                     print(lines[-1], flush=True)
     if options.record:

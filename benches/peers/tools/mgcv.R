@@ -1,5 +1,5 @@
 # mgcv: a tensor-product smooth of the heights, its smoothness by REML, derivatives by differences of its predictions.
-# The penalty is on third differences: mgcv's default bends the second derivatives to zero at the edges, or flattens them.
+# P-splines with a penalty on third differences: the default basis of te has no second derivative at the edges.
 #
 #     Rscript mgcv.R CONTACTS.csv TARGETS.csv BASIS REPETITIONS    prints "T seconds", then zx, zy, zxx, zxy, zyy a line
 suppressMessages(library(mgcv))
