@@ -1,5 +1,5 @@
 //! Grid-mean S of spheres and diagonal cylinders against their radius, degrees 2, 3 and 4, tangent preset.
-//! `cargo bench --bench hard_cases` prints it, and `tests/hard_cases.rs` holds the recorded one against it.
+//! `cargo bench --bench hard_cases` prints it, and `tests/library/hard_cases.rs` holds the recorded one against it.
 
 use palpate::contact::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};

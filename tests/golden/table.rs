@@ -1,5 +1,5 @@
 //! The hard-case table: condition, method, digits found against 80-digit references, guaranteed and allowed.
-//! `cargo bench --bench hard_cases` prints it, and `tests/hard_cases.rs` holds the recorded one against it.
+//! `cargo bench --bench hard_cases` prints it, and `tests/library/hard_cases.rs` holds the recorded one against it.
 
 use palpate::cases::HardCase;
 
