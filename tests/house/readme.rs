@@ -131,12 +131,10 @@ fn the_readme_stays_short() {
 /// COMPARE.md's table is the recorded one, and the code of the other tools in it is code that the comparer runs.
 #[test]
 fn the_comparison_is_the_recorded_one() {
+    let rows = document("benches/runs/tools.md");
+    let rows: String = rows.lines().filter(|line| line.starts_with('|')).map(|line| format!("{line}\n")).collect();
+    check_table("COMPARE.md", "tools", &rows);
     let compare = document("COMPARE.md");
-    let (_, rest) = compare.split_once("<!-- tools -->\n").unwrap();
-    let (table, _) = rest.split_once("<!-- /tools -->").unwrap();
-    let recorded: String =
-        document("benches/runs/tools.md").lines().filter(|l| l.starts_with('|')).map(|l| format!("{l}\n")).collect();
-    assert_eq!(table, recorded);
     let code: Vec<String> = ["compare.py", "torus.py", "mgcv.R", "jet.cpp"]
         .iter()
         .flat_map(|file| {
@@ -194,17 +192,21 @@ fn table() -> String {
     out + &format!("\n(`benches/runs/{name}.md`, commit {})\n", run["about"]["commit"].as_str().unwrap())
 }
 
-/// `PALPATE_WRITE_README=1 cargo test --test house readme` writes the table anew.
+/// The text between the marks `<!-- NAME -->` and `<!-- /NAME -->` is the table.
+/// `PALPATE_WRITE_README=1 cargo test --test house readme` writes it anew.
+fn check_table(file: &str, name: &str, table: &str) {
+    let text = document(file);
+    let (before, rest) = text.split_once(&format!("<!-- {name} -->\n")).unwrap();
+    let (found, after) = rest.split_once(&format!("<!-- /{name} -->")).unwrap();
+    if std::env::var_os("PALPATE_WRITE_README").is_some() {
+        let text = format!("{before}<!-- {name} -->\n{table}<!-- /{name} -->{after}");
+        std::fs::write(root().join(file), text).unwrap();
+    } else {
+        assert_eq!(found, table);
+    }
+}
+
 #[test]
 fn the_table_of_speeds_is_the_newest_run() {
-    let path = root().join("README.md");
-    let text = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = text.split_once("<!-- speeds -->\n").unwrap();
-    let (found, after) = rest.split_once("<!-- /speeds -->").unwrap();
-    let table = table();
-    if std::env::var_os("PALPATE_WRITE_README").is_some() {
-        std::fs::write(&path, format!("{before}<!-- speeds -->\n{table}<!-- /speeds -->{after}")).unwrap();
-        return;
-    }
-    assert_eq!(found, table);
+    check_table("README.md", "speeds", &table());
 }
