@@ -7,11 +7,12 @@ use super::judge::{Digits, Judged};
 
 /// The first two lines.
 pub fn header() -> String {
-    format!(
+    let text = format!(
         "digits of coefficients / S / R: found against the 80-digit reference, guaranteed, allowed by the data\n\
          {:<30} {:>8} {:<11} {:<15} {:<15} {:<15}",
         "case", "cond", "method", "found", "guaranteed", "allowed"
-    )
+    );
+    text.trim_end().to_string()
 }
 
 /// One line a case.

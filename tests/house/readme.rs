@@ -121,6 +121,7 @@ fn check_bold_figures(name: &str, least: usize) {
 #[test]
 fn the_table_of_trust_quotes_what_is_printed() {
     check_bold_figures("README.md", 10);
+    check_bold_figures("benches/runs/poor-normals.md", 18);
 }
 
 #[test]
