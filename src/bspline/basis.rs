@@ -1,9 +1,6 @@
 //! Values and derivatives of the p + 1 basis functions that live at one x, in one pass (Piegl and Tiller, A2.3).
 
-use super::Knots;
-
-/// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
-pub const MAX_DEGREE: usize = 9;
+use super::{Knots, MAX_DEGREE};
 
 const WIDTH: usize = MAX_DEGREE + 1;
 

@@ -1,7 +1,10 @@
 //! Knot vectors: clamped, `t_0 = .. = t_p < .. < t_n = .. = t_n+p`, n basis functions; or closed, uniform from end to
 //! end, where the last p coefficients are the first p again and the spline has no seam.
 
-use super::{KnotError, MAX_DEGREE};
+use super::KnotError;
+
+/// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
+pub const MAX_DEGREE: usize = 9;
 
 /// Largest number of segments per direction: 2^20 keeps every index product below 2^53 and refuses typing errors.
 const MAX_SEGMENTS: usize = 1 << 20;

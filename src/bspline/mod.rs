@@ -12,10 +12,10 @@ mod coverage;
 mod gram;
 mod knots;
 
-pub use basis::{BasisRow, MAX_DEGREE};
+pub use basis::BasisRow;
 pub use coverage::{Coverage, coverage};
 pub use gram::{gauss_legendre, gram};
-pub use knots::{Knots, linspace};
+pub use knots::{Knots, MAX_DEGREE, linspace};
 
 /// What is wrong with a degree or a knot vector.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
