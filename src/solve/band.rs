@@ -22,7 +22,7 @@ pub(super) const WIDTH: usize = 48;
 const CACHE_LINE: usize = 64;
 
 /// One end of the band, or the middle.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Block columns, one after the other, from a cache line's beginning on.
     memory: Vec<f64>,
@@ -33,7 +33,7 @@ pub(super) struct Part {
 }
 
 /// A reusable band factorisation of `D A D` for one shape.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BandCholesky {
     /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
     pub(super) end: usize,

@@ -3,6 +3,8 @@
 //! Forming `A = E'E` squares the condition; the certificate says what is left. LDL' is not used: it accepts indefinite
 //! matrices, and the failing pivot of LLT is the test for rank.
 
+use std::sync::Arc;
+
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -48,7 +50,7 @@ fn dissection_flops(shape: TensorShape) -> f64 {
 }
 
 /// A reusable Cholesky solver for one pattern: `factor` as often as the values change, `solve` as often as the data do.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Cholesky {
     shape: TensorShape,
     scale: Vec<f64>,
@@ -59,7 +61,7 @@ pub struct Cholesky {
     kind: Kind,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Kind {
     Patch(PatchCholesky),
     Dense(PackedCholesky),
@@ -67,16 +69,17 @@ enum Kind {
     Sparse(Box<Sparse>),
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sparse {
     pattern: Pattern,
-    symbolic: SymbolicCholesky<usize>,
+    /// Shared by clones: the pattern stays the same.
+    symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     factor: Vec<f64>,
 }
 
 /// The upper triangle in compressed columns, and where each entry stands in the stencil.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Pattern {
     column_starts: Vec<usize>,
     rows: Vec<usize>,
@@ -293,7 +296,7 @@ impl Sparse {
         )
         .map_err(|_| no_memory.clone())?;
         let (values, factor) = (vec![0.0; pattern.rows.len()], vec![0.0; symbolic.len_val()]);
-        Ok(Sparse { pattern, symbolic, values, factor })
+        Ok(Sparse { pattern, symbolic: Arc::new(symbolic), values, factor })
     }
 
     fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, SolveError> {

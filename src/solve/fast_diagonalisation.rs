@@ -15,7 +15,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use super::SolveError;
 
 /// Eigenvectors and divisors for one pair of axes and one set of weights; reusable buffers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct FastDiagonalisation {
     u: Mat<f64>,
     v: Mat<f64>,

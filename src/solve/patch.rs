@@ -4,7 +4,7 @@ use crate::linalg::{StencilMatrix, TensorShape};
 use crate::simd::{DenseColumns, Isa, factor_columns, invert_columns};
 
 /// A factor of 9, 16 or 25 unknowns.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum PatchCholesky {
     Quadratic(Box<Factor<3, 9, 16>>),
     Cubic(Box<Factor<4, 16, 24>>),
@@ -12,7 +12,7 @@ pub(super) enum PatchCholesky {
 }
 
 /// Columns of L, and the inverses of its diagonal.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Factor<const W: usize, const N: usize, const PADDED: usize> {
     columns: DenseColumns<N, PADDED>,
     inverse: [f64; N],

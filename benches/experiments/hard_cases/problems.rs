@@ -49,7 +49,7 @@ pub fn print(count: usize) {
 fn compare(number: usize, problem: &RandomProblem, fit: &Fit, tally: &mut Tally) {
     let solved = &problem.solved;
     let found: Vec<f64> = fit.input_surface().map(|s| s.coefficients().iter().copied().collect()).unwrap_or_default();
-    let promise = fit.certificate().promise;
+    let promise = fit.certificate().guaranteed_digits;
     let [s, r] = shape_errors(fit, problem);
     let pairs = [
         ("coefficients", digits_of(&found, &solved.coefficients), promise.coefficients),

@@ -5,8 +5,8 @@
 //! many: (D E_3'E_3 D) c = D E_3'b about the weighted centre, refined from the rows      three columns, nothing held
 //! ```
 
-use crate::fit::Observed;
-use crate::fit::objective::equations::Equations;
+use crate::fit::linear::equations::Equations;
+use crate::fit::placing::sites::DataSites;
 use crate::linalg::Sites;
 use crate::solve::PivotedQr;
 
@@ -86,7 +86,7 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     fn new(equations: &Equations) -> Rows<'_> {
-        if let Observed::Scattered(scattered) = &equations.sites
+        if let DataSites::Scattered(scattered) = &equations.sites
             && scattered.len() >= MANY
         {
             return Rows { equations, places: scattered.points().to_vec() };
@@ -196,7 +196,6 @@ fn equilibrated_cholesky(gram: [[f64; 3]; 3]) -> Option<impl Fn([f64; 3]) -> [f6
 mod tests {
     use super::*;
     use crate::bspline::Knots;
-    use crate::fit::Observed;
     use crate::linalg::{RowWeights, SiteWeights};
     use crate::observation::ScatteredSites;
 
@@ -214,7 +213,7 @@ mod tests {
                 [m.z * z, m.a * zx + m.b * zy, m.d * zy]
             })
             .collect();
-        let sites = Observed::Scattered(ScatteredSites::new(knots, points));
+        let sites = DataSites::Scattered(ScatteredSites::new(knots, points));
         Equations::new(sites, RowWeights::PerSite(site_weights), targets, None)
     }
 

@@ -2,8 +2,8 @@
 
 use crate::contact::Contacts;
 
-/// Rows are the patch's x, y, z axes. The sweep direction is that from each finger's first to its last station; without
-/// stations the first principal direction of the contacts across the mean normal.
+/// Rows are the patch's x, y, z axes. The sweep direction is the sum over the fingers of the vectors from first to last
+/// station; without stations it is the first principal direction of the contacts across the mean normal.
 pub fn local_axes(contacts: &Contacts) -> [[f64; 3]; 3] {
     let z = mean_normal(contacts);
     let direction = sweep_direction(contacts).unwrap_or_else(|| principal_direction(contacts, z));
@@ -17,20 +17,20 @@ fn mean_normal(contacts: &Contacts) -> [f64; 3] {
     let sum = (0..contacts.len())
         .filter_map(|r| contacts.unit_normal(r))
         .fold([0.0; 3], |s, n| [0, 1, 2].map(|k| s[k] + n[k]));
-    // normals all round a body cancel: then no direction is better than the input's own
+    // normals from all sides of a body cancel: then no direction is better than the input's own z
     if norm(sum) > 1e-9 * contacts.len() as f64 { unit(sum) } else { [0.0, 0.0, 1.0] }
 }
 
 fn sweep_direction(contacts: &Contacts) -> Option<[f64; 3]> {
     let (fingers, stations) = (contacts.finger.as_ref()?, contacts.station.as_ref()?);
     let mut sum = [0.0; 3];
-    let mut lanes: Vec<u32> = fingers.clone();
-    lanes.sort_unstable();
-    lanes.dedup();
-    for lane in lanes {
-        let on_lane = || (0..fingers.len()).filter(|&r| fingers[r] == lane);
-        let first = on_lane().min_by_key(|&r| stations[r])?;
-        let last = on_lane().max_by_key(|&r| stations[r])?;
+    let mut numbers: Vec<u32> = fingers.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    for finger in numbers {
+        let of_finger = || (0..fingers.len()).filter(|&r| fingers[r] == finger);
+        let first = of_finger().min_by_key(|&r| stations[r])?;
+        let last = of_finger().max_by_key(|&r| stations[r])?;
         let d = [
             contacts.x[last] - contacts.x[first],
             contacts.y[last] - contacts.y[first],

@@ -3,7 +3,9 @@
 use ndarray::Array2;
 
 use crate::contact::{Contacts, Grid, Orientation};
-use crate::fit::{FitError, Observed, Patch};
+use crate::fit::FitError;
+use crate::fit::placing::patch::Patch;
+use crate::fit::placing::sites::DataSites;
 use crate::linalg::{RowWeights, SiteWeights, Targets};
 use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows, slope_rows};
 
@@ -14,7 +16,7 @@ pub enum Data {
     Scattered {
         /// The contacts.
         contacts: Contacts,
-        /// The user's numbers of them, where many were put one knot cell after the other.
+        /// The number each has in the user's order, where they were sorted by knot cells.
         numbers: Option<Vec<u32>>,
     },
     /// A grid in input units, with the patch's height origin and length.
@@ -46,8 +48,8 @@ fn points(contacts: &Contacts) -> Vec<[f64; 2]> {
 }
 
 impl Data {
-    /// Contacts in patch coordinates. Many are put one knot cell after the other, once: their cells are visited many times,
-    /// and a contact in the user's order is then a walk through memory each time.
+    /// Contacts in patch coordinates. Many contacts are sorted by knot cells once, because the cells are visited many times
+    /// and reading contacts in the user's order would jump through memory at every visit.
     pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
         if !ScatteredSites::many_go_by_cells(contacts.len(), &patch.knots) {
             return Data::Scattered { contacts, numbers: None };
@@ -57,21 +59,21 @@ impl Data {
     }
 
     /// Where the data lie under the patch's knots.
-    pub fn sites(&self, patch: &Patch) -> Observed {
+    pub fn sites(&self, patch: &Patch) -> DataSites {
         match self {
             Data::Scattered { contacts, .. } => {
-                Observed::Scattered(ScatteredSites::new(patch.knots.clone(), points(contacts)))
+                DataSites::Scattered(ScatteredSites::new(patch.knots.clone(), points(contacts)))
             }
             Data::Gridded { grid, .. } => {
                 let [ox, oy, _] = patch.frame.origin;
                 let local =
                     |axis: &[f64], o: f64| -> Vec<f64> { axis.iter().map(|v| (v - o) / patch.frame.scale).collect() };
-                Observed::Gridded(GridSites::new(patch.knots.clone(), &local(&grid.x, ox), &local(&grid.y, oy)))
+                DataSites::Gridded(GridSites::new(patch.knots.clone(), &local(&grid.x, ox), &local(&grid.y, oy)))
             }
         }
     }
 
-    /// Slopes or normals are there.
+    /// Whether there are slopes or normals.
     pub fn has_orientation(&self) -> bool {
         match self {
             Data::Scattered { contacts, .. } => contacts.orientation != Orientation::None,
@@ -79,12 +81,12 @@ impl Data {
         }
     }
 
-    /// Normals are there, not only slopes.
+    /// Whether there are normals, not only slopes.
     pub fn has_normals(&self) -> bool {
         matches!(self, Data::Scattered { contacts: Contacts { orientation: Orientation::Normals { .. }, .. }, .. })
     }
 
-    /// Slope rows with block weights in patch units.
+    /// Slope rows with weights `[wz, wx, wy]` in patch units.
     pub fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
         match self {
             Data::Scattered { contacts, .. } => slope_rows(contacts, block),
@@ -98,7 +100,7 @@ impl Data {
     /// [`FitError::NormalDown`], [`FitError::Steep`].
     pub fn check_slopes(&self) -> Result<(), FitError> {
         self.check_each_normal(|[nx, ny, nz]| {
-            // 1e8: beyond it the square of a slope drowns every other row's last digit
+            // beyond 1e8 the square of one slope is larger than all other rows' squares times 1e16, and their digits are lost
             nz >= 0.0 && [nx / nz, ny / nz].iter().all(|s| s.is_finite() && s.abs() < 1e8)
         })
     }
@@ -180,7 +182,7 @@ impl Data {
         data
     }
 
-    /// Root of the sum of squares of the heights that count, in the patch.
+    /// Root of the sum of squares of the heights whose weight is not zero, in patch units.
     pub fn size_of_heights(&self) -> f64 {
         let sum: f64 = match self {
             Data::Scattered { contacts, .. } => match &contacts.weights.z {
@@ -196,7 +198,7 @@ impl Data {
         sum.sqrt()
     }
 
-    /// Largest magnitude of a height as the user gave it (input units): what the data's own rounding scales with.
+    /// Largest magnitude of a height in input units: the rounding of the data as given is proportional to it.
     pub fn largest_height(&self, patch: &Patch) -> f64 {
         let largest =
             |v: &mut dyn Iterator<Item = f64>| v.filter(|z| z.is_finite()).fold(0.0_f64, |m, z| m.max(z.abs()));
@@ -215,7 +217,7 @@ mod tests {
     use super::*;
     use crate::fit::{FitOptions, Method, NormalSigma, Objective, fit_contacts};
 
-    /// Many contacts are reordered inside; what a user reads is by the user's numbers.
+    /// Many contacts are reordered inside the fit; errors still name the user's own numbers.
     #[test]
     fn the_first_unsound_normal_keeps_its_number() {
         let count = 20_007;
@@ -230,7 +232,7 @@ mod tests {
         assert!(matches!(found, Err(FitError::NormalDown { index: 999, .. })), "{found:?}");
     }
 
-    /// Cell by cell, in whatever order they came, and by QR of the rows: one answer.
+    /// The answer is the same for contacts in reverse order, and by QR of the rows.
     #[test]
     fn the_order_of_many_contacts_does_not_matter() {
         let count = 600;
@@ -244,7 +246,7 @@ mod tests {
         let fit = |contacts: &Contacts, method: Method| {
             let options = FitOptions { degree: [3, 2], segments: [4, 4], objective, method, ..FitOptions::default() };
             let fit = fit_contacts(contacts, &options).unwrap();
-            assert!(fit.equations().lanes().is_some());
+            assert!(fit.equations().packed().is_some());
             fit.solution().coefficients.clone()
         };
         let expected = fit(&contacts, Method::Auto);

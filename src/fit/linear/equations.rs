@@ -1,42 +1,42 @@
-//! Step 3a: the weighted linear least squares problem `minimise |b - E c|^2 + lambda c'Pc` in the patch frame.
+//! The weighted linear least squares problem `minimise |b - E c|^2 + lambda c'Pc` in the patch frame.
 
 use std::sync::{Arc, OnceLock};
 
-use crate::fit::Observed;
+use crate::fit::placing::sites::DataSites;
 use crate::linalg::{
     RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
 };
 use crate::observation::{CellAssembly, PackedCells, PackedRows, kronecker_normal_matrix};
 
-/// One linear problem: where, how weighted, towards what, how rough.
+/// One linear least squares problem: sites, row weights, targets and roughness.
 #[derive(Clone, Debug)]
 pub struct Equations {
     /// Sites of the data.
-    pub sites: Observed,
+    pub sites: DataSites,
     /// Weights of the rows.
     pub row_weights: RowWeights,
     /// Weighted right-hand sides.
     pub targets: Targets,
-    /// `lambda` and P.
+    /// `lambda` and `P` of the roughness penalty, if there is one.
     pub roughness: Option<(f64, StencilMatrix)>,
-    /// Weights and targets of many scattered contacts cell by cell, put there by the first visit.
-    pub(super) lanes: OnceLock<Arc<PackedRows>>,
+    /// Weights and targets of many scattered contacts, packed by knot cells at the first visit.
+    packed: OnceLock<Arc<PackedRows>>,
 }
 
-/// The two kinds of rows, whose noise levels are separate variance components.
+/// The two kinds of rows, whose noise variances are estimated separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Block {
+pub enum RowKind {
     /// Height rows.
     Heights,
     /// Slope or normal rows.
     Slopes,
 }
 
-/// The rows of one block alone: the other's weights set to zero.
-pub fn only(row_weights: &RowWeights, block: Block) -> RowWeights {
-    let keep = |m: &SiteWeights| match block {
-        Block::Heights => SiteWeights { z: m.z, ..SiteWeights::default() },
-        Block::Slopes => SiteWeights { z: 0.0, ..*m },
+/// The rows of one kind alone: the other kind's weights are set to zero.
+pub fn only(row_weights: &RowWeights, kind: RowKind) -> RowWeights {
+    let keep = |m: &SiteWeights| match kind {
+        RowKind::Heights => SiteWeights { z: m.z, ..SiteWeights::default() },
+        RowKind::Slopes => SiteWeights { z: 0.0, ..*m },
     };
     match row_weights {
         RowWeights::Uniform(m) => RowWeights::Uniform(keep(m)),
@@ -45,22 +45,27 @@ pub fn only(row_weights: &RowWeights, block: Block) -> RowWeights {
 }
 
 impl Equations {
-    /// These rows; none is visited yet.
+    /// These rows, not packed yet.
     pub fn new(
-        sites: Observed,
+        sites: DataSites,
         row_weights: RowWeights,
         targets: Targets,
         roughness: Option<(f64, StencilMatrix)>,
     ) -> Equations {
-        Equations { sites, row_weights, targets, roughness, lanes: OnceLock::new() }
+        Equations { sites, row_weights, targets, roughness, packed: OnceLock::new() }
     }
 
-    /// Equations: rows whose weight is not zero.
+    /// The same rows under another roughness penalty, or none.
+    pub fn with_roughness(&self, roughness: Option<(f64, StencilMatrix)>) -> Equations {
+        Equations { roughness, ..self.clone() }
+    }
+
+    /// Number of equations: rows whose weight is not zero.
     pub fn count(&self) -> usize {
         self.row_weights.row_counts(self.sites.len()).iter().sum()
     }
 
-    /// Unknowns n m.
+    /// Number of unknowns n m.
     pub fn unknowns(&self) -> usize {
         self.sites.shape().unknowns()
     }
@@ -74,34 +79,34 @@ impl Equations {
         matrix
     }
 
-    /// The rows of many scattered contacts as lanes; `None` for few, for grids and for degrees above 3.
-    pub fn lanes(&self) -> Option<(&PackedCells, &PackedRows)> {
-        let lanes = packed_cells(&self.sites)?;
-        Some((lanes, self.lanes.get_or_init(|| Arc::new(lanes.rows(&self.row_weights, &self.targets)))))
+    /// The rows of many scattered contacts packed by knot cells; `None` for few, for grids and for degrees above 3.
+    pub fn packed(&self) -> Option<(&PackedCells, &PackedRows)> {
+        let cells = packed_cells(&self.sites)?;
+        Some((cells, self.packed.get_or_init(|| Arc::new(cells.rows(&self.row_weights, &self.targets)))))
     }
 
     /// `E' b`.
     pub fn right_side(&self) -> Vec<f64> {
         let mut out = vec![0.0; self.unknowns()];
-        match self.lanes() {
-            Some((lanes, rows)) => lanes.descent(rows, &vec![0.0; out.len()], &mut out),
+        match self.packed() {
+            Some((cells, rows)) => cells.descent(rows, &vec![0.0; out.len()], &mut out),
             None => normal_rhs(&self.sites, &self.row_weights, &self.targets, &mut out),
         }
         out
     }
 
-    /// `|b - E c|^2` of either block.
+    /// `|b - E c|^2` of height rows and of slope rows.
     pub fn residual_squares(&self, c: &[f64]) -> [f64; 2] {
-        match self.lanes() {
-            Some((lanes, rows)) => lanes.squares(rows, true, c),
+        match self.packed() {
+            Some((cells, rows)) => cells.squares(rows, true, c),
             None => block_squares(&self.residuals(c)),
         }
     }
 
-    /// `|E v|^2` of either block.
+    /// `|E v|^2` of height rows and of slope rows.
     pub fn row_squares(&self, v: &[f64]) -> [f64; 2] {
-        if let Some((lanes, rows)) = self.lanes() {
-            return lanes.squares(rows, false, v);
+        if let Some((cells, rows)) = self.packed() {
+            return cells.squares(rows, false, v);
         }
         let mut rows = Targets::new();
         apply_rows(&self.sites, &self.row_weights, v, &mut rows);
@@ -115,11 +120,11 @@ impl Equations {
         out
     }
 
-    /// Gradient of half the objective's negative: `E'(b - E c) - lambda P c`, from the rows.
+    /// Negative gradient of half the objective, `E'(b - E c) - lambda P c`, computed from the rows.
     pub fn descent(&self, c: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.unknowns()];
-        match self.lanes() {
-            Some((lanes, rows)) => lanes.descent(rows, c, &mut out),
+        match self.packed() {
+            Some((cells, rows)) => cells.descent(rows, c, &mut out),
             None => descent(&self.sites, &self.row_weights, &self.targets, c, &mut out),
         }
         if let Some((lambda, penalty)) = &self.roughness {
@@ -132,32 +137,32 @@ impl Equations {
 }
 
 /// `E'E` of data rows alone.
-pub fn data_normal_matrix(sites: &Observed, row_weights: &RowWeights) -> StencilMatrix {
-    if let (Observed::Gridded(grid), RowWeights::Uniform(m)) = (sites, row_weights)
+pub fn data_normal_matrix(sites: &DataSites, row_weights: &RowWeights) -> StencilMatrix {
+    if let (DataSites::Gridded(grid), RowWeights::Uniform(m)) = (sites, row_weights)
         && m.b == 0.0
     {
         return kronecker_normal_matrix(grid, [m.z, m.a, m.d]);
     }
     let mut matrix = StencilMatrix::zeros(sites.shape());
-    if let (Observed::Scattered(scattered), Some(lanes)) = (sites, packed_cells(sites))
+    if let (DataSites::Scattered(scattered), Some(packed)) = (sites, packed_cells(sites))
         && let Some(mut cells) = CellAssembly::new(scattered.knots().clone())
     {
-        cells.add_packed(row_weights, lanes, &mut matrix);
+        cells.add_packed(row_weights, packed, &mut matrix);
         return matrix;
     }
     assemble(sites, row_weights, &mut matrix);
     matrix
 }
 
-/// Contacts in the order and places of their cells, where there are many.
-pub fn packed_cells(sites: &Observed) -> Option<&PackedCells> {
+/// Many scattered contacts packed by knot cells; `None` for few, for grids and for degrees above 3.
+pub fn packed_cells(sites: &DataSites) -> Option<&PackedCells> {
     match sites {
-        Observed::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
+        DataSites::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
         _ => None,
     }
 }
 
-/// Sum of squares per block of weighted rows: `[heights, slopes]`.
-pub fn block_squares(rows: &Targets) -> [f64; 2] {
+/// Sum of squares of the weighted rows of either kind: `[heights, slopes]`.
+fn block_squares(rows: &Targets) -> [f64; 2] {
     rows.iter().fold([0.0, 0.0], |s, r| [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]])
 }
