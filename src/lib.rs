@@ -38,6 +38,7 @@ pub mod shape;
 pub mod simd;
 pub mod solve;
 pub mod surface;
+mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};

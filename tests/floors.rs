@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 22] = [
+const FLOORS: [(&str, u8); 23] = [
     ("simd", 0),
+    ("vector", 0),
     ("contact", 1),
     ("bspline", 1),
     ("linalg", 1),
