@@ -8,7 +8,7 @@
 //! first and added to the unknowns when the visit leaves it.
 
 use crate::fit::Equations;
-use crate::linalg::{SiteBlocks, SiteRows, Sites};
+use crate::linalg::{SiteGroups, SiteRows, Sites};
 use crate::simd::{
     CellSites, CellVectors, ColumnSums, Isa, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
     products_pass,
@@ -30,7 +30,7 @@ pub struct RowPasses<'a> {
     equations: &'a Equations,
     c: &'a [f64],
     isa: Isa,
-    lanes: SiteBlocks,
+    lanes: SiteGroups,
     cell: Cell,
 }
 
@@ -87,7 +87,7 @@ impl Cell {
 impl<'a> RowPasses<'a> {
     /// The rows of `equations`, held against `c`.
     pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
-        let (lanes, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
+        let (lanes, cell) = (SiteGroups::new(&equations.sites), Cell::new(equations));
         RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), lanes, cell }
     }
 
