@@ -39,6 +39,7 @@ pub mod simd;
 pub mod solve;
 pub mod surface;
 mod threads;
+mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
