@@ -43,6 +43,8 @@ mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
+pub use nalgebra_sparse;
+pub use ndarray;
 
 /// The README's code, compiled and run with the documentation's tests.
 #[cfg(doctest)]

@@ -127,7 +127,7 @@ impl<'a> RowPasses<'a> {
         home: &mut [ColumnTotals],
         mut pass: impl FnMut(&CellSites, &CellVectors, &mut [ColumnSums]),
     ) {
-        let RowPasses { equations, blocks, cell, .. } = self;
+        let RowPasses { equations, groups, cell, .. } = self;
         let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
             cell.enter(first, vectors, home);
             let [c, v] = match cell.parts.split_at_checked(cell.sums.len()) {
@@ -140,7 +140,7 @@ impl<'a> RowPasses<'a> {
             Some((cells, rows)) => cells.visit(rows, eight),
             None => {
                 let Equations { sites, row_weights, targets, .. } = equations;
-                blocks.visit(&SiteRows { sites, row_weights, targets }, |block| {
+                groups.visit(&SiteRows { sites, row_weights, targets }, |block| {
                     eight(block.first, &block.lanes, block.targets)
                 });
             }
