@@ -39,9 +39,12 @@ pub mod simd;
 pub mod solve;
 pub mod surface;
 mod threads;
+mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
+pub use nalgebra_sparse;
+pub use ndarray;
 
 /// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.
 #[cfg(any(doc, doctest))]

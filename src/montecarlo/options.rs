@@ -2,6 +2,7 @@
 
 /// How often a study repeats, and what its intervals cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StudyOptions {
     /// Replicates. Default 10,000.
     pub replicates: u64,

@@ -4,6 +4,7 @@ use crate::bspline::{BasisRow, Knots, linspace};
 
 /// Points of the shape grid, in the coordinates of the surface's knots.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapeGrid {
     /// x coordinates.
     pub x: Vec<f64>,

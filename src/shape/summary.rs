@@ -6,6 +6,7 @@ use crate::curvature::ShapeClass;
 
 /// Mean and sample standard deviation (n - 1) of what is defined: variation over the patch, not uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spread {
     /// Mean; `None` with fewer than 2 points.
     pub mean: Option<f64>,
@@ -28,6 +29,7 @@ pub fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
 
 /// Both ends of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Interval {
     /// Lower end.
     pub lo: f64,

@@ -2,6 +2,8 @@
 //!
 //! `mu` is the damping of a Levenberg-Marquardt step, 0 for the plain matrix; D equilibrates the diagonal.
 
+use std::sync::Arc;
+
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
@@ -16,7 +18,7 @@ use crate::simd::{Isa, factor_dense};
 const DENSE_LIMIT: usize = 300;
 
 /// A reusable Cholesky solver for matrices of one block pattern.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BlockCholesky {
     scale: Vec<f64>,
     sums: Vec<f64>,
@@ -24,24 +26,25 @@ pub struct BlockCholesky {
     kind: Kind,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Kind {
     Dense(Dense),
     Sparse(Box<Sparse>),
 }
 
 /// Columns of L, padded to whole sets of lanes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Dense {
     stride: usize,
     columns: Vec<f64>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sparse {
     starts: Vec<usize>,
     rows: Vec<usize>,
-    symbolic: SymbolicCholesky<usize>,
+    /// Shared between clones: it depends on the pattern alone and never changes.
+    symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     factor: Vec<f64>,
 }
@@ -185,7 +188,7 @@ impl Sparse {
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, Default::default())
             .map_err(|_| SolveError::Memory { unknowns })?;
         let (values, factor) = (vec![0.0; rows.len()], vec![0.0; symbolic.len_val()]);
-        Ok(Sparse { starts, rows, symbolic, values, factor })
+        Ok(Sparse { starts, rows, symbolic: Arc::new(symbolic), values, factor })
     }
 
     /// Factors `values`.

@@ -72,7 +72,7 @@ enum Kind {
 #[derive(Clone, Debug)]
 struct Sparse {
     pattern: Pattern,
-    /// Shared by clones: the pattern stays the same.
+    /// Shared between clones: it depends on the pattern alone and never changes.
     symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     factor: Vec<f64>,

@@ -1,11 +1,13 @@
-//! A height field over the product of two clamped knot vectors.
+//! A height field over the product of two clamped knot vectors: `S(x, y) = sum_ij c_ij N_i(x) M_j(y)`, n m coefficients.
 
 use ndarray::Array2;
 
+#[cfg(feature = "serde")]
+use super::saved::SavedSurface;
 use crate::bspline::{BasisRow, KnotError, Knots};
 use crate::curvature::Derivatives;
 
-/// Why coefficients and knots make no surface.
+/// Why coefficients and knots do not make a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
@@ -40,6 +42,7 @@ pub enum SurfaceError {
 
 /// Height and derivatives at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfacePoint {
     /// S.
     pub z: f64,
@@ -98,8 +101,24 @@ impl SurfacePoint {
     }
 }
 
-/// A tensor-product B-spline height field.
+/// A tensor-product B-spline height field. Lengths are in the unit of its knots and coefficients.
+///
+/// ```
+/// use ndarray::Array2;
+/// use palpate::bspline::Knots;
+/// use palpate::surface::HeightField;
+///
+/// // z = x^2 on [-1, 1] has the quadratic B-spline coefficients 1, -1, 1 along x
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let coefficients = Array2::from_shape_fn((3, 3), |(i, _)| if i == 1 { -1.0 } else { 1.0 });
+/// let surface = HeightField::new([axis.clone(), axis], coefficients)?;
+/// let point = surface.at(0.5, 0.0);
+/// assert!((point.z - 0.25).abs() < 1e-15 && (point.zx - 1.0).abs() < 1e-15 && (point.zxx - 2.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "SavedSurface<f64>", try_from = "SavedSurface<f64>"))]
 pub struct HeightField {
     knots: [Knots; 2],
     coefficients: Array2<f64>,
@@ -132,12 +151,12 @@ impl HeightField {
         &self.coefficients
     }
 
-    /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials go on.
+    /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials are extended.
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
         self.with_rows(&self.knots[0].basis(x), &self.knots[1].basis(y))
     }
 
-    /// The same from basis rows that are at hand.
+    /// The same from basis rows that were evaluated before.
     pub(crate) fn with_rows(&self, bx: &BasisRow, by: &BasisRow) -> SurfacePoint {
         SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[[i, j]])
     }
@@ -147,7 +166,7 @@ impl HeightField {
     /// # Errors
     /// When the map leaves the finite numbers or makes distinct knots equal.
     pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<HeightField, SurfaceError> {
-        // t -> o + s t is (t - (-o/s)) / (1/s); written out to round once
+        // one multiplication and one addition, rounded once each
         let place = |k: &Knots, o: f64| Knots::new(k.degree(), k.as_slice().iter().map(|t| o + scale * t).collect());
         let knots = [place(&self.knots[0], origin[0])?, place(&self.knots[1], origin[1])?];
         HeightField::new(knots, self.coefficients.mapv(|c| origin[2] + scale * c))

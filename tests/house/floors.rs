@@ -1,4 +1,8 @@
-//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors.
+//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. No two
+//! files import each other.
+
+#[path = "floors/files.rs"]
+mod files;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,9 +10,10 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 23] = [
+const FLOORS: [(&str, u8); 24] = [
     ("simd", 0),
     ("threads", 0),
+    ("vector", 0),
     ("contact", 1),
     ("bspline", 1),
     ("linalg", 1),
@@ -129,6 +134,37 @@ fn an_upward_import_is_caught() {
     );
     assert!(faults("cli", fixture).is_empty());
     assert_eq!(faults("cellar", "").len(), 1);
+}
+
+#[test]
+fn no_two_files_import_each_other() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut paths = Vec::new();
+    sources(&src, &mut paths);
+    // the binary's own file is a crate apart
+    paths.retain(|path| !path.ends_with("src/main.rs"));
+    paths.sort();
+    let read = |path: &PathBuf| {
+        let inside = path.strip_prefix(&src).expect("below src").to_string_lossy().replace('\\', "/");
+        (inside, std::fs::read_to_string(path).expect("readable"))
+    };
+    let found = files::circles(&paths.iter().map(read).collect::<Vec<_>>());
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn files_that_import_each_other_are_caught() {
+    let fixture = include_str!("fixtures/file_circle.rs.txt");
+    let sources: Vec<(String, String)> = fixture
+        .split("// file: ")
+        .skip(1)
+        .map(|part| {
+            let (name, text) = part.split_once('\n').expect("a name and a text");
+            (name.trim().to_string(), text.to_string())
+        })
+        .collect();
+    let found = files::circles(&sources);
+    assert_eq!(found, [["ring/driver.rs", "ring/loss.rs"], ["ring/outer.rs", "ring/shared.rs"]]);
 }
 
 #[test]

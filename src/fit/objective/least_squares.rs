@@ -29,7 +29,7 @@ pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fit
         }
     };
     if !patch.frame.keeps_axes() {
-        fitted.notes.push(Note::Turned);
+        fitted.notes.push(Note::Rotated);
     }
     if !fitted.solution.unsupported.is_empty() {
         fitted.notes.push(Note::Unsupported { coefficients: fitted.solution.unsupported.len() });
