@@ -154,7 +154,7 @@ fn no_two_files_import_each_other() {
 
 #[test]
 fn files_that_import_each_other_are_caught() {
-    let fixture = include_str!("fixtures/file_circle.rs.txt");
+    let fixture = include_str!("../fixtures/file_circle.rs.txt");
     let sources: Vec<(String, String)> = fixture
         .split("// file: ")
         .skip(1)
