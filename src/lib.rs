@@ -11,7 +11,7 @@
 //!
 //! and from the surface come the principal curvatures `k1 >= k2`, Koenderink's shape index `S` and curvedness `R`.
 //!
-//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/floors.rs`):
+//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/house/floors.rs`):
 //! [`contact`], [`bspline`], [`linalg`], [`curvature`], [`draws`]; [`scene`], [`observation`], [`solve`],
 //! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
 #![warn(missing_docs)]
@@ -38,13 +38,21 @@ pub mod shape;
 pub mod simd;
 pub mod solve;
 pub mod surface;
+mod threads;
+mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
 pub use nalgebra_sparse;
 pub use ndarray;
 
-/// The README's code, compiled and run with the documentation's tests.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+/// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.
+#[cfg(any(doc, doctest))]
+pub mod documents {
+    #[doc = include_str!("../README.md")]
+    pub mod readme {}
+    #[doc = include_str!("../DESIGN.md")]
+    pub mod design {}
+    #[doc = include_str!("../COMPARE.md")]
+    pub mod compare {}
+}

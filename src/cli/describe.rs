@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
-use crate::fit::{Declared, Fit, Statistic};
+use crate::fit::{Fit, NoiseSource, Statistic};
 use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
 use crate::parametric::FittedSurface;
 use crate::report::{
@@ -178,8 +178,8 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
     FitPart {
         degree: [0, 1].map(|k| surface.knots()[k].degree()),
         segments: [0, 1].map(|k| surface.knots()[k].n_segments()),
-        weights: match noise.declared {
-            Declared::Weights(weights) => Some(weights),
+        weights: match noise.source {
+            NoiseSource::Weights(weights) => Some(weights),
             _ => None,
         },
         sigma: known.then_some(sigma),
@@ -191,9 +191,9 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         condition: finite(certificate.condition),
         backward_error: finite(certificate.backward_error),
         promise: Some(PromisePart {
-            coefficients: certificate.promise.coefficients,
-            shape_index: certificate.promise.shape_index,
-            curvedness: certificate.promise.curvedness,
+            coefficients: certificate.guaranteed_digits.coefficients,
+            shape_index: certificate.guaranteed_digits.shape_index,
+            curvedness: certificate.guaranteed_digits.curvedness,
         }),
         refinements: certificate.refinements,
         smooth: fit.smoothing(),

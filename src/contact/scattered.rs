@@ -1,6 +1,7 @@
 //! Scattered contacts, one entry per contact in every column (structure of arrays).
 
 use super::ContactError;
+use crate::vector::unit_rescaled;
 
 /// How the surface lies at each contact: its normals or its slopes, if they are known.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -171,8 +172,8 @@ impl Contacts {
     pub fn unit_normal(&self, r: usize) -> Option<[f64; 3]> {
         match &self.orientation {
             Orientation::None => None,
-            Orientation::Normals { nx, ny, nz } => Some(unit([nx[r], ny[r], nz[r]])),
-            Orientation::Slopes { zx, zy } => Some(unit([-zx[r], -zy[r], 1.0])),
+            Orientation::Normals { nx, ny, nz } => Some(unit_rescaled([nx[r], ny[r], nz[r]])),
+            Orientation::Slopes { zx, zy } => Some(unit_rescaled([-zx[r], -zy[r], 1.0])),
         }
     }
 
@@ -219,14 +220,6 @@ impl Contacts {
 /// Columns of an array of vectors.
 fn columns(vectors: &[[f64; 3]]) -> [Vec<f64>; 3] {
     [0, 1, 2].map(|k| vectors.iter().map(|v| v[k]).collect())
-}
-
-/// `v / |v|`, scaled first so that neither tiny nor huge components overflow.
-pub(crate) fn unit(v: [f64; 3]) -> [f64; 3] {
-    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let w = [v[0] / largest, v[1] / largest, v[2] / largest];
-    let length = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
-    [w[0] / length, w[1] / length, w[2] / length]
 }
 
 #[cfg(test)]

@@ -131,6 +131,22 @@ pub enum FitError {
         /// Unknowns.
         unknowns: usize,
     },
+    /// Least roughness does not determine the coefficients without data.
+    #[error(
+        "least roughness does not determine the {coefficients} coefficients without enough data ({source}): lower the segments or raise the degree"
+    )]
+    Gap {
+        /// How many coefficients.
+        coefficients: usize,
+        /// Why the roughness has no factor.
+        source: SolveError,
+    },
+    /// The options ask for a parametric surface where a height field is fitted.
+    #[error("a height field has no {option}: leave it out, or fit a parametric surface (parametric::fit_surface)")]
+    HeightField {
+        /// What was asked for: the surface kind, or a closed direction.
+        option: &'static str,
+    },
     /// Gauss-Newton did not settle.
     #[error(
         "normal rows did not settle in {steps} steps: the last one moved a coefficient by {moved:e} of the largest"

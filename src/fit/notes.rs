@@ -13,9 +13,9 @@ pub enum Note {
     /// Noise-free to rounding: equal weights.
     NoNoise,
     /// One block of rows is met exactly, so its noise level has no estimate.
-    LevelVanished,
+    NoiseVanished,
     /// Axes of the patch differ from the input's.
-    Turned,
+    Rotated,
     /// Gauss-Newton steps, at all levels that were tried.
     GaussNewton {
         /// Steps taken, polishing included.
@@ -45,13 +45,13 @@ impl std::fmt::Display for Note {
         match self {
             Note::SlopesOnly => write!(f, "no heights: the mean height is fixed to zero"),
             Note::NoNoise => write!(f, "residuals are rounding: equal weights"),
-            Note::LevelVanished => {
+            Note::NoiseVanished => {
                 write!(
                     f,
                     "one of the two noise levels vanished: the surface meets those rows exactly, declare --sigma or --weights"
                 )
             }
-            Note::Turned => write!(f, "the patch has its own axes, z along the mean normal"),
+            Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")

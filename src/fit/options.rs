@@ -214,6 +214,17 @@ impl FitOptions {
             },
         }
     }
+
+    /// Refuses what only a parametric surface has.
+    pub(super) fn check_height_field(&self) -> Result<(), FitError> {
+        if self.surface == SurfaceKind::Parametric {
+            return Err(FitError::HeightField { option: "surface kind `parametric`" });
+        }
+        if self.closed != [false; 2] {
+            return Err(FitError::HeightField { option: "closed direction" });
+        }
+        Ok(())
+    }
 }
 
 fn is_positive(v: f64) -> bool {

@@ -26,6 +26,17 @@ pub struct GridSolver {
     iterative: bool,
 }
 
+impl Clone for GridSolver {
+    fn clone(&self) -> GridSolver {
+        let diagonalisation = self.diagonalisation.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        GridSolver {
+            matrix: self.matrix.clone(),
+            diagonalisation: Mutex::new(diagonalisation),
+            iterative: self.iterative,
+        }
+    }
+}
+
 impl GridSolver {
     /// `matrix` is exactly what `diagonalisation` inverts.
     pub fn direct(matrix: StencilMatrix, diagonalisation: FastDiagonalisation) -> GridSolver {

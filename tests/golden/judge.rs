@@ -69,7 +69,7 @@ fn judge_fit(case: &HardCase, golden: &Golden, fit: Result<Fit, FitError>) -> Ju
         Err(error) => return refused(error),
     };
     let certificate = fit.certificate();
-    let promise = certificate.promise;
+    let promise = certificate.guaranteed_digits;
     let unsupported = certificate.unsupported.len();
     let whole = unsupported == 0 || case.expectation == Expectation::UpToHeight;
     let found = [found_coefficients(&fit, golden).filter(|_| whole), None, None];

@@ -4,20 +4,21 @@
 //! {r + E c = b, E'r = 0}      backward error   max_i |residual|_i / (|M||v| + |f|)_i     (Oettli and Prager 1964)
 //! ```
 //!
-//! r is a variable of that system: it is taken orthogonal to E, so an exact fit is judged by its rounding and not by
-//! the direction of a residual that is nothing but rounding. Rows whose own terms are all but zero are measured against
-//! `|E_i|_1 max|c|` (M. Arioli, J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), for there the plain
-//! ratio compares rounding with rounding.
+//! r is a variable of that system. It is made orthogonal to E, because the residual of an exact fit is nothing but rounding
+//! and its direction means nothing. Rows whose own terms nearly vanish are measured against `|E_i|_1 max|c|` (M. Arioli,
+//! J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), because the plain ratio would compare rounding with
+//! rounding.
 
 use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
-use crate::fit::{Fit, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::solved::Solved;
 use crate::simd::{RowSums, add_lanes};
 
-/// A ratio above this is looked at again with the rows' norms: no row that solves anything is off by so much.
+/// A ratio above this is computed again with the rows' norms: only rows of rounding have one so large.
 const SUSPICIOUS: f64 = 1e-13;
 /// Arioli, Demmel and Duff: denominators below this many roundings of the row's norm are replaced by it.
 const TINY: f64 = 1e3 * f64::EPSILON;
-/// The first correction of r is itself only accurate to condition^2 u; above this condition a second one is worth its cost.
+/// The first correction of r has a relative error of condition^2 u; above this condition a second one is worth its cost.
 const CORRECT_TWICE: f64 = 1e4;
 
 /// The backward error and the sizes it is relative to.
@@ -33,9 +34,9 @@ pub struct Backward {
     pub columns: Vec<ColumnTotals>,
 }
 
-/// The backward error of a fit with this condition: two visits of the rows, three where r is corrected twice.
-pub fn backward(fit: &Fit, condition: f64) -> Backward {
-    let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+/// The backward error of a fit: two visits of the rows, three where r is corrected twice.
+pub fn backward(solved: &Solved) -> Backward {
+    let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let c = &solution.coefficients;
     let penalty = equations.roughness.as_ref().map(|(lambda, p)| {
         let mut bent = vec![0.0; c.len()];
@@ -45,7 +46,7 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
     });
     let mut passes = RowPasses::new(equations, c);
     let (mut columns, mut rows) = (vec![ColumnTotals::default(); c.len()], RowSums::default());
-    let v = span(&mut passes, solution, penalty.as_deref(), condition, &mut columns);
+    let v = span(&mut passes, solution, penalty.as_deref(), solved.condition(), &mut columns);
     passes.last(&v, &mut columns, &mut rows);
     match solution.column_scales(equations) {
         Some(scales) => columns.iter_mut().zip(scales).for_each(|(column, d)| column.norm = 1.0 / (d * d)),
@@ -66,7 +67,7 @@ pub fn backward(fit: &Fit, condition: f64) -> Backward {
     }
 }
 
-/// v, the part of the computed residual in the span of E; `columns` is room for its sums.
+/// v, the part of the computed residual in the span of E; `columns` is a buffer for its sums.
 fn span(
     passes: &mut RowPasses,
     solution: &Solution,
@@ -106,8 +107,7 @@ fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f
     let mut worst = 0.0_f64;
     for (u, sum) in sums.iter().enumerate() {
         let size = sum.size + penalty.map_or(0.0, |bent| bent[u].abs());
-        let is_determined = solution.unsupported.binary_search(&u).is_err() && solution.pinned != Some(u);
-        if size > 0.0 && is_determined {
+        if size > 0.0 && !solution.is_free(u) {
             worst = worst.max(product(sums, penalty, u).abs() / size);
         }
     }

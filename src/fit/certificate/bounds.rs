@@ -8,21 +8,21 @@
 //! ```
 //!
 //! The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
-//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, taken in the direction that is asked about instead of the
-//! worst one: on small problems it promises about two digits more, and v allows for the second order. The smaller bound
-//! is used.
+//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
+//! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
 
 use crate::fit::certificate::backward::Backward;
-use crate::fit::{Fit, MethodUsed};
+use crate::fit::linear::reasons::MethodUsed;
+use crate::fit::solved::Solved;
 use crate::simd::{BoundTerms, DirectedTerms};
 
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
 const ESTIMATOR: f64 = 10.0;
 /// Unit roundoff 2^-53. Placing data and knots in the patch frame rounds each of them: no backward error is below this.
 pub const PLACING: f64 = 0.5 * f64::EPSILON;
-/// Unknowns up to which A^-1 is written out: n^3 multiplications against the fit's g n^2.
+/// Unknowns up to which A^-1 is written out, at n^3 multiplications; the fit itself takes g n^2.
 const INVERTED: usize = 100;
-/// Condition up to which A^-1 has digits enough for a bound: had from Cholesky of the normal matrix, and from R of the rows.
+/// Condition up to which A^-1 has enough digits for a bound, by Cholesky of the normal matrix and by R of the rows.
 const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// What bounds a linear functional of the coefficients.
@@ -36,20 +36,20 @@ pub struct Bound {
     directed: Option<Directed>,
 }
 
-/// The bound in the direction asked about.
+/// What the bound in one direction g needs.
 struct Directed {
     /// A^-1, row by row, and `|E|'|r|` after it.
     inverse: Vec<f64>,
     order: usize,
     rows: f64,
     backward: f64,
-    settled: f64,
+    remaining: f64,
 }
 
 impl Bound {
     /// `None` when no coefficient is held by data.
-    pub fn new(fit: &Fit, condition: f64, backward: &Backward) -> Option<Bound> {
-        let solution = &fit.fitted.solution;
+    pub fn new(solved: &Solved, backward: &Backward) -> Option<Bound> {
+        let (solution, condition) = (&solved.fitted.solution, solved.condition());
         let c = &solution.coefficients;
         let inverse = |norm: f64| if norm > 0.0 { 1.0 / norm.sqrt() } else { 0.0 };
         let mut inverse: Vec<f64> = backward.columns.iter().map(|column| inverse(column.norm)).collect();
@@ -63,22 +63,24 @@ impl Bound {
         let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
         let error = backward.error.max(PLACING);
         let residual = largest * backward.residual;
-        // what a contraction by half leaves after the last step
-        let settled = if fit.fitted.settled > 0.0 { fit.fitted.settled.max(PLACING) } else { 0.0 };
+        // with a contraction of one half, what is left of the error is as large as the last step
+        let last_move = solved.fitted.last_move;
+        let remaining = if last_move > 0.0 { last_move.max(PLACING) } else { 0.0 };
         let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
-        let moved = moved + settled * size;
-        let directed = Directed::new(fit, condition, backward, settled);
-        // a NaN is no answer
+        let moved = moved + remaining * size;
+        let directed = Directed::new(solved, backward, remaining);
+        // a NaN compares as false, which keeps the plain bound
         let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);
         Some(Bound { inverse, moved, is_plain, directed })
     }
 }
 
 impl Directed {
-    /// `None` where A^-1 is dear, not to be trusted, or not the inverse of E'E.
-    fn new(fit: &Fit, condition: f64, backward: &Backward, settled: f64) -> Option<Directed> {
-        let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+    /// `None` where A^-1 is too expensive, too inaccurate, or not the inverse of E'E.
+    fn new(solved: &Solved, backward: &Backward, remaining: f64) -> Option<Directed> {
+        let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
+        let condition = solved.condition();
         let order = equations.unknowns();
         let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
         let invertible = INVERTIBLE[usize::from(solution.method != MethodUsed::Cholesky)];
@@ -97,7 +99,7 @@ impl Directed {
             order,
             rows: backward.rows,
             backward: error / second_order,
-            settled: settled * largest,
+            remaining: remaining * largest,
         })
     }
 
@@ -113,7 +115,7 @@ impl Directed {
             weighted += sum * sizes[u];
             length += norms[u] * norms[u];
         }
-        self.backward * (largest.sqrt() * self.rows + weighted) + self.settled * length.sqrt()
+        self.backward * (largest.sqrt() * self.rows + weighted) + self.remaining * length.sqrt()
     }
 
     /// A^-1, and `|E|'|r|`.
@@ -123,11 +125,11 @@ impl Directed {
 }
 
 impl Bound {
-    /// What the kernel needs of it.
+    /// The terms for the kernel that bounds many functionals at once.
     pub fn terms(&self) -> BoundTerms<'_> {
         let directed = self.directed.as_ref().map(|d| {
             let (matrix, weights) = d.parts();
-            DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.settled }
+            DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.remaining }
         });
         let moved = if self.is_plain { self.moved } else { f64::INFINITY };
         BoundTerms { scales: &self.inverse, moved, directed }
@@ -140,7 +142,7 @@ impl Bound {
         let (matrix, sizes) = directed.parts();
         let along = matrix.chunks_exact(directed.order).enumerate().map(|(u, row)| {
             let weighted: f64 = row.iter().zip(sizes).map(|(a, t)| a.abs() * t).sum();
-            directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.settled
+            directed.backward * (row[u].max(0.0).sqrt() * directed.rows + weighted) + directed.remaining
         });
         plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)
     }
@@ -157,7 +159,7 @@ mod tests {
     use crate::cases::Lcg;
     use crate::contact::Contacts;
     use crate::fit::certificate::backward::backward;
-    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+    use crate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
     use crate::linalg::Sites;
 
     fn dish(noise: f64, degree: usize) -> Fit {
@@ -179,7 +181,7 @@ mod tests {
         let mut left_out = 0;
         for (noise, degree) in [(0.0, 2), (1e-3, 2), (0.3, 2), (1e-3, 3), (0.3, 4)] {
             let fit = dish(noise, degree);
-            let bound = Bound::new(&fit, fit.condition(), &backward(&fit, fit.condition())).unwrap();
+            let bound = Bound::new(&fit.solved, &backward(&fit.solved)).unwrap();
             let directed = bound.directed.as_ref().unwrap();
             let (matrix, sizes) = directed.parts();
             left_out += usize::from(!bound.is_plain);
@@ -191,7 +193,7 @@ mod tests {
                 let form = times(&products).max(0.0);
                 let weighted: f64 = products.iter().zip(sizes).map(|(p, t)| p.abs() * t).sum();
                 let length: f64 = g.iter().map(|v| v.abs()).sum();
-                let own = directed.backward * (form.sqrt() * directed.rows + weighted) + directed.settled * length;
+                let own = directed.backward * (form.sqrt() * directed.rows + weighted) + directed.remaining * length;
                 let size = g.iter().zip(&bound.inverse).map(|(v, d)| (v * d).powi(2)).sum::<f64>().sqrt();
                 assert!(own <= directed.most(&bound.inverse) * size * (1.0 + 1e-12));
                 assert!(bound.is_plain || own <= bound.moved * size * (1.0 + 1e-12), "{noise} {degree}");
@@ -205,7 +207,7 @@ mod tests {
     fn the_factor_has_the_norms_of_the_columns() {
         for degree in [2, 3, 5] {
             let fit = dish(0.01, degree);
-            let (equations, solution) = (&fit.fitted.equations, &fit.fitted.solution);
+            let (equations, solution) = (fit.equations(), fit.solution());
             let shape = equations.sites.shape();
             let mut squares = vec![0.0; shape.unknowns()];
             equations.sites.visit(|site| {
@@ -218,7 +220,7 @@ mod tests {
                     }
                 }
             });
-            let found = backward(&fit, fit.condition()).columns;
+            let found = backward(&fit.solved).columns;
             assert!(solution.column_scales(equations).is_some());
             for (column, square) in found.iter().zip(squares) {
                 assert!((column.norm / square - 1.0).abs() < 1e-13, "{} {square}", column.norm);

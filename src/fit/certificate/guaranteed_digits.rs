@@ -1,16 +1,17 @@
-//! Digits that an answer is promised to have, before anyone knows the truth.
+//! Decimal digits that an answer has at least, without knowing the truth.
 //!
 //! ```text
 //! |dc_u|    <= bound of the functional c_u                                                       bounds.rs
 //! |dS| <= |g'dc| of S's gradient + rounding of the derivatives that S is made of    R likewise, relative
 //! ```
 //!
-//! Promised digits are `-log10` of the worst bound.
+//! Guaranteed digits are `-log10` of the worst bound.
 
 use crate::bspline::{BasisRow, MAX_DEGREE};
-use crate::fit::Fit;
 use crate::fit::certificate::backward::Backward;
 use crate::fit::certificate::bounds::{Bound, PLACING, maximum};
+use crate::fit::describe::shape::Shape;
+use crate::fit::solved::Solved;
 use crate::shape::EightPoints;
 use crate::simd::{CellGradients, Isa, OfKinds, POINTS, PointLanes, PointShapes, functional_bounds};
 
@@ -19,9 +20,9 @@ const UNIT: f64 = PLACING;
 /// Orders in x and in y of S_x, S_y, S_xx, S_xy, S_yy.
 const ORDERS: [[usize; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// Decimal digits promised for a fit, as an exact solution of the written problem would have them.
+/// Decimal digits in which a fit agrees at least with the exact solution of the written problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Promise {
+pub struct GuaranteedDigits {
     /// Of the coefficients in the input's frame, relative to the largest.
     pub coefficients: f64,
     /// Of S at the worst supported grid point, absolute.
@@ -31,34 +32,32 @@ pub struct Promise {
 }
 
 /// Digits from the condition and the backward error.
-pub fn promise(fit: &Fit, condition: f64, backward: &Backward) -> Promise {
-    let c = &fit.fitted.solution.coefficients;
-    let Some(bound) = Bound::new(fit, condition, backward) else { return Promise::default() };
-    let frame = fit.frame();
-    let origin = if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] };
-    let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / frame.scale + v).abs()));
+pub fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> GuaranteedDigits {
+    let c = &solved.fitted.solution.coefficients;
+    let Some(bound) = Bound::new(solved, backward) else { return GuaranteedDigits::default() };
+    let (origin, scale) = (solved.origin_height(), solved.patch.frame.scale);
+    let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / scale + v).abs()));
     let coefficients = bound.of_coefficients();
-    let [shape_index, curvedness] = at_points(fit, &bound);
-    Promise {
+    let [shape_index, curvedness] = at_points(solved, shape, &bound);
+    GuaranteedDigits {
         coefficients: digits(if largest > 0.0 { coefficients / largest } else { 0.0 }),
         shape_index: digits(shape_index),
         curvedness: digits(curvedness),
     }
 }
 
-/// `-log10` of a bound and one last rounding, between 0 and 15.95. NaN promises nothing.
+/// `-log10` of a bound and one last rounding, between 0 and 15.95. NaN guarantees none.
 fn digits(bound: f64) -> f64 {
     if bound.is_nan() { 0.0 } else { (-(bound + UNIT).log10()).max(0.0) }
 }
 
 /// The worst bounds on `|dS|` and `|dR| / R` over the supported points of the shape grid, up to eight of a row at once.
-fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
-    let shape = fit.shape();
+fn at_points(solved: &Solved, shape: &Shape, bound: &Bound) -> [f64; 2] {
     let (maps, terms) = (&shape.maps, bound.terms());
     let isa = Isa::for_work(maps.grid.len());
-    let (columns, width) = (fit.surface().coefficients().ncols(), fit.options().degree[0] + 1);
+    let (columns, width) = (solved.surface.coefficients().ncols(), solved.options.degree[0] + 1);
     let mut worst = [0.0; 2];
-    shape.gradients.visit(fit.surface(), &maps.rows, |eight| {
+    shape.gradients.visit(&solved.surface, &maps.rows, |eight| {
         let runs: [usize; MAX_DEGREE + 1] = std::array::from_fn(|a| (eight.first[0] + a) * columns + eight.first[1]);
         let gradients = CellGradients { runs: &runs[..width], entries: eight.entries };
         let PointShapes { roundings, sizes, .. } = eight.shapes;
@@ -74,7 +73,8 @@ fn at_points(fit: &Fit, bound: &Bound) -> [f64; 2] {
     worst
 }
 
-/// Whether a bound is not below the worst so far; few rows have one, and only those ask where S is defined and supported.
+/// Whether a bound is above the worst so far. Few rows of the grid have one, and only for those is it looked up where S is
+/// defined and supported.
 fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
     let mut any = false;
     for (found, worst) in found.iter().zip(worst) {
@@ -86,15 +86,16 @@ fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
     any
 }
 
-/// The worst bounds with those of the first `count` points in it that are asked for; NaN is the worst of all.
-fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, is_asked: impl Fn(usize) -> bool) -> [f64; 2] {
-    for l in (0..count).filter(|l| is_asked(*l)) {
+/// The worst bounds after those of the first `count` points that count; NaN is the worst of all.
+fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, counts: impl Fn(usize) -> bool) -> [f64; 2] {
+    for l in (0..count).filter(|l| counts(*l)) {
         (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][l]));
     }
     worst
 }
 
-/// Whether a gap `k1 - k2` among them is within what rounding and errors of at most `moved |D_k(N M)|_2` open.
+/// Whether the gap `k1 - k2` of any of the eight points is no larger than rounding and errors of at most
+/// `moved |D_k(N M)|_2` can make it.
 fn may_be_umbilic(eight: &EightPoints, moved: f64) -> bool {
     let PointShapes { difference, bend, opening, .. } = eight.shapes;
     let [of_second, of_first] = eight.spans.map(|span| moved * span);
@@ -106,7 +107,8 @@ fn may_be_umbilic(eight: &EightPoints, moved: f64) -> bool {
     any
 }
 
-/// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
+/// At an umbilic S has a kink, which its gradient does not show: a gap smaller than its own error may be as large as that
+/// error.
 #[cold]
 fn add_kinks(
     eight: &EightPoints,

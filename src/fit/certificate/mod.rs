@@ -3,17 +3,19 @@
 //! ```text
 //! condition        |E D|_1 |(E D)^+|_1, D the columns' inverse norms; root of the estimate for D E'E D, or R's
 //! backward error   of the coefficients as an answer to the written problem                    backward.rs
-//! promise          digits of the coefficients, of S and of R, from the two                    promise.rs
+//! guaranteed       digits of the coefficients, of S and of R, from the two                    guaranteed_digits.rs
 //! ```
 
-pub(super) mod backward;
-pub(super) mod bounds;
+mod backward;
+mod bounds;
 pub(super) mod guaranteed_digits;
-pub(super) mod row_passes;
+mod row_passes;
 
-use crate::fit::certificate::backward::backward;
-use crate::fit::certificate::guaranteed_digits::{Promise, promise};
-use crate::fit::{Fit, MethodUsed, Reason};
+use crate::fit::describe::shape::Shape;
+use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::solved::Solved;
+use backward::backward;
+use guaranteed_digits::{GuaranteedDigits, guaranteed_digits};
 
 /// The certificate of one fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +35,7 @@ pub struct Certificate {
     /// Componentwise backward error of the augmented system.
     pub backward_error: f64,
     /// Digits that the answer has at least.
-    pub promise: Promise,
+    pub guaranteed_digits: GuaranteedDigits,
     /// Coefficients (number `i m + j`) that the data leave free.
     pub unsupported: Vec<usize>,
     /// Refinement steps taken.
@@ -42,20 +44,19 @@ pub struct Certificate {
     pub refinement_gain: f64,
 }
 
-/// Computes everything that the fit itself did not need.
-pub fn certify(fit: &Fit) -> Certificate {
-    let solution = &fit.fitted.solution;
-    let condition = fit.condition();
-    let backward = backward(fit, condition);
+/// The certificate of a solved fit and of the S and R it gives; computes what the fit itself did not need.
+pub fn certify(solved: &Solved, shape: &Shape) -> Certificate {
+    let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
+    let backward = backward(solved);
     Certificate {
         method: solution.method,
         reasons: solution.reasons.clone(),
-        equations: fit.fitted.equations.count(),
-        unknowns: fit.fitted.equations.unknowns(),
+        equations: equations.count(),
+        unknowns: equations.unknowns(),
         rank: solution.rank,
-        condition,
+        condition: solved.condition(),
         backward_error: backward.error,
-        promise: promise(fit, condition, &backward),
+        guaranteed_digits: guaranteed_digits(solved, shape, &backward),
         unsupported: solution.unsupported.clone(),
         refinements: solution.refinements,
         refinement_gain: solution.refinement_gain,

@@ -4,11 +4,11 @@
 //! r = (b - E c) - E v      E'r, |E|'|r|, squares of E's columns      | |E||c| + |b| + |r| |^2, |r|^2, the worst ratio
 //! ```
 //!
-//! Many contacts lie by eights in their cells already, others are put so. What belongs to columns is summed in the cell
-//! first and added to the unknowns when the visit leaves it.
+//! The contacts of large fits are already packed eight to a group per knot cell; those of small ones are packed at the first
+//! visit. Sums that belong to columns are kept per cell and added to the unknowns when the visit leaves the cell.
 
-use crate::fit::Equations;
-use crate::linalg::{SiteBlocks, SiteRows, Sites};
+use crate::fit::linear::equations::Equations;
+use crate::linalg::{SiteGroups, SiteRows, Sites};
 use crate::simd::{
     CellSites, CellVectors, ColumnSums, Isa, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
     products_pass,
@@ -25,21 +25,21 @@ pub struct ColumnTotals {
     pub norm: f64,
 }
 
-/// The rows of one fit under visit, held against c and v.
+/// Visits of the rows of one fit with `c` and `v`.
 pub struct RowPasses<'a> {
     equations: &'a Equations,
     c: &'a [f64],
     isa: Isa,
-    lanes: SiteBlocks,
+    groups: SiteGroups,
     cell: Cell,
 }
 
-/// The cell that a visit is in.
+/// The cell that is visited.
 struct Cell {
     first: Option<[usize; 2]>,
     width: [usize; 2],
     columns: usize,
-    /// The cell's parts of the vectors that the rows are held against, one after the other; none where it is the only cell.
+    /// The cell's parts of c and of v, one after the other; empty where there is only one cell.
     parts: Vec<f64>,
     sums: Vec<ColumnSums>,
 }
@@ -54,7 +54,7 @@ impl Cell {
         Cell { first: None, width, columns: shape.basis[1], parts, sums }
     }
 
-    /// Goes to the cell of these first basis functions, the sums of the one before brought home.
+    /// Goes to the cell of these first basis functions; the sums of the cell before are added to `home`.
     fn enter(&mut self, first: [usize; 2], vectors: [&[f64]; 2], home: &mut [ColumnTotals]) {
         if self.first == Some(first) {
             return;
@@ -85,13 +85,13 @@ impl Cell {
 }
 
 impl<'a> RowPasses<'a> {
-    /// The rows of `equations`, held against `c`.
+    /// Visits of the rows of `equations` with the coefficients `c`.
     pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
-        let (lanes, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
-        RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), lanes, cell }
+        let (groups, cell) = (SiteGroups::new(&equations.sites), Cell::new(equations));
+        RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), groups, cell }
     }
 
-    /// `E'r`, the other sums left at zero; no `v` is v = 0.
+    /// `E'r`, the other sums left at zero; an empty `v` stands for zeros.
     pub fn products(&mut self, v: &[f64], home: &mut [ColumnTotals]) {
         let isa = self.isa;
         home.fill(ColumnTotals::default());
@@ -111,7 +111,7 @@ impl<'a> RowPasses<'a> {
         self.visit([self.c, v], home, |sites, vectors, columns| last_pass(isa, sites, vectors, columns, rows));
     }
 
-    /// The worst ratio with sizes below `tiny` of the rows' norms, `|E|_1 largest`, taken with those besides.
+    /// The worst ratio, where a size below `tiny` times the row's norm, `|E_i|_1 largest`, is replaced by that norm.
     pub fn against_norms(&mut self, v: &[f64], largest: f64, tiny: f64) -> f64 {
         let (isa, largest) = (self.isa, vec![largest; self.cell.sums.len()]);
         let (mut unused, mut worst) = (vec![ColumnTotals::default(); v.len()], SiteLanes::default());
@@ -127,7 +127,7 @@ impl<'a> RowPasses<'a> {
         home: &mut [ColumnTotals],
         mut pass: impl FnMut(&CellSites, &CellVectors, &mut [ColumnSums]),
     ) {
-        let RowPasses { equations, lanes, cell, .. } = self;
+        let RowPasses { equations, groups, cell, .. } = self;
         let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
             cell.enter(first, vectors, home);
             let [c, v] = match cell.parts.split_at_checked(cell.sums.len()) {
@@ -136,11 +136,11 @@ impl<'a> RowPasses<'a> {
             };
             pass(sites, &CellVectors { c, v, targets }, &mut cell.sums);
         };
-        match equations.lanes() {
-            Some((lanes, rows)) => lanes.visit(rows, eight),
+        match equations.packed() {
+            Some((cells, rows)) => cells.visit(rows, eight),
             None => {
                 let Equations { sites, row_weights, targets, .. } = equations;
-                lanes.visit(&SiteRows { sites, row_weights, targets }, |block| {
+                groups.visit(&SiteRows { sites, row_weights, targets }, |block| {
                     eight(block.first, &block.lanes, block.targets)
                 });
             }

@@ -4,18 +4,18 @@
 //! v = (E'E + lambda P)^-1 g        u^2 = sum_b s_b^2 |E_b v|^2       b = heights, slopes
 //! ```
 //!
-//! With rows of unit variance this is `g'(E'E)^-1 g`; with presets, whose weights are no noise levels, the blocks'
-//! residual variances `s_b^2` stand in (a sandwich), so the answer does not believe the weights.
+//! With rows of unit variance this is `g'(E'E)^-1 g`. Preset weights are not inverse noise sds; then the variances `s_b^2`
+//! of the residuals take their place (a sandwich estimator), so the answer does not rest on the weights.
 
-use crate::fit::Fit;
+use crate::fit::solved::Solved;
 
 /// Standard uncertainty of `g'c`.
-pub fn functional(fit: &Fit, gradient: &[f64]) -> f64 {
-    let fitted = &fit.fitted;
+pub fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
+    let fitted = &solved.fitted;
     let mut v = gradient.to_vec();
     fitted.solution.clear_free(&mut v);
     fitted.solution.factor.solve(&mut v);
     let squares = fitted.equations.row_squares(&v);
-    let [heights, slopes] = fit.noise().block_variance;
+    let [heights, slopes] = solved.noise().row_variances;
     (heights * squares[0] + slopes * squares[1]).sqrt()
 }

@@ -1,23 +1,44 @@
-//! Grids solved through their two Kronecker factors: directly where that is exact, by conjugate gradients elsewhere.
+//! Grids solved by their two Kronecker factors: directly where that is exact, by conjugate gradients elsewhere.
 //!
 //! Exact: every pixel measured, one weight per block, slope rows, no roughness. Then `A^-1` needs two small eigenproblems
-//! and four matrix products; otherwise the same factors with the mean weights precondition.
+//! and four matrix products; elsewhere the same factors, with mean weights, are the preconditioner.
 
-use crate::fit::linear::gaps::Free;
+use crate::fit::FitError;
+use crate::fit::linear::equations::Equations;
+use crate::fit::linear::free::Free;
 use crate::fit::linear::reasons::{MethodUsed, Reason};
 use crate::fit::linear::refinement::refine;
-use crate::fit::linear::{Factor, Solution};
-use crate::fit::objective::equations::Equations;
-use crate::fit::{FitError, Method, Observed};
+use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::placing::sites::DataSites;
 use crate::linalg::{RowWeights, Sites, StencilMatrix};
 use crate::observation::GridSites;
 use crate::solve::{FastDiagonalisation, GridSolver};
 
+/// What the two factors are used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridMethod {
+    /// `kronecker`: they give the answer.
+    Direct,
+    /// `pcg`: they precondition conjugate gradients.
+    Iterative,
+}
+
 /// Solves a grid's problem by `kronecker` or `pcg`.
-pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: Method) -> Result<Solution, FitError> {
-    let name = if method == Method::Kronecker { "kronecker" } else { "pcg" };
-    let refuse = |why| Err(FitError::Method { method: name, why });
-    let Observed::Gridded(sites) = &equations.sites else { return refuse("needs a grid") };
+///
+/// # Errors
+/// [`FitError::Method`] where the data or the weights are not what the method needs.
+pub fn solve(
+    equations: &Equations,
+    matrix: StencilMatrix,
+    free: &Free,
+    method: GridMethod,
+) -> Result<Solution, FitError> {
+    let used = match method {
+        GridMethod::Direct => MethodUsed::Kronecker,
+        GridMethod::Iterative => MethodUsed::Pcg,
+    };
+    let refuse = |why| Err(FitError::Method { method: used.name(), why });
+    let DataSites::Gridded(sites) = &equations.sites else { return refuse("needs a grid") };
     if free.pinned().is_some() {
         return refuse("needs heights: without them use --method auto");
     }
@@ -25,19 +46,21 @@ pub fn solve(equations: &Equations, matrix: StencilMatrix, free: &Free, method: 
         return refuse("needs data under every coefficient: this grid has gaps, use --method auto");
     }
     let exact = matches!(&equations.row_weights, RowWeights::Uniform(m) if m.b == 0.0) && equations.roughness.is_none();
-    if method == Method::Kronecker && !exact {
+    if method == GridMethod::Direct && !exact {
         return refuse("is exact only for complete grids with one weight per block and no roughness: use pcg or auto");
     }
     let diagonalisation = diagonalise(sites, mean_weights(equations)).map_err(|source| FitError::Solve { source })?;
     let order = matrix.order();
-    let (solver, used) = if method == Method::Kronecker {
-        (GridSolver::direct(matrix, diagonalisation), MethodUsed::Kronecker)
-    } else {
-        (GridSolver::iterative(matrix, diagonalisation), MethodUsed::Pcg)
+    let solver = match method {
+        GridMethod::Direct => GridSolver::direct(matrix, diagonalisation),
+        GridMethod::Iterative => GridSolver::iterative(matrix, diagonalisation),
     };
     let mut coefficients = equations.right_side();
     let iterations = solver.solve(&mut coefficients);
-    let why = if used == MethodUsed::Kronecker { Reason::CompleteGrid } else { Reason::Iterated { iterations } };
+    let why = match method {
+        GridMethod::Direct => Reason::CompleteGrid,
+        GridMethod::Iterative => Reason::Iterated { iterations },
+    };
     let mut solution = Solution {
         coefficients,
         factor: Factor::Grid(Box::new(solver)),

@@ -1,10 +1,10 @@
-//! Which method gave the answer and why, move by move, in the words of every output.
+//! Which method gave the answer and why, decision by decision, in the words of every output.
 //!
 //! ```text
-//! cholesky -> qr -> pivoted qr          kronecker, pcg on grids          (the order of crate::fit::solver)
+//! cholesky -> qr -> pivoted qr          kronecker, pcg on grids          (the order of crate::fit::linear)
 //! ```
 
-/// How the coefficients were had.
+/// Method that gave the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodUsed {
     /// Cholesky of the normal matrix.
@@ -32,7 +32,7 @@ impl MethodUsed {
     }
 }
 
-/// Why that method, move by move.
+/// Why that method, one decision after another.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
@@ -72,8 +72,13 @@ pub enum Reason {
         /// Iterations of the first solve.
         iterations: usize,
     },
-    /// Coefficients without data, or held by a thread, take least-roughness values.
+    /// Coefficients without data, or with too little, take least-roughness values.
     Gap {
+        /// How many.
+        coefficients: usize,
+    },
+    /// Least roughness does not determine the coefficients without data.
+    GapUnfilled {
         /// How many.
         coefficients: usize,
     },
@@ -101,6 +106,9 @@ impl std::fmt::Display for Reason {
             Reason::Iterated { iterations } => write!(f, "{iterations} iterations"),
             Reason::Gap { coefficients } => {
                 write!(f, "{coefficients} coefficients without enough data take least roughness")
+            }
+            Reason::GapUnfilled { coefficients } => {
+                write!(f, "least roughness does not determine the {coefficients} coefficients without enough data")
             }
             Reason::NoHeights => write!(f, "no heights: their mean is set to zero"),
         }

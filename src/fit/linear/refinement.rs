@@ -1,24 +1,24 @@
-//! Iterative refinement with the residual from the rows, by whatever factor exists.
+//! Iterative refinement with the residual from the rows, by whichever factor the solution has.
 //!
 //! ```text
 //! c <- c + (E'E)^-1 (E'(b - E c) - lambda P c)          until the corrections stop shrinking
 //! ```
 
-use crate::fit::Equations;
-use crate::fit::linear::Solution;
-use crate::fit::linear::gaps::Free;
+use crate::fit::linear::equations::Equations;
+use crate::fit::linear::free::Free;
+use crate::fit::linear::solution::Solution;
 
-/// Refinement from the rows stops here; each step gains about -log10(condition^2 u) digits, two are nearly always enough.
+/// Refinement steps at most; each step gains about -log10(condition^2 u) digits, two are nearly always enough.
 const MAX_REFINEMENTS: usize = 4;
-/// A refinement that is foreseen to move no coefficient by more than this share of the largest is left out.
+/// A step that is expected to move no coefficient by more than this share of the largest is left out.
 const NOTHING_LEFT: f64 = f64::EPSILON / 64.0;
 
 /// When a solution is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refinement {
-    /// Always: an answer.
+    /// Always: for a final answer.
     UntilStill,
-    /// Only where pivots are in doubt: a step on the way, whose last four digits the next step does not need.
+    /// Only where pivots are in doubt: for an intermediate step, whose last four digits the next step does not need.
     WhereInDoubt,
 }
 
@@ -38,7 +38,7 @@ pub fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
         if step == 0 {
             first = size;
         }
-        // the first step, from zero, tells nothing of the next
+        // the size of the first step says nothing about the contraction
         let contraction = if step == 0 { 1.0 } else { size / last };
         last = size;
         // the next step would be below the last bit of every coefficient that matters

@@ -1,215 +1,65 @@
-//! Normal rows: Gauss-Newton on `sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2`, with step control.
+//! Normal rows: the maximum likelihood fit of heights and unit normals.
 //!
-//! Each step is the same sparse least squares with new rows. It starts from the heights alone (from slope rows where
-//! they are too few) and stops when no coefficient moves by more than 1e-10 of the largest; the answer that is handed out
-//! is then polished until rounding moves it, for steps contract linearly and 1e-10 of a move is not 1e-10 of an error.
+//! ```text
+//! minimise  sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2,      Z, sigma declared or estimated with the fit
+//! ```
 
-use crate::fit::linear::{self, Solution};
-use crate::fit::objective::data::Measured;
-use crate::fit::objective::equations::{Equations, packed_cells};
-use crate::fit::{FitError, Method, Observed};
-use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
-use crate::observation::{angular_residual_squared, linearise_normals};
+use crate::fit::noise::components::{CONVERGED, Estimate, Trial, TrialRequest, variance_components};
+use crate::fit::noise::record::NoiseRecord;
+use crate::fit::noise::sds::{NoiseSds, NoiseSource, RowSds};
+use crate::fit::notes::Note;
+use crate::fit::objective::fitted::Fitted;
+use crate::fit::objective::gauss_newton::{Minimum, NormalProblem};
+use crate::fit::objective::setting::{Setting, check_count};
+use crate::fit::{FitError, NormalSigma};
+use crate::linalg::Sites;
 
-/// A move below this share of the largest coefficient ends the iteration (design, section 1).
-pub const SETTLED: f64 = 1e-10;
-/// Poor normals contract by a third a step, so 1e-10 takes some 25 steps; 200 means there is no minimum nearby.
-const MAX_STEPS: usize = 200;
-/// Halvings of one step; 2^-30 of a Gauss-Newton step that does not go down is a stationary point to rounding.
-const MAX_HALVINGS: usize = 30;
-/// Steps of polishing at most: with the extrapolation between them each gains one to four digits of the last six.
-const MAX_POLISH: usize = 8;
-/// A move this small is rounding.
-const POLISHED: f64 = 8.0 * f64::EPSILON;
-/// The start takes slopes from normals no flatter than this, so that nz = 0 does not divide.
-const START_NZ: f64 = 0.05;
-
-/// Noise levels in the patch frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
-    /// Sd of a height.
-    pub z: f64,
-    /// Sd of a normal per tangent axis (radians), or of a slope.
-    pub slope: f64,
+/// Fits heights and normals with these noise sds.
+///
+/// # Errors
+/// Where a normal points down, the rows are too few, or Gauss-Newton does not converge.
+pub fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitted, FitError> {
+    setting.data.check_normals()?;
+    let measured = setting.data.measured();
+    let at = |sds: RowSds| NormalProblem {
+        sites: &setting.sites,
+        measured: &measured,
+        sds,
+        roughness: setting.roughness.clone(),
+        method: setting.method,
+    };
+    let any_sds = RowSds { z: 1.0, slope: 1.0 };
+    check_count(&at(any_sds).linearised(&vec![0.0; setting.sites.shape().unknowns()]))?;
+    let trial_at = |request: TrialRequest| trial(&at(request.sds), request);
+    let (Estimate { sds, trial, steps, note }, source) = match sigma {
+        NormalSigma::Known { z, normal_deg } => {
+            let sds = RowSds { z: z / setting.scale, slope: normal_deg.to_radians() };
+            let trial = trial_at(TrialRequest { sds, start: None, tolerance: CONVERGED })?;
+            let steps = trial.steps;
+            (Estimate { sds, trial, steps, note: None }, NoiseSource::Sigma)
+        }
+        NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
+    };
+    let unpolished = Minimum { equations: trial.equations, solution: trial.solution, steps, moved: 0.0 };
+    let Minimum { equations, solution, steps, moved } = at(sds).polish(unpolished)?;
+    let mut notes = Vec::from_iter(note);
+    if measured.z_weight.iter().all(|w| *w == 0.0) {
+        notes.push(Note::SlopesOnly);
+    }
+    notes.push(Note::GaussNewton { steps });
+    let noise = NoiseSds {
+        source,
+        weights: None,
+        sigma_z: Some(sds.z * setting.scale),
+        sigma_normal_deg: Some(sds.slope.to_degrees()),
+        sigma_slope: None,
+        row_variances: [1.0, 1.0],
+    };
+    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move: moved })
 }
 
-/// What Gauss-Newton came to.
-#[derive(Debug)]
-pub struct Settled {
-    /// The last linearised problem.
-    pub equations: Equations,
-    /// Its solution.
-    pub solution: Solution,
-    /// Steps taken.
-    pub steps: usize,
-    /// Move of the last step, relative to the largest coefficient.
-    pub moved: f64,
-}
-
-/// The nonlinear problem at fixed levels.
-pub struct NormalProblem<'a> {
-    /// Where.
-    pub sites: &'a Observed,
-    /// What was measured.
-    pub measured: &'a Measured,
-    /// Noise levels.
-    pub levels: Levels,
-    /// `lambda` and P.
-    pub roughness: Option<(f64, StencilMatrix)>,
-    /// Linear solver.
-    pub method: Method,
-}
-
-impl NormalProblem<'_> {
-    /// Minimises from `start`, or from heights alone, until a step moves by no more than `within` of the largest
-    /// coefficient. The equations are those of that step, about the coefficients before it: [`NormalProblem::polish`]
-    /// hands on what belongs to the answer.
-    pub fn minimise(&self, start: Option<&[f64]>, within: f64) -> Result<Settled, FitError> {
-        let mut current = match start {
-            Some(c) => c.to_vec(),
-            None => self.start()?,
-        };
-        let mut value = self.objective(&current);
-        let mut moved = f64::INFINITY;
-        for steps in 1..=MAX_STEPS {
-            let equations = self.linearised(&current);
-            let mut solution = linear::solve_on_the_way(&equations, self.method)?;
-            let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
-            let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-            moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            moved /= largest.max(f64::MIN_POSITIVE);
-            (current, value) = (next, next_value);
-            if moved <= within {
-                solution.coefficients = current;
-                return Ok(Settled { equations, solution, steps, moved });
-            }
-        }
-        Err(FitError::NotSettled { steps: MAX_STEPS, moved })
-    }
-
-    /// Full steps from a settled answer until rounding moves it. Between two of them the contraction `rho` that they show
-    /// is summed up, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
-    pub fn polish(&self, mut settled: Settled) -> Result<Settled, FitError> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let mut from = settled.solution.coefficients.clone();
-        let mut before: Option<Vec<f64>> = None;
-        let mut last = f64::INFINITY;
-        for _ in 0..MAX_POLISH {
-            let equations = self.linearised(&from);
-            let solution = linear::solve(&equations, self.method)?;
-            let step: Vec<f64> = solution.coefficients.iter().zip(&from).map(|(a, b)| a - b).collect();
-            let largest = solution.coefficients.iter().fold(f64::MIN_POSITIVE, |m, c| m.max(c.abs()));
-            let moved = step.iter().fold(0.0_f64, |m, d| m.max(d.abs())) / largest;
-            if moved >= last {
-                break;
-            }
-            last = moved;
-            from = solution.coefficients.clone();
-            settled = Settled { equations, solution, steps: settled.steps + 1, moved };
-            if moved <= POLISHED {
-                break;
-            }
-            let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
-            from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
-            // a step after an extrapolation says nothing of the contraction
-            before = (rho == 0.0).then_some(step);
-        }
-        Ok(settled)
-    }
-
-    fn line_search(&self, from: &[f64], value: f64, to: &[f64]) -> (Vec<f64>, f64) {
-        let mut share = 1.0;
-        for _ in 0..MAX_HALVINGS {
-            let next: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
-            let next_value = self.objective(&next);
-            // equality to rounding is progress enough near the minimum
-            if next_value <= value * (1.0 + 1e-14) {
-                return (next, next_value);
-            }
-            share *= 0.5;
-        }
-        (from.to_vec(), value)
-    }
-
-    fn start(&self) -> Result<Vec<f64>, FitError> {
-        let heights = RowWeights::PerSite(
-            self.measured.z_weight.iter().map(|w| SiteWeights { z: *w, ..SiteWeights::default() }).collect(),
-        );
-        let targets: Targets =
-            self.measured.z.iter().zip(&self.measured.z_weight).map(|(z, w)| [w * z, 0.0, 0.0]).collect();
-        let equations = Equations::new(self.sites.clone(), heights, targets, self.roughness.clone());
-        if equations.count() >= equations.unknowns() {
-            match linear::solve_on_the_way(&equations, Method::Cholesky) {
-                Ok(solution) if solution.rank == equations.unknowns() => return Ok(solution.coefficients),
-                _ => {}
-            }
-        }
-        Ok(linear::solve_on_the_way(&self.slope_start(), Method::Auto)?.coefficients)
-    }
-
-    fn slope_start(&self) -> Equations {
-        let (mut site_weights, mut targets) = (Vec::new(), Targets::new());
-        for r in 0..self.measured.z.len() {
-            let [nx, ny, nz] = self.measured.normals[r];
-            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
-            let nz = nz.max(START_NZ);
-            site_weights.push(SiteWeights { z: wz, a: w, b: 0.0, d: w });
-            targets.push([wz * self.measured.z[r], -w * nx / nz, -w * ny / nz]);
-        }
-        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
-    }
-
-    /// The rows of one Gauss-Newton step about `c`.
-    pub fn linearised(&self, c: &[f64]) -> Equations {
-        let mut site_weights = vec![SiteWeights::default(); self.sites.len()];
-        let mut targets = vec![[0.0; 3]; self.sites.len()];
-        self.each_site(c, |r, [_, p, q]| {
-            let z = self.measured.z_weight[r] / self.levels.z;
-            let w = self.measured.normal_weight[r] / self.levels.slope;
-            site_weights[r].z = z;
-            targets[r][0] = z * self.measured.z[r];
-            if w != 0.0 {
-                let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
-                site_weights[r] = SiteWeights { z, a: w * u.a, b: w * u.b, d: w * u.d };
-                (targets[r][1], targets[r][2]) = (w * first, w * second);
-            }
-        });
-        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
-    }
-
-    /// `visit(site, [S, S_x, S_y])` for every site, in the order of the cells.
-    fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
-        if let Some(lanes) = packed_cells(self.sites) {
-            return lanes.values(c, visit);
-        }
-        let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
-        self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
-    }
-
-    /// Weighted squares of heights and normals (true chords) at `c`.
-    pub fn squares(&self, c: &[f64]) -> [f64; 2] {
-        let mut sums = [0.0, 0.0];
-        self.each_site(c, |r, [s, p, q]| {
-            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
-            if wz != 0.0 {
-                let residual = wz * (self.measured.z[r] - s) / self.levels.z;
-                sums[0] += residual * residual;
-            }
-            if w != 0.0 {
-                let chord = angular_residual_squared(self.measured.normals[r], p, q);
-                sums[1] += w * w * chord / (self.levels.slope * self.levels.slope);
-            }
-        });
-        sums
-    }
-
-    fn objective(&self, c: &[f64]) -> f64 {
-        let [heights, normals] = self.squares(c);
-        let rough = self.roughness.as_ref().map_or(0.0, |(lambda, penalty)| {
-            let mut bent = vec![0.0; c.len()];
-            penalty.multiply(c, &mut bent);
-            lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
-        });
-        heights + normals + rough
-    }
+fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {
+    let Minimum { equations, solution, steps, moved } = problem.minimise(request.start, request.tolerance)?;
+    let squares = problem.squares(&solution.coefficients);
+    Ok(Trial { equations, solution, squares, moved, steps })
 }

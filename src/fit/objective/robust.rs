@@ -1,4 +1,4 @@
-//! Robust loss by iterative reweighting: slips and false contacts lose their say, the pattern of the equations stays.
+//! Robust loss by iterative reweighting: slips and false contacts lose their weight, the pattern of the equations stays.
 //!
 //! ```text
 //! t = residual / scale        scale = 1.4826 median |r| of heights, median |r| / 1.1774 of normals (two dimensions)
@@ -7,12 +7,16 @@
 //!
 //! P. J. Huber, *Robust Statistics*, 1981; A. Beaton and J. Tukey, Technometrics 16 (1974). Both constants give 95 % of
 //! least squares' efficiency under normal noise. A contact has two weights, one for its height, one for its slopes.
-//! Where the noise levels are to be estimated, the scales are the estimate: variance components would believe the slips.
+//! Where the noise sds are to be estimated, the robust scales are the estimate, because variance components count the slips.
 
+use crate::fit::noise::record::NoiseRecord;
+use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::notes::Note;
-use crate::fit::objective::data::Data;
-use crate::fit::objective::{Fitted, Levelled, fit_plain, noise_levels};
-use crate::fit::{Declared, FitError, FitOptions, NoiseLevels, NormalSigma, Objective, Patch, Robust, SlopeWeights};
+use crate::fit::objective::fitted::Fitted;
+use crate::fit::objective::least_squares::fit_plain;
+use crate::fit::placing::data::Data;
+use crate::fit::placing::patch::Patch;
+use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
 use crate::linalg::{SiteWeights, Sites, site_rows};
 use crate::observation::angular_residual_squared;
 
@@ -24,8 +28,8 @@ const OF_HEIGHTS: f64 = 1.482_6;
 const OF_NORMALS: f64 = 1.0 / 1.177_41;
 /// Scales below this in the patch frame (where data are of size 1) are rounding.
 const NO_NOISE: f64 = 1e-13;
-/// Weights that move by less than this change S and R in the fifth digit at most; Tukey takes some 20 steps to get there.
-const STANDS: f64 = 1e-5;
+/// Weights that move by less than this change S and R in the fifth digit at most; Tukey's take some 20 steps to do so.
+const CONVERGED: f64 = 1e-5;
 const MAX_STEPS: usize = 60;
 
 /// Residual sizes per site, `None` where the site has no such row.
@@ -34,66 +38,89 @@ struct Distances {
     slope: Vec<Option<f64>>,
 }
 
-/// Fits under the given loss.
-pub fn fit_robust(patch: &Patch, data: &Data, options: &FitOptions, loss: Robust) -> Result<Fitted, FitError> {
+/// Which loss the weights are of.
+#[derive(Clone, Copy)]
+enum Loss {
+    Huber,
+    Tukey,
+}
+
+/// A fit whose weights have stopped moving.
+struct Reweighted {
+    fitted: Fitted,
+    /// Square roots of the weights of every site, `[heights, slopes]`.
+    weights: [Vec<f64>; 2],
+    steps: usize,
+}
+
+/// Fits under the loss of the options.
+///
+/// # Errors
+/// Those of the plain fit.
+pub fn fit_with_loss(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let plain = fit_plain(patch, data, options)?;
-    let (mut fitted, mut weights, mut steps) = settle(patch, data, options, Robust::Huber, plain)?;
-    if loss == Robust::Tukey {
-        let more;
-        (fitted, weights, more) = settle(patch, data, options, Robust::Tukey, fitted)?;
-        steps += more;
+    if options.robust == Robust::None {
+        return Ok(plain);
     }
-    // the rows carry square roots: half the weight is 0.5 in its square
-    let lost = |r: usize| weights.iter().any(|w| w[r] * w[r] < 0.5);
-    let sites = (0..weights[0].len()).filter(|&r| lost(r)).count();
+    let mut found = reweight(patch, data, options, Loss::Huber, plain)?;
+    if options.robust == Robust::Tukey {
+        let steps = found.steps;
+        found = reweight(patch, data, options, Loss::Tukey, found.fitted)?;
+        found.steps += steps;
+    }
+    let Reweighted { mut fitted, weights, steps } = found;
+    // these are square roots: half the weight is 0.5 in the square
+    let is_outlier = |r: usize| weights.iter().any(|w| w[r] * w[r] < 0.5);
+    let sites = (0..weights[0].len()).filter(|&r| is_outlier(r)).count();
     fitted.notes.push(Note::Outliers { sites, steps });
     Ok(fitted)
 }
 
-/// Reweights until the weights stand: the fit, the square roots of its weights, the steps.
-fn settle(
+/// Reweights and fits again until no weight moves.
+fn reweight(
     patch: &Patch,
     data: &Data,
     options: &FitOptions,
-    loss: Robust,
+    loss: Loss,
     start: Fitted,
-) -> Result<(Fitted, [Vec<f64>; 2], usize), FitError> {
-    let mut fitted = start;
-    let mut weights = [vec![1.0; fitted.equations.sites.len()], vec![1.0; fitted.equations.sites.len()]];
+) -> Result<Reweighted, FitError> {
+    let sites = start.equations.sites.len();
+    let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0 };
     for step in 1..=MAX_STEPS {
-        let found = distances(data, options, &fitted);
-        let next = [weigh(&found.z, OF_HEIGHTS, loss), weigh(&found.slope, OF_NORMALS, loss)];
-        let moved =
-            (0..2).flat_map(|b| next[b].iter().zip(&weights[b]).map(|(a, b)| (a - b).abs())).fold(0.0_f64, f64::max);
-        weights = next;
-        let declared = with_scales(patch, data, options, &found);
-        fitted = fit_plain(patch, &data.reweighted(&weights[0], &weights[1]), &declared)?;
-        if moved < STANDS || step == MAX_STEPS {
-            if declared.objective != options.objective {
-                let levels = NoiseLevels { declared: Declared::Estimated, ..noise_levels(&fitted) };
-                fitted.levels = Levelled::Known(levels);
-            }
-            return Ok((fitted, weights, step));
+        let distances = distances(data, options, &found.fitted);
+        let next = [weigh(&distances.z, OF_HEIGHTS, loss), weigh(&distances.slope, OF_NORMALS, loss)];
+        let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
+        let moved = moves.fold(0.0_f64, f64::max);
+        let declared = with_scales(patch, data, options, &distances);
+        let mut fitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared)?;
+        let is_last = moved < CONVERGED || step == MAX_STEPS;
+        if is_last && declared.objective != options.objective {
+            let sds = fitted.noise.sds(&fitted.equations, &fitted.solution);
+            fitted.noise = NoiseRecord::Known(NoiseSds { source: NoiseSource::Estimated, ..sds });
+        }
+        found = Reweighted { fitted, weights: next, steps: step };
+        if is_last {
+            break;
         }
     }
-    Ok((fitted, weights, MAX_STEPS))
+    Ok(found)
 }
 
-/// Square roots of the loss's weights; a block whose scale is zero to rounding keeps its rows.
-fn weigh(distances: &[Option<f64>], factor: f64, loss: Robust) -> Vec<f64> {
+/// Square roots of the loss's weights; rows whose scale is zero to rounding keep their weight.
+fn weigh(distances: &[Option<f64>], factor: f64, loss: Loss) -> Vec<f64> {
     let Some(scale) = scale(distances, factor) else { return vec![1.0; distances.len()] };
     let weight = |size: f64| {
         let t = size / scale;
         match loss {
-            Robust::Tukey if t < TUKEY => (1.0 - (t / TUKEY).powi(2)).powi(2),
-            Robust::Tukey => 0.0,
-            _ => (HUBER / t).min(1.0),
+            Loss::Huber => (HUBER / t).min(1.0),
+            Loss::Tukey if t < TUKEY => (1.0 - (t / TUKEY).powi(2)).powi(2),
+            Loss::Tukey => 0.0,
         }
     };
     distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
 }
 
-/// Robust scale of a block; `None` without rows, or where residuals are rounding.
+/// Robust scale of one kind of rows; `None` without rows, or where residuals are rounding.
 fn scale(distances: &[Option<f64>], factor: f64) -> Option<f64> {
     let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
     if sizes.is_empty() {
@@ -103,7 +130,7 @@ fn scale(distances: &[Option<f64>], factor: f64) -> Option<f64> {
     Some(factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|s| *s > NO_NOISE)
 }
 
-/// The options with levels that are to be estimated declared as the robust scales.
+/// The options with the robust scales declared as noise sds, where sds were to be estimated.
 fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, found: &Distances) -> FitOptions {
     let (z, slope) = (scale(&found.z, OF_HEIGHTS), scale(&found.slope, OF_NORMALS));
     let (Some(z), Some(slope)) = (z, slope) else { return options.clone() };

@@ -4,17 +4,18 @@
 //! G(lambda) = N |b - E c|^2 / (N - trace H)^2,   H = E (E'E + lambda P)^-1 E'
 //! ```
 //!
-//! P. Craven and G. Wahba, Numer. Math. 31 (1979). Cross-validation and not REML: it needs no model of the surface's own
-//! variance. It assumes rows with independent errors; correlated ones (normals from overlapping neighbourhoods) make
+//! P. Craven and G. Wahba, Numer. Math. 31 (1979). It is used instead of REML because it needs no model of the surface's own
+//! variance. It assumes rows with independent errors; correlated errors (normals from overlapping neighbourhoods) make
 //! lambda too small.
 
-use crate::fit::linear as solver;
-use crate::fit::noise::hat_traces;
+use crate::fit::linear;
+use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
-use crate::fit::objective::data::Data;
-use crate::fit::objective::equations::Equations;
-use crate::fit::objective::{Fitted, fit_rows};
-use crate::fit::{FitError, FitOptions, Method, Patch, Smooth};
+use crate::fit::objective::fitted::Fitted;
+use crate::fit::objective::robust::fit_with_loss;
+use crate::fit::placing::data::Data;
+use crate::fit::placing::patch::Patch;
+use crate::fit::{FitError, FitOptions, Method, Smooth};
 
 /// The search covers this many decades below and above the ratio of traces, where data and roughness weigh the same.
 const DECADES: [i32; 2] = [-14, 4];
@@ -22,18 +23,21 @@ const DECADES: [i32; 2] = [-14, 4];
 const GOLDEN_STEPS: usize = 20;
 
 /// Chooses lambda and fits with it.
+///
+/// # Errors
+/// Those of a fit with a given lambda.
 pub fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let with = |lambda: f64| FitOptions { smooth: Smooth::Lambda(lambda), ..options.clone() };
-    // noise levels and linearisation come from a fit that is smoothed just enough to have one
-    let start = fit_rows(patch, data, &with(1e-9))?;
+    // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
+    let start = fit_with_loss(patch, data, &with(1e-9))?;
     let Some((_, penalty)) = start.equations.roughness.clone() else { return Ok(start) };
-    let bare = Equations { roughness: None, ..start.equations.clone() };
+    let bare = start.equations.with_roughness(None);
     let sum = |diagonal: Vec<f64>| diagonal.iter().sum::<f64>();
     let balance = sum(bare.normal_matrix().diagonal()) / sum(penalty.diagonal());
     let score = |exponent: f64| -> f64 {
         let lambda = balance * 10_f64.powf(exponent);
-        let equations = Equations { roughness: Some((lambda, penalty.clone())), ..bare.clone() };
-        let Ok(solution) = solver::solve(&equations, Method::Cholesky) else { return f64::INFINITY };
+        let equations = bare.with_roughness(Some((lambda, penalty.clone())));
+        let Ok(solution) = linear::solve(&equations, Method::Cholesky) else { return f64::INFINITY };
         let squares: f64 = equations.residual_squares(&solution.coefficients).iter().sum();
         let rows = equations.count() as f64;
         let freedom = rows - hat_traces(&equations, &solution).iter().sum::<f64>();
@@ -43,12 +47,12 @@ pub fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<
         .map(|e| (f64::from(e), score(f64::from(e))))
         .fold((f64::from(DECADES[1]), f64::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
     let lambda = balance * 10_f64.powf(golden(best.0 - 1.0, best.0 + 1.0, score));
-    let mut fitted = fit_rows(patch, data, &with(lambda))?;
+    let mut fitted = fit_with_loss(patch, data, &with(lambda))?;
     fitted.notes.push(Note::Smoothed { lambda });
     Ok(fitted)
 }
 
-/// Minimum of a function with one valley in `[lo, hi]`.
+/// Minimum of a function with a single minimum in `[lo, hi]`, by golden section.
 fn golden(mut lo: f64, mut hi: f64, f: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut left, mut right) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));

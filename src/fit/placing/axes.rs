@@ -1,9 +1,10 @@
 //! The local frame: z along the mean normal, y along the sweep (or the first principal direction), x = y cross z.
 
 use crate::contact::Contacts;
+use crate::vector::{cross, dot, norm, reject, unit};
 
-/// Rows are the patch's x, y, z axes. The sweep direction is that from each finger's first to its last station; without
-/// stations the first principal direction of the contacts across the mean normal.
+/// Rows are the patch's x, y, z axes. The sweep direction is the sum over the fingers of the vectors from first to last
+/// station; without stations it is the first principal direction of the contacts across the mean normal.
 pub fn local_axes(contacts: &Contacts) -> [[f64; 3]; 3] {
     let z = mean_normal(contacts);
     let direction = sweep_direction(contacts).unwrap_or_else(|| principal_direction(contacts, z));
@@ -17,20 +18,20 @@ fn mean_normal(contacts: &Contacts) -> [f64; 3] {
     let sum = (0..contacts.len())
         .filter_map(|r| contacts.unit_normal(r))
         .fold([0.0; 3], |s, n| [0, 1, 2].map(|k| s[k] + n[k]));
-    // normals all round a body cancel: then no direction is better than the input's own
+    // normals from all sides of a body cancel: then no direction is better than the input's own z
     if norm(sum) > 1e-9 * contacts.len() as f64 { unit(sum) } else { [0.0, 0.0, 1.0] }
 }
 
 fn sweep_direction(contacts: &Contacts) -> Option<[f64; 3]> {
     let (fingers, stations) = (contacts.finger.as_ref()?, contacts.station.as_ref()?);
     let mut sum = [0.0; 3];
-    let mut lanes: Vec<u32> = fingers.clone();
-    lanes.sort_unstable();
-    lanes.dedup();
-    for lane in lanes {
-        let on_lane = || (0..fingers.len()).filter(|&r| fingers[r] == lane);
-        let first = on_lane().min_by_key(|&r| stations[r])?;
-        let last = on_lane().max_by_key(|&r| stations[r])?;
+    let mut numbers: Vec<u32> = fingers.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    for finger in numbers {
+        let of_finger = || (0..fingers.len()).filter(|&r| fingers[r] == finger);
+        let first = of_finger().min_by_key(|&r| stations[r])?;
+        let last = of_finger().max_by_key(|&r| stations[r])?;
         let d = [
             contacts.x[last] - contacts.x[first],
             contacts.y[last] - contacts.y[first],
@@ -61,27 +62,4 @@ fn principal_direction(contacts: &Contacts, z: [f64; 3]) -> [f64; 3] {
     let direction = [0, 1, 2].map(|k| angle.cos() * u[k] + angle.sin() * v[k]);
     let largest = direction.iter().fold(0.0_f64, |m, w| if w.abs() > m.abs() { *w } else { m });
     direction.map(|w| w * 1.0_f64.copysign(largest))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|w| w / length)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The part of `a` perpendicular to the unit vector `z`.
-fn reject(a: [f64; 3], z: [f64; 3]) -> [f64; 3] {
-    let along = dot(a, z);
-    [0, 1, 2].map(|k| a[k] - along * z[k])
 }

@@ -1,0 +1,74 @@
+//! Whether the patch is a plane: by a test against noise, or to rounding.
+//!
+//! ```text
+//! rejected        the best plane's rise in the sum of squares, by chi-square with declared sds, else by F
+//! flat            mean R * side < 100 u condition max |z - plane| / side + 4 u max |z| / side
+//! ```
+
+use crate::fit::describe::plane::plane_rows;
+use crate::fit::linear::equations::Equations;
+use crate::fit::noise::sds::NoiseSource;
+use crate::fit::solved::Solved;
+use crate::linalg::{RowWeights, SiteWeights, Sites, apply_rows};
+use crate::shape::{best_plane, chi_square_upper_tail, f_upper_tail};
+
+/// Unit roundoff 2^-53.
+const UNIT: f64 = 0.5 * f64::EPSILON;
+
+/// p-value of the best plane against the fit; `None` where the fit has no more freedom than a plane, or no noise estimate.
+pub fn plane_probability(solved: &Solved) -> Option<f64> {
+    let fitted = &solved.fitted;
+    let equations = &fitted.equations;
+    let freedom = fitted.solution.rank as f64 - 3.0;
+    let rest = equations.count() as f64 - fitted.solution.rank as f64;
+    if freedom <= 0.0 || (solved.noise().source != NoiseSource::Sigma && rest <= 0.0) {
+        return None;
+    }
+    let of_fit: f64 = equations.residual_squares(&fitted.solution.coefficients).iter().sum();
+    let largest = solved.data.largest_height(&solved.patch) / solved.patch.frame.scale;
+    let plane = plane_rows(equations, largest)?;
+    if plane.is_rounding {
+        return Some(1.0);
+    }
+    let rise = (plane.squares - of_fit).max(0.0);
+    Some(match solved.noise().source {
+        NoiseSource::Sigma => chi_square_upper_tail(rise, freedom),
+        NoiseSource::Weights(_) | NoiseSource::Estimated => {
+            f_upper_tail((rise / freedom) / (of_fit / rest), freedom, rest)
+        }
+    })
+}
+
+/// Whether a surface of this mean R (input units) is flat to rounding.
+pub fn is_flat(solved: &Solved, mean_curvedness: f64) -> bool {
+    let (side, scale) = (solved.patch.side, solved.patch.frame.scale);
+    let largest = solved.data.largest_height(&solved.patch);
+    let rounding =
+        |deviation: f64| 100.0 * UNIT * solved.condition() * deviation * scale / side + 4.0 * UNIT * largest / side;
+    // no residual of the least squares plane is larger than the norm of all heights, which is cheaper
+    if mean_curvedness * side >= rounding(solved.data.size_of_heights()) {
+        return false;
+    }
+    let measured = solved.data.measured();
+    let places = places(&solved.fitted.equations);
+    let heights = places.iter().enumerate().filter(|(r, _)| measured.z_weight[*r] != 0.0);
+    let (_, deviation) = best_plane(heights.map(|(r, p)| [p[0], p[1], measured.z[r]]));
+    mean_curvedness * side < rounding(deviation)
+}
+
+/// x and y of every site, as splines whose coefficients are the Greville points.
+fn places(equations: &Equations) -> Vec<[f64; 2]> {
+    let sites = &equations.sites;
+    let one = RowWeights::Uniform(SiteWeights { z: 1.0, ..SiteWeights::default() });
+    let mut places = vec![[0.0; 2]; sites.len()];
+    let knots = sites.knots();
+    let (gx, gy) = (knots[0].greville(), knots[1].greville());
+    for axis in 0..2 {
+        let coordinate = |x: &f64, y: &f64| if axis == 0 { *x } else { *y };
+        let coefficients: Vec<f64> = gx.iter().flat_map(|x| gy.iter().map(move |y| coordinate(x, y))).collect();
+        let mut rows = Vec::new();
+        apply_rows(sites, &one, &coefficients, &mut rows);
+        rows.iter().enumerate().for_each(|(r, row)| places[r][axis] = row[0]);
+    }
+    places
+}

@@ -1,0 +1,54 @@
+//! Root mean square residuals of heights, slopes and normals, unweighted.
+
+use crate::fit::solved::Solved;
+use crate::linalg::{SiteWeights, Sites, site_rows};
+use crate::observation::angular_residual_squared;
+
+/// Root mean square residuals of the rows whose weight is not zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rms {
+    /// Heights, input units.
+    pub z: Option<f64>,
+    /// Slopes in x; `None` also where a normal has no slope.
+    pub zx: Option<f64>,
+    /// Slopes in y.
+    pub zy: Option<f64>,
+    /// Normals: rms angle, degrees.
+    pub normal_deg: Option<f64>,
+}
+
+/// Residuals of the final surface.
+pub fn rms(solved: &Solved) -> Rms {
+    let sites = &solved.fitted.equations.sites;
+    let columns = sites.shape().basis[1];
+    let measured = solved.data.measured();
+    let one = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+    let (mut sums, mut counts) = ([0.0; 4], [0usize; 4]);
+    sites.visit(|site| {
+        let r = site.index;
+        let [s, p, q] = site_rows(site, &one, &solved.fitted.solution.coefficients, columns);
+        let mut add = |k: usize, square: f64| {
+            sums[k] += square;
+            counts[k] += 1;
+        };
+        if measured.z_weight[r] != 0.0 {
+            add(0, (measured.z[r] - s).powi(2));
+        }
+        if measured.normal_weight[r] != 0.0 {
+            let n = measured.normals[r];
+            add(1, (-n[0] / n[2] - p).powi(2));
+            add(2, (-n[1] / n[2] - q).powi(2));
+            add(3, angular_residual_squared(n, p, q));
+        }
+    });
+    let root = |k: usize| {
+        let mean = sums[k] / counts[k] as f64;
+        (counts[k] > 0 && mean.is_finite()).then(|| mean.sqrt())
+    };
+    Rms {
+        z: root(0).map(|v| v * solved.patch.frame.scale),
+        zx: root(1),
+        zy: root(2),
+        normal_deg: root(3).map(f64::to_degrees),
+    }
+}

@@ -1,0 +1,56 @@
+//! The shape of a patch as numbers: S and R over a grid, their means, class, radius, and what noise makes of them.
+//!
+//! ```text
+//! sd    spread over the grid points, variation over the patch        u    standard uncertainty of the mean, from noise
+//! ```
+
+use crate::curvature::ShapeClass;
+use crate::shape::{GridGradients, Interval, ShapeMaps, Spread};
+
+/// Mean over the patch with spread (variation over the patch) and uncertainty (of the mean, from noise).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistic {
+    /// Mean over supported points.
+    pub mean: Option<f64>,
+    /// Sample sd over them.
+    pub sd: Option<f64>,
+    /// Standard uncertainty of the mean.
+    pub u: Option<f64>,
+    /// Interval for the mean at the options' confidence level.
+    pub interval: Option<Interval>,
+}
+
+/// The shape of a patch, in input units.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Maps over the shape grid: x, y along the frame's axes in input units, heights, k1, k2, S, R.
+    pub maps: ShapeMaps,
+    /// Shape index S; all `None` for a plane.
+    pub shape_index: Statistic,
+    /// Curvedness R, 1/length.
+    pub curvedness: Statistic,
+    /// Class of the mean S, or plane.
+    pub class: ShapeClass,
+    /// Probability of each curved class by the delta method; empty for a plane.
+    pub class_probability: Vec<(ShapeClass, f64)>,
+    /// Radius of the cap, cup, ridge or rut.
+    pub radius: Option<f64>,
+    /// Larger principal curvature over the patch.
+    pub k1: Spread,
+    /// Smaller principal curvature over the patch.
+    pub k2: Spread,
+    /// Direction of k1 at the patch centre projected to the input's x, y, degrees in [0, 180).
+    pub direction_deg: Option<f64>,
+    /// Points used / grid points.
+    pub support: f64,
+    /// p-value of the best plane against the fit.
+    pub plane_p: Option<f64>,
+    /// Gradients of S and R by the coefficients, for the certificate.
+    pub(in crate::fit) gradients: GridGradients,
+}
+
+/// Rows and columns of the grid points that the data support.
+pub fn supported_points(maps: &ShapeMaps) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
+    let columns = maps.grid.y.len();
+    (0..maps.grid.len()).map(move |k| (k / columns, k % columns)).filter(|&(i, j)| maps.supported[[i, j]])
+}

@@ -1,0 +1,214 @@
+//! Normal rows: Gauss-Newton on `sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2`, with step control.
+//!
+//! Each step is the same sparse least squares with new rows. The iteration starts from the heights alone (from slope rows
+//! where they are too few) and stops when no coefficient moves by more than 1e-10 of the largest. The final answer is then
+//! polished until its steps are rounding: the steps contract linearly, so after a step of 1e-10 the error may be larger.
+
+use crate::fit::linear;
+use crate::fit::linear::equations::{Equations, packed_cells};
+use crate::fit::linear::solution::Solution;
+use crate::fit::noise::sds::RowSds;
+use crate::fit::placing::data::Measured;
+use crate::fit::placing::sites::DataSites;
+use crate::fit::{FitError, Method};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
+use crate::observation::{angular_residual_squared, linearise_normals};
+
+/// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
+/// nearby.
+const MAX_STEPS: usize = 200;
+/// Halvings of one step at most: where 2^-30 of it does not lower the objective, the point is stationary to rounding.
+const MAX_HALVINGS: usize = 30;
+/// Polishing steps at most: each, with the extrapolation between them, gains one to four of the last six digits.
+const MAX_POLISH: usize = 8;
+/// A move this small is rounding.
+const POLISHED: f64 = 8.0 * f64::EPSILON;
+/// The start takes slopes from normals no flatter than this, so that nz = 0 does not divide.
+const START_NZ: f64 = 0.05;
+
+/// Where Gauss-Newton ended.
+#[derive(Debug)]
+pub struct Minimum {
+    /// The last linearised problem.
+    pub equations: Equations,
+    /// Its solution.
+    pub solution: Solution,
+    /// Steps taken.
+    pub steps: usize,
+    /// Move of the last step, relative to the largest coefficient.
+    pub moved: f64,
+}
+
+/// The nonlinear problem at fixed noise sds.
+pub struct NormalProblem<'a> {
+    /// Sites of the data.
+    pub sites: &'a DataSites,
+    /// Heights and normals.
+    pub measured: &'a Measured,
+    /// Noise sds.
+    pub sds: RowSds,
+    /// `lambda` and `P` of the roughness penalty.
+    pub roughness: Option<(f64, StencilMatrix)>,
+    /// Linear solver.
+    pub method: Method,
+}
+
+impl NormalProblem<'_> {
+    /// Minimises from `start`, or from heights alone, until a step moves by no more than `tolerance` of the largest
+    /// coefficient. The equations returned are those of that step, linearised about the coefficients before it;
+    /// [`NormalProblem::polish`] replaces them by equations about the answer.
+    ///
+    /// # Errors
+    /// [`FitError::NotSettled`], or where a linear step has no solution.
+    pub fn minimise(&self, start: Option<&[f64]>, tolerance: f64) -> Result<Minimum, FitError> {
+        let mut current = match start {
+            Some(c) => c.to_vec(),
+            None => self.start()?,
+        };
+        let mut value = self.objective(&current);
+        let mut moved = f64::INFINITY;
+        for steps in 1..=MAX_STEPS {
+            let equations = self.linearised(&current);
+            let mut solution = linear::solve_intermediate(&equations, self.method)?;
+            let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
+            let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            moved /= largest.max(f64::MIN_POSITIVE);
+            (current, value) = (next, next_value);
+            if moved <= tolerance {
+                solution.coefficients = current;
+                return Ok(Minimum { equations, solution, steps, moved });
+            }
+        }
+        Err(FitError::NotSettled { steps: MAX_STEPS, moved })
+    }
+
+    /// Full steps from a minimum found roughly, until they are rounding. After two steps their contraction `rho` gives the
+    /// sum of all that would follow, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
+    ///
+    /// # Errors
+    /// Where a linear step has no solution.
+    pub fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let mut from = found.solution.coefficients.clone();
+        let mut before: Option<Vec<f64>> = None;
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_POLISH {
+            let equations = self.linearised(&from);
+            let solution = linear::solve(&equations, self.method)?;
+            let step: Vec<f64> = solution.coefficients.iter().zip(&from).map(|(a, b)| a - b).collect();
+            let largest = solution.coefficients.iter().fold(f64::MIN_POSITIVE, |m, c| m.max(c.abs()));
+            let moved = step.iter().fold(0.0_f64, |m, d| m.max(d.abs())) / largest;
+            if moved >= last {
+                break;
+            }
+            last = moved;
+            from = solution.coefficients.clone();
+            found = Minimum { equations, solution, steps: found.steps + 1, moved };
+            if moved <= POLISHED {
+                break;
+            }
+            let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
+            from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
+            // the step after an extrapolation does not show the contraction
+            before = (rho == 0.0).then_some(step);
+        }
+        Ok(found)
+    }
+
+    fn line_search(&self, from: &[f64], value: f64, to: &[f64]) -> (Vec<f64>, f64) {
+        let mut share = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            let next: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+            let next_value = self.objective(&next);
+            // near the minimum the objective is equal to rounding, which is accepted
+            if next_value <= value * (1.0 + 1e-14) {
+                return (next, next_value);
+            }
+            share *= 0.5;
+        }
+        (from.to_vec(), value)
+    }
+
+    fn start(&self) -> Result<Vec<f64>, FitError> {
+        let heights = RowWeights::PerSite(
+            self.measured.z_weight.iter().map(|w| SiteWeights { z: *w, ..SiteWeights::default() }).collect(),
+        );
+        let targets: Targets =
+            self.measured.z.iter().zip(&self.measured.z_weight).map(|(z, w)| [w * z, 0.0, 0.0]).collect();
+        let equations = Equations::new(self.sites.clone(), heights, targets, self.roughness.clone());
+        if equations.count() >= equations.unknowns() {
+            match linear::solve_intermediate(&equations, Method::Cholesky) {
+                Ok(solution) if solution.rank == equations.unknowns() => return Ok(solution.coefficients),
+                _ => {}
+            }
+        }
+        Ok(linear::solve_intermediate(&self.slope_start(), Method::Auto)?.coefficients)
+    }
+
+    fn slope_start(&self) -> Equations {
+        let (mut site_weights, mut targets) = (Vec::new(), Targets::new());
+        for r in 0..self.measured.z.len() {
+            let [nx, ny, nz] = self.measured.normals[r];
+            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
+            let nz = nz.max(START_NZ);
+            site_weights.push(SiteWeights { z: wz, a: w, b: 0.0, d: w });
+            targets.push([wz * self.measured.z[r], -w * nx / nz, -w * ny / nz]);
+        }
+        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
+    }
+
+    /// The rows of one Gauss-Newton step about `c`.
+    pub fn linearised(&self, c: &[f64]) -> Equations {
+        let mut site_weights = vec![SiteWeights::default(); self.sites.len()];
+        let mut targets = vec![[0.0; 3]; self.sites.len()];
+        self.each_site(c, |r, [_, p, q]| {
+            let z = self.measured.z_weight[r] / self.sds.z;
+            let w = self.measured.normal_weight[r] / self.sds.slope;
+            site_weights[r].z = z;
+            targets[r][0] = z * self.measured.z[r];
+            if w != 0.0 {
+                let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
+                site_weights[r] = SiteWeights { z, a: w * u.a, b: w * u.b, d: w * u.d };
+                (targets[r][1], targets[r][2]) = (w * first, w * second);
+            }
+        });
+        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
+    }
+
+    /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
+    fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+        if let Some(cells) = packed_cells(self.sites) {
+            return cells.values(c, visit);
+        }
+        let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
+        self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
+    }
+
+    /// Weighted squares of heights and normals (true chords) at `c`.
+    pub fn squares(&self, c: &[f64]) -> [f64; 2] {
+        let mut sums = [0.0, 0.0];
+        self.each_site(c, |r, [s, p, q]| {
+            let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);
+            if wz != 0.0 {
+                let residual = wz * (self.measured.z[r] - s) / self.sds.z;
+                sums[0] += residual * residual;
+            }
+            if w != 0.0 {
+                let chord = angular_residual_squared(self.measured.normals[r], p, q);
+                sums[1] += w * w * chord / (self.sds.slope * self.sds.slope);
+            }
+        });
+        sums
+    }
+
+    fn objective(&self, c: &[f64]) -> f64 {
+        let [heights, normals] = self.squares(c);
+        let rough = self.roughness.as_ref().map_or(0.0, |(lambda, penalty)| {
+            let mut bent = vec![0.0; c.len()];
+            penalty.multiply(c, &mut bent);
+            lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
+        });
+        heights + normals + rough
+    }
+}

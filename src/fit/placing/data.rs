@@ -1,0 +1,259 @@
+//! The measured numbers in the patch frame, site by site, whichever kind of data they came as.
+
+use ndarray::Array2;
+
+use crate::contact::{Contacts, Grid, Orientation};
+use crate::fit::FitError;
+use crate::fit::placing::patch::Patch;
+use crate::fit::placing::sites::DataSites;
+use crate::linalg::{RowWeights, SiteWeights, Targets};
+use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows, slope_rows};
+
+/// Contacts or a grid in patch coordinates.
+#[derive(Clone, Debug)]
+pub enum Data {
+    /// Scattered contacts, moved into the patch.
+    Scattered {
+        /// The contacts.
+        contacts: Contacts,
+        /// The number each has in the user's order, where they were sorted by knot cells.
+        numbers: Option<Vec<u32>>,
+    },
+    /// A grid in input units, with the patch's height origin and length.
+    Gridded {
+        /// The grid.
+        grid: Grid,
+        /// Height origin.
+        origin: f64,
+        /// Length.
+        scale: f64,
+    },
+}
+
+/// Heights and unit normals with their row weights; weight zero means missing.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// Heights in the patch.
+    pub z: Vec<f64>,
+    /// Weights of the height rows.
+    pub z_weight: Vec<f64>,
+    /// Unit normals.
+    pub normals: Vec<[f64; 3]>,
+    /// Weights of the normals.
+    pub normal_weight: Vec<f64>,
+}
+
+fn points(contacts: &Contacts) -> Vec<[f64; 2]> {
+    contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect()
+}
+
+impl Data {
+    /// Contacts in patch coordinates. Many contacts are sorted by knot cells once, because the cells are visited many times
+    /// and reading contacts in the user's order would jump through memory at every visit.
+    pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
+        if !ScatteredSites::many_go_by_cells(contacts.len(), &patch.knots) {
+            return Data::Scattered { contacts, numbers: None };
+        }
+        let CellNumbers { order, .. } = CellNumbers::of(&patch.knots, &points(&contacts));
+        Data::Scattered { contacts: contacts.in_order(&order), numbers: Some(order) }
+    }
+
+    /// Where the data lie under the patch's knots.
+    pub fn sites(&self, patch: &Patch) -> DataSites {
+        match self {
+            Data::Scattered { contacts, .. } => {
+                DataSites::Scattered(ScatteredSites::new(patch.knots.clone(), points(contacts)))
+            }
+            Data::Gridded { grid, .. } => {
+                let [ox, oy, _] = patch.frame.origin;
+                let local =
+                    |axis: &[f64], o: f64| -> Vec<f64> { axis.iter().map(|v| (v - o) / patch.frame.scale).collect() };
+                DataSites::Gridded(GridSites::new(patch.knots.clone(), &local(&grid.x, ox), &local(&grid.y, oy)))
+            }
+        }
+    }
+
+    /// Whether there are slopes or normals.
+    pub fn has_orientation(&self) -> bool {
+        match self {
+            Data::Scattered { contacts, .. } => contacts.orientation != Orientation::None,
+            Data::Gridded { grid, .. } => grid.zx.is_some(),
+        }
+    }
+
+    /// Whether there are normals, not only slopes.
+    pub fn has_normals(&self) -> bool {
+        matches!(self, Data::Scattered { contacts: Contacts { orientation: Orientation::Normals { .. }, .. }, .. })
+    }
+
+    /// Slope rows with weights `[wz, wx, wy]` in patch units.
+    pub fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
+        match self {
+            Data::Scattered { contacts, .. } => slope_rows(contacts, block),
+            Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
+        }
+    }
+
+    /// Every normal must have a slope: nz > 0, and finite after division.
+    ///
+    /// # Errors
+    /// [`FitError::NormalDown`], [`FitError::Steep`].
+    pub fn check_slopes(&self) -> Result<(), FitError> {
+        self.check_each_normal(|[nx, ny, nz]| {
+            // beyond 1e8 the square of one slope is larger than all other rows' squares times 1e16, and their digits are lost
+            nz >= 0.0 && [nx / nz, ny / nz].iter().all(|s| s.is_finite() && s.abs() < 1e8)
+        })
+    }
+
+    /// Every normal must belong to a height field's free side: nz >= 0.
+    ///
+    /// # Errors
+    /// [`FitError::NormalDown`].
+    pub fn check_normals(&self) -> Result<(), FitError> {
+        self.check_each_normal(|[_, _, nz]| nz >= 0.0)
+    }
+
+    /// The user's first normal that is not sound, as an error.
+    fn check_each_normal(&self, is_sound: impl Fn([f64; 3]) -> bool) -> Result<(), FitError> {
+        let Data::Scattered { contacts, numbers } = self else { return Ok(()) };
+        let Orientation::Normals { nx, ny, nz } = &contacts.orientation else { return Ok(()) };
+        let number = |r: usize| numbers.as_ref().map_or(r, |numbers| numbers[r] as usize);
+        let unsound = (0..nz.len()).filter(|&r| !is_sound([nx[r], ny[r], nz[r]]));
+        let Some(first) = unsound.min_by_key(|&r| number(r)) else { return Ok(()) };
+        let (index, nz) = (number(first), nz[first]);
+        Err(if nz < 0.0 { FitError::NormalDown { index, nz } } else { FitError::Steep { index, nz } })
+    }
+
+    /// Heights and unit normals for normal rows.
+    pub fn measured(&self) -> Measured {
+        let (row_weights, targets) = self.slope_rows([1.0, 1.0, 1.0]);
+        let mut measured = Measured::default();
+        for (r, target) in targets.iter().enumerate() {
+            let m = row_weights.at(r);
+            measured.z.push(if m.z == 0.0 { 0.0 } else { target[0] / m.z });
+            measured.z_weight.push(m.z);
+            let (normal, weight) = self.normal_and_weight(r, &m, target);
+            measured.normals.push(normal);
+            measured.normal_weight.push(weight);
+        }
+        measured
+    }
+
+    fn normal_and_weight(&self, r: usize, m: &SiteWeights, target: &[f64; 3]) -> ([f64; 3], f64) {
+        let weight = m.a.min(m.d);
+        if weight == 0.0 {
+            return ([0.0, 0.0, 1.0], 0.0);
+        }
+        let normal = match self {
+            Data::Scattered { contacts, .. } => contacts.unit_normal(r),
+            Data::Gridded { .. } => {
+                let (p, q) = (target[1] / m.a, target[2] / m.d);
+                let w = p.hypot(q).hypot(1.0);
+                Some([-p / w, -q / w, 1.0 / w])
+            }
+        };
+        normal.map_or(([0.0, 0.0, 1.0], 0.0), |n| (n, weight))
+    }
+
+    /// The same data with every site's height rows weighted by `z[r]` and its slope rows by `slope[r]` on top.
+    pub fn reweighted(&self, z: &[f64], slope: &[f64]) -> Data {
+        let mut data = self.clone();
+        let times = |old: &Option<Vec<f64>>, new: &[f64]| -> Option<Vec<f64>> {
+            Some(new.iter().enumerate().map(|(r, w)| w * old.as_ref().map_or(1.0, |o| o[r])).collect())
+        };
+        match &mut data {
+            Data::Scattered { contacts, .. } => {
+                let old = contacts.weights.clone();
+                contacts.weights.z = times(&old.z, z);
+                contacts.weights.x = times(&old.x, slope);
+                contacts.weights.y = times(&old.y, slope);
+            }
+            Data::Gridded { grid, .. } => {
+                let columns = grid.y.len();
+                let map = |old: &Option<Array2<f64>>, new: &[f64]| {
+                    Some(Array2::from_shape_fn((grid.x.len(), columns), |(i, j)| {
+                        new[i * columns + j] * old.as_ref().map_or(1.0, |o| o[[i, j]])
+                    }))
+                };
+                let (wz, wx, wy) = (map(&grid.wz, z), map(&grid.wx, slope), map(&grid.wy, slope));
+                (grid.wz, grid.wx, grid.wy) = (wz, wx, wy);
+            }
+        }
+        data
+    }
+
+    /// Root of the sum of squares of the heights whose weight is not zero, in patch units.
+    pub fn size_of_heights(&self) -> f64 {
+        let sum: f64 = match self {
+            Data::Scattered { contacts, .. } => match &contacts.weights.z {
+                None => contacts.z.iter().map(|z| z * z).sum(),
+                Some(weights) => contacts.z.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(z, _)| z * z).sum(),
+            },
+            Data::Gridded { .. } => {
+                let measured = self.measured();
+                let counting = measured.z.iter().zip(&measured.z_weight).filter(|(_, w)| **w != 0.0);
+                counting.map(|(z, _)| z * z).sum()
+            }
+        };
+        sum.sqrt()
+    }
+
+    /// Largest magnitude of a height in input units: the rounding of the data as given is proportional to it.
+    pub fn largest_height(&self, patch: &Patch) -> f64 {
+        let largest =
+            |v: &mut dyn Iterator<Item = f64>| v.filter(|z| z.is_finite()).fold(0.0_f64, |m, z| m.max(z.abs()));
+        match self {
+            Data::Scattered { contacts, .. } => {
+                let origin = if patch.frame.keeps_axes() { patch.frame.origin[2] } else { 0.0 };
+                largest(&mut contacts.z.iter().map(|z| origin + z * patch.frame.scale))
+            }
+            Data::Gridded { grid, .. } => largest(&mut grid.z.iter().copied()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{FitOptions, Method, NormalSigma, Objective, fit_contacts};
+
+    /// Many contacts are reordered inside the fit; errors still name the user's own numbers.
+    #[test]
+    fn the_first_unsound_normal_keeps_its_number() {
+        let count = 20_007;
+        let at = |r: usize, step: f64| (r as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..count).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x * y).collect();
+        let mut nz = vec![1.0; count];
+        (nz[999], nz[17_000]) = (-0.5, -0.25);
+        let down = Contacts::from_positions(x, y, z).with_normals(vec![0.1; count], vec![0.0; count], nz);
+        let options = FitOptions { segments: [8, 8], ..FitOptions::default() };
+        let found = fit_contacts(&down, &options);
+        assert!(matches!(found, Err(FitError::NormalDown { index: 999, .. })), "{found:?}");
+    }
+
+    /// The answer is the same for contacts in reverse order, and by QR of the rows.
+    #[test]
+    fn the_order_of_many_contacts_does_not_matter() {
+        let count = 600;
+        let at = |r: usize, step: f64| (r as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..count).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| (3.0 * x).sin() * y).collect();
+        let (nx, ny) = (x.iter().map(|x| -0.3 * x).collect(), y.iter().map(|y| 0.2 * y).collect());
+        let contacts = Contacts::from_positions(x, y, z).with_normals(nx, ny, vec![1.0; count]);
+        let backwards: Vec<u32> = (0..count as u32).rev().collect();
+        let objective = Objective::Normals(NormalSigma::Known { z: 0.01, normal_deg: 2.0 });
+        let fit = |contacts: &Contacts, method: Method| {
+            let options = FitOptions { degree: [3, 2], segments: [4, 4], objective, method, ..FitOptions::default() };
+            let fit = fit_contacts(contacts, &options).unwrap();
+            assert!(fit.equations().packed().is_some());
+            fit.solution().coefficients.clone()
+        };
+        let expected = fit(&contacts, Method::Auto);
+        let size = expected.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        for other in [fit(&contacts.in_order(&backwards), Method::Auto), fit(&contacts, Method::Qr)] {
+            let gap = expected.iter().zip(&other).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(gap <= 1e-13 * size, "{gap:e} of {size:e}");
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What steps 2 and 3 leave for the steps after them: the patch, the data in it, the rows solved, the surface.
+
+use std::sync::OnceLock;
+
+use ndarray::Array2;
+
+use crate::fit::noise::sds::NoiseSds;
+use crate::fit::objective::fitted::Fitted;
+use crate::fit::placing::data::Data;
+use crate::fit::placing::patch::Patch;
+use crate::fit::{FitError, FitOptions};
+use crate::surface::HeightField;
+
+/// A solved fit before anything is asked of it.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The options it was fitted with.
+    pub options: FitOptions,
+    /// Frame and knots.
+    pub patch: Patch,
+    /// The data in the patch frame.
+    pub data: Data,
+    /// Equations, solution and notes.
+    pub fitted: Fitted,
+    /// The surface in patch coordinates.
+    pub surface: HeightField,
+    noise: OnceLock<NoiseSds>,
+    condition: OnceLock<f64>,
+}
+
+impl Solved {
+    /// The surface of these coefficients, with all that led to it.
+    ///
+    /// # Errors
+    /// [`FitError::Surface`] where a coefficient is not finite.
+    pub fn new(patch: Patch, data: Data, fitted: Fitted, options: &FitOptions) -> Result<Solved, FitError> {
+        let shape = [patch.knots[0].n_basis(), patch.knots[1].n_basis()];
+        let coefficients = Array2::from_shape_fn(shape, |(i, j)| fitted.solution.coefficients[i * shape[1] + j]);
+        let surface = HeightField::new(patch.knots.clone(), coefficients)?;
+        let (noise, condition) = (OnceLock::new(), OnceLock::new());
+        Ok(Solved { options: options.clone(), patch, data, fitted, surface, noise, condition })
+    }
+
+    /// Noise sds; where weights were given they are computed from the residuals on first access.
+    pub fn noise(&self) -> &NoiseSds {
+        let Fitted { equations, solution, noise, .. } = &self.fitted;
+        self.noise.get_or_init(|| noise.sds(equations, solution))
+    }
+
+    /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.
+    pub fn condition(&self) -> f64 {
+        *self.condition.get_or_init(|| self.fitted.solution.factor.condition())
+    }
+
+    /// Height of the patch's origin along the frame's z axis, input units.
+    pub fn origin_height(&self) -> f64 {
+        let frame = &self.patch.frame;
+        if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] }
+    }
+}
