@@ -23,7 +23,7 @@ pub use error::SceneError;
 pub use simulate::Simulator;
 pub use surface::{Body, Surface, SurfacePoint};
 pub use sweep::{MAX_TOUCHES, Site, Sweep, SweepPath, linspace};
-pub use truth::{TrueShape, Truth};
+pub use truth::Truth;
 
 /// A world to be touched.
 #[derive(Clone, Debug, PartialEq)]
