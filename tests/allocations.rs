@@ -8,9 +8,9 @@ mod workloads;
 
 use std::alloc::System;
 
-use palpate::bspline::linspace;
 use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 

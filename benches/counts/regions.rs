@@ -2,11 +2,11 @@
 
 use std::hint::black_box;
 
-use palpate::bspline::linspace;
 use palpate::fit::{Fit, Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
 
 use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};

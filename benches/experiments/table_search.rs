@@ -13,11 +13,12 @@
 //! A likelihood of means and variances alone, with the numbers taken as independent: a synthetic likelihood (S. N. Wood,
 //! *Nature* 466 (2010) 1102) without its covariance.
 
-use palpate::draws::EffectDraws;
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+use palpate::internals::draws::EffectDraws;
+use palpate::internals::scene::linspace;
 use palpate::scene::effects::{Encoder, ForceNoise, Friction, TipRadiusError};
 use palpate::scene::surface::{Body, Cylinder};
-use palpate::scene::{Surface, Sweep, World, linspace};
+use palpate::scene::{Surface, Sweep, World};
 use rayon::prelude::*;
 
 const SEED: u64 = 1997;

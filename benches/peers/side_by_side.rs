@@ -7,11 +7,11 @@ use std::hint::black_box;
 use std::io::Read;
 use std::time::Instant;
 
-use palpate::bspline::{Knots, linspace};
 use palpate::fit::{Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopeColumns, SlopePlan};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::{Knots, linspace};
 use palpate::{Contacts, FitOptions, fit_contacts};
 
 type Outcome = Result<(), Box<dyn std::error::Error + Send + Sync>>;

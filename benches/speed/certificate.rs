@@ -17,10 +17,10 @@ use std::time::Instant;
 
 use criterion::{BenchmarkId, Criterion, criterion_group};
 use palpate::Contacts;
-use palpate::cases::Lcg;
-use palpate::contact::Orientation;
+use palpate::Orientation;
 use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
-use palpate::scene::linspace;
+use palpate::internals::cases::Lcg;
+use palpate::internals::scene::linspace;
 
 struct Problem {
     rows: &'static str,

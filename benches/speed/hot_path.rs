@@ -18,11 +18,11 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput};
-use palpate::bspline::linspace;
 use palpate::fit::{Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 

@@ -13,8 +13,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use palpate::cases::Lcg;
 use palpate::fit::{NormalSigma, Note, Objective, SlopeWeights};
+use palpate::internals::cases::Lcg;
 use palpate::{Contacts, FitOptions, fit_contacts};
 
 /// Sd of heights and of slopes.

@@ -16,7 +16,7 @@ use super::ContactError;
 /// let grid = Grid::from_view(&x, &y, z.view());
 /// assert_eq!((grid.len(), grid.z[[2, 1]]), (6, 3.0));
 /// grid.check()?;
-/// # Ok::<(), palpate::contact::ContactError>(())
+/// # Ok::<(), palpate::ContactError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -10,7 +10,7 @@ mod scattered;
 
 pub use frame::Frame;
 pub use grid::Grid;
-pub use scattered::{Contacts, Orientation, RowWeights};
+pub use scattered::{ContactWeights, Contacts, Orientation};
 
 /// What is wrong with data before any equation is formed from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -31,7 +31,7 @@ pub enum Orientation {
 /// Per-contact weights that multiply the weights of their blocks (residuals, not squares). `None` is all ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RowWeights {
+pub struct ContactWeights {
     /// Of the height rows. All zero: slopes only.
     pub z: Option<Vec<f64>>,
     /// Of the x-slope rows (with normals: of the normal's rows, where `x` and `y` must be equal or one absent).
@@ -50,7 +50,7 @@ pub struct RowWeights {
 /// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
 /// assert_eq!((contacts.len(), contacts.z[1]), (3, 0.9));
 /// contacts.check()?;
-/// # Ok::<(), palpate::contact::ContactError>(())
+/// # Ok::<(), palpate::ContactError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -68,7 +68,7 @@ pub struct Contacts {
     /// Station of the sweep that it was made at.
     pub station: Option<Vec<u32>>,
     /// Per-contact weights.
-    pub weights: RowWeights,
+    pub weights: ContactWeights,
 }
 
 impl Contacts {
@@ -194,7 +194,7 @@ impl Contacts {
             }
             Orientation::Slopes { zx, zy } => Orientation::Slopes { zx: taken(zx, order), zy: taken(zy, order) },
         };
-        let RowWeights { z, x, y } = &self.weights;
+        let ContactWeights { z, x, y } = &self.weights;
         Contacts {
             x: taken(&self.x, order),
             y: taken(&self.y, order),
@@ -202,7 +202,7 @@ impl Contacts {
             orientation,
             finger: labels(&self.finger),
             station: labels(&self.station),
-            weights: RowWeights { z: optional(z), x: optional(x), y: optional(y) },
+            weights: ContactWeights { z: optional(z), x: optional(x), y: optional(y) },
         }
     }
 
@@ -238,11 +238,11 @@ mod tests {
     fn another_order_takes_every_column_along() {
         let contacts = Contacts::from_positions(vec![0.9, 0.1, 0.8], vec![0.5; 3], vec![1.0, 2.0, 3.0])
             .with_slopes(vec![7.0; 3], vec![8.0, 9.0, 10.0]);
-        let weights = RowWeights { z: Some(vec![1.0, 0.0, 2.0]), ..RowWeights::default() };
+        let weights = ContactWeights { z: Some(vec![1.0, 0.0, 2.0]), ..ContactWeights::default() };
         let sorted = Contacts { station: Some(vec![4, 5, 6]), weights, ..contacts }.in_order(&[1, 0, 2]);
         assert_eq!((sorted.x, sorted.y, sorted.z), (vec![0.1, 0.9, 0.8], vec![0.5; 3], vec![2.0, 1.0, 3.0]));
         assert_eq!((sorted.station, sorted.finger), (Some(vec![5, 4, 6]), None));
-        assert_eq!(sorted.weights, RowWeights { z: Some(vec![0.0, 1.0, 2.0]), ..RowWeights::default() });
+        assert_eq!(sorted.weights, ContactWeights { z: Some(vec![0.0, 1.0, 2.0]), ..ContactWeights::default() });
         assert_eq!(sorted.orientation, Orientation::Slopes { zx: vec![7.0; 3], zy: vec![9.0, 8.0, 10.0] });
     }
 }

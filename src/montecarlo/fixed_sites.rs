@@ -22,7 +22,7 @@ pub const ROW_NOISE: &str = "row_noise";
 /// Everything that all replicates share: the sites, the factor and the shape grid.
 ///
 /// ```
-/// use palpate::bspline::{Knots, linspace};
+/// use palpate::spline::{Knots, linspace};
 /// use palpate::montecarlo::FixedSites;
 /// use palpate::plans::SlopeColumns;
 ///

@@ -3,5 +3,7 @@
 mod fixed_sites;
 mod options;
 
-pub use fixed_sites::{FixedSites, ROW_NOISE};
+pub use fixed_sites::FixedSites;
+#[doc(hidden)]
+pub use fixed_sites::ROW_NOISE;
 pub use options::StudyOptions;

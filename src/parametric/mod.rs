@@ -43,6 +43,7 @@ mod vector;
 use std::sync::OnceLock;
 
 pub use certificate::ParametricCertificate;
+#[doc(hidden)]
 pub use choice::choose_surface;
 pub use describe::ParametricShape;
 pub use fitted::{FittedSurface, fit_surface};

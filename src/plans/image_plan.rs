@@ -19,7 +19,7 @@ use crate::solve::FastDiagonalisation;
 ///
 /// ```
 /// use ndarray::Array2;
-/// use palpate::bspline::{Knots, linspace};
+/// use palpate::spline::{Knots, linspace};
 /// use palpate::plans::ImagePlan;
 ///
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;

@@ -13,6 +13,8 @@ mod stream;
 
 pub use error::PlanError;
 pub(crate) use error::{check_noise_sds, check_shape_grid};
-pub use image_plan::{ImagePlan, Pixel};
+pub use image_plan::ImagePlan;
+#[doc(hidden)]
+pub use image_plan::Pixel;
 pub use slope_plan::{SlopeColumns, SlopePlan};
 pub use stream::{StreamShape, Touch, TouchStream};

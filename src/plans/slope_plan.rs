@@ -16,7 +16,7 @@ use crate::solve::Cholesky;
 /// Repeated fits of scattered contacts with slopes under fixed knots and weights.
 ///
 /// ```
-/// use palpate::bspline::Knots;
+/// use palpate::spline::Knots;
 /// use palpate::plans::{SlopeColumns, SlopePlan};
 ///
 /// // z = x^2 touched at nine places, with its slopes

@@ -22,7 +22,7 @@ const WIDTH: usize = MAX_DEGREE + 1;
 /// A fit that grows touch by touch.
 ///
 /// ```
-/// use palpate::bspline::{Knots, linspace};
+/// use palpate::spline::{Knots, linspace};
 /// use palpate::plans::{Touch, TouchStream};
 ///
 /// // a bowl z = (x^2 + y^2)/10: S = -1, R = 1/5 at its bottom

@@ -5,7 +5,7 @@ use crate::bspline::{BasisRow, Knots, linspace};
 /// Points of the shape grid, in the coordinates of the surface's knots.
 ///
 /// ```
-/// use palpate::shape::ShapeGrid;
+/// use palpate::geometry::ShapeGrid;
 ///
 /// // 3 x 2 points over [0, 10] x [0, 1], a tenth of every side left out at each end
 /// let grid = ShapeGrid::over([[0.0, 10.0], [0.0, 1.0]], [3, 2], 0.1);

@@ -17,9 +17,9 @@ const MANY: usize = 4096;
 ///
 /// ```
 /// use ndarray::Array2;
-/// use palpate::bspline::Knots;
-/// use palpate::shape::{ShapeGrid, shape_maps};
-/// use palpate::surface::HeightField;
+/// use palpate::spline::Knots;
+/// use palpate::geometry::{ShapeGrid, shape_maps};
+/// use palpate::spline::HeightField;
 ///
 /// // z = x^2 is a rut along y: S = -1/2, and R = sqrt 2 at its bottom
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;

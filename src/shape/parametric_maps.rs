@@ -11,9 +11,9 @@ type Vector = [f64; 3];
 /// Maps over (u, v), input units.
 ///
 /// ```
-/// use palpate::bspline::Knots;
-/// use palpate::shape::{UvSupport, parametric_maps, uv_grid};
-/// use palpate::surface::Parametric;
+/// use palpate::spline::Knots;
+/// use palpate::internals::shape::{UvSupport, parametric_maps, uv_grid};
+/// use palpate::spline::Parametric;
 ///
 /// // a parabolic sheet over u; the support is the triangle (0, 0), (1, 0), (0, 1)
 /// let axis = Knots::uniform(2, 1, 0.0, 1.0)?;

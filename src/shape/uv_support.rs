@@ -6,7 +6,7 @@ const RIM: f64 = 1e-9;
 /// Triangles in (u, v) between contacts.
 ///
 /// ```
-/// use palpate::shape::UvSupport;
+/// use palpate::internals::shape::UvSupport;
 ///
 /// // u is closed with period 10, and the triangle crosses the seam
 /// let support = UvSupport::new(vec![[[9.0, 0.0], [1.0, 0.0], [0.0, 2.0]]], [Some(10.0), None]);

@@ -73,8 +73,8 @@ impl SurfacePoint {
 ///
 /// ```
 /// use ndarray::Array2;
-/// use palpate::bspline::Knots;
-/// use palpate::surface::HeightField;
+/// use palpate::spline::Knots;
+/// use palpate::spline::HeightField;
 ///
 /// // z = x^2 on [-1, 1] has the quadratic B-spline coefficients 1, -1, 1 along x
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;

@@ -36,8 +36,8 @@ impl ParametricPoint {
 /// A tensor-product B-spline map into space.
 ///
 /// ```
-/// use palpate::bspline::Knots;
-/// use palpate::surface::Parametric;
+/// use palpate::spline::Knots;
+/// use palpate::spline::Parametric;
 ///
 /// // a tube of radius about 1 and length 1: u closes in 8 segments, v is straight
 /// let knots = [Knots::closed(3, 8, 0.0, 8.0)?, Knots::uniform(1, 1, 0.0, 1.0)?];

@@ -13,8 +13,8 @@ use crate::simd::{Isa, PATCH_POINTS, RowPieces, RowScratch, curvature_row, deriv
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
 ///
 /// ```
-/// use palpate::bspline::{Knots, linspace};
-/// use palpate::surface::CurvatureGrid;
+/// use palpate::spline::{Knots, linspace};
+/// use palpate::spline::CurvatureGrid;
 ///
 /// // z = x^2 is a rut along y: S = -1/2
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;

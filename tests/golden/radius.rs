@@ -1,7 +1,7 @@
 //! Grid-mean S of spheres and diagonal cylinders against their radius, degrees 2, 3 and 4, tangent preset.
 //! `cargo bench --bench hard_cases` prints it, and `tests/library/hard_cases.rs` holds the recorded one against it.
 
-use palpate::contact::Contacts;
+use palpate::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 
 const RADII: [f64; 13] = [5.7, 6.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];

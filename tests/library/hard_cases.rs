@@ -7,10 +7,10 @@ use golden::Golden;
 use golden::judge::{Judged, judge};
 use golden::record::{Tolerance, assert_like};
 use golden::{radius, record, table};
-use palpate::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each, hard_case, hard_cases};
-use palpate::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 use palpate::fit::{Objective, fit_contacts};
-use palpate::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
+use palpate::internals::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each, hard_case, hard_cases};
+use palpate::internals::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
+use palpate::internals::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
 
 /// The inputs here and those the reference solved are the same bits.
 fn same_inputs(name: &str) -> (HardCase, Golden) {

@@ -4,9 +4,9 @@
 //! over the 4 x 4 grid, rounded to the digits given; the comparison allows 0.001.
 
 use palpate::Fit;
-use palpate::curvature::ShapeClass;
 use palpate::fit::{Method, fit_contacts};
-use palpate::io::scene_file::builtin;
+use palpate::geometry::ShapeClass;
+use palpate::internals::io::scene_file::builtin;
 
 fn fit_scene(name: &str, method: Method) -> Fit {
     let scene = builtin(name).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -126,9 +126,11 @@ fn table_2_model_part() {
 #[test]
 fn cholesky_and_qr_agree_on_every_built_in_scene_without_effects() {
     let mut worst = 0.0_f64;
-    for scene in palpate::io::scene_file::builtin_scenes() {
+    for scene in palpate::internals::io::scene_file::builtin_scenes() {
         // surfaces in space have no height field to compare
-        if palpate::io::scene_file::builtin(&scene.name).unwrap().fit.surface == palpate::fit::SurfaceKind::Parametric {
+        if palpate::internals::io::scene_file::builtin(&scene.name).unwrap().fit.surface
+            == palpate::fit::SurfaceKind::Parametric
+        {
             continue;
         }
         let (a, b) = (fit_scene(&scene.name, Method::Cholesky), fit_scene(&scene.name, Method::Qr));

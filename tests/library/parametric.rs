@@ -1,12 +1,14 @@
 //! Surfaces in space: the properties that the bench `parametric` prints figures of.
 
 use palpate::Contacts;
-use palpate::contact::Orientation;
+use palpate::Orientation;
 use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
-use palpate::parametric::{FittedSurface, ParametricFit, choose_surface, fit_parametric, fit_surface};
+use palpate::internals::parametric::choose_surface;
+use palpate::internals::scene::linspace;
+use palpate::parametric::{FittedSurface, ParametricFit, fit_parametric, fit_surface};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Surface, Sweep, World, linspace};
+use palpate::scene::{Surface, Sweep, World};
 
 mod shapes;
 
@@ -120,7 +122,7 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
 
 #[test]
 fn noisy_normals_do_not_call_for_a_surface_in_space() {
-    let scene = palpate::io::scene_file::builtin("poor-normals").unwrap();
+    let scene = palpate::internals::io::scene_file::builtin("poor-normals").unwrap();
     let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
     let (kind, reason) = choose_surface(&contacts, &FitOptions { surface: SurfaceKind::Auto, ..scene.fit.clone() });
     assert_eq!(kind, SurfaceKind::Height, "{reason}");
@@ -135,7 +137,7 @@ fn noisy_normals_do_not_call_for_a_surface_in_space() {
 #[test]
 fn scenes_that_go_round_close_without_a_seam() {
     for (name, s_true, closed) in [("around-cylinder", Some(0.5), vec![1]), ("around-torus", None, vec![0, 1])] {
-        let scene = palpate::io::scene_file::builtin(name).unwrap();
+        let scene = palpate::internals::io::scene_file::builtin(name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
         let fit = fit_parametric(&contacts, &scene.fit).unwrap();
         assert!(fit.certificate().fold_free && fit.certificate().settled, "{name}: {:?}", fit.certificate());

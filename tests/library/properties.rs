@@ -1,7 +1,7 @@
 //! What must hold for every patch: symmetries of space, of the numbering and of the basis.
 
-use palpate::contact::{Contacts, Orientation};
 use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
+use palpate::{Contacts, Orientation};
 use proptest::prelude::*;
 
 /// Far above rounding at these conditions (below 1e3) and far below any effect of a broken symmetry.
@@ -109,8 +109,8 @@ proptest! {
         for (x, y) in [(0.0, 0.0), (1.0, -2.0), (-3.0, 0.5)] {
             let (one, other) = (f.at(x, y), g.at(c * x - s * y, s * x + c * y));
             prop_assert!((one.z - other.z).abs() < 1e-7);
-            let curvature = |p: &palpate::surface::SurfacePoint| {
-                palpate::curvature::principal_curvatures(&p.derivatives()).unwrap()
+            let curvature = |p: &palpate::spline::SurfacePoint| {
+                palpate::geometry::principal_curvatures(&p.derivatives()).unwrap()
             };
             let (k, l) = (curvature(&one), curvature(&other));
             prop_assert!((k.k1 - l.k1).abs() < 1e-7 && (k.k2 - l.k2).abs() < 1e-7);

@@ -2,9 +2,10 @@
 //! gridded data, and the dense oracle of the written equation through `nalgebra`.
 
 use ndarray::Array2;
-use palpate::fit::{Equations, FitOptions, Method, Objective, SlopeWeights, Smooth, fit_contacts, fit_grid};
-use palpate::linalg::Sites;
-use palpate::observation::to_csr;
+use palpate::fit::{FitOptions, Method, Objective, SlopeWeights, Smooth, fit_contacts, fit_grid};
+use palpate::internals::fit::Equations;
+use palpate::internals::linalg::Sites;
+use palpate::internals::observation::to_csr;
 use palpate::{Contacts, Fit, Grid};
 
 fn height(x: f64, y: f64) -> [f64; 3] {

@@ -1,9 +1,10 @@
 //! The law of every effect over 10^6 draws against its closed form, in sigma of the estimate; and what effects do to
 //! each other: nothing.
-use palpate::contact::{Contacts, Orientation};
+use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::effects::*;
 use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{ContactBatch, Effect, Simulator, Surface, Sweep, World, linspace};
+use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
+use palpate::{Contacts, Orientation};
 
 const DRAWS: usize = 1_000_000;
 const LANES: usize = 10_000;
@@ -543,7 +544,7 @@ fn every_effect_has_a_law_test_and_an_explain_line_in_the_physical_order() {
     reversed.reverse();
     let simulator = patch(reversed).compile().unwrap();
     assert_eq!(simulator.stage_names(), Effect::ORDER);
-    let text = palpate::scene::explain::table(&simulator, &[]);
+    let text = palpate::internals::scene::explain::table(&simulator, &[]);
     for line in simulator.explain() {
         assert!(!line.changes.is_empty());
         assert!(text.lines().any(|row| row.starts_with(line.name)), "no line on {} in\n{text}", line.name);

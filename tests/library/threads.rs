@@ -4,10 +4,10 @@
 #[allow(dead_code, reason = "the benches use the rest")]
 mod workloads;
 
-use palpate::bspline::linspace;
 use palpate::montecarlo::FixedSites;
 use palpate::plans::SlopePlan;
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
 use workloads::{Fault, paper, paper_knots, paper_points, pool, scattered, square_knots};
 

@@ -3,8 +3,8 @@
 use std::io::{Cursor, Write};
 
 use ndarray::{Array1, Array2, ShapeBuilder};
-use palpate::contact::{Contacts, Orientation, RowWeights};
-use palpate::io::{ContactFormat, Input, Place, ReadOptions, Reading, read_input_bytes, write_contacts};
+use palpate::internals::io::{ContactFormat, Input, Place, ReadOptions, Reading, read_input_bytes, write_contacts};
+use palpate::{ContactWeights, Contacts, Orientation};
 use proptest::prelude::*;
 
 use super::npz::NpzWriter;
@@ -54,7 +54,7 @@ prop_compose! {
             _ => Orientation::Slopes { zx: a, zy: b },
         };
         let wx = wx.filter(|_| orientation != Orientation::None);
-        Contacts { x, y, z, orientation, finger, station, weights: RowWeights { z: wz, x: wx, y: None } }
+        Contacts { x, y, z, orientation, finger, station, weights: ContactWeights { z: wz, x: wx, y: None } }
     }
 }
 

@@ -8,7 +8,7 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpa
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the file anew.
 #[test]
 fn the_committed_schema_is_what_the_types_make() {
-    let generated = serde_json::to_string_pretty(&palpate::report::fit_schema()).unwrap() + "\n";
+    let generated = serde_json::to_string_pretty(&palpate::internals::report::fit_schema()).unwrap() + "\n";
     if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
         std::fs::write(FILE, &generated).unwrap();
     }
@@ -73,7 +73,7 @@ fn what_is_printed_obeys_the_schema() {
 /// Every key of the design's section 4, spelt out here once more.
 #[test]
 fn no_promised_key_is_missing() {
-    let schema = palpate::report::fit_schema();
+    let schema = palpate::internals::report::fit_schema();
     let keys = |path: &[&str]| -> Vec<String> {
         let part = path.iter().fold(&schema, |part, key| &part["properties"][key]);
         part["properties"].as_object().unwrap().keys().cloned().collect()

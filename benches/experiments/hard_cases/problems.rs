@@ -1,7 +1,7 @@
 //! Random problems against the double-double oracle: how often a promise is broken.
 
-use palpate::cases::{Lcg, digits_absolute, digits_of};
 use palpate::fit::{Fit, fit_contacts};
+use palpate::internals::cases::{Lcg, digits_absolute, digits_of};
 
 use super::random::{RandomProblem, draw};
 use super::table::median;

@@ -1,10 +1,10 @@
 //! Random problems, hard in several ways at once: degrees, segments, crowded or laned sites, noise, weights, offsets.
 
-use palpate::bspline::Knots;
-use palpate::cases::Lcg;
-use palpate::contact::Contacts;
+use palpate::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights};
+use palpate::internals::cases::Lcg;
 use palpate::linalg::DoubleDouble as Dd;
+use palpate::spline::Knots;
 
 use super::oracle::{Problem, Solved};
 

@@ -1,6 +1,6 @@
 //! The hard-case table with the counts that the guarantee is held to.
 
-use palpate::cases::hard_cases;
+use palpate::internals::cases::hard_cases;
 
 use super::golden::judge::judge;
 use super::golden::{Golden, table};

@@ -1,7 +1,7 @@
 //! Every paper scene under `auto`: which kind it chose, and the errors of both kinds against the truth.
 
 use palpate::fit::{FitOptions, SurfaceKind};
-use palpate::io::scene_file::{builtin, builtin_scenes};
+use palpate::internals::io::scene_file::{builtin, builtin_scenes};
 use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Truth;
 
@@ -18,7 +18,7 @@ pub fn print() {
             Err(error) => error.to_string().chars().take(22).collect(),
         };
         let auto = FitOptions { surface: SurfaceKind::Auto, ..file.fit.clone() };
-        let (chosen, why) = palpate::parametric::choose_surface(&contacts, &auto);
+        let (chosen, why) = palpate::internals::parametric::choose_surface(&contacts, &auto);
         let space = FitOptions {
             surface: SurfaceKind::Parametric,
             degree: file.fit.degree.map(|p| p.max(3)),
@@ -36,7 +36,7 @@ pub fn print() {
 
 fn errors(found: &FittedSurface, truth: &Truth) -> String {
     let (mut s2, mut r2, mut n, mut m) = (0.0, 0.0, 0.0_f64, 0.0_f64);
-    let mut add = |s: f64, r: f64, local: palpate::scene::surface::Local| {
+    let mut add = |s: f64, r: f64, local: palpate::internals::scene::surface::Local| {
         r2 += (r / local.curvedness() - 1.0).powi(2);
         n += 1.0;
         if let Some(true_s) = local.shape_index().filter(|_| s.is_finite()) {

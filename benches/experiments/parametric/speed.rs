@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use palpate::fit::Fit;
+use palpate::internals::scene::linspace;
 use palpate::parametric::ParametricFit;
 use palpate::scene::surface::{Body, Sphere};
-use palpate::scene::{Surface, Sweep, World, linspace};
+use palpate::scene::{Surface, Sweep, World};
 
 use crate::worlds::{self, cylinder};
 

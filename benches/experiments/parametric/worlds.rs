@@ -2,10 +2,11 @@
 
 use palpate::Contacts;
 use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
+use palpate::internals::scene::linspace;
 use palpate::parametric::{ParametricFit, fit_parametric};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Simulator, Surface, Sweep, World, linspace};
+use palpate::scene::{Simulator, Surface, Sweep, World};
 
 pub const SEED: u64 = 1997;
 pub const SIGMA: f64 = 0.02;
@@ -78,7 +79,7 @@ pub fn height_at_contacts(fit: &Fit, contacts: &Contacts, radius: f64) -> [f64; 
     let surface = fit.input_surface().expect("finite");
     let shapes: Vec<[f64; 2]> = (0..contacts.len())
         .filter_map(|r| {
-            palpate::curvature::principal_curvatures(&surface.at(contacts.x[r], contacts.y[r]).derivatives())
+            palpate::geometry::principal_curvatures(&surface.at(contacts.x[r], contacts.y[r]).derivatives())
         })
         .map(|p| [p.shape_index().unwrap_or(f64::NAN), p.curvedness() * radius])
         .collect();

@@ -10,8 +10,9 @@ mod no_effects;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use no_effects::cylinder;
+use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::effects::*;
-use palpate::scene::{ContactBatch, Effect, Sweep, World, linspace};
+use palpate::scene::{Effect, Sweep, World};
 
 const LANES: usize = 64;
 

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use criterion::{Criterion, Throughput};
 use palpate::Contacts;
+use palpate::internals::scene::{SurfacePoint, linspace};
 use palpate::scene::surface::{Body, Cylinder};
-use palpate::scene::{Surface, SurfacePoint, Sweep, Truth, World, linspace};
+use palpate::scene::{Surface, Sweep, Truth, World};
 
 use crate::instructions;
 

@@ -99,7 +99,7 @@ pub fn turned(contacts: &Contacts, axis: [f64; 3], angle: f64) -> Contacts {
     ];
     let turn = |v: [f64; 3]| m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
     let mut out = contacts.clone();
-    let palpate::contact::Orientation::Normals { nx, ny, nz } = &mut out.orientation else { return out };
+    let palpate::Orientation::Normals { nx, ny, nz } = &mut out.orientation else { return out };
     for r in 0..contacts.x.len() {
         [out.x[r], out.y[r], out.z[r]] = turn([contacts.x[r], contacts.y[r], contacts.z[r]]);
         [nx[r], ny[r], nz[r]] = turn([nx[r], ny[r], nz[r]]);
