@@ -18,11 +18,11 @@ mod sites;
 mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};
-pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
+pub use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
-pub use site_groups::{SiteGroup, SiteGroups, SiteRows};
+pub use site_groups::{SiteGroups, SiteRows};
 pub use sites::{
-    RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs,
+    RowWeights, Site, SiteWeights, Sites, Targets, apply_rows, assemble, descent, normal_rhs,
     residuals, site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

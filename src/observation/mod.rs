@@ -19,8 +19,8 @@ mod slope_rows;
 
 pub use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
 pub use csr::{stacked_csr, to_csr};
-pub use gridded::{AxisRows, GridSites};
-pub use kronecker::{SeparableWeights, kronecker_normal_matrix};
+pub use gridded::GridSites;
+pub use kronecker::kronecker_normal_matrix;
 pub use normal_rows::{angular_residual_squared, linearise_normals};
 pub use roughness::roughness_matrix;
 pub use scattered::{CellNumbers, ScatteredSites};

@@ -53,22 +53,21 @@ pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, factor_block, update_block};
 pub use block_substitution::{backward_block, forward_block};
 pub use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
-pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8, chacha8_twin};
+pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
 pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
 pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
 pub use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
 pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
-pub use gaussian::{box_muller_pairs, gaussian_triples, gaussians};
-pub use gram_rows::{gram_rows, gram_rows_twin};
+pub use gaussian::gaussian_triples;
+pub use gram_rows::gram_rows;
 pub use isa::Isa;
-pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments, moments_twin};
+pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments};
 pub use panel_products::{Panels, ProductSize, subtract_product};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
-pub use shape_maps::{shape_maps, shape_maps_twin};
 pub use site_passes::{
     CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
     products_pass,

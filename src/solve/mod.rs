@@ -25,13 +25,11 @@ mod selected;
 mod small;
 mod triangular;
 
-pub use band::{BandCholesky, band_flops};
 pub use blocks::BlockCholesky;
-pub use cholesky::{Cholesky, DENSE_LIMIT};
+pub use cholesky::Cholesky;
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use fast_diagonalisation::FastDiagonalisation;
 pub use kronecker::GridSolver;
-pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;
 
