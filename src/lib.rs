@@ -11,7 +11,7 @@
 //!
 //! and from the surface come the principal curvatures `k1 >= k2`, Koenderink's shape index `S` and curvedness `R`.
 //!
-//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/floors.rs`):
+//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/house/floors.rs`):
 //! [`contact`], [`bspline`], [`linalg`], [`curvature`], [`draws`]; [`scene`], [`observation`], [`solve`],
 //! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
 #![warn(missing_docs)]
@@ -38,6 +38,7 @@ pub mod shape;
 pub mod simd;
 pub mod solve;
 pub mod surface;
+mod threads;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};

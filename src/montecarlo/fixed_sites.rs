@@ -96,7 +96,10 @@ impl FixedSites {
             let half = (s.len() / 2).next_multiple_of(LANES);
             let (s_a, s_b) = s.split_at_mut(half);
             let (r_a, r_b) = r.split_at_mut(half);
-            rayon::join(|| self.range(key, first, s_a, r_a), || self.range(key, first + half as u64, s_b, r_b));
+            crate::threads::join(
+                || self.range(key, first, s_a, r_a),
+                || self.range(key, first + half as u64, s_b, r_b),
+            );
             return;
         }
         let mut coefficients = vec![[0.0; LANES]; self.nominal.len()];

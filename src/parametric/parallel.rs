@@ -2,7 +2,7 @@
 //!
 //! Sums run over blocks of fixed size and add the blocks in their order.
 
-use rayon::prelude::*;
+use crate::threads;
 
 /// Items a block; below it a thread's start costs more than the items, 100 ns each.
 const BLOCK: usize = 2048;
@@ -17,8 +17,8 @@ pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> +
     if count <= BLOCK {
         return block(0);
     }
-    let blocks: Option<Vec<[f64; N]>> = (0..count.div_ceil(BLOCK)).into_par_iter().map(block).collect();
-    Some(blocks?.into_iter().fold([0.0; N], add))
+    let blocks = threads::try_map(count.div_ceil(BLOCK), block)?;
+    Some(blocks.into_iter().fold([0.0; N], add))
 }
 
 /// `f(0), f(1), ...`.
@@ -26,12 +26,12 @@ pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if count <= BLOCK {
         return (0..count).map(f).collect();
     }
-    (0..count).into_par_iter().with_min_len(BLOCK / 4).map(&f).collect()
+    threads::map(count, BLOCK / 4, f)
 }
 
 /// Whether one of them is true.
 pub fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
-    if count <= BLOCK { (0..count).any(f) } else { (0..count).into_par_iter().with_min_len(BLOCK / 4).any(&f) }
+    if count <= BLOCK { (0..count).any(f) } else { threads::any(count, BLOCK / 4, f) }
 }
 
 /// `make` for every item with a work space of its own, then `take` for each in order.
@@ -52,7 +52,7 @@ pub fn in_order<W: Send>(
     let mut works: Vec<W> = (0..CELLS).map(|_| new()).collect();
     for from in (0..count).step_by(CELLS) {
         let to = (from + CELLS).min(count);
-        works[..to - from].par_iter_mut().enumerate().for_each(|(k, work)| make(from + k, work));
+        threads::each(&mut works[..to - from], |k, work| make(from + k, work));
         works[..to - from].iter().enumerate().for_each(|(k, work)| take(from + k, work));
     }
 }

@@ -129,8 +129,10 @@ impl BandCholesky {
         }
         let forwards = Numbering { matrix, scale, reversed: false };
         let backwards = Numbering { matrix, scale, reversed: true };
-        let (a, b) =
-            rayon::join(|| left.eliminate(isa, block, end, &forwards), || right.eliminate(isa, block, end, &backwards));
+        let (a, b) = crate::threads::join(
+            || left.eliminate(isa, block, end, &forwards),
+            || right.eliminate(isa, block, end, &backwards),
+        );
         Ok(a?.min(b.map_err(|unknown| order - 1 - unknown)?))
     }
 
@@ -221,7 +223,10 @@ impl BandCholesky {
         }
         let ends = self.end_block;
         let [mut left, mut right] = [&mut self.left, &mut self.right].map(|part| std::mem::take(&mut part.vector));
-        rayon::join(|| self.left.back(isa, ends, end, &mut left), || self.right.back(isa, ends, end, &mut right));
+        crate::threads::join(
+            || self.left.back(isa, ends, end, &mut left),
+            || self.right.back(isa, ends, end, &mut right),
+        );
         v[..end].copy_from_slice(&left[..end]);
         v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(target, value)| *target = *value);
         (self.left.vector, self.right.vector) = (left, right);
@@ -239,7 +244,10 @@ impl BandCholesky {
         if end > 0 {
             left[..end].copy_from_slice(&v[..end]);
             right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
-            rayon::join(|| self.left.forth(isa, ends, end, &mut left), || self.right.forth(isa, ends, end, &mut right));
+            crate::threads::join(
+                || self.left.forth(isa, ends, end, &mut left),
+                || self.right.forth(isa, ends, end, &mut right),
+            );
             for k in 0..middle {
                 centre[k] += left[end + k] + right[end + middle - 1 - k];
             }
@@ -257,7 +265,10 @@ impl BandCholesky {
                 left[end + k] = centre[k];
                 right[end + middle - 1 - k] = centre[k];
             }
-            rayon::join(|| self.left.back(isa, ends, end, &mut left), || self.right.back(isa, ends, end, &mut right));
+            crate::threads::join(
+                || self.left.back(isa, ends, end, &mut left),
+                || self.right.back(isa, ends, end, &mut right),
+            );
             v[..end].copy_from_slice(&left[..end]);
             v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(t, s)| *t = *s);
         }

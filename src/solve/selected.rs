@@ -206,7 +206,8 @@ impl BandCholesky {
                 if reversed { entry(middle - 1 - i, middle - 1 - k) } else { entry(i, k) }
             })
         };
-        let (left, right) = rayon::join(|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
+        let (left, right) =
+            crate::threads::join(|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
         sum + left + right
     }
 

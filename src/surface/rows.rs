@@ -108,7 +108,7 @@ impl CurvatureGrid {
             let half = rows.div_ceil(ROWS) / 2 * ROWS;
             let (s_a, s_b) = s.split_at_mut(half * m);
             let (r_a, r_b) = r.split_at_mut(half * m);
-            rayon::join(|| self.range(from, c, s_a, r_a), || self.range(from + half, c, s_b, r_b));
+            crate::threads::join(|| self.range(from, c, s_a, r_a), || self.range(from + half, c, s_b, r_b));
             return;
         }
         let mut scratch = self.take_scratch();

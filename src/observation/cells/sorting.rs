@@ -117,7 +117,7 @@ fn each_chunk(first: usize, chunks: &mut [Chunk], one: &(impl Fn(usize, &mut Chu
         chunks => {
             let half = chunks.len() / 2;
             let (a, b) = chunks.split_at_mut(half);
-            rayon::join(|| each_chunk(first, a, one), || each_chunk(first + half, b, one));
+            crate::threads::join(|| each_chunk(first, a, one), || each_chunk(first + half, b, one));
         }
     }
 }

@@ -89,7 +89,7 @@ impl CellAssembly {
         let (values_a, values_b) = values.split_at_mut(unknowns * self.shape.stencil_width());
         let (right_a, right_b) = right.split_at_mut(unknowns);
         let (overlaps_a, overlaps_b) = overlaps.split_at_mut(middle - range.start);
-        rayon::join(
+        crate::threads::join(
             || self.panel_range(range.start..middle, one_stripe, values_a, right_a, overlaps_a),
             || self.panel_range(middle..range.end, one_stripe, values_b, right_b, overlaps_b),
         );

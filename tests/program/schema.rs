@@ -1,13 +1,11 @@
 //! `palpate.fit/1`: the committed schema is the generated one, and what the program prints obeys it.
 
-#![cfg(feature = "cli")]
-
 use assert_cmd::Command;
 use serde_json::Value;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
 
-/// `PALPATE_WRITE_SCHEMA=1 cargo test --test schema` writes the file anew.
+/// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the file anew.
 #[test]
 fn the_committed_schema_is_what_the_types_make() {
     let generated = serde_json::to_string_pretty(&palpate::report::fit_schema()).unwrap() + "\n";

@@ -64,7 +64,7 @@ fn table() -> String {
     out + &format!("\n(`benches/runs/{name}.md`, commit {})\n", run["about"]["commit"].as_str().unwrap())
 }
 
-/// `PALPATE_WRITE_README=1 cargo test --test readme` writes the table anew.
+/// `PALPATE_WRITE_README=1 cargo test --test house readme` writes the table anew.
 #[test]
 fn the_table_of_speeds_is_the_newest_run() {
     let path = root().join("README.md");

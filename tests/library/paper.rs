@@ -3,8 +3,6 @@
 //! The figures are those of an independent least squares fit (dense NumPy) on the 8 x 8 patch: means and sample sds of S
 //! over the 4 x 4 grid, rounded to the digits given; the comparison allows 0.001.
 
-#![cfg(feature = "cli")]
-
 use palpate::Fit;
 use palpate::curvature::ShapeClass;
 use palpate::fit::{Method, fit_contacts};

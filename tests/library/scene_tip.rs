@@ -1,5 +1,5 @@
 //! The rolled spherical tip: tip and surface share their normal at the contact, to 1e-12, and nothing pokes into the tip.
-#![cfg(feature = "cli")]
+
 use palpate::io::scene_file::read_scene;
 
 const SURFACES: &[&str] = &[

@@ -8,7 +8,7 @@ mod auto;
 mod closed;
 mod noise;
 mod rotations;
-#[path = "../../tests/parametric/shapes.rs"]
+#[path = "../../../tests/library/parametric/shapes.rs"]
 mod shapes;
 mod speed;
 mod table;

@@ -7,7 +7,7 @@
 //! Peaks come from loops that do nothing else, on one thread, in the same run. Counted are only the operations that any
 //! way of doing it needs: sorting, moments and latencies are not, so a floor is never reached.
 
-#[path = "workloads/mod.rs"]
+#[path = "../workloads/mod.rs"]
 #[allow(dead_code, reason = "other benches use the rest")]
 mod workloads;
 

@@ -1,7 +1,5 @@
 //! The verbs as a user meets them: tables, pure JSON, pipes, files whole or not at all.
 
-#![cfg(feature = "cli")]
-
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::Stdio;

@@ -1,6 +1,6 @@
 //! The bits of every answer are the same on one thread and on two.
 
-#[path = "../benches/workloads/mod.rs"]
+#[path = "../../benches/workloads/mod.rs"]
 #[allow(dead_code, reason = "the benches use the rest")]
 mod workloads;
 

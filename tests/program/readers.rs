@@ -1,14 +1,13 @@
 //! Readers and writers of contacts: what goes out comes back, and what is wrong says where.
 
-#![cfg(feature = "cli")]
-
 use std::io::{Cursor, Write};
 
 use ndarray::{Array1, Array2, ShapeBuilder};
-use ndarray_npy::NpzWriter;
 use palpate::contact::{Contacts, Orientation, RowWeights};
 use palpate::io::{ContactFormat, Input, Place, ReadOptions, Reading, read_input_bytes, write_contacts};
 use proptest::prelude::*;
+
+use super::npz::NpzWriter;
 
 fn read(file: &str, bytes: &[u8]) -> Result<Reading, String> {
     read_input_bytes(file, bytes, &ReadOptions::default()).map_err(|e| e.to_string())
@@ -159,7 +158,7 @@ fn invalid_rows_are_counted_out_only_when_asked() {
 }
 
 fn npz(fill: impl FnOnce(&mut NpzWriter<Cursor<Vec<u8>>>)) -> Vec<u8> {
-    let mut writer = NpzWriter::new_compressed(Cursor::new(Vec::new()));
+    let mut writer = NpzWriter::new(Cursor::new(Vec::new()));
     fill(&mut writer);
     writer.finish().unwrap().into_inner()
 }

@@ -1,5 +1,6 @@
 //! Each hard case of `palpate::cases` against its reference in 80 digits (`tests/golden/`).
 
+#[path = "../golden/mod.rs"]
 mod golden;
 
 use golden::Golden;

@@ -1,7 +1,5 @@
 //! Every bad input ends with exit 2, says where and what would be right, and writes nothing.
 
-#![cfg(feature = "cli")]
-
 use std::path::Path;
 
 use assert_cmd::Command;
@@ -125,7 +123,7 @@ fn grids_whose_axes_do_not_increase() {
     use ndarray::{Array1, Array2};
     let directory = tempfile::tempdir().unwrap();
     let file = std::fs::File::create(directory.path().join("grid.npz")).unwrap();
-    let mut npz = ndarray_npy::NpzWriter::new(file);
+    let mut npz = super::npz::NpzWriter::new(file);
     npz.add_array("x", &Array1::from(vec![0.0, 2.0, 1.0, 3.0])).unwrap();
     npz.add_array("y", &Array1::from(vec![0.0, 1.0, 2.0])).unwrap();
     npz.add_array("z", &Array2::<f64>::zeros((4, 3))).unwrap();

@@ -8,7 +8,7 @@
 //! the repetitions that fit; exponents are slopes of straight lines through the logarithms. Peak memory is that of a
 //! process of its own for every row (`growth --one SEGMENTS CONTACTS`).
 
-#[path = "workloads/mod.rs"]
+#[path = "../workloads/mod.rs"]
 #[allow(dead_code, reason = "other benches use the rest")]
 mod workloads;
 

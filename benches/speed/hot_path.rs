@@ -11,7 +11,7 @@
 //!
 //! Inputs are made outside the timer. Times against other tools: `benches/peers/compare.py`.
 
-#[path = "workloads/mod.rs"]
+#[path = "../workloads/mod.rs"]
 mod workloads;
 
 use std::hint::black_box;

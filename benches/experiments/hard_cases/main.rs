@@ -2,7 +2,7 @@
 //!
 //!     cargo bench --bench hard_cases [-- RANDOM_PROBLEMS]            10,000 without a number
 
-#[path = "../../tests/golden/mod.rs"]
+#[path = "../../../tests/golden/mod.rs"]
 mod golden;
 mod oracle;
 mod problems;

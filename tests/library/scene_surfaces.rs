@@ -1,10 +1,9 @@
 //! Every surface, in every pose, against references to 50 digits (tests/golden/surfaces.py).
-#![cfg(feature = "cli")]
 
 use palpate::io::scene_file::read_scene;
 use serde_json::Value;
 
-const GOLDEN: &str = include_str!("golden/surfaces.json");
+const GOLDEN: &str = include_str!("../golden/surfaces.json");
 
 fn numbers(row: &Value) -> Vec<Option<f64>> {
     row.as_array().unwrap().iter().map(Value::as_f64).collect()

@@ -1,5 +1,4 @@
 //! Scene files: what is wrong is said with its line and column, the nearest known word, and the numbers that clash.
-#![cfg(feature = "cli")]
 
 use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};

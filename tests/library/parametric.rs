@@ -8,7 +8,6 @@ use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
 use palpate::scene::{Surface, Sweep, World, linspace};
 
-#[path = "parametric/shapes.rs"]
 mod shapes;
 
 fn world(surface: Surface) -> World {

@@ -1,7 +1,5 @@
 //! Every seed of the fuzz targets, and each with bytes changed and cut, through the readers: errors are fine, panics not.
 
-#![cfg(feature = "cli")]
-
 use std::path::Path;
 
 use palpate::io::scene_file::read_scene;
