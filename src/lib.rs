@@ -39,11 +39,20 @@ pub mod simd;
 pub mod solve;
 pub mod surface;
 mod threads;
+mod vector;
 
 pub use contact::{Contacts, Grid};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
+pub use nalgebra_sparse;
+pub use ndarray;
 
-/// The README's code, compiled and run with the documentation's tests.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+/// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.
+#[cfg(any(doc, doctest))]
+pub mod documents {
+    #[doc = include_str!("../README.md")]
+    pub mod readme {}
+    #[doc = include_str!("../DESIGN.md")]
+    pub mod design {}
+    #[doc = include_str!("../COMPARE.md")]
+    pub mod compare {}
+}

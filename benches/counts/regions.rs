@@ -73,7 +73,7 @@ pub fn prepare(name: &str) -> Result<Run, Fault> {
             let ([x, y], [z, zx, zy]) = image();
             let knots = image_knots()?;
             Box::new(move || {
-                ImagePlan::new(knots.clone(), &x, &y, [1.0; 3])?.fit_frame(&z, &zx, &zy);
+                ImagePlan::new(knots.clone(), &x, &y, [1.0; 3])?.fit_frame(&z, &zx, &zy)?;
                 Ok(())
             })
         }
@@ -81,7 +81,7 @@ pub fn prepare(name: &str) -> Result<Run, Fault> {
             let ([x, y], [z, zx, zy]) = image();
             let mut plan = ImagePlan::new(image_knots()?, &x, &y, [1.0; 3])?;
             Box::new(move || {
-                plan.fit_frame(&z, &zx, &zy);
+                plan.fit_frame(&z, &zx, &zy)?;
                 Ok(())
             })
         }

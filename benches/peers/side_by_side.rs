@@ -159,7 +159,7 @@ fn image_fit(numbers: &[f64], repetitions: usize, cold: bool) -> Answer {
             plan = ImagePlan::new(knots.clone(), x, y, [1.0; 3])?;
         }
         answer.clear();
-        answer.extend_from_slice(plan.fit_frame(z, zx, zy));
+        answer.extend_from_slice(plan.fit_frame(z, zx, zy)?);
         Ok(())
     })?;
     Ok(answer)

@@ -99,7 +99,7 @@ fn one(segments: usize, contacts: usize) -> Result<(), Fault> {
             for first in (0..contacts).step_by(PIECE) {
                 let piece = scattered_from(first, PIECE.min(contacts - first));
                 let start = Instant::now();
-                plan.add(&piece.view());
+                plan.add(&piece.view())?;
                 took += start.elapsed();
             }
             let start = Instant::now();
@@ -123,7 +123,7 @@ fn frames() -> Result<(), Fault> {
     let ([x, y], [z, zx, zy]) = image();
     let mut plan = ImagePlan::new(image_knots()?, &x, &y, [1.0; 3])?;
     let mut times = quantiles(200, || {
-        plan.fit_frame(&z, &zx, &zy);
+        plan.fit_frame(&z, &zx, &zy)?;
         Ok(())
     })?;
     times.sort_unstable();

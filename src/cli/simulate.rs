@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::io::{ContactFormat, write_atomically, write_contacts};
 use crate::report::write_json;
-use crate::scene::{Block, Simulator, explain};
+use crate::scene::{ContactBatch, Simulator, explain};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -85,26 +85,26 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Replicates of a timed block: as in a study, and long enough for a clock.
-const TIMED_LANES: usize = 64;
-/// Timed runs of a stage, the fastest of which counts.
+/// Replicates that are timed together: as many as in a study, and enough for a clock.
+const TIMED_REPLICATES: usize = 64;
+/// How often each stage is timed; the fastest run counts.
 const TIMED_RUNS: usize = 9;
 
 /// Nanoseconds per contact of each stage, on the contacts that the stages before it made.
 fn stage_times(simulator: &Simulator, seed: u64) -> Vec<f64> {
-    let mut block = Block::default();
-    simulator.untouched_block(0, TIMED_LANES, &mut block);
-    let entries = (block.contacts() * TIMED_LANES) as f64;
+    let mut batch = ContactBatch::default();
+    simulator.unchanged_batch(0, TIMED_REPLICATES, &mut batch);
+    let entries = (batch.contacts() * TIMED_REPLICATES) as f64;
     let timed = (0..simulator.stage_names().len()).map(|stage| {
         let mut fastest = f64::INFINITY;
-        let mut after = block.clone();
+        let mut after = batch.clone();
         for _ in 0..TIMED_RUNS {
-            after = block.clone();
+            after = batch.clone();
             let start = Instant::now();
             simulator.run_stage(stage, seed, &mut after);
             fastest = fastest.min(start.elapsed().as_secs_f64());
         }
-        block = after;
+        batch = after;
         fastest * 1e9 / entries
     });
     timed.collect()

@@ -1,4 +1,4 @@
-//! Repeats a fit for noise: intervals of S and R over replicates of a scene.
+//! Repeated fits with simulated noise: intervals of S and R over replicates of a scene.
 
 mod fixed_sites;
 mod options;

@@ -1,7 +1,8 @@
-//! What a scene's `[study]` may say.
+//! Options of a study: the `[study]` section of a scene file.
 
-/// How often a study repeats, and what its intervals cover.
+/// Number of replicates of a study and confidence level of its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StudyOptions {
     /// Replicates. Default 10,000.
     pub replicates: u64,

@@ -1,4 +1,4 @@
-//! Data to equations: where the rows of `[N o M; N' o M; N o M']` stand, their weights and their targets.
+//! From data to equations: the rows of `[N o M; N' o M; N o M']`, their weights and their targets.
 //!
 //! ```text
 //! slope rows    wz (z - S)      wx (zx - S_x)     wy (zy - S_y)                    paper Eq. 14, linear
@@ -18,7 +18,7 @@ mod scattered;
 mod slope_rows;
 
 pub use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
-pub use csr::to_csr;
+pub use csr::{stacked_csr, to_csr};
 pub use gridded::{AxisRows, GridSites};
 pub use kronecker::{SeparableWeights, kronecker_normal_matrix};
 pub use normal_rows::{angular_residual_squared, linearise_normals};

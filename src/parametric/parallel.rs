@@ -1,15 +1,16 @@
-//! Loops over contacts, Gauss points and cells: on all threads where there are many, the same digits on any number.
+//! Loops over contacts, Gauss points and cells, on all threads where there are many; the digits do not depend on the
+//! number of threads.
 //!
 //! Sums run over blocks of fixed size and add the blocks in their order.
 
 use crate::threads;
 
-/// Items a block; below it a thread's start costs more than the items, 100 ns each.
+/// Items of one block. Fewer items, at 100 ns each, cost less than starting a thread.
 const BLOCK: usize = 2048;
-/// Cells that are gathered side by side before they are added to the matrix in their order.
+/// Cells that are computed in parallel before they are added to the matrix in their order.
 const CELLS: usize = 128;
 
-/// `sum_k f(k)`; `None` where one is.
+/// `sum_k f(k)`; `None` where one of the terms is.
 pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> + Sync) -> Option<[f64; N]> {
     let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|k| a[k] + b[k]);
     let block =
@@ -21,7 +22,7 @@ pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> +
     Some(blocks.into_iter().fold([0.0; N], add))
 }
 
-/// `f(0), f(1), ...`.
+/// `f(0), f(1), ..` as a vector.
 pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if count <= BLOCK {
         return (0..count).map(f).collect();
@@ -29,12 +30,12 @@ pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     threads::map(count, BLOCK / 4, f)
 }
 
-/// Whether one of them is true.
+/// Whether `f` is true for any of `0 .. count`.
 pub fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
     if count <= BLOCK { (0..count).any(f) } else { threads::any(count, BLOCK / 4, f) }
 }
 
-/// `make` for every item with a work space of its own, then `take` for each in order.
+/// Calls `make` for every item, each with a work space of its own, then `take` for each item in order.
 pub fn in_order<W: Send>(
     count: usize,
     new: impl Fn() -> W + Sync,

@@ -127,3 +127,16 @@ pub(crate) fn probability(key: &str, value: f64) -> Result<(), SceneError> {
     }
     Err(SceneError::range(key, value, "a probability, 0 to 1, is needed"))
 }
+
+/// Every one of `values` is finite and greater than zero.
+pub(crate) fn all_positive(key: &str, values: &[f64]) -> Result<(), SceneError> {
+    values.iter().try_for_each(|value| positive(key, *value))
+}
+
+/// Radii of either sign; an infinite one means no curvature that way.
+pub(crate) fn all_not_zero(key: &str, values: &[f64]) -> Result<(), SceneError> {
+    match values.iter().find(|value| **value == 0.0 || value.is_nan()) {
+        Some(value) => Err(SceneError::range(key, *value, "a radius of curvature other than zero is needed")),
+        None => Ok(()),
+    }
+}

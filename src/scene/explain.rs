@@ -3,7 +3,8 @@
 //! Stages that a scene does not name are not listed, because they do not exist. Time is measured by the caller, who
 //! may read a clock: see [`Simulator::run_stage`].
 
-use super::simulate::{Block, Simulator};
+use super::batch::ContactBatch;
+use super::simulate::Simulator;
 use crate::draws::EffectDraws;
 
 /// One stage of a compiled scene.
@@ -33,13 +34,13 @@ impl Simulator {
             .collect()
     }
 
-    /// Applies one stage alone to a block (from [`Simulator::simulate_block`]); for a caller with a clock.
+    /// Applies one stage alone to a batch (from [`Simulator::simulate_batch`]); for a caller with a clock.
     ///
     /// # Panics
     /// When there is no stage of this number.
-    pub fn run_stage(&self, stage: usize, seed: u64, block: &mut Block) {
+    pub fn run_stage(&self, stage: usize, seed: u64, batch: &mut ContactBatch) {
         let stage = &self.stages()[stage];
-        stage.apply(block, &EffectDraws::new(seed, stage.name()));
+        stage.apply(batch, &EffectDraws::new(seed, stage.draws_name()));
     }
 }
 

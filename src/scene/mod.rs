@@ -7,6 +7,7 @@
 //! Nothing here knows splines, so a fit is never tested on its own kind (an imported surface is the exception, and
 //! labelled). Compiling checks everything; what a world does not name is not there: no draw, no branch.
 
+mod batch;
 pub mod effects;
 mod error;
 pub mod explain;
@@ -16,12 +17,13 @@ mod sweep;
 mod truth;
 mod vector;
 
+pub use batch::ContactBatch;
 pub use effects::Effect;
 pub use error::SceneError;
-pub use simulate::{Block, Simulator};
+pub use simulate::Simulator;
 pub use surface::{Body, Surface, SurfacePoint};
 pub use sweep::{MAX_TOUCHES, Site, Sweep, SweepPath, linspace};
-pub use truth::{TrueShape, Truth};
+pub use truth::Truth;
 
 /// A world to be touched.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,10 @@
 //! ```
 //!
 //! The touched points are found once; a replicate copies them and runs the stages. With no stage there is no draw and
-//! no branch. Replicates are made one at a time or as a [`Block`], contact-major, so that each contact's draws are one
+//! no branch. Replicates are made one at a time or as a [`ContactBatch`], contact-major, so that each contact's draws are one
 //! run of the generator; the bits are the same.
 
+use super::batch::ContactBatch;
 use super::effects::{Context, Effect, Stage};
 use super::surface::{Surface, SurfacePoint};
 use super::sweep::{Site, Sweep, SweepPath, Touched};
@@ -15,107 +16,6 @@ use super::truth::Truth;
 use super::{SceneError, World};
 use crate::contact::Contacts;
 use crate::draws::EffectDraws;
-
-/// Replicates side by side: entry `contact * lanes + replicate` of every column.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Block {
-    first_replicate: u64,
-    lanes: usize,
-    /// Measured points, input units.
-    pub points: Vec<[f64; 3]>,
-    /// Measured unit normals.
-    pub normals: Vec<[f64; 3]>,
-    /// Readings that were lost; empty when no effect loses any.
-    pub lost: Vec<bool>,
-    /// Size of the contact force; empty when no effect sets it.
-    pub(crate) loads: Vec<f64>,
-    /// Scratch for draws.
-    drawn: Vec<f64>,
-}
-
-impl Block {
-    /// Replicates in this block.
-    pub fn lanes(&self) -> usize {
-        self.lanes
-    }
-
-    /// Number of the first replicate.
-    pub fn first_replicate(&self) -> u64 {
-        self.first_replicate
-    }
-
-    /// Number of nominal contacts.
-    pub fn contacts(&self) -> usize {
-        self.points.len().checked_div(self.lanes).unwrap_or(0)
-    }
-
-    /// Whether the reading of `contact` was lost in the replicate at `lane`.
-    pub fn is_lost(&self, contact: usize, lane: usize) -> bool {
-        self.lost.get(contact * self.lanes + lane).copied().unwrap_or(false)
-    }
-
-    fn start(&mut self, touched: &[SurfacePoint], first_replicate: u64, lanes: usize) {
-        self.first_replicate = first_replicate;
-        self.lanes = lanes;
-        self.lost.clear();
-        self.loads.clear();
-        self.points.clear();
-        self.normals.clear();
-        for touch in touched {
-            self.points.extend(std::iter::repeat_n(touch.point, lanes));
-            self.normals.extend(std::iter::repeat_n(touch.local.normal, lanes));
-        }
-    }
-
-    /// Marks a reading as lost.
-    pub(crate) fn lose(&mut self, entry: usize) {
-        if self.lost.is_empty() {
-            self.lost.resize(self.points.len(), false);
-        }
-        self.lost[entry] = true;
-    }
-
-    /// Calls `change(point, normal, draws)` for every entry with `N` standard normals each.
-    #[inline]
-    pub(crate) fn for_each_with_normals<const N: usize>(
-        &mut self,
-        draws: &EffectDraws,
-        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
-    ) {
-        self.for_each(|contact, first, out| draws.gaussians(contact, first, N, out), change);
-    }
-
-    /// The same with uniforms in (0, 1).
-    #[inline]
-    pub(crate) fn for_each_with_uniforms<const N: usize>(
-        &mut self,
-        draws: &EffectDraws,
-        change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
-    ) {
-        self.for_each(|contact, first, out| draws.uniforms(contact, first, N, out), change);
-    }
-
-    #[inline]
-    fn for_each<const N: usize>(
-        &mut self,
-        draw: impl Fn(u64, u64, &mut [f64]),
-        mut change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
-    ) {
-        let mut drawn = std::mem::take(&mut self.drawn);
-        drawn.resize(self.lanes * N, 0.0);
-        for contact in 0..self.contacts() {
-            draw(contact as u64, self.first_replicate, &mut drawn);
-            let entries = contact * self.lanes..(contact + 1) * self.lanes;
-            let rows = self.points[entries.clone()].iter_mut().zip(&mut self.normals[entries]);
-            for ((point, normal), values) in rows.zip(drawn.chunks_exact(N)) {
-                let mut own = [0.0; N];
-                own.copy_from_slice(values);
-                change(point, normal, own);
-            }
-        }
-        self.drawn = drawn;
-    }
-}
 
 /// A world ready to be simulated: everything checked, touched points found, stages prepared.
 #[derive(Debug)]
@@ -196,9 +96,9 @@ impl Simulator {
         if self.stages.is_empty() {
             return (self.noise_free(), self.truth());
         }
-        let mut block = Block::default();
-        self.simulate_block(seed, replicate, 1, &mut block);
-        self.contacts_of(&block, 0)
+        let mut batch = ContactBatch::default();
+        self.simulate_batch(seed, replicate, 1, &mut batch);
+        self.contacts_of(&batch, 0)
     }
 
     /// The same for a caller who wants one replicate only: the touched points become the truth instead of being
@@ -212,33 +112,35 @@ impl Simulator {
         (contacts, Truth::new(self.touched.points, self.surface))
     }
 
-    /// Replicates `first .. first + lanes` at once, into a block whose memory is used again.
-    pub fn simulate_block(&self, seed: u64, first_replicate: u64, lanes: usize, block: &mut Block) {
-        self.untouched_block(first_replicate, lanes, block);
+    /// Replicates `first .. first + replicates` at once, into a batch whose memory is used again.
+    pub fn simulate_batch(&self, seed: u64, first_replicate: u64, replicates: usize, batch: &mut ContactBatch) {
+        self.unchanged_batch(first_replicate, replicates, batch);
         for stage in &self.stages {
-            stage.apply(block, &EffectDraws::new(seed, stage.name()));
+            stage.apply(batch, &EffectDraws::new(seed, stage.draws_name()));
         }
     }
 
     /// The same replicates before any stage, for a caller who runs stages one by one.
-    pub fn untouched_block(&self, first_replicate: u64, lanes: usize, block: &mut Block) {
-        block.start(&self.touched.points, first_replicate, lanes);
+    pub fn unchanged_batch(&self, first_replicate: u64, replicates: usize, batch: &mut ContactBatch) {
+        batch.start(&self.touched.points, first_replicate, replicates);
     }
 
-    /// The contacts and truth of one replicate of a block.
+    /// The contacts and truth of one replicate of a batch, the replicate being counted from 0 in the batch.
     ///
     /// # Panics
-    /// When `lane` is not below the block's lanes.
-    pub fn contacts_of(&self, block: &Block, lane: usize) -> (Contacts, Truth) {
-        assert!(lane < block.lanes, "lane {lane} of a block with {} lanes", block.lanes);
+    /// When the batch does not hold `replicate`.
+    pub fn contacts_of(&self, batch: &ContactBatch, replicate: usize) -> (Contacts, Truth) {
+        let replicates = batch.replicates();
+        assert!(replicate < replicates, "replicate {replicate} of a batch that holds {replicates}");
         let touched = &self.touched;
-        let kept: Vec<usize> = (0..touched.points.len()).filter(|contact| !block.is_lost(*contact, lane)).collect();
+        let kept: Vec<usize> =
+            (0..touched.points.len()).filter(|contact| !batch.is_lost(*contact, replicate)).collect();
         let column = |values: &[[f64; 3]], axis: usize| -> Vec<f64> {
-            kept.iter().map(|contact| values[contact * block.lanes + lane][axis]).collect()
+            kept.iter().map(|contact| values[contact * replicates + replicate][axis]).collect()
         };
         let axes = [0, 1, 2];
-        let [x, y, z] = axes.map(|axis| column(&block.points, axis));
-        let [nx, ny, nz] = axes.map(|axis| column(&block.normals, axis));
+        let [x, y, z] = axes.map(|axis| column(&batch.points, axis));
+        let [nx, ny, nz] = axes.map(|axis| column(&batch.normals, axis));
         let label = |labels: &[u32]| kept.iter().map(|contact| labels[*contact]).collect();
         let contacts = labelled([x, y, z, nx, ny, nz], label(&touched.fingers), label(&touched.stations));
         let points = kept.iter().map(|contact| touched.points[*contact]).collect();

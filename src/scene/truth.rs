@@ -1,22 +1,13 @@
-//! What is true of each contact, so that every report can say error and not only spread.
+//! What is true of each contact, so that a report can give the error beside the spread.
 
 use super::surface::{Local, Surface, SurfacePoint};
 
-/// The truth behind contacts: index by index what the surface is where they were made.
+/// The truth behind contacts: for each of them, what the surface is where it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// The touched points with their normals and curvatures.
     pub points: Vec<SurfacePoint>,
     surface: Surface,
-}
-
-/// S and R of the true surface over a list of points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrueShape {
-    /// Mean shape index over the points where it is defined; `None` where it is nowhere.
-    pub shape_index: Option<f64>,
-    /// Mean curvedness, 1/length; `None` when no point lies on the surface.
-    pub curvedness: Option<f64>,
 }
 
 impl Truth {
@@ -66,23 +57,5 @@ impl Truth {
     /// Label of an imported surface: results on it are an inverse crime and say so.
     pub fn inverse_crime(&self) -> Option<&str> {
         self.surface.inverse_crime()
-    }
-
-    /// Mean S and R of the true surface over the given (x, y).
-    pub fn mean_over(&self, at: impl IntoIterator<Item = [f64; 2]>) -> TrueShape {
-        let (mut s, mut s_count, mut r, mut r_count) = (0.0, 0.0, 0.0, 0.0);
-        for [x, y] in at {
-            let Some(found) = self.at(x, y) else { continue };
-            r += found.local.curvedness();
-            r_count += 1.0;
-            if let Some(shape_index) = found.local.shape_index() {
-                s += shape_index;
-                s_count += 1.0;
-            }
-        }
-        TrueShape {
-            shape_index: (s_count > 0.0).then(|| s / s_count),
-            curvedness: (r_count > 0.0).then(|| r / r_count),
-        }
     }
 }

@@ -1,41 +1,10 @@
 //! Three-vectors and rotations, as much as the simulated world needs.
 
-pub(crate) type Vector = [f64; 3];
+pub(crate) use crate::vector::{Vector, along, cross, dot, norm, scaled, unit};
+
 pub(crate) type Matrix = [[f64; 3]; 3];
 
 pub(crate) const UP: Vector = [0.0, 0.0, 1.0];
-
-#[inline]
-pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline]
-pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline]
-pub(crate) fn norm(a: Vector) -> f64 {
-    dot(a, a).sqrt()
-}
-
-/// `a + s b`.
-#[inline]
-pub(crate) fn along(a: Vector, s: f64, b: Vector) -> Vector {
-    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
-}
-
-#[inline]
-pub(crate) fn scaled(s: f64, a: Vector) -> Vector {
-    [s * a[0], s * a[1], s * a[2]]
-}
-
-#[inline]
-pub(crate) fn unit(a: Vector) -> Vector {
-    let length = norm(a);
-    [a[0] / length, a[1] / length, a[2] / length]
-}
 
 /// Two unit tangents that make a right-handed frame with the unit vector `n`; continuous away from n = -z.
 ///

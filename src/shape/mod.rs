@@ -1,4 +1,4 @@
-//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and how far to trust them.
+//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and their uncertainty.
 //!
 //! ```text
 //! S_g, R_g at every grid point g that the data support     mean, sd (n - 1)
@@ -6,7 +6,7 @@
 //! P(class) = Phi((hi - mean)/u) - Phi((lo - mean)/u)
 //! ```
 //!
-//! The spread over the patch is not uncertainty: a parabola is no circle, so R varies over it without any noise.
+//! The spread over the patch is not uncertainty: R varies over a paraboloid, for example, without any noise.
 
 mod gradient;
 mod grid;

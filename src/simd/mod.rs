@@ -8,7 +8,7 @@
 //! | [`factor_columns`], [`factor_dense`], [`invert_columns`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred; the inverse |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
-//! | [`gaussians`], [`gaussian_triples`], [`chacha8`] | standard normals from addressed random words |
+//! | [`gaussians`], [`gaussian_triples`], [`chacha8`] | gaussians from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
 //! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
@@ -23,6 +23,7 @@
 //! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction
 //! set. Every kernel stands beside a safe twin in plain Rust, and a test holds the largest difference between them.
 //! On other machines than x86-64 the portable lanes are the only ones.
+#![allow(unsafe_code)] // intrinsics, and calls into functions that carry an instruction set: only here
 
 mod arctangent;
 mod bilinear;
@@ -76,23 +77,26 @@ pub use site_passes::{
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `isa`.
 macro_rules! dispatch {
     ($isa:expr, $generic:ident [$($konst:ident),*] ($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {{
-        use $crate::simd::isa::Kind;
+        use $crate::simd::lanes::Kind;
+        #[cfg(target_arch = "x86_64")]
+        use $crate::simd::lanes::Detected;
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi2")]
-        fn on_avx512<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
-            $generic::<$crate::simd::lanes::avx512::Avx512, $($konst),*>($($arg),*)
+        fn on_avx512<D: Detected, $(const $konst: usize),*>(_: D, $($arg: $ty),*) $(-> $ret)? {
+            $generic::<D::Lanes, $($konst),*>($($arg),*)
         }
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma,bmi2")]
-        fn on_avx2<$(const $konst: usize),*>($($arg: $ty),*) $(-> $ret)? {
-            $generic::<$crate::simd::lanes::avx2::Avx2, $($konst),*>($($arg),*)
+        fn on_avx2<D: Detected, $(const $konst: usize),*>(_: D, $($arg: $ty),*) $(-> $ret)? {
+            $generic::<D::Lanes, $($konst),*>($($arg),*)
         }
         match $isa.kind() {
-            // SAFETY: a `Isa` of this kind is only made after the processor was asked for these features
+            // SAFETY: `detected` is only made after the processor was asked for the features that the function carries
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => unsafe { on_avx512::<$($konst),*>($($arg),*) },
+            Kind::Avx512 { detected } => unsafe { on_avx512::<_, $($konst),*>(detected, $($arg),*) },
+            // SAFETY: as above
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => unsafe { on_avx2::<$($konst),*>($($arg),*) },
+            Kind::Avx2 { detected } => unsafe { on_avx2::<_, $($konst),*>(detected, $($arg),*) },
             Kind::Portable => $generic::<$crate::simd::lanes::Portable, $($konst),*>($($arg),*),
         }
     }};

@@ -4,7 +4,7 @@
 //! C -= A B'      A rows x inner, B columns x inner      entry (r, k) at (r / 8 stride + k) 8 + r % 8
 //! ```
 //!
-//! Neither factor is packed or turned: a tile of C stays in registers over the whole inner length, A comes by whole
+//! Neither factor is packed or transposed: a tile of C stays in registers over the whole inner length, A comes by whole
 //! registers from three running streams and B by single numbers from a fourth.
 
 use super::lanes::Lanes;

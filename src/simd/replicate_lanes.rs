@@ -30,9 +30,9 @@ pub struct GridTables {
 }
 
 #[inline(always)]
-fn draws<V: Lanes>(weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
+fn draws<V: Lanes>(weights: &[[f64; 3]], gaussians: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
     for l in (0..LANES).step_by(V::N) {
-        let n = normals.each_ref().map(|row| V::load(&row[l..]));
+        let n = gaussians.each_ref().map(|row| V::load(&row[l..]));
         for (w, c) in weights.iter().zip(coefficients.iter_mut()) {
             let mut sum = V::load(&c[l..]);
             for k in 0..3 {
@@ -43,9 +43,9 @@ fn draws<V: Lanes>(weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficien
     }
 }
 
-/// `coefficients[i] += sum_k weights[i][k] normals[k]`, lane by lane.
-pub fn add_draws(isa: Isa, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
-    dispatch!(isa, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
+/// `coefficients[i] += sum_k weights[i][k] gaussians[k]`, lane by lane.
+pub fn add_draws(isa: Isa, weights: &[[f64; 3]], gaussians: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
+    dispatch!(isa, draws [](weights: &[[f64; 3]], gaussians: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
 }
 
 /// Sums over the points of a grid, lane by lane.
@@ -299,14 +299,14 @@ mod tests {
     #[test]
     fn draws_at_every_level_agree_with_the_written_sum() {
         let weights: Vec<[f64; 3]> = (0..7).map(|i| std::array::from_fn(|k| value(i, k))).collect();
-        let normals: [[f64; LANES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
+        let gaussians: [[f64; LANES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
         for isa in Isa::available() {
             let mut coefficients = [[0.25; LANES]; 7];
-            add_draws(isa, &weights, &normals, &mut coefficients);
+            add_draws(isa, &weights, &gaussians, &mut coefficients);
             let mut twins = Twins::new("add_draws", isa);
             for (c, w) in coefficients.iter().zip(&weights) {
                 for l in 0..LANES {
-                    twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * normals[k][l]).sum::<f64>());
+                    twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * gaussians[k][l]).sum::<f64>());
                 }
             }
             twins.hold(64.0);

@@ -140,10 +140,10 @@ fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], [V; 3]) {
     let r_w = r * by_w2;
     let db =
         [zero - s_p.mul_add(r_w, two * b * over), zero - s_q.mul_add(r_w, two * b * across), zero - s * by_w2, by_w2];
-    let turned = outer * bend_s;
+    let scaled_bend = outer * bend_s;
     let dc = [
-        (c * three.neg_mul_add(over, along)) - turned * s_p,
-        zero - three.mul_add(c * across, turned * s_q),
+        (c * three.neg_mul_add(over, along)) - scaled_bend * s_p,
+        zero - three.mul_add(c * across, scaled_bend * s_q),
         outer * s * s,
         zero - two * outer * s,
         outer,

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 23] = [
+const FLOORS: [(&str, u8); 24] = [
     ("simd", 0),
     ("threads", 0),
+    ("vector", 0),
     ("contact", 1),
     ("bspline", 1),
     ("linalg", 1),

@@ -1,6 +1,8 @@
-//! The README's table of speeds is the one that the newest recorded run makes.
+//! The README types: its commands are run and print what it shows, its table of trust quotes what is printed, its table of
+//! speeds is the one that the newest recorded run makes. COMPARE.md quotes recorded tables and code that is run.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -18,10 +20,137 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Dates stand first in the names; where two runs are of one day, the one of the later commit is recorded over the other.
+/// The runs of `benches/peers/compare.py` are the JSON files. Dates stand first in their names; where two runs are of one
+/// day, the one of the later commit is recorded over the other.
 fn newest_run() -> PathBuf {
     let runs = std::fs::read_dir(root().join("benches/runs")).unwrap().map(|entry| entry.unwrap().path());
     runs.filter(|path| path.extension().is_some_and(|e| e == "json")).max().unwrap()
+}
+
+fn document(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).unwrap()
+}
+
+/// Fenced blocks as (language, text), in order.
+fn blocks(document: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut open: Option<(String, String)> = None;
+    for line in document.lines() {
+        match (line.strip_prefix("```"), &mut open) {
+            (Some(_), Some(_)) => found.extend(open.take()),
+            (Some(language), None) => open = Some((language.to_string(), String::new())),
+            (None, Some((_, text))) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    found
+}
+
+/// What `palpate ARGUMENTS` prints in a folder.
+fn printed(arguments: &str, folder: &Path) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+    let output = command.args(arguments.split_whitespace()).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "palpate {arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Figures that are a rounding error (below 1e-14) or count its digits depend on the processor's instructions.
+fn same_figure(found: &str, shown: &str, line: &str) -> bool {
+    let number = |word: &str| word.trim_end_matches(',').parse::<f64>().ok();
+    match (number(found), number(shown)) {
+        (Some(a), Some(b)) if line.starts_with("digits") => (a - b).abs() <= 1.0,
+        (Some(a), Some(b)) if line.starts_with("numbers") || line.starts_with("rms") => {
+            found == shown || a.max(b) < 1e-14
+        }
+        _ => found == shown,
+    }
+}
+
+fn assert_same_output(found: &str, shown: &str, command: &str) {
+    assert_eq!(found.lines().count(), shown.lines().count(), "palpate {command}:\n{found}");
+    for (a, b) in found.lines().zip(shown.lines()) {
+        let (words, other) = (a.split_whitespace(), b.split_whitespace());
+        assert_eq!(words.clone().count(), other.clone().count(), "palpate {command}: {a}");
+        for (one, two) in words.zip(other) {
+            assert!(same_figure(one, two, b), "palpate {command} prints\n{a}\nand the README\n{b}");
+        }
+    }
+}
+
+/// Everything a newcomer types, in an empty folder: a `toml` block is saved under its name, a `sh` block is run, and a `text`
+/// block behind it is its output.
+#[test]
+fn the_readme_types() {
+    let folder = tempfile::tempdir().unwrap();
+    let blocks = blocks(&document("README.md"));
+    let mut runs = 0;
+    for (k, (language, text)) in blocks.iter().enumerate() {
+        if language == "toml" {
+            std::fs::write(folder.path().join("bar.toml"), text).unwrap();
+        }
+        for command in text.lines().filter_map(|line| line.strip_prefix("palpate ")).filter(|_| language == "sh") {
+            let output = printed(command, folder.path());
+            assert_eq!(blocks[k + 1].0, "text", "palpate {command} has no output behind it");
+            assert_same_output(&output, &blocks[k + 1].1, command);
+            runs += 1;
+        }
+    }
+    assert!(runs >= 2, "{runs} commands found");
+}
+
+/// Bold figures of a table row whose first cell is a command or a file in backticks stand in what it prints or holds.
+fn check_bold_figures(name: &str, least: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let text = document(name);
+    let mut checked = 0;
+    for line in text.lines() {
+        let Some((source, words)) = line.strip_prefix("| `").and_then(|rest| rest.split_once("` | ")) else { continue };
+        let held = match source.strip_prefix("palpate ") {
+            Some(arguments) => printed(arguments, folder.path()),
+            None if source.starts_with("benches/runs/") => document(source),
+            None => continue,
+        };
+        for figure in words.split("**").skip(1).step_by(2) {
+            assert!(held.contains(figure), "{figure} is not in what `{source}` gives:\n{held}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= least, "{name}: {checked} bold figures found");
+}
+
+#[test]
+fn the_table_of_trust_quotes_what_is_printed() {
+    check_bold_figures("README.md", 10);
+    check_bold_figures("benches/runs/poor-normals.md", 18);
+}
+
+#[test]
+fn the_readme_stays_short() {
+    assert!(document("README.md").lines().count() < 180);
+}
+
+/// COMPARE.md's table is the recorded one, and the code of the other tools in it is code that the comparer runs.
+#[test]
+fn the_comparison_is_the_recorded_one() {
+    let rows = document("benches/runs/tools.md");
+    let rows: String = rows.lines().filter(|line| line.starts_with('|')).map(|line| format!("{line}\n")).collect();
+    check_table("COMPARE.md", "tools", &rows);
+    let compare = document("COMPARE.md");
+    let code: Vec<String> = ["compare.py", "torus.py", "mgcv.R", "jet.cpp"]
+        .iter()
+        .flat_map(|file| {
+            document(&format!("benches/peers/tools/{file}")).lines().map(|l| l.trim().to_string()).collect::<Vec<_>>()
+        })
+        .collect();
+    let theirs = ["python", "r", "cpp"];
+    let mut lines = 0;
+    for (_, text) in blocks(&compare).iter().filter(|(language, _)| theirs.contains(&language.as_str())) {
+        for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            assert!(code.iter().any(|known| known == line), "no tool runs: {line}");
+            lines += 1;
+        }
+    }
+    assert!(lines > 30, "{lines} lines of code found");
 }
 
 fn time(seconds: f64) -> String {
@@ -64,17 +193,21 @@ fn table() -> String {
     out + &format!("\n(`benches/runs/{name}.md`, commit {})\n", run["about"]["commit"].as_str().unwrap())
 }
 
-/// `PALPATE_WRITE_README=1 cargo test --test house readme` writes the table anew.
+/// The text between the marks `<!-- NAME -->` and `<!-- /NAME -->` is the table.
+/// `PALPATE_WRITE_README=1 cargo test --test house readme` writes it anew.
+fn check_table(file: &str, name: &str, table: &str) {
+    let text = document(file);
+    let (before, rest) = text.split_once(&format!("<!-- {name} -->\n")).unwrap();
+    let (found, after) = rest.split_once(&format!("<!-- /{name} -->")).unwrap();
+    if std::env::var_os("PALPATE_WRITE_README").is_some() {
+        let text = format!("{before}<!-- {name} -->\n{table}<!-- /{name} -->{after}");
+        std::fs::write(root().join(file), text).unwrap();
+    } else {
+        assert_eq!(found, table);
+    }
+}
+
 #[test]
 fn the_table_of_speeds_is_the_newest_run() {
-    let path = root().join("README.md");
-    let text = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = text.split_once("<!-- speeds -->\n").unwrap();
-    let (found, after) = rest.split_once("<!-- /speeds -->").unwrap();
-    let table = table();
-    if std::env::var_os("PALPATE_WRITE_README").is_some() {
-        std::fs::write(&path, format!("{before}<!-- speeds -->\n{table}<!-- /speeds -->{after}")).unwrap();
-        return;
-    }
-    assert_eq!(found, table);
+    check_table("README.md", "speeds", &table());
 }

@@ -5,6 +5,8 @@ mod golden;
 
 use golden::Golden;
 use golden::judge::{Judged, judge};
+use golden::record::{Tolerance, assert_like};
+use golden::{radius, record, table};
 use palpate::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each, hard_case, hard_cases};
 use palpate::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 use palpate::fit::{Objective, fit_contacts};
@@ -24,11 +26,42 @@ const NORMAL_ROWS_DIGITS: f64 = 10.0;
 fn check(name: &str) {
     let (case, golden) = same_inputs(name);
     let judged = judge(&case, &golden);
+    check_record(&case, &judged);
     match case.expectation {
         Expectation::RankDeficient => check_deficient(&judged),
         Expectation::Gap => check_gap(&case, &golden, &judged),
         _ => check_digits(&case, &judged),
     }
+}
+
+/// The line of `benches/runs/hard-cases.md`. Digits found are those of a rounding error, which another instruction set
+/// makes anew; so are conditions beyond 1e12 and errors of rounding.
+fn check_record(case: &HardCase, judged: &Judged) {
+    let recorded = record::read("hard-cases");
+    let line = recorded.lines().find(|line| line.split_whitespace().next() == Some(case.name)).unwrap();
+    assert_like(&table::row(case, judged), line, &Tolerance { relative: 0.1, absolute: 2.5 });
+}
+
+/// `benches/runs/radius.md` is what palpate computes, but for rounding.
+#[test]
+fn the_recorded_errors_of_s_are_found_again() {
+    let tolerance = Tolerance { relative: 0.011, absolute: 1e-15 };
+    let (table, recorded) = (radius::table(), record::read("radius"));
+    assert_eq!(table.lines().count(), recorded.lines().count());
+    table.lines().zip(recorded.lines()).for_each(|(found, line)| assert_like(found, line, &tolerance));
+}
+
+/// `benches/runs/hard-cases.md` holds every case once, in the library's order, and no broken guarantee.
+#[test]
+fn the_recorded_table_holds_every_case() {
+    let recorded = record::read("hard-cases");
+    assert!(recorded.starts_with(&table::header()));
+    let cases = hard_cases();
+    let lines: Vec<&str> = recorded.lines().skip(2).collect();
+    let names: Vec<&str> = lines.iter().take(cases.len()).filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(names, cases.iter().map(|case| case.name).collect::<Vec<_>>());
+    assert_eq!(lines.len(), cases.len() + 2);
+    assert!(lines[cases.len()].starts_with("guaranteed above found: 0 of "), "{}", lines[cases.len()]);
 }
 
 /// Found at least what the data's conditioning allows less one digit, promised at most what is found.

@@ -248,7 +248,7 @@ fn bad_input_is_refused_or_certified() {
             // flattened without its labels, and the certificate says that they are not those of lanes
             let certificate = fit.certificate();
             assert!(certificate.parametrisation.starts_with("landmark Isomap"), "{certificate:?}");
-            assert!(certificate.lanes_monotone == Some(false) && !certificate.fold_free, "{certificate:?}");
+            assert!(certificate.fingers_monotone == Some(false) && !certificate.fold_free, "{certificate:?}");
             assert!((at_contacts(&fit)[1] * 10.0 - 1.0).abs() < 0.2);
         }
         Err(other) => panic!("{other}"),

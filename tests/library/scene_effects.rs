@@ -3,7 +3,7 @@
 use palpate::contact::{Contacts, Orientation};
 use palpate::scene::effects::*;
 use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Block, Effect, Simulator, Surface, Sweep, World, linspace};
+use palpate::scene::{ContactBatch, Effect, Simulator, Surface, Sweep, World, linspace};
 
 const DRAWS: usize = 1_000_000;
 const LANES: usize = 10_000;
@@ -53,12 +53,12 @@ fn compiled(surface: Surface, sweep: Sweep, effect: impl Into<Effect>) -> Simula
 
 /// Calls `visit(truth point, truth normal, points, normals)` for each of 10^6 replicates of all contacts.
 fn replicate(simulator: &Simulator, mut visit: impl FnMut(&[[f64; 3]], &[[f64; 3]], &[bool])) {
-    let mut block = Block::default();
+    let mut block = ContactBatch::default();
     let contacts = simulator.sites().len();
     let (mut points, mut normals) = (vec![[0.0; 3]; contacts], vec![[0.0; 3]; contacts]);
     let mut lost = vec![false; contacts];
     for first in (0..DRAWS).step_by(LANES) {
-        simulator.simulate_block(42, first as u64, LANES, &mut block);
+        simulator.simulate_batch(42, first as u64, LANES, &mut block);
         for lane in 0..LANES {
             for contact in 0..contacts {
                 points[contact] = block.points[contact * LANES + lane];
@@ -122,7 +122,7 @@ laws![
     encoder,
     misalignment,
     latency,
-    lane_noise,
+    finger_noise,
     slip,
     dropout,
     row_noise,
@@ -229,8 +229,8 @@ fn force_noise() {
     let quantised = ForceNoise { quantum: 0.3, ..ForceNoise::default() };
     let simulator = compiled(sphere(), one_site(0.0), quantised);
     let (_, normal) = touch(&simulator);
-    let mut block = Block::default();
-    simulator.simulate_block(1, 0, 1, &mut block);
+    let mut block = ContactBatch::default();
+    simulator.simulate_batch(1, 0, 1, &mut block);
     assert_close("rounded force", block.normals[0], unit(normal.map(|n| (n / 0.3).round() * 0.3)), 1e-15);
 }
 
@@ -321,8 +321,8 @@ fn encoder() {
     // the joint stands at -33 degrees from encoder zero; steps of 10 read -30
     let coarse = Encoder { resolution_deg: 10.0, sigma_deg: 0.0, arm: arm(33.0) };
     let simulator = compiled(plane(), one_site(0.0), coarse);
-    let mut block = Block::default();
-    simulator.simulate_block(1, 0, 1, &mut block);
+    let mut block = ContactBatch::default();
+    simulator.simulate_batch(1, 0, 1, &mut block);
     let turned = 3.0_f64.to_radians();
     let expected = [-8.0 + length * turned.cos(), 1.0 + length * turned.sin(), 0.0];
     assert_close("coarse encoder", block.points[0], expected, 1e-12);
@@ -410,12 +410,12 @@ fn latency() {
     assert!((surface.height(contacts.x[0], contacts.y[0]).unwrap() - contacts.z[0]).abs() < 1e-12);
 }
 
-/// Covariance sigma^2 exp(-|s - s'|/length), uneven stations, position and normal; lanes independent.
-fn lane_noise() {
+/// Covariance sigma^2 exp(-|s - s'|/length), uneven stations, position and normal; fingers independent.
+fn finger_noise() {
     let (sigma, sigma_deg, length) = ([0.1, 0.2, 0.3], 0.2_f64, 2.0);
     let stations = [-3.0, -2.5, 0.5];
     let sweep = Sweep::new(vec![-1.0, 1.0], stations.to_vec());
-    let simulator = compiled(plane(), sweep, LaneNoise { sigma, sigma_deg, length });
+    let simulator = compiled(plane(), sweep, FingerNoise { sigma, sigma_deg, length });
     let mut z: [[Mean; 6]; 6] = Default::default();
     let mut tilt: [[Mean; 6]; 6] = Default::default();
     replicate(&simulator, |points, normals, _| {
@@ -520,7 +520,7 @@ fn one_of_each() -> Vec<Effect> {
         Encoder { resolution_deg: 0.01, sigma_deg: 0.02, arm: None }.into(),
         Misalignment { rotation_deg: [1.0, -2.0, 0.5], translation: [0.1, 0.0, -0.1] }.into(),
         Latency { distance: 0.05, jitter: 0.02 }.into(),
-        LaneNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
+        FingerNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
         Slip { probability: 0.2, size: 0.5 }.into(),
         Dropout { probability: 0.2 }.into(),
         RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }.into(),
@@ -556,12 +556,12 @@ fn every_effect_has_a_law_test_and_an_explain_line_in_the_physical_order() {
 fn adding_an_effect_leaves_every_other_effects_draws_alone() {
     const LANES: usize = 4;
     let clean = |simulator: &Simulator| {
-        let mut block = Block::default();
-        simulator.simulate_block(9, 5, LANES, &mut block);
+        let mut block = ContactBatch::default();
+        simulator.simulate_batch(9, 5, LANES, &mut block);
         block
     };
     let untouched = clean(&patch(Vec::new()).compile().unwrap());
-    let alone: Vec<Block> = one_of_each()
+    let alone: Vec<ContactBatch> = one_of_each()
         .into_iter()
         .map(|effect| {
             let mut block = untouched.clone();
@@ -611,7 +611,7 @@ fn nearly_nothing(strength: f64) -> Vec<Effect> {
         Encoder { resolution_deg: s, sigma_deg: s, arm: None }.into(),
         Misalignment { rotation_deg: [s; 3], translation: [s; 3] }.into(),
         Latency { distance: s, jitter: s }.into(),
-        LaneNoise { sigma: [s; 3], sigma_deg: s, length: 1.0 }.into(),
+        FingerNoise { sigma: [s; 3], sigma_deg: s, length: 1.0 }.into(),
         Slip { probability: 0.5, size: s }.into(),
         Dropout { probability: s }.into(),
         RowNoise { sigma_z: s, sigma_slope: s }.into(),
@@ -649,8 +649,8 @@ fn largest_difference(a: &Contacts, b: &Contacts) -> f64 {
 #[test]
 fn one_replicate_is_the_same_as_its_lane_in_any_block() {
     let simulator = patch(one_of_each()).compile().unwrap();
-    let mut block = Block::default();
-    simulator.simulate_block(11, 100, 37, &mut block);
+    let mut block = ContactBatch::default();
+    simulator.simulate_batch(11, 100, 37, &mut block);
     for lane in [0, 1, 17, 36] {
         assert_eq!(simulator.contacts_of(&block, lane), simulator.simulate(11, 100 + lane as u64));
     }
@@ -660,7 +660,7 @@ fn one_replicate_is_the_same_as_its_lane_in_any_block() {
 fn effects_that_keep_the_sites_say_so_and_do() {
     for effect in one_of_each().into_iter().chain([
         PositionNoise::Sigma([0.0, 0.0, 0.1]).into(),
-        LaneNoise { sigma: [0.0, 0.0, 0.1], sigma_deg: 3.0, length: 2.0 }.into(),
+        FingerNoise { sigma: [0.0, 0.0, 0.1], sigma_deg: 3.0, length: 2.0 }.into(),
         Misalignment { rotation_deg: [0.0; 3], translation: [0.0, 0.0, 0.2] }.into(),
     ]) {
         for tip_radius in [0.0, 0.5] {

@@ -188,8 +188,8 @@ fn sweeps_that_go_around_say_what_they_cannot() {
     assert!(word.contains("line 5") && word.contains("around"), "{word}");
     let ball = said(scene("sphere", "around", ""));
     assert!(ball.contains("only a cylinder and a torus"), "{ball}");
-    let rubbed = said(scene("cylinder", "around", "[effects.lane_noise]\nsigma_deg = 1.0\nlength = 2.0\n"));
-    assert!(rubbed.contains("lane_noise"), "{rubbed}");
+    let rubbed = said(scene("cylinder", "around", "[effects.finger_noise]\nsigma_deg = 1.0\nlength = 2.0\n"));
+    assert!(rubbed.contains("finger_noise"), "{rubbed}");
     let stations = said(scene("cylinder", "down", ""));
     assert!(stations.contains("from"), "{stations}");
 }
@@ -258,6 +258,24 @@ fn explain_lists_what_is_there_and_nothing_else() {
     let order: Vec<&str> = table.lines().skip(2).map(|line| line.split_whitespace().next().unwrap()).collect();
     assert_eq!(order, ["tip_radius_error", "friction", "force_noise", "encoder"]);
     let poor = explain("poor-normals");
-    assert!(poor.contains("lane_noise") && poor.contains("position_noise") && !poor.contains("slip"), "{poor}");
+    assert!(poor.contains("finger_noise") && poor.contains("position_noise") && !poor.contains("slip"), "{poor}");
     assert!(poor.lines().skip(2).all(|line| line.contains(" kept ") && line.contains("1.5")), "{poor}");
+}
+
+/// `lane_noise` was the first name of `finger_noise`: it is read still, and a seed gives the same numbers under both.
+#[test]
+fn the_first_name_of_finger_noise_is_read_still() {
+    let text = |name: &str| {
+        format!(
+            "[surface]\nkind = \"plane\"\n[sweep]\nfingers = [0.0, 1.0]\nfrom = 0.0\nto = 1.0\nstations = 3\n\
+             [effects.{name}]\nsigma = 0.1\nlength = 2.0\n"
+        )
+    };
+    let [old, new] = ["lane_noise", "finger_noise"].map(|name| read_scene(&text(name)).unwrap());
+    assert_eq!(old.world, new.world);
+    assert_eq!(new.world.effects[0].name(), "finger_noise");
+    let [old, new] = [old, new].map(|scene| scene.world.compile().unwrap().simulate(7, 3).0);
+    assert_eq!(old, new);
+    let both = text("lane_noise") + "[effects.finger_noise]\nsigma = 0.1\nlength = 2.0\n";
+    assert!(read_scene(&both).unwrap_err().to_string().contains("finger_noise stands twice"));
 }

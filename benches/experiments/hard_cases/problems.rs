@@ -33,10 +33,10 @@ pub fn print(count: usize) {
     }
     println!("{count} random problems of full rank against a QR in 32 digits");
     println!("refused {}, answered with gaps {} (not compared)", tally.refused, tally.gaps);
-    println!("promises compared {}, broken {}", tally.margins.len(), tally.broken.len());
+    println!("guarantees compared {}, broken {}", tally.margins.len(), tally.broken.len());
     let [c, s, r] = &mut tally.each;
     println!(
-        "median of found - promised: {:.2} (coefficients {:.2}, S {:.2}, R {:.2})",
+        "median of found - guaranteed: {:.2} (coefficients {:.2}, S {:.2}, R {:.2})",
         median(&mut tally.margins),
         median(c),
         median(s),

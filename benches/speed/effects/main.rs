@@ -11,7 +11,7 @@ mod no_effects;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use no_effects::cylinder;
 use palpate::scene::effects::*;
-use palpate::scene::{Block, Effect, Sweep, World, linspace};
+use palpate::scene::{ContactBatch, Effect, Sweep, World, linspace};
 
 const LANES: usize = 64;
 
@@ -26,7 +26,7 @@ fn one_of_each() -> Vec<Effect> {
         Encoder { resolution_deg: 0.01, sigma_deg: 0.02, arm: None }.into(),
         Misalignment { rotation_deg: [1.0, -2.0, 0.5], translation: [0.1, 0.0, -0.1] }.into(),
         Latency { distance: 0.05, jitter: 0.02 }.into(),
-        LaneNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
+        FingerNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
         Slip { probability: 0.2, size: 0.5 }.into(),
         Dropout { probability: 0.2 }.into(),
         RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }.into(),
@@ -41,8 +41,8 @@ fn each_effect(c: &mut Criterion) {
     for effect in one_of_each() {
         // point tips where they will do: a latency on rolled tips solves the contact anew
         let tip = if effect.name() == "latency" { 0.0 } else { 0.5 };
-        let mut clean = Block::default();
-        World::new(cylinder(), patch(tip)).compile().unwrap().simulate_block(1, 0, LANES, &mut clean);
+        let mut clean = ContactBatch::default();
+        World::new(cylinder(), patch(tip)).compile().unwrap().simulate_batch(1, 0, LANES, &mut clean);
         let simulator = World::new(cylinder(), patch(tip)).with(effect.clone()).compile().unwrap();
         group.bench_function(effect.name(), |b| {
             b.iter_batched_ref(|| clean.clone(), |block| simulator.run_stage(0, 1, block), BatchSize::SmallInput);

@@ -19,7 +19,9 @@ const READERS: &[(&str, Reader)] = &[
     ("encoder", encoder),
     ("misalignment", misalignment),
     ("latency", latency),
-    ("lane_noise", lane_noise),
+    ("finger_noise", finger_noise),
+    // the name that finger_noise had first
+    ("lane_noise", finger_noise),
     ("slip", slip),
     ("dropout", dropout),
     ("row_noise", row_noise),
@@ -118,11 +120,11 @@ fn latency(section: &Section) -> Result<Effect, SceneFileError> {
     Ok(Latency { distance: section.number_or("distance", 0.0)?, jitter: section.number_or("jitter", 0.0)? }.into())
 }
 
-fn lane_noise(section: &Section) -> Result<Effect, SceneFileError> {
+fn finger_noise(section: &Section) -> Result<Effect, SceneFileError> {
     let sigma = section.one_or_three("sigma")?.unwrap_or([0.0; 3]);
     let sigma_deg = section.number_or("sigma_deg", 0.0)?;
-    let length = section.required("length", "the correlation length along the lane is needed")?;
-    Ok(LaneNoise { sigma, sigma_deg, length }.into())
+    let length = section.required("length", "the correlation length along the finger is needed")?;
+    Ok(FingerNoise { sigma, sigma_deg, length }.into())
 }
 
 fn slip(section: &Section) -> Result<Effect, SceneFileError> {

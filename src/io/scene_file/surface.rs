@@ -5,22 +5,6 @@ use super::{Importer, SceneFileError};
 use crate::scene::surface::*;
 use toml::de::DeValue;
 
-const KINDS: &[&str] = &[
-    "plane",
-    "sphere",
-    "cylinder",
-    "ellipsoid",
-    "torus",
-    "paraboloid",
-    "saddle",
-    "monkey_saddle",
-    "gaussian",
-    "sinusoid",
-    "superquadric",
-    "union",
-    "imported",
-];
-
 pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, SceneFileError> {
     let Some((kind, value)) = section.word("kind")? else {
         return Err(section.missing("kind", "one of plane, sphere, cylinder, ... is needed"));
@@ -57,7 +41,7 @@ pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, Sce
         }),
         "union" => Body::Union(Union { parts: parts(&section, importer)? }),
         "imported" => imported(&section, importer)?,
-        other => return Err(section.unknown_word("surface", value, other, KINDS)),
+        other => return Err(section.unknown_word("surface", value, other, Body::KINDS)),
     };
     let axis = section.number_or("axis_deg", 0.0)?;
     let rotation = section.several("rotation_deg")?.unwrap_or([0.0; 3]);

@@ -23,7 +23,7 @@ fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, Scene
     let fingers = match (section.numbers("fingers")?, inherited) {
         (Some(fingers), _) => fingers,
         (None, Some(first)) => first.fingers.clone(),
-        (None, None) => return Err(section.missing("fingers", "give the lanes' offsets, as [-4.0, 0.0, 4.0]")),
+        (None, None) => return Err(section.missing("fingers", "give each finger's offset, as [-4.0, 0.0, 4.0]")),
     };
     let mut sweep = match inherited {
         Some(first) => Sweep { fingers, ..first.clone() },

@@ -65,6 +65,22 @@ pub struct CellAssembly {
     scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
+impl Clone for CellAssembly {
+    /// The same tables; the clone makes buffers of its own as it needs them.
+    fn clone(&self) -> CellAssembly {
+        CellAssembly {
+            shape: self.shape,
+            x: self.x.clone(),
+            y: self.y.clone(),
+            knots: self.knots.clone(),
+            stripes: self.stripes.clone(),
+            overlaps: self.overlaps.clone(),
+            panels: self.panels.clone(),
+            scratch: Mutex::default(),
+        }
+    }
+}
+
 impl CellAssembly {
     /// Tables for these knots; `None` where a degree is above [`MAX_MOMENT_DEGREE`] (then the rows are summed).
     pub fn new(knots: [Knots; 2]) -> Option<CellAssembly> {

@@ -12,7 +12,7 @@ use crate::bspline::Knots;
 const CHUNK: usize = 1 << 14;
 
 /// Records by stripe, reusable. A record begins with x and y.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Stripes {
     chunks: Vec<Chunk>,
     /// How many of them are in use.
@@ -20,7 +20,7 @@ pub(super) struct Stripes {
 }
 
 /// Up to [`CHUNK`] contacts. Each has its own memory, first touched where it is filled.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Chunk {
     records: Vec<f64>,
     /// Stripe s has the chunk's records `starts[s] .. starts[s + 1]`.
@@ -29,7 +29,7 @@ struct Chunk {
 }
 
 /// What sorting the contacts of one stripe by cells leaves behind, reusable.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct CellOrder {
     /// Records' numbers, cell after cell.
     pub order: Vec<u32>,

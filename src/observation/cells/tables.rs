@@ -8,14 +8,14 @@ use crate::bspline::Knots;
 use crate::linalg::{DoubleDouble, SiteWeights};
 
 /// Numbers of one axis, segment by segment.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Axis<T> {
     pub basis: AxisTables,
     pub products: Vec<T>,
 }
 
 /// Products of the basis functions of every segment of one axis, as polynomials of the local coordinate.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct AxisTables {
     pub first: Vec<usize>,
     pub centre: Vec<f64>,
@@ -121,13 +121,13 @@ fn product(a: &[f64; 8], b: &[f64; 8]) -> [f64; 8] {
 }
 
 /// `left[pair]` of one x segment: N N, N'N', N'N, N N' for the pairs (a, k <= a).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct XTables {
     pub kinds: [Vec<[f64; 8]>; 4],
 }
 
 /// `right[power][b (q + 1) + l]` of every y segment: M M, M'M', M M', M'M.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct YTables {
     pub kinds: [[[f64; 16]; 8]; 4],
 }

@@ -3,7 +3,7 @@
 use crate::linalg::TensorShape;
 
 /// What a panel adds to the first lines of the next one.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Overlap {
     pub values: Vec<f64>,
     pub right: Vec<f64>,

@@ -6,9 +6,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::probability;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, probability};
 
 /// Lost readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,14 +43,14 @@ impl Stage for Dropout {
         false
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
-        let mut uniforms = vec![0.0; lanes];
-        for contact in 0..block.contacts() {
-            draws.uniforms(contact as u64, block.first_replicate(), 1, &mut uniforms);
-            for (lane, u) in uniforms.iter().enumerate() {
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
+        let mut uniforms = vec![0.0; replicates];
+        for contact in 0..batch.contacts() {
+            draws.uniforms(contact as u64, batch.first_replicate(), 1, &mut uniforms);
+            for (replicate, u) in uniforms.iter().enumerate() {
                 if *u < self.probability {
-                    block.lose(contact * lanes + lane);
+                    batch.lose(contact * replicates + replicate);
                 }
             }
         }

@@ -15,9 +15,8 @@
 use super::arm::{Arm, Pose};
 use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{finite, not_negative};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite, not_negative};
 use crate::scene::vector::{Vector, along, norm, turned, turned_back};
 
 /// Joints beyond this are no arm (and would exceed an effect's draws per contact).
@@ -125,23 +124,23 @@ impl Stage for Prepared {
         false
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
         let joints = self.arm.links.len();
-        let mut drawn = vec![0.0; lanes * joints];
+        let mut drawn = vec![0.0; replicates * joints];
         let mut read = vec![0.0; joints];
         for (contact, angles) in self.joints.iter().enumerate() {
             if self.sigma_deg > 0.0 {
-                draws.gaussians(contact as u64, block.first_replicate(), joints, &mut drawn);
+                draws.gaussians(contact as u64, batch.first_replicate(), joints, &mut drawn);
             }
-            for (lane, values) in drawn.chunks_exact(joints).enumerate() {
+            for (replicate, values) in drawn.chunks_exact(joints).enumerate() {
                 for ((read, angle), noise) in read.iter_mut().zip(angles).zip(values) {
                     *read = self.read(*angle, *noise);
                 }
-                let entry = contact * lanes + lane;
-                let (moved, normal) = self.misread(contact, &read, block.normals[entry]);
-                swing(&mut block.points[entry], &mut block.normals[entry], normal, self.radius);
-                block.points[entry] = along(block.points[entry], 1.0, moved);
+                let reading = contact * replicates + replicate;
+                let (moved, normal) = self.misread(contact, &read, batch.normals[reading]);
+                swing(&mut batch.points[reading], &mut batch.normals[reading], normal, self.radius);
+                batch.points[reading] = along(batch.points[reading], 1.0, moved);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The normal is ESTIMATED from the sensed force, which is noisy, biased, drifting and quantised:
 //!
 //! ```text
-//! f^ = Q(F n + bias + drift W + sigma N),    W: random walk along the lane, one step a contact,    n^ = f^/|f^|
+//! f^ = Q(F n + bias + drift W + sigma N),    W: random walk along a finger, one step a contact,    n^ = f^/|f^|
 //! P^ = C - rho n^
 //! ```
 //!
@@ -11,13 +11,12 @@
 //! small errors n^ - n has covariance (sigma/F)^2 per tangent axis and mean bias_t/F.
 //! A reading whose quantised force is zero has no direction and is lost.
 //! Source: the paper's section 6 (normals from a force sensor); Bicchi, Salisbury, Brock, *IJRR* 12 (1993) 249.
-//! Leaves out: cross-talk between axes, hysteresis, temperature; each lane starts from a zeroed sensor.
+//! Leaves out: cross-talk between axes, hysteresis, temperature; the sensor is zeroed before each finger starts.
 
 use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{finite, not_negative, positive};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite, not_negative, positive};
 use crate::scene::vector::{norm, scaled};
 
 /// Errors of the force sensor.
@@ -45,7 +44,7 @@ impl Default for ForceNoise {
 struct Prepared {
     noise: ForceNoise,
     radius: f64,
-    /// The contact before is in the same lane.
+    /// Whether the contact before each contact was made by the same finger.
     continues: Vec<bool>,
 }
 
@@ -99,33 +98,33 @@ impl Stage for Prepared {
         self.radius == 0.0 && (quantum == 0.0 || (sigma == 0.0 && drift == 0.0 && bias == [0.0; 3]))
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
         let per = self.draws_per_contact();
-        let mut drawn = vec![0.0; lanes * 6];
-        let mut walk = vec![[0.0; 3]; lanes];
+        let mut drawn = vec![0.0; replicates * 6];
+        let mut walk = vec![[0.0; 3]; replicates];
         for (contact, continues) in self.continues.iter().enumerate() {
             if per > 0 {
-                draws.gaussians(contact as u64, block.first_replicate(), per, &mut drawn);
+                draws.gaussians(contact as u64, batch.first_replicate(), per, &mut drawn);
             }
-            for (lane, values) in drawn.chunks_exact(6).enumerate() {
-                let entry = contact * lanes + lane;
-                let load = block.loads.get(entry).copied().unwrap_or(self.noise.load);
-                let start = if *continues { walk[lane] } else { [0.0; 3] };
-                walk[lane] = [0, 1, 2].map(|k| start[k] + self.noise.drift * values[3 + k]);
-                let normal = block.normals[entry];
+            for (replicate, values) in drawn.chunks_exact(6).enumerate() {
+                let reading = contact * replicates + replicate;
+                let load = batch.loads.get(reading).copied().unwrap_or(self.noise.load);
+                let start = if *continues { walk[replicate] } else { [0.0; 3] };
+                walk[replicate] = [0, 1, 2].map(|k| start[k] + self.noise.drift * values[3 + k]);
+                let normal = batch.normals[reading];
                 let sensed = [0, 1, 2].map(|k| {
-                    let offset = self.noise.bias[k] + walk[lane][k] + self.noise.sigma * values[k];
+                    let offset = self.noise.bias[k] + walk[replicate][k] + self.noise.sigma * values[k];
                     self.quantised(load * normal[k] + offset)
                 });
                 let size = norm(sensed);
                 if size == 0.0 {
-                    block.lose(entry);
+                    batch.lose(reading);
                     continue;
                 }
                 let estimated = scaled(1.0 / size, sensed);
-                swing(&mut block.points[entry], &mut block.normals[entry], estimated, self.radius);
-                if let Some(load) = block.loads.get_mut(entry) {
+                swing(&mut batch.points[reading], &mut batch.normals[reading], estimated, self.radius);
+                if let Some(load) = batch.loads.get_mut(reading) {
                     *load = size;
                 }
             }

@@ -12,9 +12,8 @@
 
 use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::not_negative;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative};
 use crate::scene::vector::{along, dot, norm, scaled, unit};
 
 /// Sliding friction.
@@ -64,16 +63,16 @@ impl Stage for Prepared {
         self.radius == 0.0
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
-        let mut varied = vec![0.0; lanes];
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
+        let mut varied = vec![0.0; replicates];
         for (contact, sliding) in self.sliding.iter().enumerate() {
             if self.friction.sigma > 0.0 {
-                draws.gaussians(contact as u64, block.first_replicate(), 1, &mut varied);
+                draws.gaussians(contact as u64, batch.first_replicate(), 1, &mut varied);
             }
-            for (lane, varied) in varied.iter().enumerate() {
-                let entry = contact * lanes + lane;
-                let normal = block.normals[entry];
+            for (replicate, varied) in varied.iter().enumerate() {
+                let reading = contact * replicates + replicate;
+                let normal = batch.normals[reading];
                 let mu = self.friction.mu + self.friction.sigma * varied;
                 let tangent = along(*sliding, -dot(*sliding, normal), normal);
                 let length = norm(tangent);
@@ -82,8 +81,8 @@ impl Stage for Prepared {
                     continue;
                 }
                 let tilted = unit(along(normal, -mu, scaled(1.0 / length, tangent)));
-                swing(&mut block.points[entry], &mut block.normals[entry], tilted, self.radius);
-                if let Some(load) = block.loads.get_mut(entry) {
+                swing(&mut batch.points[reading], &mut batch.normals[reading], tilted, self.radius);
+                if let Some(load) = batch.loads.get_mut(reading) {
                     *load *= 1.0_f64.hypot(mu);
                 }
             }

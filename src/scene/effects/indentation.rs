@@ -14,9 +14,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{not_negative, positive};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative, positive};
 use crate::scene::vector::along;
 
 /// Hertz indentation at a force threshold.
@@ -102,22 +101,23 @@ impl Stage for Prepared {
         false
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
-        let mut excess = vec![0.0; lanes];
-        let mut loads = std::mem::take(&mut block.loads);
-        loads.resize(block.points.len(), 0.0);
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
+        let mut excess = vec![0.0; replicates];
+        let mut loads = std::mem::take(&mut batch.loads);
+        loads.resize(batch.points.len(), 0.0);
         for (contact, unit_depth) in self.unit_depth.iter().enumerate() {
             if self.overshoot > 0.0 {
-                draws.uniforms(contact as u64, block.first_replicate(), 1, &mut excess);
+                draws.uniforms(contact as u64, batch.first_replicate(), 1, &mut excess);
             }
-            for (lane, excess) in excess.iter().enumerate() {
-                let entry = contact * lanes + lane;
+            for (replicate, excess) in excess.iter().enumerate() {
+                let reading = contact * replicates + replicate;
                 let force = self.threshold + self.overshoot * excess;
-                loads[entry] = force;
-                block.points[entry] = along(block.points[entry], -unit_depth * power(force), block.normals[entry]);
+                loads[reading] = force;
+                batch.points[reading] =
+                    along(batch.points[reading], -unit_depth * power(force), batch.normals[reading]);
             }
         }
-        block.loads = loads;
+        batch.loads = loads;
     }
 }

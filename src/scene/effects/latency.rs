@@ -1,10 +1,10 @@
-//! The position that goes with a normal is an older one: the finger was `lag` back along its lane.
+//! The position read with a normal is an older one: the finger was then further back on its path by `lag`.
 //!
 //! ```text
 //! lag = distance + jitter (2 U - 1),   U uniform in (0, 1)        P -> P + T(along - lag) - T(along)
 //! ```
 //!
-//! T is the true contact of the same tip further back on the same lane. `distance` (speed times delay) and `jitter`
+//! T is the true contact of the same tip further back on the same path. `distance` (speed times delay) and `jitter`
 //! (speed times half a sampling period), input units; uniform, because the two clocks are not synchronised.
 //! Mean lag `distance`, variance jitter^2/3. The lag of every site must stay on the surface; this is checked at its
 //! ends before anything is drawn (a site that falls off in between keeps its unlagged position).
@@ -13,16 +13,15 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{finite, not_negative};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite, not_negative};
 use crate::scene::surface::{Surface, SurfacePoint};
 use crate::scene::sweep::{Site, contact};
 
 /// Positions that lag behind forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Latency {
-    /// Mean lag along the lane, input units.
+    /// Mean lag along the path, input units.
     pub distance: f64,
     /// Half the width of the uniform law about it.
     pub jitter: f64,
@@ -82,7 +81,7 @@ impl Stage for Prepared {
     }
 
     fn changes(&self) -> String {
-        format!("position by {} +- {} back along the lane", self.of.distance, self.of.jitter)
+        format!("position by {} +- {} back along the path", self.of.distance, self.of.jitter)
     }
 
     fn draws_per_contact(&self) -> usize {
@@ -93,21 +92,21 @@ impl Stage for Prepared {
         false
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
-        let mut uniforms = vec![0.0; lanes];
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
+        let mut uniforms = vec![0.0; replicates];
         for (contact, site) in self.sites.iter().enumerate() {
             if self.of.jitter > 0.0 {
-                draws.uniforms(contact as u64, block.first_replicate(), 1, &mut uniforms);
+                draws.uniforms(contact as u64, batch.first_replicate(), 1, &mut uniforms);
             }
-            for (lane, u) in uniforms.iter().enumerate() {
+            for (replicate, u) in uniforms.iter().enumerate() {
                 let moved = if self.of.jitter > 0.0 {
                     let lag = self.of.distance + self.of.jitter * (2.0 * u - 1.0);
                     lagged(&self.surface, site, lag, self.tip_radius).map_or([0.0; 3], |from| shift(&from, site))
                 } else {
                     self.constant[contact]
                 };
-                let point = &mut block.points[contact * lanes + lane];
+                let point = &mut batch.points[contact * replicates + replicate];
                 *point = [0, 1, 2].map(|k| point[k] + moved[k]);
             }
         }

@@ -6,9 +6,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::finite;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite};
 use crate::scene::vector::{Matrix, along, rotation, turned};
 
 /// Error of the robot's frame.
@@ -59,11 +58,11 @@ impl Stage for Prepared {
         self.of.rotation_deg == [0.0; 3] && self.of.translation[..2] == [0.0; 2]
     }
 
-    fn apply(&self, block: &mut Block, _draws: &EffectDraws) {
-        for point in &mut block.points {
+    fn apply(&self, batch: &mut ContactBatch, _draws: &EffectDraws) {
+        for point in &mut batch.points {
             *point = along(along(*point, 1.0, turned(&self.turn, *point)), 1.0, self.of.translation);
         }
-        for normal in &mut block.normals {
+        for normal in &mut batch.normals {
             *normal = along(*normal, 1.0, turned(&self.turn, *normal));
         }
     }

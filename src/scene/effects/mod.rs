@@ -1,24 +1,28 @@
-//! What comes between the surface and the numbers: one effect a file, applied in the physical order of [`Effect::ORDER`].
+//! What comes between the surface and the numbers that a robot reads: one file per effect. Effects act in the physical
+//! order of [`Effect::ORDER`], whatever their order in a scene.
 //!
 //! ```text
 //! tip and skin    tip_radius_error, indentation          the tip's centre is C = P + (rho - delta) n
 //! force           friction, force_noise                  the normal is the sensed force's direction
 //! reading         position_noise, normal_noise
 //! arm and frame   encoder, misalignment, latency
-//! along the way   lane_noise, slip, dropout
-//! a study's law   row_noise
+//! along the path  finger_noise, slip, dropout
+//! rows of the fit row_noise
 //! ```
 //!
-//! An effect whose strengths are all zero is not compiled in: zero is absence by construction. Each has random numbers
-//! of its own (see [`crate::draws`]), addressed by seed, replicate, its name and the contact.
+//! An effect whose strengths are all zero does not become a stage, so it costs and changes nothing. Each effect has
+//! random numbers of its own (see [`crate::draws`]), addressed by seed, replicate, the effect's name and the contact.
+//!
+//! A new effect is a file beside these, a line in the table at the end of this file, and a reader in
+//! `io/scene_file/effects.rs`.
 
 mod arm;
 mod dropout;
 mod encoder;
+mod finger_noise;
 mod force_noise;
 mod friction;
 mod indentation;
-mod lane_noise;
 mod latency;
 mod misalignment;
 mod normal_noise;
@@ -30,10 +34,10 @@ mod tip_radius_error;
 pub use arm::{Arm, Link};
 pub use dropout::Dropout;
 pub use encoder::Encoder;
+pub use finger_noise::FingerNoise;
 pub use force_noise::ForceNoise;
 pub use friction::Friction;
 pub use indentation::Indentation;
-pub use lane_noise::LaneNoise;
 pub use latency::Latency;
 pub use misalignment::Misalignment;
 pub use normal_noise::NormalNoise;
@@ -42,8 +46,8 @@ pub use row_noise::RowNoise;
 pub use slip::Slip;
 pub use tip_radius_error::TipRadiusError;
 
-use super::SceneError;
-use super::simulate::Block;
+use super::batch::ContactBatch;
+use super::error::SceneError;
 use super::surface::Surface;
 use super::sweep::Site;
 use crate::draws::EffectDraws;
@@ -60,14 +64,15 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Whether the contact before each contact lies on the same lane.
+    /// Whether the contact before each contact was made by the same finger.
     pub fn continues(&self) -> Vec<bool> {
         let same = |i: usize| i > 0 && self.sites[i - 1].finger == self.sites[i].finger;
         (0..self.sites.len()).map(same).collect()
     }
 }
 
-/// Replaces the sensed normal; the contact swings about the tip's centre with the believed radius.
+/// Replaces the sensed normal. The robot computes the contact from the tip's centre, the radius it believes in and that
+/// normal, so the contact moves with it.
 pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3], radius: f64) {
     for k in 0..3 {
         point[k] -= radius * (sensed[k] - normal[k]);
@@ -77,21 +82,33 @@ pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3
 
 /// One prepared effect: constants worked out, ready for blocks of replicates.
 pub(crate) trait Stage: std::fmt::Debug + Send + Sync {
-    /// Name as in a scene file; the address of its draws.
+    /// Name as in a scene file.
     fn name(&self) -> &'static str;
-    /// What it changes, for people.
+    /// Name that the random numbers of this stage are addressed by.
+    fn draws_name(&self) -> &'static str {
+        self.name()
+    }
+    /// What it changes, in words.
     fn changes(&self) -> String;
     /// Random numbers per contact.
     fn draws_per_contact(&self) -> usize;
-    /// It leaves x and y of every contact alone, so that a study can keep its factor.
+    /// Whether it leaves x and y of every contact as they are, so that a study can keep its factor.
     fn keeps_sites(&self) -> bool;
-    /// Changes a block of replicates in place.
-    fn apply(&self, block: &mut Block, draws: &EffectDraws);
+    /// Changes a batch of replicates in place.
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws);
+}
+
+/// Sweeps that an effect can act on.
+enum Sweeps {
+    /// All of them.
+    Any,
+    /// Those whose fingers come down from above.
+    Down,
 }
 
 macro_rules! effects {
-    ($($(#[$doc:meta])* $kind:ident => $name:literal),* $(,)?) => {
-        /// The closed set of effects, in physical order.
+    ($($(#[$doc:meta])* $kind:ident => $name:literal, $sweeps:ident;)*) => {
+        /// Every effect, in physical order.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Effect {
             $($(#[$doc])* $kind($kind),)*
@@ -106,7 +123,12 @@ macro_rules! effects {
                 match self { $(Effect::$kind(_) => $name,)* }
             }
 
-            /// `None` when all its strengths are zero.
+            /// Whether it acts on sweeps that go round the surface too, because it needs no direction of the fingers.
+            pub(crate) fn goes_around(&self) -> bool {
+                match self { $(Effect::$kind(_) => matches!(Sweeps::$sweeps, Sweeps::Any),)* }
+            }
+
+            /// Checks its numbers and prepares it; `None` when all its strengths are zero.
             pub(crate) fn prepare(&self, context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
                 match self { $(Effect::$kind(effect) => effect.prepare(context),)* }
             }
@@ -118,43 +140,39 @@ macro_rules! effects {
     };
 }
 
+// name as in a scene file, and the sweeps that the effect can act on
 effects! {
     /// Wrong calibration of the tip's radius.
-    TipRadiusError => "tip_radius_error",
-    /// Elastic tips sinking in, force threshold, approach overshoot.
-    Indentation => "indentation",
-    /// Sliding friction tilting the sensed force.
-    Friction => "friction",
+    TipRadiusError => "tip_radius_error", Down;
+    /// Elastic tips that sink in until a force is reached.
+    Indentation => "indentation", Down;
+    /// Sliding friction, which tilts the sensed force.
+    Friction => "friction", Down;
     /// Noise, bias, drift and quantisation of the force that the normal is estimated from.
-    ForceNoise => "force_noise",
+    ForceNoise => "force_noise", Down;
     /// Independent errors of the measured position.
-    PositionNoise => "position_noise",
+    PositionNoise => "position_noise", Any;
     /// Isotropic errors of the normal.
-    NormalNoise => "normal_noise",
-    /// Joint encoders through the arm's kinematics.
-    Encoder => "encoder",
-    /// Wrong frame.
-    Misalignment => "misalignment",
+    NormalNoise => "normal_noise", Any;
+    /// Errors of the joint encoders, carried to the tip by the arm's kinematics.
+    Encoder => "encoder", Down;
+    /// The robot's frame is not where the robot believes it to be.
+    Misalignment => "misalignment", Down;
     /// Positions older than the forces.
-    Latency => "latency",
-    /// Correlated errors along a lane.
-    LaneNoise => "lane_noise",
+    Latency => "latency", Down;
+    /// Correlated errors along the path of a finger.
+    FingerNoise => "finger_noise", Down;
     /// Gross outliers.
-    Slip => "slip",
+    Slip => "slip", Down;
     /// Lost readings.
-    Dropout => "dropout",
-    /// Independent errors of z, zx, zy: the law of a paper study.
-    RowNoise => "row_noise",
+    Dropout => "dropout", Any;
+    /// Independent errors of z, zx, zy, as the paper's studies have them.
+    RowNoise => "row_noise", Down;
 }
 
 impl Effect {
     /// Place in the physical order.
     pub fn order(&self) -> usize {
         Effect::ORDER.iter().position(|name| *name == self.name()).unwrap_or(usize::MAX)
-    }
-
-    /// It asks for no direction of the fingers, so it acts on sweeps that go around too.
-    pub(crate) fn goes_around(&self) -> bool {
-        matches!(self, Effect::PositionNoise(_) | Effect::NormalNoise(_) | Effect::Dropout(_))
     }
 }

@@ -13,9 +13,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::not_negative;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative};
 use crate::scene::vector::{tangents, unit};
 
 /// Isotropic errors of the normal.
@@ -58,9 +57,9 @@ impl Stage for Prepared {
         true
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
         let far = (-2.0 * self.kappa).exp();
-        block.for_each_with_uniforms::<2>(draws, |_, normal, [height, azimuth]| {
+        batch.for_each_with_uniforms::<2>(draws, |_, normal, [height, azimuth]| {
             let fall = (-(height + (1.0 - height) * far).ln() / self.kappa).clamp(0.0, 2.0);
             let sine = (fall * (2.0 - fall)).sqrt();
             let (sin, cos) = (std::f64::consts::TAU * azimuth).sin_cos();

@@ -3,13 +3,12 @@
 //! `sigma`: one sd for all axes or one each, input units; or `covariance`, 3 x 3, input units squared, factored by
 //! Cholesky with zero pivots allowed. Mean 0, covariance Sigma.
 //! Source: the usual model of a tracked or computed fingertip position. Leaves out: correlation between contacts
-//! (see `lane_noise`, `encoder`) and growth with the arm's reach.
+//! (see `finger_noise`, `encoder`) and growth with the arm's reach.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{finite, not_negative};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite, not_negative};
 
 /// Position errors, per axis or correlated between axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,9 +102,9 @@ impl Stage for Prepared {
         self.keeps_sites
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
         let [xx, yx, yy, zx, zy, zz] = self.factor;
-        block.for_each_with_normals::<3>(draws, |point, _, [a, b, c]| {
+        batch.for_each_with_gaussians::<3>(draws, |point, _, [a, b, c]| {
             point[0] += xx * a;
             point[1] += yx * a + yy * b;
             point[2] += zx * a + zy * b + zz * c;

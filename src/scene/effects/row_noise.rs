@@ -7,9 +7,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::not_negative;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative};
 use crate::scene::vector::unit;
 
 /// Independent errors of z, zx, zy.
@@ -47,8 +46,8 @@ impl Stage for RowNoise {
         true
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        block.for_each_with_normals::<3>(draws, |point, normal, [z, sx, sy]| {
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        batch.for_each_with_gaussians::<3>(draws, |point, normal, [z, sx, sy]| {
             point[2] += self.sigma_z * z;
             if self.sigma_slope > 0.0 {
                 let tilt = self.sigma_slope * normal[2];

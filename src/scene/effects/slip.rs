@@ -8,9 +8,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{not_negative, probability};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative, probability};
 use crate::scene::vector::along;
 
 /// Gross outliers of the position.
@@ -48,8 +47,8 @@ impl Stage for Slip {
         false
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        block.for_each_with_uniforms::<3>(draws, |point, _, [gate, height, azimuth]| {
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        batch.for_each_with_uniforms::<3>(draws, |point, _, [gate, height, azimuth]| {
             if gate < self.probability {
                 let z = 2.0 * height - 1.0;
                 let across = (1.0 - z * z).sqrt();

@@ -8,9 +8,8 @@
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::finite;
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, finite};
 use crate::scene::vector::along;
 
 /// Error of the calibrated tip radius.
@@ -51,8 +50,8 @@ impl Stage for TipRadiusError {
         false
     }
 
-    fn apply(&self, block: &mut Block, _draws: &EffectDraws) {
-        for (point, normal) in block.points.iter_mut().zip(&block.normals) {
+    fn apply(&self, batch: &mut ContactBatch, _draws: &EffectDraws) {
+        for (point, normal) in batch.points.iter_mut().zip(&batch.normals) {
             *point = along(*point, -self.error, *normal);
         }
     }

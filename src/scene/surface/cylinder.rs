@@ -1,10 +1,12 @@
 //! Cylinder of radius r with its generators along the body's x axis: `y^2 + z^2 + 2 r z = 0`.
 //!
-//! `k1 = 0, k2 = -1/r`, S = 1/2, R = 1/(r sqrt 2). `z = -y^2 / (r + sqrt(r^2 - y^2))`. The scene's `axis_deg` turns
+//! `k1 = 0, k2 = -1/r`, S = 1/2, R = 1/(r sqrt 2). `z = -y^2 / (r + sqrt(r^2 - y^2))`. The scene's `axis_deg` rotates
 //! the generators from +x towards +y.
 
+use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
+use crate::scene::error::{SceneError, positive};
 use crate::scene::vector::Vector;
 
 /// An endless round bar.
@@ -15,28 +17,40 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    pub(crate) fn quadric(&self) -> Quadric {
+    fn quadric(&self) -> Quadric {
         let k = 1.0 / self.radius;
         Quadric { alpha: 0.0, beta: k, gamma: k }
     }
+}
 
-    pub(crate) fn height(&self, y: f64) -> Option<f64> {
+impl Geometry for Cylinder {
+    fn check(&self) -> Result<(), SceneError> {
+        positive("surface.radius", self.radius)
+    }
+
+    fn height(&self, _x: f64, y: f64) -> Option<f64> {
         let under = (self.radius - y) * (self.radius + y);
         (under >= 0.0).then(|| -y * y / (self.radius + under.sqrt()))
     }
 
-    pub(crate) fn local(&self, p: Vector) -> Local {
-        Local::known(self.quadric().normal(p), 0.0, -1.0 / self.radius)
+    fn local(&self, p: Vector) -> Option<Local> {
+        Some(Local::known(self.quadric().normal(p), 0.0, -1.0 / self.radius))
     }
 
-    /// The point at `x` along the bar and `turn` round it from its top, radians.
-    pub(crate) fn around(&self, x: f64, turn: f64) -> Vector {
-        let half = (0.5 * turn).sin();
-        [x, self.radius * turn.sin(), -2.0 * self.radius * half * half]
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        self.quadric().hit(o, d)
     }
 
-    /// Length along the bar and turn round it of the nearest point.
-    pub(crate) fn nearest(&self, p: Vector) -> [f64; 2] {
-        [p[0], p[1].atan2(p[2] + self.radius)]
+    fn around(&self, x: f64, angle: f64) -> Option<Vector> {
+        let half = (0.5 * angle).sin();
+        Some([x, self.radius * angle.sin(), -2.0 * self.radius * half * half])
+    }
+
+    fn nearest(&self, p: Vector) -> Option<[f64; 2]> {
+        Some([p[0], p[1].atan2(p[2] + self.radius)])
+    }
+
+    fn needed(&self, _x: f64, y: f64) -> Option<(&'static str, f64)> {
+        Some(("radius", y.abs()))
     }
 }

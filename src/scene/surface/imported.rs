@@ -3,6 +3,14 @@
 //! Touching a spline to test a spline is an inverse crime: the model error is zero by construction. Whatever is
 //! reported of such a scene says so (see [`super::Surface::inverse_crime`]).
 
+use std::sync::Arc;
+
+use super::geometry::Geometry;
+use super::local::Local;
+use super::ray::{about_the_patch, first_below};
+use crate::scene::error::SceneError;
+use crate::scene::vector::along;
+
 /// A height field that another room supplies.
 pub trait ImportedSurface: std::fmt::Debug + Send + Sync {
     /// Where it came from; appears in every output.
@@ -10,4 +18,27 @@ pub trait ImportedSurface: std::fmt::Debug + Send + Sync {
 
     /// `[h, h_x, h_y, h_xx, h_xy, h_yy]` at a point, input units; `None` outside its domain.
     fn jet(&self, x: f64, y: f64) -> Option<[f64; 6]>;
+}
+
+impl Geometry for Arc<dyn ImportedSurface> {
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        self.jet(x, y).map(|jet| jet[0])
+    }
+
+    fn local(&self, p: [f64; 3]) -> Option<Local> {
+        let [_, hx, hy, hxx, hxy, hyy] = self.jet(p[0], p[1])?;
+        Local::of_height([hx, hy, hxx, hxy, hyy])
+    }
+
+    fn hit(&self, o: [f64; 3], d: [f64; 3]) -> Option<f64> {
+        let (low, high) = about_the_patch(o, d, 0.0)?;
+        first_below(low, high, |t| {
+            let p = along(o, t, d);
+            self.height(p[0], p[1]).map(|z| p[2] - z)
+        })
+    }
 }

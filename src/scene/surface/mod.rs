@@ -9,10 +9,10 @@
 //! a concave surface, of its mirror image, downwards).
 
 mod body;
-mod check;
 mod cylinder;
 mod ellipsoid;
 mod gaussian;
+mod geometry;
 mod imported;
 mod local;
 mod monkey_saddle;
@@ -44,6 +44,7 @@ pub use superquadric::Superquadric;
 pub use torus::Torus;
 pub use union::Union;
 
+use crate::scene::error::SceneError;
 use crate::scene::vector::{Vector, scaled};
 
 /// A body in the world.
@@ -62,14 +63,22 @@ pub struct Surface {
 pub struct SurfacePoint {
     /// The point, input units.
     pub point: [f64; 3],
-    /// How the surface is turned and bent there.
+    /// Normal and curvatures there.
     pub local: Local,
 }
 
 impl Surface {
-    /// A convex body at the origin, turned by `axis_deg` about z.
+    /// A convex body at the origin, rotated by `axis_deg` about z.
     pub fn new(body: Body, axis_deg: f64) -> Surface {
         Surface { body, concave: false, pose: Pose::new(axis_deg, [0.0; 3], [0.0; 3]) }
+    }
+
+    /// Checks that every number of the surface is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.body.geometry().check()
     }
 
     /// The same body seen from inside.
@@ -101,9 +110,9 @@ impl Surface {
         if self.concave {
             // the mirrored line, run the other way
             let mirrored = [-direction[0], -direction[1], direction[2]];
-            self.body.hit([origin[0], origin[1], -origin[2]], mirrored).map(|t| -t)
+            self.body.geometry().hit([origin[0], origin[1], -origin[2]], mirrored).map(|t| -t)
         } else {
-            self.body.hit(origin, direction)
+            self.body.geometry().hit(origin, direction)
         }
     }
 
@@ -134,14 +143,10 @@ impl Surface {
         Some(SurfacePoint { point, local: self.local(point)? })
     }
 
-    /// The point at `across` (length along a cylinder, degrees round a torus) and `turn_deg` round it from its top;
-    /// `None` for bodies that are not gone round.
-    pub fn around(&self, across: f64, turn_deg: f64) -> Option<SurfacePoint> {
-        let mut body = match &self.body {
-            Body::Cylinder(cylinder) => cylinder.around(across, turn_deg.to_radians()),
-            Body::Torus(torus) => torus.around(across.to_radians(), turn_deg.to_radians()),
-            _ => return None,
-        };
+    /// The point at `across` (length along a cylinder, degrees round a torus) and `angle_deg` round it from its top;
+    /// `None` for bodies that fingers cannot go round.
+    pub fn around(&self, across: f64, angle_deg: f64) -> Option<SurfacePoint> {
+        let mut body = self.body.geometry().around(across, angle_deg.to_radians())?;
         if self.concave {
             body[2] = -body[2];
         }
@@ -155,15 +160,8 @@ impl Surface {
         if self.concave {
             body[2] = -body[2];
         }
-        let [across, turn] = match &self.body {
-            Body::Cylinder(cylinder) => cylinder.nearest(body),
-            Body::Torus(torus) => {
-                let [ring, turn] = torus.nearest(body);
-                [ring.to_degrees(), turn]
-            }
-            _ => return None,
-        };
-        self.around(across, turn.to_degrees())
+        let [across, angle] = self.body.geometry().nearest(body)?;
+        self.around(across, angle.to_degrees())
     }
 
     /// The label of an imported surface, here or in a union: scenes with one are an inverse crime and say so.
@@ -181,11 +179,7 @@ impl Surface {
             return None;
         }
         let body = self.pose.to_body([x, y, 0.0]);
-        match &self.body {
-            Body::Sphere(_) => Some(("radius", body[0].hypot(body[1]))),
-            Body::Cylinder(_) => Some(("radius", body[1].abs())),
-            _ => None,
-        }
+        self.body.geometry().needed(body[0], body[1])
     }
 }
 

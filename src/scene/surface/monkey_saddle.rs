@@ -3,7 +3,11 @@
 //! `z_x = 3 (x^2 - y^2)/l^2`, `z_y = -6 x y/l^2`, `z_xx = 6 x/l^2 = -z_yy`, `z_xy = -6 y/l^2`. Curvedness near the
 //! origin is 6 d/l^2 at distance d.
 
+use super::geometry::Geometry;
 use super::local::Local;
+use super::ray::{about_the_patch, first_below};
+use crate::scene::error::{SceneError, positive};
+use crate::scene::vector::{Vector, along};
 
 /// Three valleys and three ridges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,15 +16,27 @@ pub struct MonkeySaddle {
     pub length: f64,
 }
 
-impl MonkeySaddle {
-    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
-        let (u, v) = (x / self.length, y / self.length);
-        u * (u * u - 3.0 * v * v) * self.length
+impl Geometry for MonkeySaddle {
+    fn check(&self) -> Result<(), SceneError> {
+        positive("surface.length", self.length)
     }
 
-    pub(crate) fn local(&self, x: f64, y: f64) -> Option<Local> {
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let (u, v) = (x / self.length, y / self.length);
+        Some(u * (u * u - 3.0 * v * v) * self.length)
+    }
+
+    fn local(&self, [x, y, _]: Vector) -> Option<Local> {
         let l = self.length;
         let (u, v) = (x / l, y / l);
         Local::of_height([3.0 * (u - v) * (u + v), -6.0 * u * v, 6.0 * u / l, -6.0 * v / l, -6.0 * u / l])
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        let (low, high) = about_the_patch(o, d, self.length)?;
+        first_below(low, high, |t| {
+            let p = along(o, t, d);
+            self.height(p[0], p[1]).map(|z| p[2] - z)
+        })
     }
 }

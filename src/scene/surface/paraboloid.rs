@@ -2,7 +2,11 @@
 //!
 //! `r_x, r_y` are the radii of curvature at the apex; an infinite one makes a parabolic cylinder.
 
+use super::geometry::Geometry;
+use super::local::Local;
 use super::quadric::Quadric;
+use crate::scene::error::{SceneError, all_not_zero};
+use crate::scene::vector::Vector;
 
 /// A dish.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +16,25 @@ pub struct Paraboloid {
 }
 
 impl Paraboloid {
-    pub(crate) fn quadric(&self) -> Quadric {
+    fn quadric(&self) -> Quadric {
         Quadric { alpha: 1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
+    }
+}
+
+impl Geometry for Paraboloid {
+    fn check(&self) -> Result<(), SceneError> {
+        all_not_zero("surface.radii", &self.radii)
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        self.quadric().height(x, y)
+    }
+
+    fn local(&self, p: Vector) -> Option<Local> {
+        self.quadric().local(p)
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        self.quadric().hit(o, d)
     }
 }

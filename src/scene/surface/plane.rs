@@ -1,11 +1,30 @@
-//! `z = 0`; tilt it by the pose. `k1 = k2 = 0`, S undefined, R = 0.
+//! The plane `z = 0`, tilted by its pose. `k1 = k2 = 0`, S undefined, R = 0.
 
+use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
-use crate::scene::vector::UP;
+use crate::scene::error::SceneError;
+use crate::scene::vector::{UP, Vector};
 
-pub(crate) const QUADRIC: Quadric = Quadric { alpha: 0.0, beta: 0.0, gamma: 0.0 };
+const QUADRIC: Quadric = Quadric { alpha: 0.0, beta: 0.0, gamma: 0.0 };
 
-pub(crate) fn local() -> Local {
-    Local::known(UP, 0.0, 0.0)
+/// The plane `z = 0`, which has no size.
+pub(crate) struct Plane;
+
+impl Geometry for Plane {
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    fn height(&self, _x: f64, _y: f64) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn local(&self, _p: Vector) -> Option<Local> {
+        Some(Local::known(UP, 0.0, 0.0))
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        QUADRIC.hit(o, d)
+    }
 }

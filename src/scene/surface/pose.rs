@@ -27,12 +27,7 @@ impl Pose {
         Pose { matrix, offset, upright }
     }
 
-    /// The body's own frame.
-    pub fn identity() -> Pose {
-        Pose::new(0.0, [0.0; 3], [0.0; 3])
-    }
-
-    /// The body's z axis is the world's.
+    /// Whether the body's z axis is the world's.
     pub fn upright(&self) -> bool {
         self.upright
     }

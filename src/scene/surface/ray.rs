@@ -4,7 +4,7 @@
 //! fold thinner than one step can be missed. Bisection then runs to the last bit of t. Only tilted torus, superquadric,
 //! Gaussian bump, sinusoid, monkey saddle and imported surfaces come here; upright ones have closed forms.
 
-/// 1/512 of the range: thinner than any wave a patch of a few stations could tell.
+/// Steps of the scan. 1/512 of the range is thinner than any wave that contacts at a few stations could show.
 const STEPS: usize = 512;
 
 /// The greatest t in `[low, high]` where `value` falls through zero coming from above.
@@ -44,7 +44,19 @@ pub(crate) fn through_ball(o: [f64; 3], d: [f64; 3], centre: [f64; 3], radius: f
     (under >= 0.0).then(|| (-b - under.sqrt(), -b + under.sqrt()))
 }
 
-/// Parameters where the line is between two heights; `None` when it runs level.
+/// Parameters where the line is between two heights; `None` when it runs level or downwards.
 pub(crate) fn through_slab(o: [f64; 3], d: [f64; 3], low: f64, high: f64) -> Option<(f64, f64)> {
     (d[2] > 0.0).then(|| ((low - o[2]) / d[2], (high - o[2]) / d[2]))
+}
+
+/// A little more than the range, so that both its ends lie off the surface.
+pub(crate) fn widened((low, high): (f64, f64)) -> (f64, f64) {
+    let margin = 1e-3 * (high - low);
+    (low - margin, high + margin)
+}
+
+/// A range that holds an unbounded height field about the patch: four times the patch's distance from the origin.
+pub(crate) fn about_the_patch(o: [f64; 3], d: [f64; 3], length: f64) -> Option<(f64, f64)> {
+    let half = 4.0 * (o[0].hypot(o[1]).hypot(o[2]) + length);
+    through_slab(o, d, -half, half)
 }

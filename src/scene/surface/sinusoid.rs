@@ -2,7 +2,11 @@
 //!
 //! `cos t - 1 = -2 sin^2(t/2)` keeps the digits near the crest.
 
+use super::geometry::Geometry;
 use super::local::Local;
+use super::ray::{first_below, through_slab, widened};
+use crate::scene::error::{SceneError, finite, positive};
+use crate::scene::vector::{Vector, along};
 use std::f64::consts::{PI, TAU};
 
 /// Corrugated sheet (one wavelength) or egg box (two).
@@ -16,13 +20,19 @@ pub struct Sinusoid {
     pub wavelength_y: Option<f64>,
 }
 
-impl Sinusoid {
-    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
-        let drop = |t: f64, l: f64| -2.0 * self.amplitude * (PI * t / l).sin().powi(2);
-        drop(x, self.wavelength) + self.wavelength_y.map_or(0.0, |l| drop(y, l))
+impl Geometry for Sinusoid {
+    fn check(&self) -> Result<(), SceneError> {
+        finite("surface.amplitude", self.amplitude)?;
+        positive("surface.wavelength", self.wavelength)?;
+        self.wavelength_y.map_or(Ok(()), |l| positive("surface.wavelength", l))
     }
 
-    pub(crate) fn local(&self, x: f64, y: f64) -> Option<Local> {
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let drop = |t: f64, l: f64| -2.0 * self.amplitude * (PI * t / l).sin().powi(2);
+        Some(drop(x, self.wavelength) + self.wavelength_y.map_or(0.0, |l| drop(y, l)))
+    }
+
+    fn local(&self, [x, y, _]: Vector) -> Option<Local> {
         let wave = |t: f64, l: f64| {
             let k = TAU / l;
             let (s, c) = (k * t).sin_cos();
@@ -31,5 +41,13 @@ impl Sinusoid {
         let (hx, hxx) = wave(x, self.wavelength);
         let (hy, hyy) = self.wavelength_y.map_or((0.0, 0.0), |l| wave(y, l));
         Local::of_height([hx, hy, hxx, 0.0, hyy])
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        let (low, high) = widened(through_slab(o, d, -4.0 * self.amplitude.abs(), 4.0 * self.amplitude.abs())?);
+        first_below(low, high, |t| {
+            let p = along(o, t, d);
+            self.height(p[0], p[1]).map(|z| p[2] - z)
+        })
     }
 }

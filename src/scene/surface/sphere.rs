@@ -2,8 +2,10 @@
 //!
 //! `z = -d^2 / (r + sqrt(r^2 - d^2))`, `d^2 = x^2 + y^2`: only points within r of the apex's axis can be touched.
 
+use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
+use crate::scene::error::{SceneError, positive};
 use crate::scene::vector::Vector;
 
 /// A ball.
@@ -14,12 +16,18 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    pub(crate) fn quadric(&self) -> Quadric {
+    fn quadric(&self) -> Quadric {
         let k = 1.0 / self.radius;
         Quadric { alpha: k, beta: k, gamma: k }
     }
+}
 
-    pub(crate) fn height(&self, x: f64, y: f64) -> Option<f64> {
+impl Geometry for Sphere {
+    fn check(&self) -> Result<(), SceneError> {
+        positive("surface.radius", self.radius)
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
         let square = x * x + y * y;
         // r^2 - d^2 by factors: exact to rounding at the rim
         let d = square.sqrt();
@@ -27,7 +35,15 @@ impl Sphere {
         (under >= 0.0).then(|| -square / (self.radius + under.sqrt()))
     }
 
-    pub(crate) fn local(&self, p: Vector) -> Local {
-        Local::known(self.quadric().normal(p), -1.0 / self.radius, -1.0 / self.radius)
+    fn local(&self, p: Vector) -> Option<Local> {
+        Some(Local::known(self.quadric().normal(p), -1.0 / self.radius, -1.0 / self.radius))
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        self.quadric().hit(o, d)
+    }
+
+    fn needed(&self, x: f64, y: f64) -> Option<(&'static str, f64)> {
+        Some(("radius", x.hypot(y)))
     }
 }

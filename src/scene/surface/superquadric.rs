@@ -9,8 +9,11 @@
 //! where F is not twice differentiable (on an axis, when 2/e2 > 2 and e2 > e1 make it so) the curvature is undefined.
 //! A. H. Barr, *Superquadrics and angle-preserving transformations*, IEEE CG&A 1 (1981) 11.
 
+use super::geometry::Geometry;
 use super::local::Local;
-use crate::scene::vector::Vector;
+use super::ray::{first_below, through_ball};
+use crate::scene::error::{SceneError, all_positive};
+use crate::scene::vector::{Vector, along};
 
 /// Between a ball, a pillow and a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,18 +37,41 @@ impl Superquadric {
         ((x / a).abs().powf(2.0 / e2) + (y / b).abs().powf(2.0 / e2)).powf(e2 / e1)
     }
 
-    pub(crate) fn height(&self, x: f64, y: f64) -> Option<f64> {
-        let s = self.section(x, y);
-        (s <= 1.0).then(|| self.semi_axes[2] * (0.5 * self.exponents[0] * (-s).ln_1p()).exp_m1())
-    }
-
-    /// F, for rays; zero on the surface.
-    pub(crate) fn value(&self, p: Vector) -> f64 {
+    /// F of the heading: zero on the surface.
+    fn value(&self, p: Vector) -> f64 {
         let c = self.semi_axes[2];
         self.section(p[0], p[1]) + (1.0 + p[2] / c).abs().powf(2.0 / self.exponents[0]) - 1.0
     }
 
-    pub(crate) fn local(&self, p: Vector) -> Option<Local> {
+    /// At the very top: flat for e1 < 1, an ellipsoid's apex for e1 = e2 = 1, else undefined.
+    fn top(&self) -> Option<Local> {
+        let [a, b, c] = self.semi_axes;
+        match self.exponents {
+            [e1, _] if e1 < 1.0 => Some(Local::known([0.0, 0.0, 1.0], 0.0, 0.0)),
+            [1.0, 1.0] => Some(Local::known([0.0, 0.0, 1.0], -c / a / a, -c / b / b)),
+            _ => None,
+        }
+    }
+}
+
+impl Geometry for Superquadric {
+    fn check(&self) -> Result<(), SceneError> {
+        all_positive("surface.semi_axes", &self.semi_axes)?;
+        for exponent in self.exponents {
+            if !(exponent > 0.0 && exponent <= 1.0) {
+                let expected = "an exponent above 0, at most 1, is needed (beyond 1 there are edges without normals)";
+                return Err(SceneError::range("surface.exponents", exponent, expected));
+            }
+        }
+        Ok(())
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let s = self.section(x, y);
+        (s <= 1.0).then(|| self.semi_axes[2] * (0.5 * self.exponents[0] * (-s).ln_1p()).exp_m1())
+    }
+
+    fn local(&self, p: Vector) -> Option<Local> {
         let [a, b, c] = self.semi_axes;
         let [e1, e2] = self.exponents;
         let [fx, fx1, fx2] = power(p[0] / a, 2.0 / e2);
@@ -66,13 +92,9 @@ impl Superquadric {
         Local::implicit(gradient, hessian)
     }
 
-    /// At the very top: flat for e1 < 1, an ellipsoid's apex for e1 = e2 = 1, else undefined.
-    fn top(&self) -> Option<Local> {
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
         let [a, b, c] = self.semi_axes;
-        match self.exponents {
-            [e1, _] if e1 < 1.0 => Some(Local::known([0.0, 0.0, 1.0], 0.0, 0.0)),
-            [1.0, 1.0] => Some(Local::known([0.0, 0.0, 1.0], -c / a / a, -c / b / b)),
-            _ => None,
-        }
+        let (low, high) = through_ball(o, d, [0.0, 0.0, -c], a.hypot(b).hypot(c))?;
+        first_below(low, high, |t| Some(self.value(along(o, t, d))))
     }
 }

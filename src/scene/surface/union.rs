@@ -3,6 +3,9 @@
 //! On a crease, where two parts are equally high, the earlier part is touched.
 
 use super::Surface;
+use super::geometry::Geometry;
+use super::local::Local;
+use crate::scene::error::SceneError;
 
 /// Parts in the union's frame, each with its own pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +16,7 @@ pub struct Union {
 
 impl Union {
     /// The part met first by `hit` (greatest value), with that value.
-    pub(crate) fn uppermost(&self, hit: impl Fn(&Surface) -> Option<f64>) -> Option<(f64, &Surface)> {
+    fn uppermost(&self, hit: impl Fn(&Surface) -> Option<f64>) -> Option<(f64, &Surface)> {
         let mut best: Option<(f64, &Surface)> = None;
         for part in &self.parts {
             if let Some(t) = hit(part)
@@ -26,7 +29,28 @@ impl Union {
     }
 
     /// The part that a point of the envelope lies on.
-    pub(crate) fn touched(&self, p: [f64; 3]) -> Option<&Surface> {
+    fn touched(&self, p: [f64; 3]) -> Option<&Surface> {
         self.uppermost(|part| part.height(p[0], p[1]).map(|z| -(z - p[2]).abs())).map(|(_, part)| part)
+    }
+}
+
+impl Geometry for Union {
+    fn check(&self) -> Result<(), SceneError> {
+        if self.parts.is_empty() {
+            return Err(SceneError::List { key: "surface.parts".into(), expected: "at least one part is needed" });
+        }
+        self.parts.iter().try_for_each(Surface::check)
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        self.uppermost(|part| part.height(x, y)).map(|(z, _)| z)
+    }
+
+    fn local(&self, p: [f64; 3]) -> Option<Local> {
+        self.touched(p)?.local(p)
+    }
+
+    fn hit(&self, o: [f64; 3], d: [f64; 3]) -> Option<f64> {
+        self.uppermost(|part| part.hit(o, d)).map(|(t, _)| t)
     }
 }

@@ -1,14 +1,14 @@
 //! The paper's EP2: several fingers slide side by side along the surface and stop at stations.
 //!
 //! ```text
-//! lane f, station s:  (x, y) = centre + f (cos a, sin a) + s (-sin a, cos a)       a = 0: fingers slide along y
+//! finger f, station s:  (x, y) = centre + f (cos a, sin a) + s (-sin a, cos a)       a = 0: fingers slide along y
 //! point tip           contact over (x, y)
 //! spherical tip       contact P with P + rho n(P) over (x, y): tip and surface share their normal
-//! path = around       lane f at length f along a cylinder or at angle f round a torus, station s at angle s round the
+//! path = around       finger f at length f along a cylinder or at angle f round a torus, station s at angle s round the
 //!                     bar or the tube, 0 on top
 //! ```
 //!
-//! Order: finger, then station, then repeat. A second sweep has lanes of its own, numbered onwards.
+//! Order: finger, then station, then repeat. A second sweep has fingers of its own, numbered onwards.
 
 mod tip;
 
@@ -27,24 +27,24 @@ pub enum SweepPath {
     Around,
 }
 
-/// Lanes, stations and tips of one sweep.
+/// Fingers, stations and tips of one sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Down onto the surface, or round it.
+    /// Whether the fingers come down onto the surface or go round it.
     pub path: SweepPath,
-    /// Offsets of the lanes across the sweep, one per finger, input units; round a torus degrees.
+    /// Offset of each finger across the sweep: input units, round a torus degrees.
     pub fingers: Vec<f64>,
     /// Stops along the sweep, in the order they are made; any spacing; degrees where it goes around.
     pub stations: Vec<f64>,
     /// Touches at each stop; the same site, fresh draws.
     pub repeats: usize,
-    /// Turns the sweep about `centre`: degrees from +x towards +y, 0 slides along y.
+    /// Rotation of the sweep about `centre`: degrees from +x towards +y, 0 slides along y.
     pub angle_deg: f64,
-    /// What the lanes and stations are measured from.
+    /// Where fingers and stations are measured from.
     pub centre: [f64; 2],
     /// Radius of the spherical tips; 0 is a point.
     pub tip_radius: f64,
-    /// Sites off the surface are left out instead of refused.
+    /// Whether sites off the surface are left out; otherwise they are refused.
     pub skip_unreachable: bool,
 }
 
@@ -62,19 +62,19 @@ pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
 pub struct Site {
     /// Finger, counted over all sweeps.
     pub finger: u32,
-    /// Station, counted from 0 in each lane.
+    /// Station, counted from 0 on each finger.
     pub station: u32,
     /// Where the tip's centre comes down.
     pub aim: [f64; 2],
-    /// Horizontal unit vector of the sliding.
+    /// Horizontal unit vector in which the finger slides.
     pub direction: [f64; 2],
-    /// Distance along the lane.
+    /// Distance along the finger's path.
     pub along: f64,
     /// Where it touches.
     pub touch: SurfacePoint,
 }
 
-/// Most touches of one sweep: a hundred bytes each, so about 1 GB; beyond it a typing error is likelier than a wish.
+/// Most touches of one sweep: a hundred bytes each, so about 1 GB; a larger number is more likely a typing error.
 pub const MAX_TOUCHES: usize = 10_000_000;
 
 impl Sweep {
@@ -113,7 +113,7 @@ impl Sweep {
     }
 
     /// `[sin, cos]` of the sweep's angle.
-    fn turn(&self) -> [f64; 2] {
+    fn sin_cos(&self) -> [f64; 2] {
         let (sin, cos) = sin_cos_deg(self.angle_deg);
         [sin, cos]
     }
@@ -126,7 +126,7 @@ impl Sweep {
 
     /// One touch with all that an effect may ask of it; `finger` and `first_finger` are counted over all sweeps.
     pub(crate) fn site(&self, first_finger: u32, finger: u32, station: u32, touch: SurfacePoint) -> Site {
-        let [sin, cos] = self.turn();
+        let [sin, cos] = self.sin_cos();
         let along = self.stations[station as usize];
         let aim = match self.path {
             SweepPath::Down => self.aim([sin, cos], self.fingers[(finger - first_finger) as usize], along),
@@ -150,12 +150,12 @@ impl Sweep {
         }
         let total = self.fingers.len() * self.stations.len();
         into.reserve(total * self.repeats);
-        let turn = self.turn();
+        let angle = self.sin_cos();
         let mut missed = None;
         let mut reachable = 0;
         for (finger, &across) in self.fingers.iter().enumerate() {
             for (station, &along) in self.stations.iter().enumerate() {
-                let aim = self.aim(turn, across, along);
+                let aim = self.aim(angle, across, along);
                 let found = match self.path {
                     SweepPath::Down => contact(surface, aim, self.tip_radius),
                     SweepPath::Around => surface.around(across, along),

@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_a_groove_lanes_bend_outwards() {
+    fn inside_a_groove_contacts_lie_further_out() {
         let (radius, tip) = (10.0, 2.0);
         let groove = Surface::new(Body::Cylinder(Cylinder { radius }), 90.0).concave();
         let touch = rolled(&groove, [3.0, 1.0], tip).unwrap();

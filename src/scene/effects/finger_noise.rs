@@ -1,4 +1,4 @@
-//! Errors that hold on along a lane: Ornstein-Uhlenbeck processes in the distance s along it.
+//! Errors that change slowly along the path of a finger: Ornstein-Uhlenbeck processes in the distance s along it.
 //!
 //! ```text
 //! e(s + d) = a e(s) + sqrt(1 - a^2) sigma N,   a = exp(-d / length),   e(first) = sigma N
@@ -6,21 +6,20 @@
 //! ```
 //!
 //! `sigma`: of the position, one for all axes or three, input units. `sigma_deg`: of the normal per tangent axis,
-//! degrees; the normal turns by the angle |e| towards e. `length`: correlation length, input units. Repeats of a site
-//! share their error; lanes are independent.
+//! degrees; the normal rotates by the angle |e| towards e. `length`: correlation length, input units. Repeats of a site
+//! share their error; the fingers are independent of each other.
 //! Source: G. E. Uhlenbeck, L. S. Ornstein, *Phys. Rev.* 36 (1930) 823, in its exact discretisation. Leaves out:
-//! correlation across lanes, and between position and normal.
+//! correlation between fingers, and between position and normal.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
-use crate::scene::SceneError;
-use crate::scene::error::{not_negative, positive};
-use crate::scene::simulate::Block;
+use crate::scene::batch::ContactBatch;
+use crate::scene::error::{SceneError, not_negative, positive};
 use crate::scene::vector::{tangents, unit};
 
-/// Correlated errors along each lane.
+/// Correlated errors along the path of each finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LaneNoise {
+pub struct FingerNoise {
     /// Sd of the position along x, y, z, input units.
     pub sigma: [f64; 3],
     /// Sd of the normal per tangent axis, degrees.
@@ -31,16 +30,16 @@ pub struct LaneNoise {
 
 #[derive(Clone, Debug)]
 struct Prepared {
-    of: LaneNoise,
-    /// (a, sqrt(1 - a^2)) of each contact; the first of a lane has a = 0.
+    of: FingerNoise,
+    /// (a, sqrt(1 - a^2)) of each contact; the first contact of a finger has a = 0.
     steps: Vec<(f64, f64)>,
 }
 
-impl LaneNoise {
+impl FingerNoise {
     pub(crate) fn prepare(&self, context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
-        self.sigma.iter().try_for_each(|sigma| not_negative("effects.lane_noise.sigma", *sigma))?;
-        not_negative("effects.lane_noise.sigma_deg", self.sigma_deg)?;
-        positive("effects.lane_noise.length", self.length)?;
+        self.sigma.iter().try_for_each(|sigma| not_negative("effects.finger_noise.sigma", *sigma))?;
+        not_negative("effects.finger_noise.sigma_deg", self.sigma_deg)?;
+        positive("effects.finger_noise.length", self.length)?;
         if self.sigma == [0.0; 3] && self.sigma_deg == 0.0 {
             return Ok(None);
         }
@@ -60,11 +59,16 @@ impl LaneNoise {
 
 impl Stage for Prepared {
     fn name(&self) -> &'static str {
+        "finger_noise"
+    }
+
+    /// The draws keep the name that this effect had first, so that a scene and a seed give the same numbers as ever.
+    fn draws_name(&self) -> &'static str {
         "lane_noise"
     }
 
     fn changes(&self) -> String {
-        let LaneNoise { sigma, sigma_deg, length } = self.of;
+        let FingerNoise { sigma, sigma_deg, length } = self.of;
         format!("position by sd {sigma:?}, normal by sd {sigma_deg} degrees, correlated over {length}")
     }
 
@@ -76,22 +80,22 @@ impl Stage for Prepared {
         self.of.sigma[..2] == [0.0; 2]
     }
 
-    fn apply(&self, block: &mut Block, draws: &EffectDraws) {
-        let lanes = block.lanes();
-        let mut drawn = vec![0.0; lanes * 5];
-        let mut states = vec![[0.0; 5]; lanes];
+    fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        let replicates = batch.replicates();
+        let mut drawn = vec![0.0; replicates * 5];
+        let mut states = vec![[0.0; 5]; replicates];
         let angle = self.of.sigma_deg.to_radians();
         for (contact, (keep, fresh)) in self.steps.iter().enumerate() {
-            draws.gaussians(contact as u64, block.first_replicate(), 5, &mut drawn);
-            for (lane, (state, values)) in states.iter_mut().zip(drawn.chunks_exact(5)).enumerate() {
+            draws.gaussians(contact as u64, batch.first_replicate(), 5, &mut drawn);
+            for (replicate, (state, values)) in states.iter_mut().zip(drawn.chunks_exact(5)).enumerate() {
                 for (s, value) in state.iter_mut().zip(values) {
                     *s = keep * *s + fresh * value;
                 }
-                let entry = contact * lanes + lane;
-                let point = &mut block.points[entry];
+                let reading = contact * replicates + replicate;
+                let point = &mut batch.points[reading];
                 *point = [0, 1, 2].map(|k| point[k] + self.of.sigma[k] * state[k]);
                 if angle > 0.0 {
-                    let normal = &mut block.normals[entry];
+                    let normal = &mut batch.normals[reading];
                     *normal = bent(*normal, [angle * state[3], angle * state[4]]);
                 }
             }
@@ -99,7 +103,7 @@ impl Stage for Prepared {
     }
 }
 
-/// The normal turned by the angle |e| towards e in its tangent plane.
+/// The normal rotated by the angle |e| towards e in its tangent plane.
 fn bent(normal: [f64; 3], e: [f64; 2]) -> [f64; 3] {
     let size = e[0].hypot(e[1]);
     if size == 0.0 {

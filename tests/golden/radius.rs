@@ -1,28 +1,29 @@
 //! Grid-mean S of spheres and diagonal cylinders against their radius, degrees 2, 3 and 4, tangent preset.
+//! `cargo bench --bench hard_cases` prints it, and `tests/library/hard_cases.rs` holds the recorded one against it.
 
 use palpate::contact::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 
 const RADII: [f64; 13] = [5.7, 6.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
-/// Errors of mean S; truth is 1 and 1/2.
-pub fn print() {
-    println!("error of grid-mean S, 3 fingers x 9 stations on the 8 x 8 patch, 8 x 8 grid");
-    println!("{:>8} {:^32} {:^32}", "radius", "sphere, degree 2 3 4", "cylinder at 45 degrees, 2 3 4");
+/// Errors of mean S, one line a radius; truth is 1 and 1/2.
+pub fn table() -> String {
+    let mut out = String::from("error of grid-mean S, 3 fingers x 9 stations on the 8 x 8 patch, 8 x 8 grid\n");
+    out +=
+        &format!("{:>8} {:^32} {:^32}", "radius", "sphere, degree 2 3 4", "cylinder at 45 degrees, 2 3 4").trim_end();
     for radius in RADII {
-        print!("{radius:>8.4e}");
+        out += &format!("\n{radius:>8.4e}");
         for (surface, truth) in [(Surface::Sphere, 1.0), (Surface::Cylinder, 0.5)] {
             for degree in [2, 3, 4] {
-                match mean_shape_index(&surface.touched(radius), degree) {
-                    Ok(Some(s)) => print!(" {:>10.2e}", s - truth),
-                    Ok(None) => print!(" {:>10}", "plane"),
-                    Err(_) => print!(" {:>10}", "refused"),
-                }
+                out += &match mean_shape_index(&surface.touched(radius), degree) {
+                    Ok(Some(s)) => format!(" {:>10.2e}", s - truth),
+                    Ok(None) => format!(" {:>10}", "plane"),
+                    Err(_) => format!(" {:>10}", "refused"),
+                };
             }
         }
-        println!();
     }
-    println!();
+    out
 }
 
 enum Surface {
