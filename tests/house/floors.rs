@@ -1,7 +1,6 @@
 //! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. No two
 //! files import each other.
 
-#[path = "floors/files.rs"]
 mod files;
 
 use std::collections::BTreeMap;
