@@ -49,7 +49,7 @@ impl Data {
     /// Contacts in patch coordinates. Many are put one knot cell after the other, once: their cells are visited many times,
     /// and a contact in the user's order is then a walk through memory each time.
     pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
-        if !ScatteredSites::many_go_by_cells(contacts.len(), &patch.knots) {
+        if !ScatteredSites::worth_packing(contacts.len(), &patch.knots) {
             return Data::Scattered { contacts, numbers: None };
         }
         let CellNumbers { order, .. } = CellNumbers::of(&patch.knots, &points(&contacts));

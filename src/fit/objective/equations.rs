@@ -152,7 +152,7 @@ pub fn data_normal_matrix(sites: &Observed, row_weights: &RowWeights) -> Stencil
 /// Contacts in the order and places of their cells, where there are many.
 pub fn packed_cells(sites: &Observed) -> Option<&PackedCells> {
     match sites {
-        Observed::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
+        Observed::Scattered(scattered) if scattered.uses_packed_cells() => scattered.packed_cells(),
         _ => None,
     }
 }
