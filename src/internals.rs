@@ -85,7 +85,7 @@ pub mod shape {
 
 /// Kernels.
 pub mod simd {
-    pub use crate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, LANES, chacha8, gaussian_triples, multiply_add_peak};
+    pub use crate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak};
 }
 
 /// Factorisations.

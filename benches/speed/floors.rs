@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::montecarlo::ROW_NOISE;
-use palpate::internals::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, LANES, chacha8, gaussian_triples, multiply_add_peak};
+use palpate::internals::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::spline::CurvatureGrid;
@@ -114,7 +114,7 @@ fn noise_study(machine: &Machine) -> Result<(), Fault> {
     // 4 double rounds of 8 quarter rounds of 12 operations, and 16 sums, on 16 words of 32 bits: half a register of 8 each
     let operations = (4 * 8 * 12 + 16) as f64 * CHACHA_BLOCKS as f64 / 2.0;
     line("W4, a thousand calls of chacha8", machine.floor(1e3 * operations, 0.0, 0.0), 1e3 * chacha / CALLS as f64);
-    let calls = (columns.view().x.len() * count / LANES) as f64;
+    let calls = (columns.view().x.len() * count / REPLICATES) as f64;
     line("W4 (20,000), its words and normals alone", calls * (chacha + normals) / CALLS as f64, takes);
     Ok(())
 }

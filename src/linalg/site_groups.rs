@@ -20,7 +20,7 @@ pub struct SiteGroup<'a> {
     /// First basis function in x and in y.
     pub first: [usize; 2],
     /// Basis values and weights in the layout of the kernels.
-    pub lanes: CellSites<'a>,
+    pub sites: CellSites<'a>,
     /// Weighted right-hand sides.
     pub targets: [&'a SiteLanes; 3],
 }
@@ -141,8 +141,8 @@ impl SiteGroups {
         let (x, rest) = self.values[k * each..(k + 1) * each].split_at(2 * p);
         let (y, rest) = rest.split_at(2 * q);
         let (weights, targets) = rest.split_at(4);
-        let lanes = CellSites { x: [&x[..p], &x[p..]], y: [&y[..q], &y[q..]], weights };
-        SiteGroup { first: self.first[k], lanes, targets: [&targets[0], &targets[1], &targets[2]] }
+        let sites = CellSites { x: [&x[..p], &x[p..]], y: [&y[..q], &y[q..]], weights };
+        SiteGroup { first: self.first[k], sites, targets: [&targets[0], &targets[1], &targets[2]] }
     }
 }
 
@@ -194,7 +194,7 @@ mod tests {
             let mut found = Vec::new();
             groups.visit(&rows, |group| {
                 let column = |rows: &[SiteLanes], l: usize| rows.iter().map(|row| row[l]).collect::<Vec<f64>>();
-                let CellSites { x, y, weights } = group.lanes;
+                let CellSites { x, y, weights } = group.sites;
                 let live = (0..SITES).take_while(|l| weights[0][*l] != 0.0).count();
                 for l in 0..live {
                     let index = group.targets[0][l] as usize;

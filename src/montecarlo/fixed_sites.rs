@@ -12,7 +12,7 @@ use crate::bspline::Knots;
 use crate::draws::EffectDraws;
 use crate::plans::{PlanError, SlopeColumns, SlopePlan, check_noise_sds, check_shape_grid};
 use crate::simd::{
-    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, Isa, LANES, add_draws, chacha8, gaussian_triples, mean_shapes,
+    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, Isa, REPLICATES, add_draws, chacha8, gaussian_triples, mean_shapes,
 };
 use crate::surface::pieces_of;
 
@@ -96,7 +96,7 @@ impl FixedSites {
 
     /// Mean S and mean R over the grid of the replicates `first ..`, as many as both arrays have room for.
     ///
-    /// The threads of the current pool share the blocks of [`LANES`] replicates; a replicate's numbers depend on the seed
+    /// The threads of the current pool share the blocks of [`REPLICATES`] replicates; a replicate's numbers depend on the seed
     /// and its own number alone. S is NaN where a replicate is flat at every point.
     pub fn replicates(&self, seed: u64, first: u64, shape_index: &mut [f64], curvedness: &mut [f64]) {
         let key = EffectDraws::new(seed, ROW_NOISE).key();
@@ -106,7 +106,7 @@ impl FixedSites {
 
     fn range(&self, key: &[u32; 8], first: u64, s: &mut [f64], r: &mut [f64]) {
         // 64 blocks are about a millisecond of work
-        const TASK: usize = 64 * LANES;
+        const TASK: usize = 64 * REPLICATES;
         if first % 2 == 1 && !s.is_empty() {
             // an odd replicate is the second half of a ChaCha block, so both are made and the even one is dropped
             let (mut pair_s, mut pair_r) = ([0.0; 2], [0.0; 2]);
@@ -116,7 +116,7 @@ impl FixedSites {
             return;
         }
         if s.len() > TASK {
-            let half = (s.len() / 2).next_multiple_of(LANES);
+            let half = (s.len() / 2).next_multiple_of(REPLICATES);
             let (s_a, s_b) = s.split_at_mut(half);
             let (r_a, r_b) = r.split_at_mut(half);
             crate::threads::join(
@@ -125,27 +125,27 @@ impl FixedSites {
             );
             return;
         }
-        let mut coefficients = vec![[0.0; LANES]; self.nominal.len()];
-        for (k, (s, r)) in s.chunks_mut(LANES).zip(r.chunks_mut(LANES)).enumerate() {
-            self.block(key, first + (k * LANES) as u64, &mut coefficients, s, r);
+        let mut coefficients = vec![[0.0; REPLICATES]; self.nominal.len()];
+        for (k, (s, r)) in s.chunks_mut(REPLICATES).zip(r.chunks_mut(REPLICATES)).enumerate() {
+            self.block(key, first + (k * REPLICATES) as u64, &mut coefficients, s, r);
         }
     }
 
     /// One block of replicates, the first of them even. Lane `16 p + l` is replicate `first + 2 l + p`, since a ChaCha
     /// block feeds two replicates.
-    fn block(&self, key: &[u32; 8], first: u64, c: &mut [[f64; LANES]], s: &mut [f64], r: &mut [f64]) {
+    fn block(&self, key: &[u32; 8], first: u64, c: &mut [[f64; REPLICATES]], s: &mut [f64], r: &mut [f64]) {
         let isa = Isa::active();
         for (lanes, value) in c.iter_mut().zip(&self.nominal) {
-            *lanes = [*value; LANES];
+            *lanes = [*value; REPLICATES];
         }
         let mut words = [[0_u64; CHACHA_BLOCKS]; CHACHA_WORDS];
-        let mut drawn = [[0.0; LANES]; 3];
+        let mut drawn = [[0.0; REPLICATES]; 3];
         for (contact, weights) in self.noise.iter().enumerate() {
             chacha8(isa, key, contact as u64, first / 2, &mut words);
             gaussian_triples(isa, &words, &mut drawn);
             add_draws(isa, weights, &drawn, c);
         }
-        let (mut means, mut curved) = ([0.0; LANES], [0.0; LANES]);
+        let (mut means, mut curved) = ([0.0; REPLICATES], [0.0; REPLICATES]);
         mean_shapes(isa, self.degree, &self.grid, c, &mut means, &mut curved);
         for (k, (s, r)) in s.iter_mut().zip(r.iter_mut()).enumerate() {
             let lane = k % 2 * CHACHA_BLOCKS + k / 2;

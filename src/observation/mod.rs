@@ -5,8 +5,8 @@
 //! normal rows   (z - S)/Z       (n - n^(S_x, S_y))/sigma, n^ = (-S_x, -S_y, 1)/w   maximum likelihood, Gauss-Newton
 //! ```
 //!
-//! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] keeps the two Kronecker
-//! factors of a grid apart; both are [`crate::linalg::Sites`].
+//! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] stores the two Kronecker
+//! factors of a grid separately; both implement [`crate::linalg::Sites`].
 
 mod cells;
 mod csr;

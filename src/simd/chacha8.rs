@@ -38,7 +38,7 @@ macro_rules! quarter {
     }};
 }
 
-/// The starting state of the blocks `first ..`, one a lane in the order that [`Words::store_pairs`] undoes.
+/// The starting state of the blocks `first ..`, one block in each lane, in the order that [`Words::store_pairs`] reverses.
 #[inline(always)]
 fn start<W: Words>(key: &[u32; 8], stream: u64, first: u64) -> [W; 16] {
     let mut x = [W::splat(0); 16];

@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let (mut a, b) = words(1 << 16, 1);
         a[..8].copy_from_slice(&[0, u64::MAX, 1 << 11, 1 << 63, u64::MAX - (1 << 11), 1 << 62, 3 << 62, 5]);
         let n = a.len();

@@ -1,4 +1,5 @@
-//! The inner loops, written once over lanes and compiled for three instruction sets, chosen at run time.
+//! The inner loops (kernels). Each is written once over SIMD lanes, compiled for three instruction sets, and the set is
+//! chosen at run time.
 //!
 //! | kernel | formula |
 //! |---|---|
@@ -10,19 +11,19 @@
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
 //! | [`gaussians`], [`gaussian_triples`], [`chacha8`] | gaussians from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
-//! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, their sizes and `E'r` over eight sites of a cell |
+//! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, sizes of their terms and `E'r` over eight sites of a cell |
 //! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
-//! | [`functional_bounds`] | how far functionals of the coefficients can be off, two kinds at eight points |
+//! | [`functional_bounds`] | bounds of the errors of functionals of the coefficients, two kinds at eight points |
 //! | [`bilinear`] | `sum_t X_t G_t Y_t`: a cell's part of the normal matrix from its moments |
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
 //! | [`subtract_product`] | `C -= A B'` for matrices in the band's panels |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
-//! | [`multiply_add_peak`] | `a x + b` and nothing else: what benches hold the others against |
+//! | [`multiply_add_peak`] | `a x + b` alone: the peak that benches compare the other kernels with |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
 //!
 //! This is the only room with unsafe code: the intrinsics, and the calls into functions that carry an instruction
-//! set. Every kernel stands beside a safe twin in plain Rust, and a test holds the largest difference between them.
-//! On other machines than x86-64 the portable lanes are the only ones.
+//! set. Every kernel has a twin in safe, plain Rust, and a test limits the largest difference between the two.
+//! Machines other than x86-64 have the portable lanes only.
 #![allow(unsafe_code)] // intrinsics, and calls into functions that carry an instruction set: only here
 
 mod arctangent;
@@ -30,6 +31,7 @@ mod bilinear;
 mod block_columns;
 mod block_substitution;
 mod cell_rows;
+mod cell_sites;
 mod chacha8;
 mod combine_rows;
 mod contract_rows;
@@ -53,6 +55,7 @@ pub use bilinear::{BilinearTerm, bilinear};
 pub use block_columns::{BlockShape, GRAIN, PADDING, factor_block, update_block};
 pub use block_substitution::{backward_block, forward_block};
 pub use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
+pub use cell_sites::{CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
 pub use combine_rows::{RowTerm, combine_rows};
 pub use contract_rows::{BandTerm, contract_rows};
@@ -66,12 +69,10 @@ pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments};
 pub use panel_products::{Panels, ProductSize, subtract_product};
 pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
-pub use replicate_lanes::{GridTables, LANES, add_draws, mean_shapes};
+pub use replicate_lanes::{GridTables, REPLICATES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
-pub use site_passes::{
-    CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
-    products_pass,
-};
+pub use shape_maps::shape_maps_twin;
+pub use site_passes::{add_lanes, columns_pass, last_pass, norms_pass, products_pass};
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `isa`.
 macro_rules! dispatch {
@@ -102,9 +103,9 @@ macro_rules! dispatch {
 }
 use dispatch;
 
-/// Calls `kernel::<_, P, Q>` with literal widths for cells of 3 x 3, 4 x 4 and 5 x 5 coefficients, with zeros, which
-/// stand for "as long as the slices are", for all others. Loops of known length are unrolled, and their
-/// bounds are not checked.
+/// Calls `kernel::<_, P, Q>` with literal widths for cells of 3 x 3, 4 x 4 and 5 x 5 coefficients, and with zeros for all
+/// others; zero stands for the length of the slices. The compiler unrolls loops of known length and leaves out their
+/// bounds checks.
 macro_rules! by_width {
     ($isa:expr, $widths:expr, $kernel:ident($($arg:ident : $ty:ty),* $(,)?) $(-> $ret:ty)?) => {
         match $widths {
@@ -133,7 +134,8 @@ pub fn ulps(value: f64, expected: f64) -> f64 {
     (value - expected).abs() / unit
 }
 
-/// The largest differences between a kernel and its twin, printed and held: `cargo test --lib simd -- --nocapture`.
+/// Collects the largest difference between a kernel and its twin, to print it and to limit it:
+/// `cargo test --lib simd -- --nocapture`.
 #[cfg(test)]
 struct Twins {
     kernel: &'static str,
@@ -150,7 +152,7 @@ impl Twins {
 
     fn compare(&mut self, value: f64, expected: f64) {
         let gap = (value - expected).abs();
-        // NaN is the largest difference of all
+        // written such that NaN counts as the largest difference
         self.difference = if gap <= self.difference { self.difference } else { gap };
         self.size = self.size.max(expected.abs());
     }

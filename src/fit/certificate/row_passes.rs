@@ -141,7 +141,7 @@ impl<'a> RowPasses<'a> {
             None => {
                 let Equations { sites, row_weights, targets, .. } = equations;
                 groups.visit(&SiteRows { sites, row_weights, targets }, |block| {
-                    eight(block.first, &block.lanes, block.targets)
+                    eight(block.first, &block.sites, block.targets)
                 });
             }
         }

@@ -138,7 +138,7 @@ impl Lanes for Avx2 {
     fn shift_left<const BY: u32>(a: __m256i) -> __m256i {
         unsafe { _mm256_sll_epi64(a, _mm_cvtsi64_si128(i64::from(BY))) }
     }
-    /// Upper and lower half words put into the mantissas of 2^84 and 2^52, whose sum is taken off again: exact.
+    /// Exact: the upper and lower halves of each word go into the mantissas of 2^84 and 2^52, whose sum is subtracted.
     #[inline(always)]
     fn from_integer(a: __m256i) -> Avx2 {
         unsafe {

@@ -23,8 +23,8 @@ use std::ops::{Add, Mul, Sub};
 
 /// `N` numbers that go through the same arithmetic.
 ///
-/// Every method is `#[inline(always)]` in every implementation: the code is only correct, and only fast, inside the
-/// function that carries the instruction set.
+/// Every method is `#[inline(always)]` in every implementation, because it is fast only inside the function that carries
+/// the instruction set.
 pub(super) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// Number of lanes.
     const N: usize;
