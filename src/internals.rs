@@ -40,7 +40,7 @@ pub mod io {
 /// Structured systems.
 pub mod linalg {
     pub use crate::linalg::{
-        RowWeights, SiteWeights, Sites, StencilMatrix, Targets, TensorShape, assemble, normal_rhs,
+        DoubleDouble, RowWeights, SiteWeights, Sites, StencilMatrix, Targets, TensorShape, assemble, normal_rhs,
     };
 }
 

@@ -16,7 +16,9 @@ use std::time::Instant;
 
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::montecarlo::ROW_NOISE;
-use palpate::internals::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak};
+use palpate::internals::simd::{
+    CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak,
+};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::spline::CurvatureGrid;

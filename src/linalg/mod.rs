@@ -22,7 +22,6 @@ pub use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
 pub use site_groups::{SiteGroups, SiteRows};
 pub use sites::{
-    RowWeights, Site, SiteWeights, Sites, Targets, apply_rows, assemble, descent, normal_rhs,
-    residuals, site_rows,
+    RowWeights, Site, SiteWeights, Sites, Targets, apply_rows, assemble, descent, normal_rhs, residuals, site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

@@ -40,11 +40,6 @@ impl BlockShape {
         self.width * self.height
     }
 
-    /// No columns at all.
-    pub fn is_empty(self) -> bool {
-        self.width == 0
-    }
-
     /// Position of this entry in the block.
     #[inline(always)]
     pub fn place(self, row: usize, column: usize) -> usize {

@@ -96,6 +96,7 @@ fn cos_sin<V: Lanes>(word: V::Bits) -> (V, V) {
     (flip(V::select(odd, sin, cos), V::xor(high_bit, low_bit)), flip(V::select(odd, cos, sin), high_bit))
 }
 
+#[cfg(test)]
 #[inline(always)]
 fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     let n = first.len();
@@ -122,6 +123,7 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
 ///
 /// # Panics
 /// When `first.len()` is no multiple of 8 or another array is shorter.
+#[cfg(test)]
 pub fn gaussians(isa: Isa, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     dispatch!(isa, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
 }
@@ -166,6 +168,7 @@ pub fn gaussian_triples(isa: Isa, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f6
 }
 
 /// The safe twin: the library's `ln`, `sin` and `cos`, one pair at a time.
+#[cfg(test)]
 pub fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64]) {
     for i in 0..first.len() {
         let u = (words[0][i] >> 11) as f64 * 2.0_f64.powi(-53) + 2.0_f64.powi(-54);

@@ -71,6 +71,7 @@ pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, REPLICATES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
+#[cfg(test)]
 pub use shape_maps::shape_maps_twin;
 pub use site_passes::{add_lanes, columns_pass, last_pass, norms_pass, products_pass};
 
@@ -126,6 +127,7 @@ macro_rules! by_width {
 use by_width;
 
 /// Distance of two numbers in units of the last place of `expected`; for tests and accuracy tables.
+#[cfg(test)]
 pub fn ulps(value: f64, expected: f64) -> f64 {
     if value == expected || (value.is_nan() && expected.is_nan()) {
         return 0.0;

@@ -13,10 +13,12 @@
 
 use super::arctangent::{angle, reduced};
 use super::lanes::Lanes;
+#[cfg(test)]
 use super::{Isa, dispatch};
 
 /// Points of a batch in this kernel: 32 sets of eight lanes keep the divider busy, and the three arrays take 6 KiB of a
 /// first-level cache of 32 KiB. Callers with few points use shorter batches, because every batch is first zeroed.
+#[cfg(test)]
 const BATCH: usize = 256;
 
 /// Change of S for one radian.
@@ -105,6 +107,7 @@ fn store_within<V: Lanes>(lanes: V, to: &mut [f64]) {
     }
 }
 
+#[cfg(test)]
 #[inline(always)]
 fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     let n = shape_index.len();
@@ -133,11 +136,13 @@ fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curv
 ///
 /// # Panics
 /// When an array is shorter than `shape_index`.
+#[cfg(test)]
 pub fn shape_maps(isa: Isa, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     dispatch!(isa, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
 }
 
 /// The safe twin: the textbook's shape operator with divisions, `hypot` and the library's `atan2`, one point at a time.
+#[cfg(test)]
 pub fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     for i in 0..shape_index.len() {
         let [p, q, e, f, g] = derivatives.map(|d| d[i]);

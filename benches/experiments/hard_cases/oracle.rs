@@ -4,7 +4,7 @@
 //! min sum wz^2 (z - S)^2 + wx^2 (zx - S_x)^2 + wy^2 (zy - S_y)^2,   S = sum_ij c_ij N_i(x) M_j(y)
 //! ```
 
-use palpate::linalg::DoubleDouble as Dd;
+use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::{Contacts, Orientation};
 
 /// A slope-row problem on given knots, explicit weights.

@@ -3,7 +3,7 @@
 use palpate::Contacts;
 use palpate::fit::{FitOptions, Objective, SlopeWeights};
 use palpate::internals::cases::Lcg;
-use palpate::linalg::DoubleDouble as Dd;
+use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::spline::Knots;
 
 use super::oracle::{Problem, Solved};

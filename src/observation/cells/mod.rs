@@ -41,10 +41,6 @@ const WEIGHTED: usize = 9;
 pub trait CellRows: Sync {
     /// Number of contacts.
     fn len(&self) -> usize;
-    /// No contacts.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
     /// x and y of contact r, in the coordinates of the knots.
     fn at(&self, r: usize) -> [f64; 2];
     /// `E'b`'s multipliers of `N M`, `N'M`, `N M'`: `wz b_z`, `a b_1`, `b b_1 + d b_2`.
@@ -122,6 +118,7 @@ impl CellAssembly {
     }
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
+    #[cfg(test)]
     pub fn assemble(
         &mut self,
         row_weights: &RowWeights,
