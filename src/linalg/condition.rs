@@ -53,11 +53,6 @@ pub fn inverse_norm1_estimate(
     estimate.max(safeguard)
 }
 
-/// Condition of E from that of E'E; infinite stays infinite.
-pub fn sqrt_of_condition(norm: f64, inverse_norm: f64) -> f64 {
-    (norm * inverse_norm).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,7 +18,7 @@ mod sites;
 mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};
-pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
+pub use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
 pub use site_groups::{SiteGroup, SiteGroups, SiteRows};
 pub use sites::{

@@ -245,7 +245,8 @@ pub fn moments(
 }
 
 /// The safe twin: powers by `powi`, one moment at a time.
-pub fn moments_twin(
+#[cfg(test)]
+fn moments_twin(
     degree: usize,
     local: [&[f64]; 2],
     weight: Option<&[f64]>,
