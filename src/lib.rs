@@ -31,6 +31,7 @@ pub mod montecarlo;
 pub mod observation;
 pub mod parametric;
 pub mod plans;
+pub mod recognition;
 #[cfg(feature = "cli")]
 pub mod report;
 pub mod scene;
