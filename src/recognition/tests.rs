@@ -1,0 +1,1 @@
+//! What a recognition answers on simulated patches.
