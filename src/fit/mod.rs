@@ -50,7 +50,9 @@ pub use linear::solution::{Factor, Solution};
 pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
-pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+pub use options::{
+    FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, UnknownWord,
+};
 pub use placing::patch::Patch;
 pub use placing::sites::DataSites;
 

@@ -1,41 +1,41 @@
 //! Remarks that a user should see beside the answer.
 //!
 //! ```text
-//! what the data lack (heights, noise, support)      what was done about it (steps, smoothing, reweighting, turned axes)
+//! what the data lack (heights, noise, support)      what was done about it (steps, smoothing, reweighting, rotated axes)
 //! ```
 
 /// Remarks that belong to the answer.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// No height rows: the mean height is fixed to zero.
+    /// There are no heights, so the mean height is fixed to zero.
     SlopesOnly,
-    /// Noise-free to rounding: equal weights.
+    /// The data have no noise beyond rounding, so all rows weigh the same.
     NoNoise,
-    /// One block of rows is met exactly, so its noise level has no estimate.
-    LevelVanished,
-    /// Axes of the patch differ from the input's.
-    Turned,
-    /// Gauss-Newton steps, at all levels that were tried.
+    /// The surface meets the heights, or the slopes or normals, exactly, so their noise has no estimate.
+    NoiseVanished,
+    /// The axes of the patch differ from those of the input.
+    Rotated,
+    /// Gauss-Newton steps, over all noise estimates that were tried.
     GaussNewton {
         /// Steps taken, polishing included.
         steps: usize,
     },
-    /// Coefficients without data.
+    /// Some coefficients lack data.
     Unsupported {
         /// How many.
         coefficients: usize,
     },
-    /// Smoothing parameter chosen by the data.
+    /// The smoothing parameter was chosen by the data.
     Smoothed {
         /// lambda.
         lambda: f64,
     },
-    /// Robust loss: contacts whose rows lost more than half their weight.
+    /// Contacts that lost more than half their weight to the robust loss.
     Outliers {
         /// How many.
         sites: usize,
-        /// Reweightings until the weights stood.
+        /// Reweightings until the weights stood still.
         steps: usize,
     },
 }
@@ -45,13 +45,13 @@ impl std::fmt::Display for Note {
         match self {
             Note::SlopesOnly => write!(f, "no heights: the mean height is fixed to zero"),
             Note::NoNoise => write!(f, "residuals are rounding: equal weights"),
-            Note::LevelVanished => {
+            Note::NoiseVanished => {
                 write!(
                     f,
-                    "one of the two noise levels vanished: the surface meets those rows exactly, declare --sigma or --weights"
+                    "one of the two noise estimates vanished: the surface meets those rows exactly; give sigma or weights as numbers"
                 )
             }
-            Note::Turned => write!(f, "the patch has its own axes, z along the mean normal"),
+            Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")

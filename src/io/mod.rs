@@ -17,6 +17,7 @@ mod npy;
 mod npz;
 mod place;
 mod ply;
+mod remark;
 pub mod scene_file;
 mod surface_file;
 mod write;

@@ -194,9 +194,8 @@ pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: impl Write +
         npz.add_array(column.name(), &ndarray::ArrayView1::from(&values[..])).map_err(std::io::Error::other)?;
     }
     if let Some(remark) = remark {
-        let name: Vec<&str> = remark.split(':').next().unwrap_or(remark).split_whitespace().collect();
         let ones = ndarray::Array1::<f64>::ones(contacts.len());
-        npz.add_array(name.join("_"), &ones).map_err(std::io::Error::other)?;
+        npz.add_array(super::remark::array_name(remark), &ones).map_err(std::io::Error::other)?;
     }
     npz.finish().map(drop).map_err(std::io::Error::other)
 }

@@ -2,10 +2,11 @@
 
 /// How often a study repeats, and what its intervals cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StudyOptions {
     /// Replicates. Default 10,000.
     pub replicates: u64,
-    /// Level of the intervals, in (0, 1). Default 0.95.
+    /// Confidence level of the intervals, in (0, 1). Default 0.95.
     pub level: f64,
 }
 

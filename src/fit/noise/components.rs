@@ -113,7 +113,7 @@ pub fn variance_components(
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
     let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE;
-    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::LevelVanished) })
+    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished) })
 }
 
 /// The sds of a trial's residuals; rows of a kind that leave no degree of freedom keep the sd they had.

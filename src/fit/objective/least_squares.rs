@@ -29,7 +29,7 @@ pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fit
         }
     };
     if !patch.frame.keeps_axes() {
-        fitted.notes.push(Note::Turned);
+        fitted.notes.push(Note::Rotated);
     }
     if !fitted.solution.unsupported.is_empty() {
         fitted.notes.push(Note::Unsupported { coefficients: fitted.solution.unsupported.len() });
@@ -45,7 +45,7 @@ fn choose_rows(data: &Data, options: &FitOptions) -> Result<Rows, FitError> {
         Objective::Normals(sigma) => Rows::Normals(sigma),
     };
     if matches!(rows, Rows::Normals(_)) && !data.has_orientation() {
-        return Err(FitError::Objective { objective: "--sigma", needed: "normals or slopes" });
+        return Err(FitError::Objective { objective: "sigma", needed: "normals or slopes" });
     }
     Ok(rows)
 }
