@@ -137,7 +137,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             folds_refused: certificate.folds_refused,
             smallest_jacobian: certificate.smallest_jacobian,
             fold_free: certificate.fold_free,
-            lanes_monotone: certificate.lanes_monotone,
+            fingers_monotone: certificate.lanes_monotone,
             against: certificate.against,
             bending: certificate.bending,
             fairness_raised: certificate.fairness_raised,
@@ -166,7 +166,7 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
         notes.push("the descent was cut short before a minimum: S and R may still move".into());
     }
     if !certificate.fold_free {
-        notes.push("the map is not free of folds: do not trust S and R where it turns over".into());
+        notes.push("the map is not free of folds: do not trust S and R where it folds back".into());
     }
     if certificate.fairness_raised > 0 {
         notes.push(format!(
