@@ -46,7 +46,7 @@ pub(super) fn sites(fingers: &[f64], stations: &[f64]) -> Vec<[f64; 2]> {
     fingers.iter().flat_map(|&f| stations.iter().map(move |&s| [f, s])).collect()
 }
 
-/// `fingers` lanes at equal distances over -4..4 and nine stops along each.
+/// This many fingers at equal distances over -4..4, and nine stations along each.
 pub(super) fn sweep(fingers: usize) -> Vec<[f64; 2]> {
     sites(&linspace(-4.0, 4.0, fingers), &linspace(-4.0, 4.0, 9))
 }

@@ -20,7 +20,7 @@ fn half_pipe() -> Contacts {
 pub(super) fn cases() -> Vec<HardCase> {
     let slopes = || with_slopes(&sweep(3), sphere(5.7));
     let normals = || with_normals(&sweep(3), sphere(5.7));
-    // without it a horizontal normal lets the frame turn, and the reference is written in the input's
+    // without this choice a horizontal normal would rotate the frame, and the reference is written in the input's axes
     let upright = FitOptions { frame: Some(FrameChoice::Keep), ..options(2, normal_rows(1.0, 15.0)) };
     vec![
         HardCase::contacts("rim_slopes_degree2", "slopes up to 8 at the corners", slopes(), options(2, tangent())),

@@ -41,7 +41,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         ),
         HardCase::contacts(
             "umbilic_lemon",
-            "a generic umbilic: the direction of k1 turns around it",
+            "a generic umbilic: the direction of k1 rotates around it",
             with_slopes(&sweep(9), lemon),
             nine(3),
         ),

@@ -1,15 +1,17 @@
-//! How a verb ends: 0 done, 2 bad usage or bad input (a panic, which is a fault of ours, exits 101); a closed pipe ends quietly.
+//! How a verb ends: 0 done, 2 bad usage or bad input; a closed pipe ends quietly. (A panic, which is a fault of the
+//! program, exits 101.)
 
 use std::process::ExitCode;
 
+use crate::fit::FitError;
 use crate::io::IoError;
 
 /// Why a verb did not do what it was asked.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// The user can put it right: exit 2.
+    /// Something that the user can put right: exit 2.
     Input(String),
-    /// Who read our output has gone: no message, exit 0.
+    /// The reader of the output has gone: no message, exit 0.
     ClosedPipe,
 }
 
@@ -37,7 +39,22 @@ impl From<IoError> for Failure {
     fn from(error: IoError) -> Failure {
         match error {
             IoError::Write { path, source } if path.as_os_str() == "-" => source.into(),
-            other => Failure::Input(other.to_string()),
+            other => Failure::Input(with_flags(other.to_string(), other.remedies())),
         }
     }
+}
+
+/// A message of the library, and the flags of this command line for the options that it names as remedies.
+pub(super) fn with_flags(message: String, remedies: &[(&str, &str)]) -> String {
+    let flag = |(option, value): &(&str, &str)| {
+        let flag = format!("--{}", option.replace('_', "-"));
+        if value.is_empty() { flag } else { format!("{flag} {value}") }
+    };
+    let flags: Vec<String> = remedies.iter().map(flag).collect();
+    if flags.is_empty() { message } else { format!("{message}; try {}", flags.join(" or ")) }
+}
+
+/// An error of a fit, with the flags that may help.
+pub(super) fn fit_message(error: &FitError) -> String {
+    with_flags(error.to_string(), error.remedies())
 }

@@ -9,10 +9,10 @@ use crate::contact::ContactError;
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::report::ChosenPart;
+use crate::report::{ChosenPart, Subject};
 
-use super::describe::{Destination, Subject, describe};
-use super::failure::Failure;
+use super::describe::{Destination, Taken, describe};
+use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
 
 /// Arguments of `palpate fit`.
@@ -56,10 +56,10 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let fitted = clock.elapsed().as_secs_f64();
     let notes = notes(&reading);
     let (found, chosen) = found;
-    let subject =
-        Subject { chosen, name: &reading.file, input: &reading.input, truth: None, notes, began, read, fitted };
+    let subject = Subject { chosen, input: &reading.input, truth: None, notes };
     drop(spinner);
-    describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
+    let taken = Taken { began, read, fitted };
+    describe(&found, &reading.file, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
 }
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
@@ -67,7 +67,7 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
     let (found, reason) = match input {
         Input::Contacts(contacts) => fit_surface(contacts, options)?,
         Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
-            return Err(FitError::Objective { objective: "--surface parametric", needed: "contacts, not a grid" });
+            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
         }
         Input::Grid(grid) => {
             (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
@@ -92,8 +92,8 @@ fn placed(error: &FitError, reading: &Reading) -> String {
         _ => None,
     };
     match index.zip(reading.places.as_ref()) {
-        Some((index, places)) => format!("{}, {}: {error}", reading.file, places.of(index)),
-        None => format!("{}: {error}", reading.file),
+        Some((index, places)) => format!("{}, {}: {}", reading.file, places.of(index), fit_message(error)),
+        None => format!("{}: {}", reading.file, fit_message(error)),
     }
 }
 

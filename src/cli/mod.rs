@@ -7,7 +7,6 @@
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
 mod describe;
-mod describe_parametric;
 mod failure;
 mod fit;
 mod options;
@@ -16,7 +15,6 @@ mod run;
 mod scene;
 mod scenes;
 mod show;
-mod show_parametric;
 mod simulate;
 mod values;
 

@@ -12,10 +12,10 @@ use super::values;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Fit")]
 pub(super) struct FitFlags {
-    /// height, parametric (a surface in space), or auto: whichever the contacts call for
-    #[arg(long, value_name = "KIND", value_parser = values::surface)]
+    /// height: z over x, y; parametric: a map into space, which can go round a body; auto: whichever the contacts call for
+    #[arg(long, value_name = "KIND")]
     surface: Option<SurfaceKind>,
-    /// Directions in which a parametric surface closes on itself: u (across the lanes), v (along them) or u,v
+    /// Directions in which a parametric surface closes on itself: u (across the fingers), v (along them) or u,v
     #[arg(long, value_name = "U,V", value_parser = values::closed)]
     closed: Option<[bool; 2]>,
     /// Degree of the splines in x and y, 1 to 9 [default: 2; of a parametric surface 3]
@@ -33,19 +33,17 @@ pub(super) struct FitFlags {
     /// Normal rows: auto, or the sd of z and of the normals in degrees, as in 0.02,5
     #[arg(long, value_name = "Z,DEG", allow_hyphen_values = true, value_parser = values::sigma)]
     sigma: Option<Objective>,
-    /// auto, cholesky, qr, kronecker or pcg
-    #[arg(long, value_parser = values::method)]
+    #[arg(long, help = help("How the least squares problem is solved", Method::WORDS))]
     method: Option<Method>,
     /// Roughness penalty: none, auto or LAMBDA
-    #[arg(long, value_name = "LAMBDA", allow_hyphen_values = true, value_parser = values::smooth)]
+    #[arg(long, value_name = "LAMBDA", allow_hyphen_values = true)]
     smooth: Option<Smooth>,
-    /// Loss: none, huber or tukey
-    #[arg(long, value_name = "LOSS", value_parser = values::robust)]
+    #[arg(long, value_name = "LOSS", help = help("What large residuals count", Robust::WORDS))]
     robust: Option<Robust>,
     #[command(flatten)]
     grid: GridFlags,
     /// Axes of the patch: keep the input's, or auto from the mean normal where needed
-    #[arg(long, value_name = "FRAME", value_parser = values::frame)]
+    #[arg(long, value_name = "FRAME")]
     frame: Option<FrameChoice>,
 }
 
@@ -95,6 +93,12 @@ impl FitFlags {
         options.frame = self.frame.or(options.frame);
         options
     }
+}
+
+/// What an option is for, and its words.
+fn help<T>(what: &str, words: &[(&str, T)]) -> String {
+    let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+    format!("{what}: {}", words.join(", "))
 }
 
 fn set<T>(place: &mut T, value: Option<T>) {

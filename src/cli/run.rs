@@ -6,9 +6,10 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::io::Input;
+use crate::report::{Subject, inverse_crime_remark};
 
-use super::describe::{Destination, Subject, describe};
-use super::failure::Failure;
+use super::describe::{Destination, Taken, describe};
+use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
 use super::{fit, scene};
 
@@ -42,15 +43,16 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(e.to_string()))?;
+    let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
-    notes.extend(scene::remark(&truth));
+    notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
-    let subject = Subject { chosen, name: &scene.name, input: &input, truth: Some(&truth), notes, began, read, fitted };
+    let subject = Subject { chosen, input: &input, truth: Some(&truth), notes };
     drop(spinner);
-    describe(&found, &subject, &Destination { output: &args.output, save: args.save.as_ref() })
+    let taken = Taken { began, read, fitted };
+    describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
 }

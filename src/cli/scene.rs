@@ -4,7 +4,6 @@ use std::path::Path;
 
 use crate::io::scene_file::{SceneFile, builtin, builtin_scenes, read_scene_with};
 use crate::io::{import_surface, read_bytes};
-use crate::scene::Truth;
 
 use super::failure::Failure;
 
@@ -31,13 +30,4 @@ pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
         read.name = file;
     }
     Ok(read)
-}
-
-/// How the remark on imported surfaces begins.
-pub(super) const INVERSE_CRIME: &str = "inverse crime";
-
-/// What every output says of contacts made on an imported surface.
-pub(super) fn remark(truth: &Truth) -> Option<String> {
-    let label = truth.inverse_crime()?;
-    Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
 }

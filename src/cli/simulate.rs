@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::io::{ContactFormat, write_atomically, write_contacts};
-use crate::report::write_json;
+use crate::report::{inverse_crime_remark, write_json};
 use crate::scene::{ContactBatch, Simulator, explain};
 
 use super::failure::Failure;
@@ -57,7 +57,7 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
         print(&mut |out| out.write_all(text.as_bytes()))?;
     }
     let (contacts, truth) = simulator.into_contacts(scene.seed, 0);
-    let remark = scene::remark(&truth);
+    let remark = inverse_crime_remark(&truth);
     let remark = remark.as_deref();
     let mut files = Vec::new();
     if let (Some(to), Some(format)) = (&args.to, format) {

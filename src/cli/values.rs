@@ -1,8 +1,9 @@
-//! Values of options as they are typed, with a message that says what would be right.
+//! Values of options that are not one of a few words, as they are typed. Each message says what would be right. (The
+//! words are those of [`crate::fit`]'s options, which read themselves.)
 
-use crate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
 
-/// Largest count of segments or grid points per direction that is taken; beyond it a typing error is likelier.
+/// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
 const MAX_COUNT: usize = 100_000;
 
 /// `2`, `2,3` or `2x3`: one count for both directions or one for each.
@@ -40,39 +41,13 @@ pub(super) fn domain(text: &str) -> Result<[f64; 4], String> {
 }
 
 /// `auto`, a preset or `WZ,WX,WY`.
-pub(super) fn weights(text: &str) -> Result<Objective, String> {
-    let weights = match text {
-        "auto" => SlopeWeights::Auto,
-        "tangent" => SlopeWeights::Tangent,
-        "position" => SlopeWeights::Position,
-        "equal" => SlopeWeights::Equal,
-        _ => {
-            let explicit = numbers::<3>(text).filter(|w| w.iter().all(|w| *w >= 0.0) && w.iter().any(|w| *w > 0.0));
-            SlopeWeights::Explicit(explicit.ok_or("auto, tangent, position, equal or WZ,WX,WY such as 1,10,10")?)
-        }
-    };
-    Ok(Objective::Slopes(weights))
+pub(super) fn weights(text: &str) -> Result<Objective, UnknownWord> {
+    text.parse::<SlopeWeights>().map(Objective::Slopes)
 }
 
 /// `auto` or `Z,DEG`.
-pub(super) fn sigma(text: &str) -> Result<Objective, String> {
-    if text == "auto" {
-        return Ok(Objective::Normals(NormalSigma::Auto));
-    }
-    let [z, normal_deg] = numbers::<2>(text)
-        .filter(|s| s.iter().all(|v| *v > 0.0))
-        .ok_or("auto, or Z,DEG: the sd of z in input units and of the normals in degrees, such as 0.02,5")?;
-    Ok(Objective::Normals(NormalSigma::Known { z, normal_deg }))
-}
-
-/// `height`, `parametric` or `auto`.
-pub(super) fn surface(text: &str) -> Result<SurfaceKind, String> {
-    match text {
-        "height" => Ok(SurfaceKind::Height),
-        "parametric" => Ok(SurfaceKind::Parametric),
-        "auto" => Ok(SurfaceKind::Auto),
-        _ => Err("height, parametric or auto".into()),
-    }
+pub(super) fn sigma(text: &str) -> Result<Objective, UnknownWord> {
+    text.parse::<NormalSigma>().map(Objective::Normals)
 }
 
 /// `u`, `v` or `u,v`.
@@ -85,40 +60,6 @@ pub(super) fn closed(text: &str) -> Result<[bool; 2], String> {
     }
 }
 
-/// `auto`, `cholesky`, `qr`, `kronecker` or `pcg`.
-pub(super) fn method(text: &str) -> Result<Method, String> {
-    match text {
-        "auto" => Ok(Method::Auto),
-        "cholesky" => Ok(Method::Cholesky),
-        "qr" => Ok(Method::Qr),
-        "kronecker" => Ok(Method::Kronecker),
-        "pcg" => Ok(Method::Pcg),
-        _ => Err("auto, cholesky, qr, kronecker or pcg".into()),
-    }
-}
-
-/// `none`, `auto` or a number >= 0.
-pub(super) fn smooth(text: &str) -> Result<Smooth, String> {
-    match text {
-        "none" => Ok(Smooth::None),
-        "auto" => Ok(Smooth::Auto),
-        _ => match numbers::<1>(text) {
-            Some([lambda]) if lambda >= 0.0 => Ok(Smooth::Lambda(lambda)),
-            _ => Err("none, auto or LAMBDA >= 0 such as 1e-6".into()),
-        },
-    }
-}
-
-/// `none`, `huber` or `tukey`.
-pub(super) fn robust(text: &str) -> Result<Robust, String> {
-    match text {
-        "none" => Ok(Robust::None),
-        "huber" => Ok(Robust::Huber),
-        "tukey" => Ok(Robust::Tukey),
-        _ => Err("none, huber or tukey".into()),
-    }
-}
-
 /// A fraction from 0 to below 1/2.
 pub(super) fn inset(text: &str) -> Result<f64, String> {
     match numbers::<1>(text) {
@@ -127,18 +68,10 @@ pub(super) fn inset(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `keep` or `auto`.
-pub(super) fn frame(text: &str) -> Result<FrameChoice, String> {
-    match text {
-        "keep" => Ok(FrameChoice::Keep),
-        "auto" => Ok(FrameChoice::Auto),
-        _ => Err("keep or auto".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Smooth;
 
     #[test]
     fn pairs_take_comma_or_x() {
@@ -158,12 +91,12 @@ mod tests {
         assert_eq!(weights("tangent"), Ok(Objective::Slopes(SlopeWeights::Tangent)));
         assert_eq!(weights("1,10,10"), Ok(Objective::Slopes(SlopeWeights::Explicit([1.0, 10.0, 10.0]))));
         for wrong in ["tangents", "1,2", "1,2,-3", "0,0,0", "1,nan,1", "1,inf,1"] {
-            assert!(weights(wrong).unwrap_err().contains("WZ,WX,WY"), "{wrong}");
+            assert!(weights(wrong).unwrap_err().to_string().contains("WZ,WX,WY"), "{wrong}");
         }
         assert_eq!(sigma("1,15"), Ok(Objective::Normals(NormalSigma::Known { z: 1.0, normal_deg: 15.0 })));
         assert_eq!(sigma("auto"), Ok(Objective::Normals(NormalSigma::Auto)));
         for wrong in ["1", "0,5", "1,0", "-1,5", "a,b", "1,5,5"] {
-            assert!(sigma(wrong).unwrap_err().contains("Z,DEG"), "{wrong}");
+            assert!(sigma(wrong).unwrap_err().to_string().contains("Z,DEG"), "{wrong}");
         }
     }
 
@@ -177,7 +110,7 @@ mod tests {
         for wrong in ["0.5", "-0.1", "25%", "nan"] {
             assert!(inset(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(smooth("1e-6"), Ok(Smooth::Lambda(1e-6)));
-        assert!(smooth("-1").is_err() && smooth("inf").is_err());
+        assert_eq!("1e-6".parse(), Ok(Smooth::Lambda(1e-6)));
+        assert!("-1".parse::<Smooth>().is_err() && "inf".parse::<Smooth>().is_err());
     }
 }

@@ -23,7 +23,7 @@ pub enum FitError {
     /// An option is out of range.
     #[error("{option} is {value}: {expected}")]
     Option {
-        /// Its name on the command line, without dashes.
+        /// Its name.
         option: &'static str,
         /// What was given.
         value: String,
@@ -42,7 +42,7 @@ pub enum FitError {
         /// Unknowns n m.
         unknowns: usize,
     },
-    /// All contacts lie on one line (or one point): they span no patch.
+    /// All contacts lie on one line, or at one point, so they span no patch.
     #[error(
         "the certificate's support failed: all {contacts} contacts lie on one line in x, y, and nothing is known beside it"
     )]
@@ -70,7 +70,7 @@ pub enum FitError {
     },
     /// A normal that a height field cannot have.
     #[error(
-        "the normal of contact {index} has nz = {nz}: a height field over x, y needs nz > 0 (nz = 0 only with --sigma); try --frame auto"
+        "the normal of contact {index} has nz = {nz}: a height field over x, y needs nz > 0 (nz = 0 only with the option sigma); frame = auto rotates the patch so that they point up"
     )]
     NormalDown {
         /// Contact, counted from 0.
@@ -80,7 +80,7 @@ pub enum FitError {
     },
     /// A normal too flat for a slope row.
     #[error(
-        "the normal of contact {index} has nz = {nz}, so its slope is not finite: use normal rows (--sigma Z,DEG or --sigma auto)"
+        "the normal of contact {index} has nz = {nz}, so its slope is not finite: use normal rows (the option sigma), which need no slope"
     )]
     Steep {
         /// Contact, counted from 0.
@@ -88,9 +88,9 @@ pub enum FitError {
         /// Its unit normal's z component.
         nz: f64,
     },
-    /// Every normal points down.
+    /// Every normal points down, into the body.
     #[error(
-        "all {contacts} normals point down (nz < 0), as if into the body: give --flip-normals if they point inward, or --frame auto if the surface really faces down"
+        "all {contacts} normals point down (nz < 0), as if into the body: reverse them (flip_normals) if they point inward, or take frame = auto if the surface really faces down"
     )]
     Inward {
         /// Number of contacts.
@@ -105,9 +105,9 @@ pub enum FitError {
         needed: &'static str,
     },
     /// The method does not apply to these data.
-    #[error("--method {method} {why}")]
+    #[error("method {method} {why}")]
     Method {
-        /// Name on the command line.
+        /// Name of the method.
         method: &'static str,
         /// Why not.
         why: &'static str,
@@ -115,15 +115,15 @@ pub enum FitError {
     /// No height rows and no slopes: nothing holds the surface.
     #[error("the certificate's rank failed: every weight is zero, nothing is left to fit")]
     NoWeight,
-    /// The factorisation failed and no further method is allowed by the options.
-    #[error("{source}; --method auto may answer with a reduced rank")]
+    /// The factorisation failed and the options allow no other method.
+    #[error("{source}; method = auto may answer with a reduced rank")]
     Solve {
         /// What failed.
         source: SolveError,
     },
     /// The data determine too little of the surface even for a reduced answer.
     #[error(
-        "the certificate's rank failed: {rank} of {unknowns} unknowns are determined and the rest do not lie in gaps; lower degree or segments, or use --smooth"
+        "the certificate's rank failed: {rank} of {unknowns} unknowns are determined and the rest do not lie in gaps; lower degree or segments, or use the option smooth"
     )]
     Rank {
         /// Numerical rank.
@@ -147,7 +147,7 @@ pub enum FitError {
         /// What was asked for: the surface kind, or a closed direction.
         option: &'static str,
     },
-    /// Gauss-Newton did not settle.
+    /// The iteration for normal rows (Gauss-Newton) did not settle.
     #[error(
         "normal rows did not settle in {steps} steps: the last one moved a coefficient by {moved:e} of the largest"
     )]
@@ -157,23 +157,23 @@ pub enum FitError {
         /// Last relative move.
         moved: f64,
     },
-    /// The contacts are not those of one sheet in space.
-    #[error("{contacts} contacts make no surface in space: {why}")]
+    /// The contacts do not lie on one sheet.
+    #[error("{contacts} contacts make no parametric surface: {why}")]
     Sheet {
         /// Number of contacts.
         contacts: usize,
         /// What they are instead.
         why: &'static str,
     },
-    /// A closed direction needs lanes that close.
+    /// A closed direction needs fingers or stations that come back to where they began.
     #[error("a closed direction needs fingers and stations that go round: {why}")]
     Closed {
         /// What is missing.
         why: &'static str,
     },
-    /// The surface bends more than the turn of neighbouring contacts' normals allows: between them it oscillates.
+    /// The surface bends more between neighbouring contacts than their normals differ: it oscillates between them.
     #[error(
-        "the surface bends {bending:.1} times as much as neighbouring contacts felt, {most} at most is believed: take fewer segments, a lower degree or a larger --smooth"
+        "the surface bends {bending:.1} times as much as neighbouring contacts felt, {most} at most is believed: take fewer segments, a lower degree or a larger value of the option smooth"
     )]
     Runaway {
         /// Largest curvature over what was felt there.
@@ -181,7 +181,7 @@ pub enum FitError {
         /// What is believed.
         most: f64,
     },
-    /// The surface fitted lies the wrong way round under some normals.
+    /// Some normals point to the back of the fitted surface.
     #[error("{against} of {contacts} normals are against the surface that the contacts make: check their side")]
     Against {
         /// Contacts whose normal is on the other side.
@@ -189,10 +189,25 @@ pub enum FitError {
         /// Number of contacts.
         contacts: usize,
     },
-    /// A map into space without a tangent plane somewhere.
-    #[error("the contacts start no surface in space: its map has no tangent plane somewhere")]
+    /// A parametric surface that has no tangent plane somewhere.
+    #[error("the contacts make no parametric surface to start from: it has no tangent plane somewhere")]
     Degenerate,
     /// The result is not a finite surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+}
+
+impl FitError {
+    /// Options that may help: each with a value, or with an empty one where the option is a switch or any value will do.
+    pub fn remedies(&self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            FitError::NormalDown { .. } => &[("frame", "auto")],
+            FitError::Steep { .. } => &[("sigma", "auto")],
+            FitError::Inward { .. } => &[("flip_normals", ""), ("frame", "auto")],
+            FitError::Solve { .. } => &[("method", "auto")],
+            FitError::Rank { .. } => &[("smooth", "auto")],
+            FitError::Runaway { .. } => &[("smooth", "")],
+            _ => &[],
+        }
+    }
 }

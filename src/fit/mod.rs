@@ -53,7 +53,9 @@ pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
-pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+pub use options::{
+    FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, UnknownWord,
+};
 #[doc(hidden)]
 pub use placing::patch::Patch;
 #[doc(hidden)]

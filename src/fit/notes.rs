@@ -1,41 +1,41 @@
 //! Remarks that a user should see beside the answer.
 //!
 //! ```text
-//! what the data lack (heights, noise, support)      what was done about it (steps, smoothing, reweighting, turned axes)
+//! what the data lack (heights, noise, support)      what was done about it (steps, smoothing, reweighting, rotated axes)
 //! ```
 
 /// Remarks that belong to the answer.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// No height rows: the mean height is fixed to zero.
+    /// There are no heights, so the mean height is fixed to zero.
     SlopesOnly,
-    /// Noise-free to rounding: equal weights.
+    /// The data have no noise beyond rounding, so all rows weigh the same.
     NoNoise,
-    /// One block of rows is met exactly, so its noise level has no estimate.
+    /// The surface meets the heights, or the slopes or normals, exactly, so their noise has no estimate.
     NoiseVanished,
-    /// Axes of the patch differ from the input's.
+    /// The axes of the patch differ from those of the input.
     Rotated,
-    /// Gauss-Newton steps, at all levels that were tried.
+    /// Gauss-Newton steps, over all noise estimates that were tried.
     GaussNewton {
         /// Steps taken, polishing included.
         steps: usize,
     },
-    /// Coefficients without data.
+    /// Some coefficients lack data.
     Unsupported {
         /// How many.
         coefficients: usize,
     },
-    /// Smoothing parameter chosen by the data.
+    /// The smoothing parameter was chosen by the data.
     Smoothed {
         /// lambda.
         lambda: f64,
     },
-    /// Robust loss: contacts whose rows lost more than half their weight.
+    /// Contacts that lost more than half their weight to the robust loss.
     Outliers {
         /// How many.
         sites: usize,
-        /// Reweightings until the weights stood.
+        /// Reweightings until the weights stood still.
         steps: usize,
     },
 }
@@ -48,7 +48,7 @@ impl std::fmt::Display for Note {
             Note::NoiseVanished => {
                 write!(
                     f,
-                    "one of the two noise levels vanished: the surface meets those rows exactly, declare --sigma or --weights"
+                    "one of the two noise estimates vanished: the surface meets those rows exactly; give sigma or weights as numbers"
                 )
             }
             Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),

@@ -1,14 +1,17 @@
-//! What a user may choose about a fit; the same words on the command line, in a scene's `[fit]` and here.
+//! What a user may choose about a fit. The words are the same on the command line, in a scene's `[fit]` and here.
 
-use std::fmt;
+mod words;
+
+pub use words::UnknownWord;
 
 use super::FitError;
 
-/// Shape grids beyond this many points are typing errors: their maps alone would take gigabytes.
+/// Most points of a shape grid. A larger number is a typing error: the maps alone would take gigabytes.
 const MAX_GRID_POINTS: usize = 100_000_000;
 
 /// Weights of the slope rows (paper Eq. 14). They multiply residuals, not their squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum SlopeWeights {
     /// Two variance components, heights and slopes, estimated with the fit.
     Auto,
@@ -23,13 +26,14 @@ pub enum SlopeWeights {
     Explicit([f64; 3]),
 }
 
-/// Noise level of the normal rows.
+/// Noise of the normal rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum NormalSigma {
     /// Two variance components, heights and normals, estimated with the fit.
     #[default]
     Auto,
-    /// Known levels.
+    /// Known standard deviations.
     Known {
         /// Sd of z at exact x, y, input units.
         z: f64,
@@ -38,8 +42,9 @@ pub enum NormalSigma {
     },
 }
 
-/// Which of the two objectives is minimised; never mixed in one fit.
+/// Which of the two objectives is minimised. One fit never mixes them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Objective {
     /// `Normals(Auto)` with normals, `Slopes(Auto)` with slopes, heights alone without either.
     #[default]
@@ -52,8 +57,9 @@ pub enum Objective {
 
 /// How the least squares problem is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Method {
-    /// Cheapest first, moving on when its own estimate calls for it; every move is reported.
+    /// The cheapest that applies; where its own error estimate is too large, the next one. The fit reports every change.
     #[default]
     Auto,
     /// Cholesky of the normal matrix.
@@ -66,10 +72,11 @@ pub enum Method {
     Pcg,
 }
 
-/// Thin-plate roughness penalty of a height field; of a surface in space the weight of its fairness, in patch units.
+/// Thin-plate roughness penalty of a height field; of a parametric surface the weight of its fairness, in patch units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Smooth {
-    /// No penalty; a surface in space, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
+    /// No penalty; a parametric surface, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
     #[default]
     None,
     /// Chosen by the data.
@@ -80,6 +87,7 @@ pub enum Smooth {
 
 /// Robust loss, by iterative reweighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Robust {
     /// Plain least squares.
     #[default]
@@ -92,6 +100,7 @@ pub enum Robust {
 
 /// Which axes the patch has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum FrameChoice {
     /// Those of the input.
     Keep,
@@ -101,6 +110,7 @@ pub enum FrameChoice {
 
 /// Which kind of surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum SurfaceKind {
     /// `z = S(x, y)`.
     #[default]
@@ -111,29 +121,13 @@ pub enum SurfaceKind {
     Auto,
 }
 
-impl SurfaceKind {
-    /// The word on the command line, in scenes and in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            SurfaceKind::Height => "height",
-            SurfaceKind::Parametric => "parametric",
-            SurfaceKind::Auto => "auto",
-        }
-    }
-}
-
-impl fmt::Display for SurfaceKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 /// Everything that decides a fit, with the design's defaults.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct FitOptions {
-    /// Height field, surface in space, or whichever the contacts call for. Default: height field.
+    /// Height field, parametric surface, or whichever the contacts call for. Default: height field.
     pub surface: SurfaceKind,
-    /// Directions u, v of a surface in space in which it closes on itself.
+    /// Directions u, v of a parametric surface in which it closes on itself.
     pub closed: [bool; 2],
     /// Degrees p (x) and q (y), 1 to 9. Default 2.
     pub degree: [usize; 2],
@@ -157,7 +151,7 @@ pub struct FitOptions {
     pub inset: f64,
     /// Axes of the patch. `None`: as `Auto`, but normals that all point down are refused as inward.
     pub frame: Option<FrameChoice>,
-    /// Level of the intervals. Default 0.95.
+    /// Confidence level of the intervals. Default 0.95.
     pub level: f64,
 }
 
@@ -179,6 +173,111 @@ impl Default for FitOptions {
             frame: None,
             level: 0.95,
         }
+    }
+}
+
+/// Every option has a method that changes it, so that options can be written in one expression:
+///
+/// ```
+/// use palpate::fit::{FitOptions, Method, Objective, SlopeWeights};
+///
+/// let options = FitOptions::default()
+///     .with_degree(3)
+///     .with_segments(4, 4)
+///     .with_objective(Objective::Slopes(SlopeWeights::Tangent))
+///     .with_method(Method::Qr)
+///     .with_grid(16, 16);
+/// assert_eq!((options.degree, options.grid), ([3, 3], [16, 16]));
+/// ```
+impl FitOptions {
+    /// With this degree in both directions; [`FitOptions::with_degrees`] takes two.
+    pub fn with_degree(self, degree: usize) -> FitOptions {
+        self.with_degrees(degree, degree)
+    }
+
+    /// With these degrees in x and y.
+    pub fn with_degrees(mut self, x: usize, y: usize) -> FitOptions {
+        self.degree = [x, y];
+        self
+    }
+
+    /// With this many uniform segments in x and y; knots given before are dropped.
+    pub fn with_segments(mut self, x: usize, y: usize) -> FitOptions {
+        self.segments = [x, y];
+        self.knots = None;
+        self
+    }
+
+    /// With these full clamped knot vectors in x and y, input units, instead of uniform segments.
+    pub fn with_knots(mut self, x: Vec<f64>, y: Vec<f64>) -> FitOptions {
+        self.knots = Some([x, y]);
+        self
+    }
+
+    /// With this domain `[x0, x1, y0, y1]`, input units, instead of the contacts' bounding box.
+    pub fn with_domain(mut self, domain: [f64; 4]) -> FitOptions {
+        self.domain = Some(domain);
+        self
+    }
+
+    /// With this many points of the shape grid in x and y.
+    pub fn with_grid(mut self, x: usize, y: usize) -> FitOptions {
+        self.grid = [x, y];
+        self
+    }
+
+    /// With these axes of the patch.
+    pub fn with_frame(mut self, frame: FrameChoice) -> FitOptions {
+        self.frame = Some(frame);
+        self
+    }
+
+    /// With this as the kind of surface.
+    pub fn with_surface(mut self, surface: SurfaceKind) -> FitOptions {
+        self.surface = surface;
+        self
+    }
+
+    /// With these as the directions u, v in which a parametric surface closes on itself.
+    pub fn with_closed(mut self, closed: [bool; 2]) -> FitOptions {
+        self.closed = closed;
+        self
+    }
+
+    /// With this as what is minimised.
+    pub fn with_objective(mut self, objective: Objective) -> FitOptions {
+        self.objective = objective;
+        self
+    }
+
+    /// With this as how the least squares problem is solved.
+    pub fn with_method(mut self, method: Method) -> FitOptions {
+        self.method = method;
+        self
+    }
+
+    /// With this as the roughness penalty.
+    pub fn with_smooth(mut self, smooth: Smooth) -> FitOptions {
+        self.smooth = smooth;
+        self
+    }
+
+    /// With this as the loss.
+    pub fn with_robust(mut self, robust: Robust) -> FitOptions {
+        self.robust = robust;
+        self
+    }
+
+    /// With this as the fraction of each side cut at every edge of the shape grid.
+    pub fn with_inset(mut self, inset: f64) -> FitOptions {
+        self.inset = inset;
+        self
+    }
+
+    /// With this as the confidence level of the intervals.
+    pub fn with_level(mut self, level: f64) -> FitOptions {
+        self.level = level;
+        self
     }
 }
 

@@ -146,7 +146,7 @@ fn check_header(file: &str, line: usize, header: &str, names: &[Cow<str>]) -> Re
 /// Writes contacts with the shortest decimal that reads back to the same number.
 pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: &mut dyn Write) -> std::io::Result<()> {
     if let Some(remark) = remark {
-        writeln!(out, "# {}", super::write::one_line(remark))?;
+        writeln!(out, "# {}", super::remark::one_line(remark))?;
     }
     let columns = columns_of(contacts);
     let names: Vec<&str> = columns.iter().map(|(column, _)| column.name()).collect();

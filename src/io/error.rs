@@ -18,7 +18,7 @@ pub enum IoError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Nothing, or nothing but comments.
+    /// A file with nothing in it but comments.
     #[error("{file}: empty; contacts need a header such as x,y,z,nx,ny,nz and one row each")]
     Empty {
         /// Name of the input.
@@ -101,7 +101,7 @@ pub enum IoError {
         expected: usize,
     },
     /// A field is no number.
-    #[error("{file}, {place}, column {column}: {text:?} is not a number; write one such as -0.25 (or --skip-invalid)")]
+    #[error("{file}, {place}, column {column}: {text:?} is not a number; write one such as -0.25")]
     NotANumber {
         /// Name of the input.
         file: String,
@@ -113,7 +113,7 @@ pub enum IoError {
         text: String,
     },
     /// A field is NaN or infinite.
-    #[error("{file}, {place}, column {column}: {value} is not finite (--skip-invalid leaves such rows out)")]
+    #[error("{file}, {place}, column {column}: {value} is not finite")]
     NotFinite {
         /// Name of the input.
         file: String,
@@ -125,7 +125,7 @@ pub enum IoError {
         value: f64,
     },
     /// A normal without direction.
-    #[error("{file}, {place}: the normal (nx,ny,nz) is zero; any other length will do (or --skip-invalid)")]
+    #[error("{file}, {place}: the normal (nx,ny,nz) is zero; any other length will do")]
     ZeroNormal {
         /// Name of the input.
         file: String,
@@ -144,7 +144,7 @@ pub enum IoError {
         /// The value.
         value: f64,
     },
-    /// A finger or station that is no count.
+    /// A finger or station that is not a whole number.
     #[error("{file}, {place}, column {column}: {value} is not a label; use whole numbers from 0 to 4294967295")]
     Label {
         /// Name of the input.
@@ -190,7 +190,7 @@ pub enum IoError {
         /// What is wrong and what would be right.
         what: String,
     },
-    /// A saved surface that is none.
+    /// A file that is not a saved surface.
     #[error("{file}: not a saved surface: {what}; `palpate fit --save F` writes one")]
     Surface {
         /// Name of the input.
@@ -214,6 +214,18 @@ pub enum IoError {
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+impl IoError {
+    /// Options of reading that may help.
+    pub fn remedies(&self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            IoError::NotANumber { .. } | IoError::NotFinite { .. } | IoError::ZeroNormal { .. } => {
+                &[("skip_invalid", "")]
+            }
+            _ => &[],
+        }
+    }
 }
 
 fn skipped_words(skipped: usize) -> String {

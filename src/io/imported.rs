@@ -1,8 +1,8 @@
 //! A saved fit as a surface to be touched: `z = S(x, y)` of a height field read back from its JSON.
 //!
-//! Its derivatives are the spline's own, so a fit of the contacts made on it has no model error by construction: an
-//! inverse crime, which every output of such a scene says. The surface lies where it was fitted, in input units; one
-//! fitted in a turned frame is touched along that frame's axes.
+//! Its derivatives are the spline's own, so a fit of the contacts made on it has no model error by construction. That is
+//! an inverse crime, and every output of such a scene says so. The surface lies where it was fitted, in input units; one
+//! that was fitted in a rotated frame is touched along that frame's axes.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -52,6 +52,9 @@ pub fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn Importe
     }
     match saved.surface {
         AnySurface::Height(surface) => Ok(Arc::new(SavedHeights { label: file.to_string(), surface })),
-        _ => Err("a surface in space is not one height over each x and y; save a fit with --surface height".into()),
+        _ => Err(
+            "a parametric surface has not one height over each x and y; save a fit whose surface is of the kind height"
+                .into(),
+        ),
     }
 }

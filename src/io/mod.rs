@@ -18,6 +18,7 @@ mod npz;
 mod npz_writer;
 mod place;
 mod ply;
+mod remark;
 pub mod scene_file;
 mod surface_file;
 mod write;

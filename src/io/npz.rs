@@ -194,8 +194,8 @@ pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: impl Write +
         npz.add(column.name(), &[values.len()], values.iter().copied())?;
     }
     if let Some(remark) = remark {
-        let name: Vec<&str> = remark.split(':').next().unwrap_or(remark).split_whitespace().collect();
-        npz.add(&name.join("_"), &[contacts.len()], std::iter::repeat_n(1.0, contacts.len()))?;
+        let ones = std::iter::repeat_n(1.0, contacts.len());
+        npz.add(&super::remark::array_name(remark), &[contacts.len()], ones)?;
     }
     npz.finish().map(drop)
 }

@@ -59,7 +59,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Vertex>::new();
-    let header = parser.read_header(&mut reader).map_err(|e| wrong(super::write::one_line(&e.to_string())))?;
+    let header = parser.read_header(&mut reader).map_err(|e| wrong(super::remark::one_line(&e.to_string())))?;
     let header_lines = reader.line();
     let payload: &[u8] = reader.get_ref();
     check_header(&bytes[..bytes.len() - payload.len()], &header, payload.len() as u64).map_err(wrong)?;
@@ -145,7 +145,7 @@ fn read_binary(
     for (name, element) in &header.elements {
         let rows = parser
             .read_payload_for_element(reader, element, header)
-            .map_err(|e| super::write::one_line(&e.to_string()))?;
+            .map_err(|e| super::remark::one_line(&e.to_string()))?;
         if name == "vertex" {
             for column in COLUMNS {
                 if let Some(values) = columns.get_mut(column) {
@@ -233,7 +233,7 @@ pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: &mut dyn Wri
     let mut ply = Ply::<DefaultElement>::new();
     ply.header.encoding = Encoding::BinaryLittleEndian;
     ply.header.comments.push("contacts of palpate".into());
-    ply.header.comments.extend(remark.map(super::write::one_line));
+    ply.header.comments.extend(remark.map(super::remark::one_line));
     ply.header.elements.add(vertex);
     let mut bytes = Vec::new();
     Writer::<DefaultElement>::new().write_header(&mut bytes, &ply.header)?;

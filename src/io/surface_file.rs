@@ -57,7 +57,7 @@ pub struct SavedSurface {
 pub enum Coefficient {
     /// Of a height field.
     Height(f64),
-    /// Of a surface in space.
+    /// Of a parametric surface.
     Space([f64; 3]),
 }
 

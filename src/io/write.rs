@@ -61,8 +61,3 @@ pub fn write_contacts(
     }
     out.flush()
 }
-
-/// Without line ends, which would end a comment.
-pub(super) fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}

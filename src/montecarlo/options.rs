@@ -2,11 +2,11 @@
 
 /// Number of replicates of a study and confidence level of its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StudyOptions {
     /// Replicates. Default 10,000.
     pub replicates: u64,
-    /// Level of the intervals, in (0, 1). Default 0.95.
+    /// Confidence level of the intervals, in (0, 1). Default 0.95.
     pub level: f64,
 }
 

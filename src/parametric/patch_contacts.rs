@@ -27,7 +27,7 @@ impl PatchContacts {
     pub fn new(contacts: &Contacts) -> Result<PatchContacts, FitError> {
         contacts.check()?;
         if contacts.orientation == Orientation::None {
-            return Err(FitError::Objective { objective: "--surface parametric", needed: "normals or slopes" });
+            return Err(FitError::Objective { objective: "a parametric surface", needed: "normals or slopes" });
         }
         let count = contacts.len();
         let weight = |column: &Option<Vec<f64>>, r: usize| column.as_ref().map_or(1.0, |w| w[r]);

@@ -1,5 +1,5 @@
-//! `palpate.fit/1`: the keys of the JSON that others rely on. Lengths in input units, angles in degrees, `null` where
-//! undefined. New keys may come to stand beside these; none is taken away without a new version.
+//! `palpate.fit/1`: the keys of the JSON that others rely on. Lengths are in input units, angles in degrees; what is
+//! undefined is `null`. New keys may be added beside these; none is taken away without a new version.
 
 use std::fmt;
 
@@ -43,10 +43,10 @@ pub struct FitPart {
     /// Which kind of surface it is and why, where that was a question.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chosen: Option<ChosenPart>,
-    /// Certificate of a surface in space.
+    /// Certificate of a parametric surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parametric: Option<ParametricPart>,
-    /// Noise levels, declared or estimated.
+    /// Standard deviations of the noise, declared or estimated.
     pub sigma: Option<SigmaPart>,
     /// Method that gave the answer.
     pub method: String,
@@ -62,7 +62,7 @@ pub struct FitPart {
     pub condition: Option<f64>,
     /// Oettli-Prager backward error of the augmented system.
     pub backward_error: Option<f64>,
-    /// Decimal digits that the answer has at least; `null` for a surface in space, which promises none.
+    /// Decimal digits that the answer has at least; `null` for a parametric surface, which guarantees none.
     #[serde(default)]
     pub promise: Option<PromisePart>,
     /// Refinement steps from the rows.
@@ -76,7 +76,7 @@ pub struct FitPart {
     pub notes: Vec<String>,
 }
 
-/// Decimal digits promised, as an exact solution of the written problem would have them.
+/// Decimal digits that agree for certain with the exact solution of the written problem.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PromisePart {
     /// Of the coefficients, relative to the largest.
@@ -98,7 +98,7 @@ pub struct ChosenPart {
     pub reason: String,
 }
 
-/// Certificate of a surface in space.
+/// Certificate of a parametric surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ParametricPart {
     /// How the contacts were flattened.
@@ -111,21 +111,22 @@ pub struct ParametricPart {
     pub folds_refused: usize,
     /// Smallest Jacobian where contacts reach, over the mean one.
     pub smallest_jacobian: f64,
-    /// The map turns over nowhere.
+    /// The surface folds back on itself nowhere.
     pub fold_free: bool,
     /// Contacts stand in the order of their stations; `null` without stations.
-    pub lanes_monotone: Option<bool>,
+    #[serde(rename = "lanes_monotone")]
+    pub fingers_monotone: Option<bool>,
     /// Contacts whose normal is against the surface.
     pub against: usize,
-    /// Largest curvature over the largest that neighbouring contacts can have felt there.
+    /// Largest curvature of the surface, divided by the largest that the normals of neighbouring contacts show there.
     pub bending: f64,
-    /// Times fairness was raised tenfold because that was above 2.5.
+    /// How often the fairness was raised tenfold because that ratio was above 2.5.
     pub fairness_raised: usize,
     /// Directions that close.
     pub closed: [bool; 2],
 }
 
-/// Noise levels.
+/// Standard deviations of the noise.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SigmaPart {
     /// Of z, input units.
@@ -147,7 +148,7 @@ pub struct RmsPart {
     pub zx: Option<f64>,
     /// Slopes in y.
     pub zy: Option<f64>,
-    /// Turn of the normals, degrees (surfaces in space, whose `z` is the distance to them).
+    /// Angle between the normals and the surface's, degrees (parametric surfaces, whose `z` is the distance to them).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_deg: Option<f64>,
 }
@@ -175,7 +176,7 @@ pub struct ShapePart {
     pub k2: SpreadPart,
     /// Direction of k1 at the centre, from +x towards +y, in [0, 180).
     pub direction_deg: Option<f64>,
-    /// Unit direction of k1 in space at the centre (surfaces in space).
+    /// Unit direction of k1 in space at the centre (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
     /// Points used / grid points.

@@ -1,10 +1,15 @@
-//! A surface in space as tables: its maps over (u, v), and its values at the user's own (u, v).
+//! A parametric surface as tables: its maps over (u, v), and its values at (u, v) of the user's choice.
 
 use std::io::Write;
 
 use serde::Serialize;
 
-use crate::shape::ParametricMaps;
+use crate::io::Points;
+use crate::shape::{ParametricMaps, UvSupport};
+use crate::surface::Parametric;
+
+use super::json::write_json;
+use super::point_table::PointTable;
 
 /// Point, normal and shape at one (u, v). Input units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,6 +36,47 @@ pub struct ParametricPointShape {
     /// Curvedness.
     #[serde(rename = "R")]
     pub curvedness: Option<f64>,
+}
+
+/// A parametric surface at given (u, v), which are read under the names x and y.
+#[derive(Serialize)]
+pub(super) struct ParametricPoints {
+    schema: &'static str,
+    points: Vec<ParametricPointShape>,
+}
+
+impl ParametricPoints {
+    pub(super) fn of(surface: &Parametric, support: &UvSupport, places: &Points) -> ParametricPoints {
+        let points = places.x.iter().zip(&places.y).map(|(u, v)| point(surface, support, *u, *v)).collect();
+        ParametricPoints { schema: "palpate.space_points/1", points }
+    }
+}
+
+impl PointTable for ParametricPoints {
+    fn write_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_parametric_points_csv(&self.points, out)
+    }
+
+    fn write_json(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_json(self, out)
+    }
+}
+
+fn point(surface: &Parametric, support: &UvSupport, u: f64, v: f64) -> ParametricPointShape {
+    let here = surface.at(u, v);
+    let principal = here.principal();
+    ParametricPointShape {
+        u,
+        v,
+        inside: support.holds(u, v),
+        point: here.point,
+        normal: principal.map(|p| p.normal),
+        k1: principal.map(|p| p.k1),
+        k2: principal.map(|p| p.k2),
+        direction: principal.map(|p| p.direction1),
+        shape_index: principal.and_then(|p| p.shape_index()),
+        curvedness: principal.map(|p| p.curvedness()),
+    }
 }
 
 const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R\n";

@@ -18,7 +18,7 @@ pub struct PictureOptions<'a> {
     pub title: &'a str,
     /// x and y of the contacts, in the coordinates of the maps' grid; drawn where few enough to be told apart.
     pub contacts: Option<(&'a [f64], &'a [f64])>,
-    /// What the axes are called: x, y of a height field, u, v of a surface in space.
+    /// What the axes are called: x, y of a height field, u, v of a parametric surface.
     pub axes: [&'a str; 2],
 }
 

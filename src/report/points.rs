@@ -1,8 +1,16 @@
-//! The surface at the user's own points: `show --at`.
+//! A height field at places of the user's choice: `show --at`.
 
 use std::io::Write;
 
 use serde::Serialize;
+
+use crate::contact::Frame;
+use crate::curvature::principal_curvatures;
+use crate::io::Points;
+use crate::surface::HeightField;
+
+use super::json::write_json;
+use super::point_table::PointTable;
 
 /// Heights, slopes, normal and shape at one point. Input units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,6 +39,55 @@ pub struct PointShape {
     /// Curvedness.
     #[serde(rename = "R")]
     pub curvedness: Option<f64>,
+}
+
+/// A height field at given places.
+#[derive(Serialize)]
+pub(super) struct HeightPoints {
+    schema: &'static str,
+    /// Axes of the frame that the places lie along.
+    axes: [[f64; 3]; 3],
+    points: Vec<PointShape>,
+}
+
+impl HeightPoints {
+    pub(super) fn of(surface: &HeightField, frame: &Frame, places: &Points) -> HeightPoints {
+        let points = places.x.iter().zip(&places.y).map(|(x, y)| point(surface, frame, *x, *y)).collect();
+        HeightPoints { schema: "palpate.points/1", axes: frame.axes, points }
+    }
+}
+
+impl PointTable for HeightPoints {
+    fn write_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_points_csv(&self.points, out)
+    }
+
+    fn write_json(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_json(self, out)
+    }
+}
+
+fn point(surface: &HeightField, frame: &Frame, x: f64, y: f64) -> PointShape {
+    let here = surface.at(x, y);
+    let principal = principal_curvatures(&here.derivatives());
+    let within = |k: usize, v: f64| {
+        let [lo, hi] = surface.knots()[k].domain();
+        (lo..=hi).contains(&v)
+    };
+    let normal = here.normal();
+    PointShape {
+        x,
+        y,
+        inside: within(0, x) && within(1, y),
+        z: here.z,
+        zx: here.zx,
+        zy: here.zy,
+        normal: if frame.keeps_axes() { normal } else { frame.rotate_back(normal) },
+        k1: principal.map(|p| p.k1),
+        k2: principal.map(|p| p.k2),
+        shape_index: principal.and_then(|p| p.shape_index()),
+        curvedness: principal.map(|p| p.curvedness()),
+    }
 }
 
 /// `x,y,inside,z,zx,zy,nx,ny,nz,k1,k2,S,R`, one row a point, empty where undefined.

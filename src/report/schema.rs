@@ -11,7 +11,7 @@ use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
-    let samples: Vec<Value> = [full(), bare(), emptied(), in_space(), without_lanes()]
+    let samples: Vec<Value> = [full(), bare(), emptied(), in_space(), without_labels()]
         .iter()
         .filter_map(|d| serde_json::to_value(d).ok())
         .collect();
@@ -138,7 +138,7 @@ fn full() -> FitDocument {
     }
 }
 
-/// A surface in space.
+/// A parametric surface.
 fn in_space() -> FitDocument {
     let mut document = full();
     document.fit.chosen = None;
@@ -151,7 +151,7 @@ fn in_space() -> FitDocument {
         fold_free: true,
         bending: 1.2,
         fairness_raised: 0,
-        lanes_monotone: Some(true),
+        fingers_monotone: Some(true),
         against: 1,
         closed: [false; 2],
     });
@@ -162,10 +162,10 @@ fn in_space() -> FitDocument {
     document
 }
 
-/// A surface in space whose contacts nobody labelled.
-fn without_lanes() -> FitDocument {
+/// A parametric surface whose contacts have no finger and station.
+fn without_labels() -> FitDocument {
     let mut document = in_space();
-    document.fit.parametric.iter_mut().for_each(|part| part.lanes_monotone = None);
+    document.fit.parametric.iter_mut().for_each(|part| part.fingers_monotone = None);
     document
 }
 

@@ -18,26 +18,26 @@ pub(crate) fn tangents(n: Vector) -> (Vector, Vector) {
 }
 
 #[inline]
-pub(crate) fn turned(m: &Matrix, v: Vector) -> Vector {
+pub(crate) fn rotated(m: &Matrix, v: Vector) -> Vector {
     [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
 }
 
 /// The transposed (for a rotation: inverse) matrix times `v`.
 #[inline]
-pub(crate) fn turned_back(m: &Matrix, v: Vector) -> Vector {
+pub(crate) fn rotated_back(m: &Matrix, v: Vector) -> Vector {
     [0, 1, 2].map(|k| m[0][k] * v[0] + m[1][k] * v[1] + m[2][k] * v[2])
 }
 
 pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    a.map(|row| turned_back(b, row))
+    a.map(|row| rotated_back(b, row))
 }
 
-/// `(sin, cos)` of degrees, exact at multiples of 90 and symmetric about 45: a cylinder turned by 90 degrees has
+/// `(sin, cos)` of degrees, exact at multiples of 90 and symmetric about 45: a cylinder rotated by 90 degrees has
 /// slopes of exactly zero along its generators.
 pub(crate) fn sin_cos_deg(degrees: f64) -> (f64, f64) {
-    let turn = degrees.rem_euclid(360.0);
-    let quarter = (turn / 90.0).floor();
-    let rest = turn - 90.0 * quarter;
+    let angle = degrees.rem_euclid(360.0);
+    let quarter = (angle / 90.0).floor();
+    let rest = angle - 90.0 * quarter;
     let (s, c) = if rest <= 45.0 {
         rest.to_radians().sin_cos()
     } else {

@@ -40,10 +40,10 @@ pub fn solve(
     let refuse = |why| Err(FitError::Method { method: used.name(), why });
     let DataSites::Gridded(sites) = &equations.sites else { return refuse("needs a grid") };
     if free.pinned().is_some() {
-        return refuse("needs heights: without them use --method auto");
+        return refuse("needs heights: without them use method = auto");
     }
     if !free.is_empty() {
-        return refuse("needs data under every coefficient: this grid has gaps, use --method auto");
+        return refuse("needs data under every coefficient: this grid has gaps, use method = auto");
     }
     let exact = matches!(&equations.row_weights, RowWeights::Uniform(m) if m.b == 0.0) && equations.roughness.is_none();
     if method == GridMethod::Direct && !exact {

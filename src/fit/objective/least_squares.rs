@@ -45,7 +45,7 @@ fn choose_rows(data: &Data, options: &FitOptions) -> Result<Rows, FitError> {
         Objective::Normals(sigma) => Rows::Normals(sigma),
     };
     if matches!(rows, Rows::Normals(_)) && !data.has_orientation() {
-        return Err(FitError::Objective { objective: "--sigma", needed: "normals or slopes" });
+        return Err(FitError::Objective { objective: "sigma", needed: "normals or slopes" });
     }
     Ok(rows)
 }

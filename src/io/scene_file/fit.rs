@@ -1,24 +1,21 @@
-//! `[fit]`: the same words as on the command line.
+//! `[fit]`: the options of a fit, in the same words as on the command line.
 
 use super::SceneFileError;
 use super::section::{Section, as_array, as_count, as_number};
+use crate::bspline::MAX_DEGREE;
 use crate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
-
-/// Highest degree of the splines.
-const MAX_DEGREE: u64 = 9;
 
 /// Options of a scene: those of a fit, but `tangent` weights when neither weights nor sigma stand there.
 pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileError> {
     let mut fit = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
     let Some(section) = section else { return Ok(fit) };
-    let kinds = [("height", SurfaceKind::Height), ("parametric", SurfaceKind::Parametric), ("auto", SurfaceKind::Auto)];
-    fit.surface = choice(&section, "surface", &kinds)?.unwrap_or_default();
+    fit.surface = choice(&section, "surface", SurfaceKind::WORDS)?.unwrap_or_default();
     let closed = [("u", [true, false]), ("v", [false, true]), ("u,v", [true, true])];
     fit.closed = choice(&section, "closed", &closed)?.unwrap_or_default();
     if fit.surface == SurfaceKind::Parametric {
         fit.degree = [3, 3];
     }
-    if let Some(degree) = one_or_pair(&section, "degree", 1, MAX_DEGREE)? {
+    if let Some(degree) = one_or_pair(&section, "degree", 1, MAX_DEGREE as u64)? {
         fit.degree = degree;
     }
     if let Some(segments) = one_or_pair(&section, "segments", 1, u64::from(u32::MAX))? {
@@ -33,17 +30,9 @@ pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileErro
     }
     fit.inset = read_inset(&section)?;
     fit.smooth = read_smooth(&section)?;
-    let methods = [
-        ("auto", Method::Auto),
-        ("cholesky", Method::Cholesky),
-        ("qr", Method::Qr),
-        ("kronecker", Method::Kronecker),
-        ("pcg", Method::Pcg),
-    ];
-    fit.method = choice(&section, "method", &methods)?.unwrap_or_default();
-    let losses = [("none", Robust::None), ("huber", Robust::Huber), ("tukey", Robust::Tukey)];
-    fit.robust = choice(&section, "robust", &losses)?.unwrap_or_default();
-    fit.frame = choice(&section, "frame", &[("keep", FrameChoice::Keep), ("auto", FrameChoice::Auto)])?;
+    fit.method = choice(&section, "method", Method::WORDS)?.unwrap_or_default();
+    fit.robust = choice(&section, "robust", Robust::WORDS)?.unwrap_or_default();
+    fit.frame = choice(&section, "frame", FrameChoice::WORDS)?;
     if let Some(level) = read_level(&section)? {
         fit.level = level;
     }
@@ -90,31 +79,24 @@ fn read_objective(section: &Section) -> Result<Option<Objective>, SceneFileError
     }
     if let Some(value) = weights {
         if as_array(value).is_none() {
-            let presets = [
-                ("auto", SlopeWeights::Auto),
-                ("tangent", SlopeWeights::Tangent),
-                ("position", SlopeWeights::Position),
-                ("equal", SlopeWeights::Equal),
-            ];
-            return Ok(choice(section, "weights", &presets)?.map(Objective::Slopes));
+            return Ok(choice(section, "weights", SlopeWeights::WORDS)?.map(Objective::Slopes));
         }
         let numbers: Option<[f64; 3]> = section.several("weights")?;
-        return match numbers {
-            Some(w) if w.iter().all(|v| v.is_finite() && *v >= 0.0) && w.iter().any(|v| *v > 0.0) => {
-                Ok(Some(Objective::Slopes(SlopeWeights::Explicit(w))))
+        return match numbers.and_then(SlopeWeights::explicit) {
+            Some(weights) => Ok(Some(Objective::Slopes(weights))),
+            None => {
+                Err(section.value_error("weights", value, "three weights of zero or more, not all zero, are needed"))
             }
-            _ => Err(section.value_error("weights", value, "three weights of zero or more, not all zero, are needed")),
         };
     }
     let Some(value) = sigma else { return Ok(None) };
     if as_array(value).is_none() {
-        return Ok(choice(section, "sigma", &[("auto", NormalSigma::Auto)])?.map(Objective::Normals));
+        return Ok(choice(section, "sigma", NormalSigma::WORDS)?.map(Objective::Normals));
     }
-    match section.several("sigma")? {
-        Some([z, normal_deg]) if z > 0.0 && normal_deg > 0.0 && z.is_finite() && normal_deg.is_finite() => {
-            Ok(Some(Objective::Normals(NormalSigma::Known { z, normal_deg })))
-        }
-        _ => Err(section.value_error("sigma", value, "\"auto\" or [Z, DEG], both greater than zero, is needed")),
+    let known = section.several("sigma")?.and_then(|[z, normal_deg]| NormalSigma::known(z, normal_deg));
+    match known {
+        Some(sigma) => Ok(Some(Objective::Normals(sigma))),
+        None => Err(section.value_error("sigma", value, "\"auto\" or [Z, DEG], both greater than zero, is needed")),
     }
 }
 
@@ -130,10 +112,10 @@ fn read_inset(section: &Section) -> Result<f64, SceneFileError> {
 
 fn read_smooth(section: &Section) -> Result<Smooth, SceneFileError> {
     let Some(value) = section.get("smooth") else { return Ok(Smooth::default()) };
-    match as_number(value) {
-        Some(lambda) if lambda >= 0.0 && lambda.is_finite() => Ok(Smooth::Lambda(lambda)),
-        Some(_) => Err(section.value_error("smooth", value, "a lambda of zero or more is needed")),
-        None => Ok(choice(section, "smooth", &[("none", Smooth::None), ("auto", Smooth::Auto)])?.unwrap_or_default()),
+    match as_number(value).map(Smooth::lambda) {
+        Some(Some(smooth)) => Ok(smooth),
+        Some(None) => Err(section.value_error("smooth", value, "a lambda of zero or more is needed")),
+        None => Ok(choice(section, "smooth", Smooth::WORDS)?.unwrap_or_default()),
     }
 }
 

@@ -9,7 +9,7 @@
 //! (Y. Nakamura, H. Hanafusa, *J. Dyn. Sys. Meas. Control* 108 (1986) 163) from the last solution, then from a lattice
 //! of starts.
 
-use crate::scene::vector::{Matrix, Vector, along, cross, norm, product, sin_cos_deg, turned};
+use crate::scene::vector::{Matrix, Vector, along, cross, norm, product, rotated, sin_cos_deg};
 
 /// One joint and the link behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,11 +33,11 @@ pub struct Arm {
     pub links: Vec<Link>,
 }
 
-/// Where the arm ends and how it is turned.
+/// Where the arm ends, and the rotation of its last link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
     pub point: Vector,
-    pub turn: Matrix,
+    pub rotation: Matrix,
 }
 
 impl Arm {
@@ -56,16 +56,16 @@ impl Arm {
 
     /// Pose of the tip's centre for joint angles in radians; `axes` gets each joint's origin and axis.
     pub(crate) fn forward(&self, joints: &[f64], mut axes: Option<&mut Vec<(Vector, Vector)>>) -> Pose {
-        let mut pose = Pose { point: self.base, turn: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+        let mut pose = Pose { point: self.base, rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
         for (link, angle) in self.links.iter().zip(joints) {
-            let axis = [pose.turn[0][2], pose.turn[1][2], pose.turn[2][2]];
+            let axis = [pose.rotation[0][2], pose.rotation[1][2], pose.rotation[2][2]];
             if let Some(axes) = axes.as_deref_mut() {
                 axes.push((pose.point, axis));
             }
             let (s, c) = (angle + link.theta_deg.to_radians()).sin_cos();
             let (sa, ca) = sin_cos_deg(link.alpha_deg);
-            pose.point = along(pose.point, 1.0, turned(&pose.turn, [link.a * c, link.a * s, link.d]));
-            pose.turn = product(&pose.turn, &[[c, -s * ca, s * sa], [s, c * ca, -c * sa], [0.0, sa, ca]]);
+            pose.point = along(pose.point, 1.0, rotated(&pose.rotation, [link.a * c, link.a * s, link.d]));
+            pose.rotation = product(&pose.rotation, &[[c, -s * ca, s * sa], [s, c * ca, -c * sa], [0.0, sa, ca]]);
         }
         pose
     }

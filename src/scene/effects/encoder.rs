@@ -7,7 +7,7 @@
 //!
 //! `resolution_deg` (0: none) and `sigma_deg` of every joint, degrees. `base` and `links` (Denavit-Hartenberg: a,
 //! alpha_deg, d, theta_deg) describe the arm; without them three joints stand beside the patch, at the patch's scale.
-//! The force sensor rides on the last link, so the normal turns with it. The joint angles are those of the touched
+//! The force sensor rides on the last link, so the normal rotates with it. The joint angles are those of the touched
 //! site; without sigma the error of a site is the same in every repeat and replicate.
 //! Source: the paper's section 6 (joint angles of a 3-DOF arm); Denavit-Hartenberg as in [`Arm`]. Leaves out: link
 //! lengths that are wrong, bending, backlash.
@@ -17,7 +17,7 @@ use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative};
-use crate::scene::vector::{Vector, along, norm, turned, turned_back};
+use crate::scene::vector::{Vector, along, norm, rotated, rotated_back};
 
 /// Joints beyond this are no arm (and would exceed an effect's draws per contact).
 const MAX_JOINTS: usize = 32;
@@ -102,7 +102,7 @@ impl Prepared {
     fn misread(&self, contact: usize, read: &[f64], normal: Vector) -> (Vector, Vector) {
         let (pose, true_pose) = (self.arm.forward(read, None), &self.poses[contact]);
         let moved = along(pose.point, -1.0, true_pose.point);
-        (moved, turned(&pose.turn, turned_back(&true_pose.turn, normal)))
+        (moved, rotated(&pose.rotation, rotated_back(&true_pose.rotation, normal)))
     }
 }
 

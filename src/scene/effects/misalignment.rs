@@ -8,7 +8,7 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite};
-use crate::scene::vector::{Matrix, along, rotation, turned};
+use crate::scene::vector::{Matrix, along, rotated, rotation};
 
 /// Error of the robot's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Misalignment {
 struct Prepared {
     of: Misalignment,
     /// Rotation less identity, so that the smallest angle keeps its digits.
-    turn: Matrix,
+    rotation: Matrix,
 }
 
 impl Misalignment {
@@ -33,11 +33,11 @@ impl Misalignment {
         if self.rotation_deg == [0.0; 3] && self.translation == [0.0; 3] {
             return Ok(None);
         }
-        let mut turn = rotation(self.rotation_deg);
-        for (k, row) in turn.iter_mut().enumerate() {
+        let mut less_identity = rotation(self.rotation_deg);
+        for (k, row) in less_identity.iter_mut().enumerate() {
             row[k] -= 1.0;
         }
-        Ok(Some(Box::new(Prepared { of: *self, turn })))
+        Ok(Some(Box::new(Prepared { of: *self, rotation: less_identity })))
     }
 }
 
@@ -60,10 +60,10 @@ impl Stage for Prepared {
 
     fn apply(&self, batch: &mut ContactBatch, _draws: &EffectDraws) {
         for point in &mut batch.points {
-            *point = along(along(*point, 1.0, turned(&self.turn, *point)), 1.0, self.of.translation);
+            *point = along(along(*point, 1.0, rotated(&self.rotation, *point)), 1.0, self.of.translation);
         }
         for normal in &mut batch.normals {
-            *normal = along(*normal, 1.0, turned(&self.turn, *normal));
+            *normal = along(*normal, 1.0, rotated(&self.rotation, *normal));
         }
     }
 }

@@ -11,7 +11,7 @@
 use crate::curvature;
 use crate::scene::vector::{Vector, dot, norm, tangents};
 
-/// How the surface is turned and bent at one of its points.
+/// Normal and curvatures of a surface at one of its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
     /// Unit normal towards the free side.

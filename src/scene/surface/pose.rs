@@ -1,9 +1,9 @@
 //! Where a body stands: `P = offset + Rz(rz) Ry(ry) Rx(rx) Rz(axis) p`, angles in degrees.
 //!
-//! `axis_deg` turns the body about its own z axis before anything else (a cylinder's generators from +x towards +y).
+//! `axis_deg` rotates the body about its own z axis before anything else (a cylinder's generators from +x towards +y).
 //! When rx = ry = 0 the body stands upright: its closed-form height is used with an exact plane rotation.
 
-use crate::scene::vector::{Matrix, Vector, product, rotation, turned, turned_back};
+use crate::scene::vector::{Matrix, Vector, product, rotated, rotated_back, rotation};
 
 /// Rotation and offset of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,24 +35,24 @@ impl Pose {
     /// A world point in body coordinates.
     #[inline]
     pub(crate) fn to_body(self, p: Vector) -> Vector {
-        turned_back(&self.matrix, [p[0] - self.offset[0], p[1] - self.offset[1], p[2] - self.offset[2]])
+        rotated_back(&self.matrix, [p[0] - self.offset[0], p[1] - self.offset[1], p[2] - self.offset[2]])
     }
 
     /// A point of the body in the world.
     pub(crate) fn to_world(self, p: Vector) -> Vector {
-        let turned = turned(&self.matrix, p);
-        [0, 1, 2].map(|k| turned[k] + self.offset[k])
+        let rotated = rotated(&self.matrix, p);
+        [0, 1, 2].map(|k| rotated[k] + self.offset[k])
     }
 
     /// A direction of the body in the world.
     #[inline]
     pub(crate) fn direction_to_world(self, v: Vector) -> Vector {
-        turned(&self.matrix, v)
+        rotated(&self.matrix, v)
     }
 
     /// A world direction in body coordinates.
     pub(crate) fn direction_to_body(self, v: Vector) -> Vector {
-        turned_back(&self.matrix, v)
+        rotated_back(&self.matrix, v)
     }
 
     /// Height of the body's origin above the world's z = 0.

@@ -1,58 +1,104 @@
-//! A finished surface in space put into words, numbers and pictures.
+//! A parametric surface described: what a fit found, or what a saved one still tells.
 
-use std::time::Instant;
+use std::borrow::Cow;
+use std::io::Write;
 
-use super::describe::{Destination, PICTURE_CELLS, Subject, headline, measure, shares, spread_part, tell};
-use super::failure::Failure;
-use crate::io::{ContactFormat, FIT_SCHEMA, Input, SavedFrame, SavedSurface, write_atomically, write_contacts};
+use crate::fit::FitError;
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
 use crate::parametric::ParametricFit;
-use crate::report::{
-    FitDocument, FitPart, ParametricPart, PictureOptions, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
-    write_json, write_maps_npz, write_parametric_maps_csv, write_picture,
-};
 use crate::scene::Truth;
-use crate::shape::{ParametricMaps, parametric_maps, uv_grid};
+use crate::shape::{ParametricMaps, UvSupport, parametric_maps, spread, uv_grid};
 use crate::surface::Parametric;
 
-/// Describes `fit` wherever the flags ask for it.
-pub(super) fn describe(fit: &ParametricFit, subject: &Subject, to: &Destination) -> Result<(), Failure> {
-    let clock = Instant::now();
-    let shape = fit.shape();
-    let seconds = Seconds {
-        read: subject.read,
-        fit: subject.fitted,
-        shape: clock.elapsed().as_secs_f64(),
-        total: subject.began.elapsed().as_secs_f64(),
-    };
-    let surface = fit.input_surface().map_err(|e| Failure::Input(format!("{}: {e}", subject.name)))?;
-    let document = document(fit, &surface, subject, seconds);
-    if let Some(path) = to.save {
-        write_atomically(path, &mut |out| write_json(&document, out))?;
+use super::description::{
+    Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
+};
+use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
+use super::maps::write_maps_npz;
+use super::parametric::write_parametric_maps_csv;
+use super::picture::{PictureOptions, write_picture};
+
+/// A parametric surface with its document and its maps.
+pub(super) struct ParametricDescription<'a> {
+    document: FitDocument,
+    surface: Cow<'a, Parametric>,
+    support: Cow<'a, UvSupport>,
+    maps: Cow<'a, ParametricMaps>,
+    /// Points of the shape grid per direction.
+    grid: [usize; 2],
+    /// (u, v) of the contacts, for the picture.
+    feet: Option<Vec<[f64; 2]>>,
+}
+
+impl<'a> ParametricDescription<'a> {
+    /// Describes a fit.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub(super) fn of_fit(
+        fit: &'a ParametricFit,
+        subject: &Subject,
+        seconds: Seconds,
+    ) -> Result<ParametricDescription<'a>, FitError> {
+        let surface = fit.input_surface()?;
+        Ok(ParametricDescription {
+            document: document(fit, &surface, subject, seconds),
+            surface: Cow::Owned(surface),
+            support: Cow::Owned(fit.input_support()),
+            maps: Cow::Borrowed(&fit.shape().maps),
+            grid: fit.options().grid,
+            feet: Some(fit.feet()),
+        })
     }
-    to.output.file("fit.json", &mut |out| write_json(&document, out))?;
-    to.output.file("maps.csv", &mut |out| write_parametric_maps_csv(&shape.maps, out))?;
-    to.output.file("maps.npz", &mut |out| write_maps_npz(&shape.maps.flat(), out))?;
-    if to.output.out.is_some() {
-        let fine = picture_maps(&surface, fit.options().grid, &fit.input_support());
-        let title = headline(subject.name, &document);
-        let (u, v): (Vec<f64>, Vec<f64>) = fit.feet().iter().map(|p| (p[0], p[1])).unzip();
-        let picture = PictureOptions { title: &title, contacts: Some((&u, &v)), axes: ["u", "v"] };
-        to.output.file("shape.svg", &mut |out| write_picture(&fine.flat(), &picture, out))?;
+
+    /// Describes a saved surface over a grid.
+    pub(super) fn of_saved(
+        surface: &'a Parametric,
+        support: &'a UvSupport,
+        mut document: FitDocument,
+        grid: ShownGrid,
+    ) -> ParametricDescription<'a> {
+        let knots = [0, 1].map(|k| &surface.knots()[k]);
+        let maps = parametric_maps(surface, uv_grid(knots, grid.points, grid.inset), support);
+        if grid.again {
+            take_again(&mut document, &spreads(&maps));
+        }
+        ParametricDescription {
+            document,
+            surface: Cow::Borrowed(surface),
+            support: Cow::Borrowed(support),
+            maps: Cow::Owned(maps),
+            grid: grid.points,
+            feet: None,
+        }
     }
-    if let Input::Contacts(contacts) = subject.input {
-        let remark = subject.truth.and_then(super::scene::remark);
-        to.output
-            .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
+}
+
+impl Description for ParametricDescription<'_> {
+    fn document(&self) -> &FitDocument {
+        &self.document
     }
-    tell(&document, subject.name, to)
+
+    fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_parametric_maps_csv(&self.maps, out)
+    }
+
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_npz(&self.maps.flat(), out)
+    }
+
+    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
+        let maps = picture_maps(&self.surface, self.grid, &self.support);
+        let title = headline(name, &self.document);
+        let feet: Option<(Vec<f64>, Vec<f64>)> =
+            self.feet.as_ref().map(|feet| feet.iter().map(|p| (p[0], p[1])).unzip());
+        let contacts = feet.as_ref().map(|(u, v)| (&u[..], &v[..]));
+        write_picture(&maps.flat(), &PictureOptions { title: &title, contacts, axes: ["u", "v"] }, out)
+    }
 }
 
 /// Maps over all of (u, v), fine enough to look at.
-pub(super) fn picture_maps(
-    surface: &Parametric,
-    grid: [usize; 2],
-    support: &crate::shape::UvSupport,
-) -> ParametricMaps {
+fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &UvSupport) -> ParametricMaps {
     let [least, most] = PICTURE_CELLS;
     let knots = [0, 1].map(|k| &surface.knots()[k]);
     parametric_maps(surface, uv_grid(knots, grid.map(|n| n.clamp(least, most)), 0.0), support)
@@ -91,7 +137,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             folds_refused: certificate.folds_refused,
             smallest_jacobian: certificate.smallest_jacobian,
             fold_free: certificate.fold_free,
-            lanes_monotone: certificate.fingers_monotone,
+            fingers_monotone: certificate.fingers_monotone,
             against: certificate.against,
             bending: certificate.bending,
             fairness_raised: certificate.fairness_raised,
@@ -120,7 +166,7 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
         notes.push("the descent was cut short before a minimum: S and R may still move".into());
     }
     if !certificate.fold_free {
-        notes.push("the map is not free of folds: do not trust S and R where it turns over".into());
+        notes.push("the map is not free of folds: do not trust S and R where it folds back".into());
     }
     if certificate.fairness_raised > 0 {
         notes.push(format!(
@@ -175,5 +221,12 @@ fn truth_part(fit: &ParametricFit, truth: &Truth) -> TruthPart {
         // a plane found has no S to be wrong about
         error_shape_index: mean(&error_s).map(f64::sqrt).filter(|_| fit.shape().shape_index.mean.is_some()),
         error_curvedness: mean(&error_r).map(f64::sqrt),
+    }
+}
+
+fn spreads(maps: &ParametricMaps) -> Again {
+    Again {
+        grid: [maps.grid.x.len(), maps.grid.y.len()],
+        spreads: [&maps.shape_index, &maps.curvedness, &maps.k1, &maps.k2].map(|map| spread(maps.defined(map))),
     }
 }

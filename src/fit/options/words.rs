@@ -1,0 +1,219 @@
+//! The words for the values of options. The command line, scene files and messages all take them from here.
+//!
+//! ```text
+//! a table (word, value) per option   ->   FromStr, Display, the list of words in a message
+//! ```
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::{FrameChoice, Method, NormalSigma, Robust, SlopeWeights, Smooth, SurfaceKind};
+
+/// A text that is no value of an option; says what would be one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownWord {
+    /// What would be right.
+    pub expected: String,
+}
+
+impl fmt::Display for UnknownWord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.expected)
+    }
+}
+
+impl std::error::Error for UnknownWord {}
+
+impl UnknownWord {
+    fn new(expected: impl Into<String>) -> UnknownWord {
+        UnknownWord { expected: expected.into() }
+    }
+}
+
+/// `a, b or c`.
+fn listed<T>(words: &[(&str, T)]) -> String {
+    let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+macro_rules! words {
+    ($($option:ident { $($word:literal => $value:ident),* $(,)? })*) => {$(
+        impl $option {
+            /// Every word with what it means.
+            pub const WORDS: &'static [(&'static str, $option)] = &[$(($word, $option::$value)),*];
+
+            /// The word for it on the command line, in scene files and in JSON.
+            pub fn name(self) -> &'static str {
+                match self { $($option::$value => $word),* }
+            }
+        }
+
+        impl fmt::Display for $option {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+
+        impl FromStr for $option {
+            type Err = UnknownWord;
+
+            fn from_str(text: &str) -> Result<$option, UnknownWord> {
+                let found = $option::WORDS.iter().find(|(word, _)| *word == text);
+                found.map(|(_, value)| *value).ok_or_else(|| UnknownWord::new(listed($option::WORDS)))
+            }
+        }
+    )*};
+}
+
+words! {
+    Method { "auto" => Auto, "cholesky" => Cholesky, "qr" => Qr, "kronecker" => Kronecker, "pcg" => Pcg }
+    Robust { "none" => None, "huber" => Huber, "tukey" => Tukey }
+    FrameChoice { "keep" => Keep, "auto" => Auto }
+    SurfaceKind { "height" => Height, "parametric" => Parametric, "auto" => Auto }
+}
+
+/// Finite numbers between commas, exactly `N` of them.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    let array: [f64; N] = parsed.ok()?.try_into().ok()?;
+    array.iter().all(|v| v.is_finite()).then_some(array)
+}
+
+impl SlopeWeights {
+    /// The words; three numbers are the other way to give weights.
+    pub const WORDS: &'static [(&'static str, SlopeWeights)] = &[
+        ("auto", SlopeWeights::Auto),
+        ("tangent", SlopeWeights::Tangent),
+        ("position", SlopeWeights::Position),
+        ("equal", SlopeWeights::Equal),
+    ];
+
+    /// Weights as numbers; `None` unless they are finite, none is negative, and one at least is not zero.
+    pub fn explicit(weights: [f64; 3]) -> Option<SlopeWeights> {
+        let sound = weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().any(|w| *w > 0.0);
+        sound.then_some(SlopeWeights::Explicit(weights))
+    }
+}
+
+impl FromStr for SlopeWeights {
+    type Err = UnknownWord;
+
+    fn from_str(text: &str) -> Result<SlopeWeights, UnknownWord> {
+        if let Some((_, weights)) = SlopeWeights::WORDS.iter().find(|(word, _)| *word == text) {
+            return Ok(*weights);
+        }
+        let words: Vec<&str> = SlopeWeights::WORDS.iter().map(|(word, _)| *word).collect();
+        let expected = || UnknownWord::new(format!("{} or WZ,WX,WY such as 1,10,10", words.join(", ")));
+        numbers(text).and_then(SlopeWeights::explicit).ok_or_else(expected)
+    }
+}
+
+impl fmt::Display for SlopeWeights {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SlopeWeights::Explicit([z, x, y]) => write!(f, "{z},{x},{y}"),
+            SlopeWeights::Auto => f.write_str("auto"),
+            SlopeWeights::Tangent => f.write_str("tangent"),
+            SlopeWeights::Position => f.write_str("position"),
+            SlopeWeights::Equal => f.write_str("equal"),
+        }
+    }
+}
+
+impl NormalSigma {
+    /// The words; two numbers are the other way to give the noise.
+    pub const WORDS: &'static [(&'static str, NormalSigma)] = &[("auto", NormalSigma::Auto)];
+
+    /// Known standard deviations; `None` unless both are finite and above zero.
+    pub fn known(z: f64, normal_deg: f64) -> Option<NormalSigma> {
+        let sound = [z, normal_deg].iter().all(|v| v.is_finite() && *v > 0.0);
+        sound.then_some(NormalSigma::Known { z, normal_deg })
+    }
+}
+
+impl FromStr for NormalSigma {
+    type Err = UnknownWord;
+
+    fn from_str(text: &str) -> Result<NormalSigma, UnknownWord> {
+        const EXPECTED: &str =
+            "auto, or Z,DEG: the sd of z in input units and of the normals in degrees, such as 0.02,5";
+        if let Some((_, sigma)) = NormalSigma::WORDS.iter().find(|(word, _)| *word == text) {
+            return Ok(*sigma);
+        }
+        let known = numbers::<2>(text).and_then(|[z, normal_deg]| NormalSigma::known(z, normal_deg));
+        known.ok_or_else(|| UnknownWord::new(EXPECTED))
+    }
+}
+
+impl fmt::Display for NormalSigma {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NormalSigma::Auto => f.write_str("auto"),
+            NormalSigma::Known { z, normal_deg } => write!(f, "{z},{normal_deg}"),
+        }
+    }
+}
+
+impl Smooth {
+    /// The words; a number is the other way to give the penalty.
+    pub const WORDS: &'static [(&'static str, Smooth)] = &[("none", Smooth::None), ("auto", Smooth::Auto)];
+
+    /// The penalty as a number; `None` unless it is finite and not negative.
+    pub fn lambda(lambda: f64) -> Option<Smooth> {
+        (lambda.is_finite() && lambda >= 0.0).then_some(Smooth::Lambda(lambda))
+    }
+}
+
+impl FromStr for Smooth {
+    type Err = UnknownWord;
+
+    fn from_str(text: &str) -> Result<Smooth, UnknownWord> {
+        if let Some((_, smooth)) = Smooth::WORDS.iter().find(|(word, _)| *word == text) {
+            return Ok(*smooth);
+        }
+        let lambda = numbers::<1>(text).and_then(|[lambda]| Smooth::lambda(lambda));
+        lambda.ok_or_else(|| UnknownWord::new("none, auto or LAMBDA >= 0 such as 1e-6"))
+    }
+}
+
+impl fmt::Display for Smooth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Smooth::None => f.write_str("none"),
+            Smooth::Auto => f.write_str("auto"),
+            Smooth::Lambda(lambda) => write!(f, "{lambda}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_is_read_back_from_what_is_shown() {
+        for (word, method) in Method::WORDS {
+            assert_eq!((word.parse(), method.to_string().as_str()), (Ok(*method), *word));
+        }
+        for weights in ["auto", "tangent", "position", "equal", "1,10,0.5"] {
+            assert_eq!(weights.parse::<SlopeWeights>().unwrap().to_string(), weights);
+        }
+        for sigma in ["auto", "0.02,5"] {
+            assert_eq!(sigma.parse::<NormalSigma>().unwrap().to_string(), sigma);
+        }
+        for smooth in ["none", "auto", "0.001"] {
+            assert_eq!(smooth.parse::<Smooth>().unwrap().to_string(), smooth);
+        }
+    }
+
+    #[test]
+    fn what_is_no_word_is_answered_with_the_words() {
+        assert_eq!("pgc".parse::<Method>().unwrap_err().to_string(), "auto, cholesky, qr, kronecker or pcg");
+        assert_eq!("turn".parse::<FrameChoice>().unwrap_err().to_string(), "keep or auto");
+        assert!(SlopeWeights::explicit([0.0; 3]).is_none() && SlopeWeights::explicit([1.0, f64::NAN, 1.0]).is_none());
+        assert!(NormalSigma::known(0.0, 1.0).is_none() && Smooth::lambda(-1.0).is_none());
+    }
+}

@@ -1,0 +1,59 @@
+//! Which description goes with which kind of surface.
+
+use crate::fit::FitError;
+use crate::io::{AnySurface, Points, Saved};
+use crate::parametric::FittedSurface;
+
+use super::describe_height::HeightDescription;
+use super::describe_parametric::ParametricDescription;
+use super::description::{Description, ShownGrid, Subject};
+use super::document::{FitDocument, Seconds};
+use super::parametric::ParametricPoints;
+use super::point_table::PointTable;
+use super::points::HeightPoints;
+
+/// Computes what a fit computes on first access, so that a caller with a clock can time it.
+pub fn compute_shape(fit: &FittedSurface) {
+    match fit {
+        FittedSurface::Height(fit) => {
+            let _ = fit.shape();
+            let _ = fit.certificate();
+        }
+        FittedSurface::Parametric(fit) => {
+            let _ = fit.shape();
+        }
+    }
+}
+
+/// Describes a fit of either kind.
+///
+/// # Errors
+/// When the input's own rounding leaves no distinct knots.
+pub fn describe_fit<'a>(
+    fit: &'a FittedSurface,
+    subject: &Subject<'a>,
+    seconds: Seconds,
+) -> Result<Box<dyn Description + 'a>, FitError> {
+    Ok(match fit {
+        FittedSurface::Height(fit) => Box::new(HeightDescription::of_fit(fit, subject, seconds)?),
+        FittedSurface::Parametric(fit) => Box::new(ParametricDescription::of_fit(fit, subject, seconds)?),
+    })
+}
+
+/// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.
+pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
+    match &saved.surface {
+        AnySurface::Height(surface) => Box::new(HeightDescription::of_saved(surface, saved, document, grid)),
+        AnySurface::Parametric(surface, support) => {
+            Box::new(ParametricDescription::of_saved(surface, support, document, grid))
+        }
+    }
+}
+
+/// A saved surface of either kind at given places.
+pub fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
+    match &saved.surface {
+        AnySurface::Height(surface) => Box::new(HeightPoints::of(surface, &saved.frame, places)),
+        AnySurface::Parametric(surface, support) => Box::new(ParametricPoints::of(surface, support, places)),
+    }
+}

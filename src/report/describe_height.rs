@@ -1,0 +1,222 @@
+//! A height field described: what a fit found, or what a saved one still tells.
+
+use std::borrow::Cow;
+use std::io::Write;
+
+use crate::contact::{Contacts, Frame, Grid};
+use crate::fit::{Fit, FitError, NoiseSource};
+use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
+use crate::scene::Truth;
+use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::surface::HeightField;
+
+use super::description::{
+    Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
+};
+use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
+use super::maps::{write_maps_csv, write_maps_npz};
+use super::picture::{PictureOptions, write_picture};
+
+/// A height field with its document and its maps.
+pub(super) struct HeightDescription<'a> {
+    document: FitDocument,
+    surface: Cow<'a, HeightField>,
+    maps: Cow<'a, ShapeMaps>,
+    /// Points of the shape grid per direction.
+    grid: [usize; 2],
+    unsupported: &'a [usize],
+    /// Contacts for the picture, and the frame along whose axes they are drawn.
+    contacts: Option<(&'a Contacts, &'a Frame)>,
+}
+
+impl<'a> HeightDescription<'a> {
+    /// Describes a fit.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub(super) fn of_fit(
+        fit: &'a Fit,
+        subject: &Subject<'a>,
+        seconds: Seconds,
+    ) -> Result<HeightDescription<'a>, FitError> {
+        let surface = fit.input_surface()?;
+        Ok(HeightDescription {
+            document: document(fit, &surface, subject, seconds),
+            surface: Cow::Owned(surface),
+            maps: Cow::Borrowed(&fit.shape().maps),
+            grid: fit.options().grid,
+            unsupported: &fit.certificate().unsupported,
+            contacts: match subject.input {
+                Input::Contacts(contacts) => Some((contacts, fit.frame())),
+                Input::Grid(_) => None,
+            },
+        })
+    }
+
+    /// Describes a saved surface over a grid.
+    pub(super) fn of_saved(
+        surface: &'a HeightField,
+        saved: &'a Saved,
+        mut document: FitDocument,
+        grid: ShownGrid,
+    ) -> HeightDescription<'a> {
+        let domain = [0, 1].map(|k| surface.knots()[k].domain());
+        let maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        if grid.again {
+            take_again(&mut document, &spreads(&maps));
+        }
+        HeightDescription {
+            document,
+            surface: Cow::Borrowed(surface),
+            maps: Cow::Owned(maps),
+            grid: grid.points,
+            unsupported: &saved.unsupported,
+            contacts: None,
+        }
+    }
+}
+
+impl Description for HeightDescription<'_> {
+    fn document(&self) -> &FitDocument {
+        &self.document
+    }
+
+    fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_csv(&self.maps, out)
+    }
+
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_npz(&self.maps, out)
+    }
+
+    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
+        let maps = picture_maps(&self.surface, self.grid, self.unsupported);
+        let title = headline(name, &self.document);
+        let places = self.contacts.map(|(contacts, frame)| along_axes(contacts, frame));
+        let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
+        write_picture(&maps, &PictureOptions { title: &title, contacts, ..PictureOptions::default() }, out)
+    }
+}
+
+/// Maps over the whole domain, fine enough to look at.
+fn picture_maps(surface: &HeightField, grid: [usize; 2], unsupported: &[usize]) -> ShapeMaps {
+    let [least, most] = PICTURE_CELLS;
+    let domain = [0, 1].map(|k| surface.knots()[k].domain());
+    shape_maps(surface, ShapeGrid::over(domain, grid.map(|n| n.clamp(least, most)), 0.0), unsupported)
+}
+
+fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
+    if frame.keeps_axes() {
+        return (contacts.x.clone(), contacts.y.clone());
+    }
+    (0..contacts.len())
+        .map(|r| frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]]))
+        .map(|p| (p[0], p[1]))
+        .unzip()
+}
+
+fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Seconds) -> FitDocument {
+    FitDocument {
+        schema: FIT_SCHEMA.into(),
+        contacts: match subject.input {
+            Input::Contacts(contacts) => contacts.len(),
+            Input::Grid(grid) => measured_pixels(grid),
+        },
+        frame: SavedFrame::of(fit.frame()),
+        fit: fit_part(fit, surface, subject),
+        shape: shape_part(fit),
+        truth: subject.truth.map(|truth| truth_part(fit, truth)),
+        surface: SavedSurface::of(surface, &fit.certificate().unsupported),
+        seconds,
+    }
+}
+
+fn measured_pixels(grid: &Grid) -> usize {
+    let known =
+        |map: &Option<ndarray::Array2<f64>>, at| map.as_ref().is_some_and(|m: &ndarray::Array2<f64>| !m[at].is_nan());
+    grid.z.indexed_iter().filter(|(at, z)| !z.is_nan() || known(&grid.zx, *at) || known(&grid.zy, *at)).count()
+}
+
+fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
+    let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
+    let sigma = SigmaPart { z: noise.sigma_z, normal_deg: noise.sigma_normal_deg, slope: noise.sigma_slope };
+    let finite = |v: f64| v.is_finite().then_some(v);
+    let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
+    FitPart {
+        degree: [0, 1].map(|k| surface.knots()[k].degree()),
+        segments: [0, 1].map(|k| surface.knots()[k].n_segments()),
+        weights: match noise.source {
+            NoiseSource::Weights(weights) => Some(weights),
+            _ => None,
+        },
+        sigma: known.then_some(sigma),
+        method: certificate.method.name().into(),
+        reason: certificate.reasons.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        equations: certificate.equations,
+        unknowns: certificate.unknowns,
+        rank: certificate.rank,
+        condition: finite(certificate.condition),
+        backward_error: finite(certificate.backward_error),
+        promise: Some(PromisePart {
+            coefficients: certificate.guaranteed_digits.coefficients,
+            shape_index: certificate.guaranteed_digits.shape_index,
+            curvedness: certificate.guaranteed_digits.curvedness,
+        }),
+        refinements: certificate.refinements,
+        smooth: fit.smoothing(),
+        chosen: subject.chosen.clone(),
+        parametric: None,
+        rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
+        notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
+    }
+}
+
+fn shape_part(fit: &Fit) -> ShapePart {
+    let shape = fit.shape();
+    ShapePart {
+        grid: fit.options().grid,
+        shape_index: measure(&shape.shape_index),
+        curvedness: measure(&shape.curvedness),
+        radius: shape.radius,
+        class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
+        class_probability: shares(&shape.class_probability),
+        k1: spread_part(shape.k1),
+        k2: spread_part(shape.k2),
+        direction_deg: shape.direction_deg,
+        direction: None,
+        support: shape.support,
+        plane_p: shape.plane_p,
+    }
+}
+
+fn truth_part(fit: &Fit, truth: &Truth) -> TruthPart {
+    let (frame, shape) = (fit.frame(), fit.shape());
+    let found = compare_with_truth(&shape.maps, |point| {
+        let [x, y, _] = if frame.keeps_axes() { point } else { frame.rotate_back(point) };
+        let local = truth.at(x, y)?.local;
+        Some((local.shape_index(), local.curvedness()))
+    });
+    TruthPart {
+        shape_index: found.shape_index,
+        curvedness: found.curvedness,
+        // a plane found has no S to be wrong about
+        error_shape_index: found.error_shape_index.filter(|_| shape.shape_index.mean.is_some()),
+        error_curvedness: found.error_curvedness,
+    }
+}
+
+fn spreads(maps: &ShapeMaps) -> Again {
+    let places: Vec<(usize, usize)> = maps.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at).collect();
+    let over = |value: &dyn Fn(usize, usize) -> Option<f64>| -> Spread {
+        spread(places.iter().filter_map(|(i, j)| value(*i, *j)).collect::<Vec<_>>().into_iter())
+    };
+    Again {
+        grid: [maps.grid.x.len(), maps.grid.y.len()],
+        spreads: [
+            over(&|i, j| maps.shape_index_at(i, j)),
+            over(&|i, j| maps.curvedness_at(i, j)),
+            over(&|i, j| Some(maps.k1[[i, j]])),
+            over(&|i, j| Some(maps.k2[[i, j]])),
+        ],
+    }
+}

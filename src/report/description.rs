@@ -1,0 +1,131 @@
+//! What a description of a surface consists of, whatever kind of surface it is, and what the kinds have in common.
+//!
+//! ```text
+//! a fit, or a saved surface   ->   Description: document, maps as CSV and NPZ, picture
+//! ```
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::curvature::ShapeClass;
+use crate::fit::Statistic;
+use crate::io::Input;
+use crate::scene::Truth;
+use crate::shape::{Spread, radius_of};
+
+use super::document::{ChosenPart, FitDocument, MeasurePart, Shares, SpreadPart};
+use super::table::significant;
+
+/// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
+pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
+
+/// How the remark on imported surfaces begins.
+const INVERSE_CRIME: &str = "inverse crime";
+
+/// A surface in words, numbers and pictures.
+pub trait Description {
+    /// All that is known, as JSON has it.
+    fn document(&self) -> &FitDocument;
+
+    /// `maps.csv`: the surface and its shape over the grid.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()>;
+
+    /// `maps.npz`: the same as arrays.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()>;
+
+    /// `shape.svg`: S and R as pictures, under a line that begins with `name`.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()>;
+}
+
+/// What is known of a fit besides the fit itself.
+#[derive(Clone, Debug)]
+pub struct Subject<'a> {
+    /// The data.
+    pub input: &'a Input,
+    /// What is true, in a simulated world.
+    pub truth: Option<&'a Truth>,
+    /// Remarks of the reader.
+    pub notes: Vec<String>,
+    /// Kind of surface and why, where that was a question.
+    pub chosen: Option<ChosenPart>,
+}
+
+/// Points of the shape grid over which a saved surface is described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownGrid {
+    /// Points per direction.
+    pub points: [usize; 2],
+    /// Fraction of each side that is cut at every edge.
+    pub inset: f64,
+    /// Whether the grid is another one than the saved one, so that the shape is taken again.
+    pub again: bool,
+}
+
+/// What every output says of contacts that were made on an imported surface.
+pub fn inverse_crime_remark(truth: &Truth) -> Option<String> {
+    let label = truth.inverse_crime()?;
+    Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
+}
+
+/// One line for the top of a picture.
+pub(super) fn headline(name: &str, document: &FitDocument) -> String {
+    let shape = &document.shape;
+    let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), |v| significant(v, 4));
+    // a path is known by its last part
+    let name = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
+    let class = shape.class.as_deref().unwrap_or("undefined");
+    let crime = document.fit.notes.iter().any(|note| note.starts_with(INVERSE_CRIME));
+    let warning = if crime { format!(" ({INVERSE_CRIME})") } else { String::new() };
+    format!("{name}: {class}, S = {}, R = {}{warning}", mean(&shape.shape_index), mean(&shape.curvedness))
+}
+
+/// Probabilities of the classes; `None` of a plane.
+pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
+    (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
+}
+
+pub(super) fn measure(statistic: &Statistic) -> MeasurePart {
+    let interval = statistic.interval.map(|i| [i.lo, i.hi]);
+    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval }
+}
+
+pub(super) fn spread_part(spread: Spread) -> SpreadPart {
+    SpreadPart { mean: spread.mean, sd: spread.sd }
+}
+
+/// Mean and spread of S, R, k1 and k2 over another grid than the saved one.
+pub(super) struct Again {
+    pub(super) grid: [usize; 2],
+    pub(super) spreads: [Spread; 4],
+}
+
+/// Puts the shape over another grid into the document. The covariance is not saved, so everything that came from it
+/// becomes undefined. Whether the patch is a plane was decided with the covariance, and stays.
+pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
+    let [s, r, k1, k2] = again.spreads;
+    let plane = document.shape.class.as_deref() == Some(ShapeClass::Plane.name());
+    let class = s.mean.filter(|_| !plane).map(ShapeClass::of_shape_index);
+    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, u: None, interval: None };
+    let shape = &mut document.shape;
+    shape.grid = again.grid;
+    shape.shape_index = if plane { MeasurePart::default() } else { measure(s) };
+    shape.curvedness = measure(r);
+    if !plane {
+        shape.class = class.map(|c| c.name().to_string());
+    }
+    shape.class_probability = None;
+    shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
+    (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
+    shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;
+    document.truth = None;
+    document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+}
