@@ -21,8 +21,11 @@ use super::{
     RecognitionOptions, Tried, weighted_rms,
 };
 
-/// Points of the map over which means are taken at most; a larger map is thinned for them.
-const MEANS_OVER: usize = 400;
+/// Cells each way of the lattice over which means are taken.
+const LATTICE: usize = 12;
+
+/// Points of the map whose uncertainty is drawn; a larger map has their mean everywhere.
+const MAPPED: usize = 400;
 
 /// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
 const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
@@ -65,13 +68,8 @@ impl Findings<'_> {
         let misfit = self.misfit(best, &state)?;
         let scale = self.patch.frame.scale;
         let (surface, points, supported) = self.points(state, options)?;
-        let counted = counted(&supported);
-        let few = points.len() > MEANS_OVER;
-        let chosen: Vec<ChartPoint> =
-            if few { counted.iter().map(|&i| points[i].clone()).collect() } else { Vec::new() };
-        let every: Vec<usize> = (0..chosen.len()).collect();
-        let over =
-            if few { Points { all: &chosen, counted: &every } } else { Points { all: &points, counted: &counted } };
+        let lattice = self.lattice(&surface);
+        let over = Points { all: &lattice, map: &points[..points.len().min(MAPPED)] };
         let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
         let map = self.map(&surface, &points, &supported, &found);
@@ -197,6 +195,18 @@ impl Findings<'_> {
         Ok((surface, points, supported))
     }
 
+    /// Supported midpoints of equal cells of the chart, so that their mean is one over the area. The points of the map
+    /// reach from edge to edge of the chart's box, and those on a bent edge lie outside of the contacts.
+    fn lattice(&self, surface: &RecognisedSurface) -> Vec<ChartPoint> {
+        let charts: Vec<[f64; 2]> = self.patch.points.iter().map(|p| surface.base.chart(*p)).collect();
+        let support = Support::new(&self.patch.points, &charts, self.evidence.cells);
+        let middle = |range: [f64; 2], i: usize| range[0] + (range[1] - range[0]) * (i as f64 + 0.5) / LATTICE as f64;
+        let all = (0..LATTICE * LATTICE)
+            .map(|k| surface.chart_point(middle(surface.u, k / LATTICE), middle(surface.v, k % LATTICE)));
+        let held: Vec<ChartPoint> = all.clone().filter(|p| support.holds(p.chart, p.place)).collect();
+        if held.is_empty() { all.collect() } else { held }
+    }
+
     fn map(
         &self,
         surface: &RecognisedSurface,
@@ -275,15 +285,6 @@ impl Findings<'_> {
         }
         notes
     }
-}
-
-/// Supported points, thinned where there are many.
-fn counted(supported: &[bool]) -> Vec<usize> {
-    let all: Vec<usize> = (0..supported.len()).filter(|&i| supported[i]).collect();
-    if supported.len() <= MEANS_OVER || all.len() <= MEANS_OVER {
-        return all;
-    }
-    (0..MEANS_OVER).map(|k| all[k * (all.len() - 1) / (MEANS_OVER - 1)]).collect()
 }
 
 fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {
