@@ -11,38 +11,71 @@
 //!
 //! and from the surface come the principal curvatures `k1 >= k2`, Koenderink's shape index `S` and curvedness `R`.
 //!
-//! The rooms, lowest floor first; a room imports only from the floors below it (held by `tests/floors.rs`):
-//! [`contact`], [`bspline`], [`linalg`], [`curvature`], [`draws`]; [`scene`], [`observation`], [`solve`],
-//! [`surface`]; [`shape`]; [`fit`]; and above them the rooms that repeat a fit, read and write files, and talk.
+//! What a user meets: [`Contacts`] or a [`Grid`] go with [`FitOptions`] into [`fit_contacts`] or [`fit_grid`], and a [`Fit`]
+//! comes back. [`parametric`] fits surfaces that no height field can hold, [`plans`] repeats a fit without allocation,
+//! [`scene`] simulates contacts and [`montecarlo`] repeats a fit for noise; [`spline`] and [`geometry`] are the words they
+//! share. `tests/house/public_names.txt` lists every public name.
 #![warn(missing_docs)]
 
-pub mod bspline;
-pub mod cases;
+mod bspline;
+mod cases;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
-pub mod contact;
-pub mod curvature;
-pub mod draws;
+mod contact;
+mod curvature;
+mod draws;
 pub mod fit;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "cli")]
-pub mod io;
-pub mod linalg;
+mod io;
+mod linalg;
 pub mod montecarlo;
-pub mod observation;
+mod observation;
 pub mod parametric;
 pub mod plans;
 #[cfg(feature = "cli")]
-pub mod report;
+mod report;
 pub mod scene;
-pub mod shape;
-pub mod simd;
-pub mod solve;
-pub mod surface;
+mod shape;
+mod simd;
+mod solve;
+mod surface;
+mod threads;
+mod vector;
 
-pub use contact::{Contacts, Grid};
+pub use contact::{ContactError, ContactWeights, Contacts, Frame, Grid, Orientation};
 pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
+pub use nalgebra_sparse;
+pub use ndarray;
+pub use observation::stacked_csr;
 
-/// The README's code, compiled and run with the documentation's tests.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+/// Splines: knots, height fields `z = S(x, y)` and parametric surfaces `Q(u, v)`, evaluated with their derivatives.
+pub mod spline {
+    pub use crate::bspline::{KnotError, Knots, linspace};
+    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfaceError, SurfacePoint};
+}
+
+/// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
+pub mod geometry {
+    pub use crate::curvature::{Derivatives, Principal, ShapeClass, curvedness, principal_curvatures, shape_index};
+    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps, shape_maps};
+}
+
+/// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.
+#[cfg(feature = "hard-cases")]
+pub mod hard_cases {
+    pub use crate::cases::{CaseData, Expectation, HardCase, hard_case, hard_cases};
+}
+
+/// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.
+#[cfg(any(doc, doctest))]
+pub mod documents {
+    #[doc = include_str!("../README.md")]
+    pub mod readme {}
+    #[doc = include_str!("../DESIGN.md")]
+    pub mod design {}
+    #[doc = include_str!("../COMPARE.md")]
+    pub mod compare {}
+}

@@ -8,9 +8,9 @@ mod workloads;
 
 use std::alloc::System;
 
-use palpate::bspline::linspace;
 use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 
@@ -52,7 +52,7 @@ fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
         let ([x, y], [z, zx, zy]) = image();
         let mut plan = ImagePlan::new(image_knots()?, &x, &y, [1.0; 3])?;
         let found = repeated(|| {
-            plan.fit_frame(&z, &zx, &zy);
+            plan.fit_frame(&z, &zx, &zy)?;
             Ok(())
         })?;
         assert_eq!(found, 0, "a frame of a stream");

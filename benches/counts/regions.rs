@@ -2,11 +2,11 @@
 
 use std::hint::black_box;
 
-use palpate::bspline::linspace;
 use palpate::fit::{Fit, Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
-use palpate::surface::CurvatureGrid;
+use palpate::spline::CurvatureGrid;
+use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
 
 use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
@@ -73,7 +73,7 @@ pub fn prepare(name: &str) -> Result<Run, Fault> {
             let ([x, y], [z, zx, zy]) = image();
             let knots = image_knots()?;
             Box::new(move || {
-                ImagePlan::new(knots.clone(), &x, &y, [1.0; 3])?.fit_frame(&z, &zx, &zy);
+                ImagePlan::new(knots.clone(), &x, &y, [1.0; 3])?.fit_frame(&z, &zx, &zy)?;
                 Ok(())
             })
         }
@@ -81,7 +81,7 @@ pub fn prepare(name: &str) -> Result<Run, Fault> {
             let ([x, y], [z, zx, zy]) = image();
             let mut plan = ImagePlan::new(image_knots()?, &x, &y, [1.0; 3])?;
             Box::new(move || {
-                plan.fit_frame(&z, &zx, &zy);
+                plan.fit_frame(&z, &zx, &zy)?;
                 Ok(())
             })
         }

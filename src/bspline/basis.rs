@@ -1,16 +1,13 @@
-//! Values and derivatives of the p + 1 basis functions that live at one x, in one pass (Piegl and Tiller, A2.3).
+//! Values and derivatives of the p + 1 basis functions that are not zero at one x, in one pass (Piegl and Tiller, A2.3).
 
-use super::Knots;
-
-/// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
-pub const MAX_DEGREE: usize = 9;
+use super::{Knots, MAX_DEGREE};
 
 const WIDTH: usize = MAX_DEGREE + 1;
 
 /// The basis functions at one x: `values[k][a]` is the k-th derivative of basis function `first + a`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasisRow {
-    /// Index of the first basis function that lives here.
+    /// Index of the first basis function that is not zero here.
     pub first: usize,
     values: [[f64; WIDTH]; 3],
     width: usize,
@@ -24,7 +21,7 @@ impl BasisRow {
 }
 
 impl Knots {
-    /// Values, first and second derivatives at `x` (the end polynomial outside the domain).
+    /// Values, first and second derivatives at `x`; outside the domain those of the end segment's polynomial.
     pub fn basis(&self, x: f64) -> BasisRow {
         let segment = self.segment_of(x);
         let width = self.degree() + 1;
@@ -45,7 +42,7 @@ impl Knots {
         self.first_basis(segment)
     }
 
-    /// As [`Knots::derivatives`], with the polynomials of segment `segment` whatever `x` is.
+    /// As [`Knots::derivatives`], but with the polynomials of segment `segment` wherever `x` is.
     pub fn derivatives_on(&self, segment: usize, x: f64, order: usize, out: &mut [f64]) {
         let p = self.degree();
         let width = p + 1;
@@ -68,7 +65,8 @@ impl Knots {
     }
 }
 
-/// Values and as many of the first two derivatives as `out` has rows for: what every row of a fit and every map needs.
+/// Values and as many of the first two derivatives as `out` has rows for. Fits and maps need no more, so this is the
+/// fast path.
 ///
 /// ```text
 /// B_r = N^(p-1)_r / d^p_r        N'_a  = p (B_(a-1) - B_a)
@@ -106,7 +104,7 @@ fn up_to_second(knots: &[f64], p: usize, x: f64, out: &mut [f64]) {
     }
 }
 
-/// `out_a = factor (terms_(a-1) - terms_a)`, terms beyond both ends zero.
+/// `out_a = factor (terms_(a-1) - terms_a)`, where terms beyond both ends are zero.
 fn differences(factor: f64, terms: &[f64], out: &mut [f64]) {
     let mut before = 0.0;
     for (o, &term) in out.iter_mut().zip(terms) {
@@ -135,7 +133,8 @@ fn triangle(knots: &[f64], p: usize, x: f64) -> ([[f64; WIDTH]; WIDTH], [[f64; W
     (table, differences)
 }
 
-/// Derivatives of basis function `a` as differences of lower-degree ones, alternating two rows of coefficients.
+/// Derivatives of basis function `a` as differences of those of lower degree. Two rows of coefficients take turns: one
+/// holds the last order's, the other receives the next order's.
 fn derivatives_of_one(
     table: &[[f64; WIDTH]; WIDTH],
     differences: &[[f64; WIDTH]; WIDTH],

@@ -1,9 +1,17 @@
-//! Knot vectors: clamped, `t_0 = .. = t_p < .. < t_n = .. = t_n+p`, n basis functions; or closed, uniform from end to
-//! end, where the last p coefficients are the first p again and the spline has no seam.
+//! Knot vectors of n basis functions, clamped or closed.
+//!
+//! ```text
+//! clamped    t_0 = .. = t_p < .. < t_n = .. = t_n+p
+//! closed     uniform from end to end; the last p coefficients repeat the first p, so the spline has no seam
+//! ```
 
-use super::{KnotError, MAX_DEGREE};
+use super::KnotError;
 
-/// Largest number of segments per direction: 2^20 keeps every index product below 2^53 and refuses typing errors.
+/// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
+pub const MAX_DEGREE: usize = 9;
+
+/// Largest number of segments in one direction. 2^20 keeps every product of indices below 2^53, and a number larger than
+/// that is a typing error.
 const MAX_SEGMENTS: usize = 1 << 20;
 
 /// A knot vector with its degree; clamped unless it is closed.
@@ -20,7 +28,8 @@ pub struct Knots {
 
 /// `n` points from `lo` to `hi`, both ends included: `lo + i * ((hi - lo) / (n - 1))`, the last one `hi` exactly.
 ///
-/// The one expression that places uniform knots, stations and shape grids (`n = 1` gives the middle).
+/// `n = 1` gives the middle. Uniform knots, shape grids and the hard cases' stations are placed by this expression, which
+/// is numpy's. The stations of simulated sweeps have one of their own, `scene::linspace`, which rounds differently.
 pub fn linspace(lo: f64, hi: f64, n: usize) -> Vec<f64> {
     if n == 1 {
         return vec![0.5 * (lo + hi)];
@@ -79,10 +88,10 @@ impl Knots {
     }
 
     /// Closed uniform knots: period `hi - lo`, knots `lo + (i - p) (hi - lo) / segments`, n = segments + p basis
-    /// functions of which the last p are the first p again ([`Knots::free`] counts the distinct ones).
+    /// functions of which the last p repeat the first p ([`Knots::free`] counts the distinct ones).
     ///
     /// # Errors
-    /// As [`Knots::uniform`]; and fewer than degree + 1 segments, where a basis function would meet itself.
+    /// As [`Knots::uniform`]; also for fewer than degree + 1 segments, with which a basis function would overlap itself.
     pub fn closed(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, KnotError> {
         let open = Knots::uniform(degree, segments, lo, hi)?;
         if segments <= degree {
@@ -98,7 +107,7 @@ impl Knots {
         Ok(Knots { degree, closed: true, knots, segment_starts, inverse_step: open.inverse_step })
     }
 
-    /// A closed knot vector read back: strictly increasing, `closed` as [`Knots::closed`] makes them.
+    /// A closed knot vector that was written out before: it must equal, but for rounding, what [`Knots::closed`] makes.
     ///
     /// # Errors
     /// Everything that [`KnotError`] names.
@@ -123,12 +132,12 @@ impl Knots {
         self.closed
     }
 
-    /// Distinct coefficients: n, or n - p where the last p are the first p again.
+    /// Number of distinct coefficients: n, or n - p in a closed direction, where the last p repeat the first p.
     pub fn free(&self) -> usize {
         if self.closed { self.n_basis() - self.degree } else { self.n_basis() }
     }
 
-    /// `t` brought into the period of a closed direction; as it is in an open one.
+    /// `t` brought into the period of a closed direction; unchanged in an open one.
     pub fn wrapped(&self, t: f64) -> f64 {
         if !self.closed {
             return t;
@@ -141,7 +150,7 @@ impl Knots {
     /// The same knots under `t -> (t - origin) / scale`.
     ///
     /// # Errors
-    /// When the map makes distinct ends equal or leaves the finite numbers.
+    /// When both ends of the domain become equal, or a knot is not finite any more.
     pub fn mapped(&self, origin: f64, scale: f64) -> Result<Knots, KnotError> {
         if self.closed {
             let [lo, hi] = self.domain().map(|t| (t - origin) / scale);
@@ -190,11 +199,12 @@ impl Knots {
         self.segment_starts[s] - self.degree
     }
 
-    /// The segment that holds `x`: right-continuous at knots, the last one at the upper end, the end ones outside.
+    /// The segment that holds `x`. A knot belongs to the segment on its right, the upper end of the domain to the last
+    /// segment, and points outside the domain to the nearest end segment.
     #[inline]
     pub fn segment_of(&self, x: f64) -> usize {
         let Some(inverse_step) = self.inverse_step else { return self.segment_by_search(x) };
-        // `as` saturates, so values outside and NaN land on an end segment
+        // `as` saturates, so values outside the domain and NaN get an end segment
         let guess = (((x - self.knots[self.degree]) * inverse_step) as i32).max(0) as usize;
         let guess = guess.min(self.segment_starts.len() - 1);
         if self.knots[self.degree + guess] <= x && x < self.knots[self.degree + guess + 1] {
@@ -203,7 +213,7 @@ impl Knots {
         self.segment_beside(guess, x)
     }
 
-    /// Rounding may be off by one at a knot: the knots themselves decide.
+    /// Corrects a segment number that rounding made too large or too small by one, by comparing with the knots.
     #[cold]
     fn segment_beside(&self, mut s: usize, x: f64) -> usize {
         let last = self.segment_starts.len() - 1;
@@ -221,7 +231,7 @@ impl Knots {
         upper.saturating_sub(1)
     }
 
-    /// Greville abscissae `(t_i+1 + .. + t_i+p) / p`: where coefficient i acts; their spline is x itself.
+    /// Greville abscissae `(t_i+1 + .. + t_i+p) / p`: where coefficient i acts. The spline with these coefficients is x itself.
     pub fn greville(&self) -> Vec<f64> {
         let p = self.degree;
         (0..self.n_basis()).map(|i| self.knots[i + 1..=i + p].iter().map(|t| t / p as f64).sum()).collect()

@@ -4,18 +4,17 @@
 //! N_i,0 = 1 on [t_i, t_i+1)      N_i,p = (x - t_i)/(t_i+p - t_i) N_i,p-1 + (t_i+p+1 - x)/(t_i+p+1 - t_i+1) N_i+1,p-1
 //! ```
 //!
-//! At a knot the right limit is taken, at the upper end the left one; outside the domain the end polynomial goes on.
+//! At a knot the values are the limits from the right, at the upper end of the domain those from the left. Outside the
+//! domain the polynomial of the nearest end segment continues.
 //! Paper section 3.1 (its "order k" is degree + 1); L. Piegl and W. Tiller, *The NURBS Book*, A2.1 to A2.3.
 
 mod basis;
-mod coverage;
 mod gram;
 mod knots;
 
-pub use basis::{BasisRow, MAX_DEGREE};
-pub use coverage::{Coverage, coverage};
+pub use basis::BasisRow;
 pub use gram::{gauss_legendre, gram};
-pub use knots::{Knots, linspace};
+pub use knots::{Knots, MAX_DEGREE, linspace};
 
 /// What is wrong with a degree or a knot vector.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,6 +6,7 @@
 //!
 //! The order of every operation matters: `tests/golden/inputs.py` repeats it and must get the same bits.
 
+pub(super) use crate::bspline::linspace;
 use crate::contact::Contacts;
 use crate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
 
@@ -38,12 +39,6 @@ impl Lcg {
         }
         total - 6.0
     }
-}
-
-/// `low + i step`, the last one `high` itself (numpy's expression).
-pub(super) fn linspace(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let step = (high - low) / (count - 1) as f64;
-    (0..count).map(|i| if i + 1 == count { high } else { low + i as f64 * step }).collect()
 }
 
 /// Finger-major: all stations of the first finger, then of the next.

@@ -1,7 +1,8 @@
 //! The patch frame: `p = A (P - origin) / scale`, one isotropic length, right-handed orthonormal axes.
 
-/// Where the fit works. Results are carried back, so that a user meets only his own frame and unit.
+/// The frame that a fit works in. Results are given back in the frame and unit of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Frame {
     /// Point of the input frame that is the patch's origin.
     pub origin: [f64; 3],
@@ -12,11 +13,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Axes of the input, its origin, its unit.
+    /// The frame of the input itself: its axes, its origin, its unit.
     pub const IDENTITY: Frame =
         Frame { origin: [0.0; 3], axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], scale: 1.0 };
 
-    /// The axes are those of the input, so the surface is a height field over the user's x and y.
+    /// Whether the axes are those of the input, so that the surface is a height field over its x and y.
     pub fn keeps_axes(&self) -> bool {
         self.axes == Frame::IDENTITY.axes
     }

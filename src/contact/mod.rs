@@ -1,8 +1,8 @@
-//! What was touched: `P_r = (x_r, y_r, z_r)` with a normal `n_r` or slopes `(zx, zy) = (-nx/nz, -ny/nz)`.
+//! Contacts: `P_r = (x_r, y_r, z_r)` with a normal `n_r` or slopes `(zx, zy) = (-nx/nz, -ny/nz)`.
 //!
-//! Two kinds of data that are different types all the way to the solver: [`Contacts`], scattered wherever a finger
-//! landed, and [`Grid`], heights on the product of two axes. Lengths are in the user's unit, slopes dimensionless.
-//! [`Frame`] is the patch frame that a fit works in: one origin, three axes, ONE length.
+//! Two kinds of data stay different types all the way to the solver: [`Contacts`] at any places, and [`Grid`], heights on
+//! the product of two axes. Lengths are in the unit of the input, slopes have none. [`Frame`] is the patch frame that a
+//! fit works in: one origin, three axes and a single length.
 
 mod frame;
 mod grid;
@@ -10,7 +10,7 @@ mod scattered;
 
 pub use frame::Frame;
 pub use grid::Grid;
-pub use scattered::{Contacts, Orientation, RowWeights};
+pub use scattered::{ContactWeights, Contacts, Orientation};
 
 /// What is wrong with data before any equation is formed from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,9 +1,11 @@
-//! Scattered contacts, one entry per touch in every column (structure of arrays).
+//! Scattered contacts, one entry per contact in every column (structure of arrays).
 
 use super::ContactError;
+use crate::vector::unit_rescaled;
 
-/// How the surface is turned at each contact.
+/// How the surface lies at each contact: its normals or its slopes, if they are known.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Orientation {
     /// Positions only.
     #[default]
@@ -28,7 +30,8 @@ pub enum Orientation {
 
 /// Per-contact weights that multiply the weights of their blocks (residuals, not squares). `None` is all ones.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RowWeights {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ContactWeights {
     /// Of the height rows. All zero: slopes only.
     pub z: Option<Vec<f64>>,
     /// Of the x-slope rows (with normals: of the normal's rows, where `x` and `y` must be equal or one absent).
@@ -37,8 +40,20 @@ pub struct RowWeights {
     pub y: Option<Vec<f64>>,
 }
 
-/// Contacts wherever the fingers fell: `g` entries in every column.
+/// Contacts at any places: `g` entries in every column, lengths in one unit of the user's choice.
+///
+/// ```
+/// use palpate::Contacts;
+///
+/// let points = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.9], [0.0, 1.0, 0.9]];
+/// let normals = [[0.0, 0.0, 1.0], [0.2, 0.0, 1.0], [0.0, 0.2, 1.0]];
+/// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+/// assert_eq!((contacts.len(), contacts.z[1]), (3, 0.9));
+/// contacts.check()?;
+/// # Ok::<(), palpate::ContactError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contacts {
     /// Positions, input units.
     pub x: Vec<f64>,
@@ -50,16 +65,28 @@ pub struct Contacts {
     pub orientation: Orientation,
     /// Which finger made the contact.
     pub finger: Option<Vec<u32>>,
-    /// Which stop of the sweep it was.
+    /// Station of the sweep that it was made at.
     pub station: Option<Vec<u32>>,
     /// Per-contact weights.
-    pub weights: RowWeights,
+    pub weights: ContactWeights,
 }
 
 impl Contacts {
     /// Contacts with positions only; add normals or slopes with [`Contacts::with_normals`], [`Contacts::with_slopes`].
     pub fn from_positions(x: Vec<f64>, y: Vec<f64>, z: Vec<f64>) -> Contacts {
         Contacts { x, y, z, ..Contacts::default() }
+    }
+
+    /// Contacts with positions only, from points (x, y, z).
+    pub fn from_points(points: &[[f64; 3]]) -> Contacts {
+        let [x, y, z] = columns(points);
+        Contacts::from_positions(x, y, z)
+    }
+
+    /// The same contacts with outward normals, one vector (nx, ny, nz) of any length but zero for each contact.
+    pub fn with_normal_vectors(self, normals: &[[f64; 3]]) -> Contacts {
+        let [nx, ny, nz] = columns(normals);
+        self.with_normals(nx, ny, nz)
     }
 
     /// The same contacts with outward normals (any length but zero).
@@ -79,12 +106,12 @@ impl Contacts {
         self.x.len()
     }
 
-    /// No contacts at all.
+    /// Whether there are no contacts at all.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// Checks lengths, finiteness, normals and weights; every other room relies on it.
+    /// Checks lengths, finiteness, normals and weights. Every fit calls it first.
     ///
     /// # Errors
     /// The first fault found, column by column.
@@ -141,12 +168,12 @@ impl Contacts {
         Ok(())
     }
 
-    /// Unit normal of contact `r`, whatever its orientation was given as; `None` for positions only.
+    /// Unit normal of contact `r`, from its normal or its slopes; `None` for positions only.
     pub fn unit_normal(&self, r: usize) -> Option<[f64; 3]> {
         match &self.orientation {
             Orientation::None => None,
-            Orientation::Normals { nx, ny, nz } => Some(unit([nx[r], ny[r], nz[r]])),
-            Orientation::Slopes { zx, zy } => Some(unit([-zx[r], -zy[r], 1.0])),
+            Orientation::Normals { nx, ny, nz } => Some(unit_rescaled([nx[r], ny[r], nz[r]])),
+            Orientation::Slopes { zx, zy } => Some(unit_rescaled([-zx[r], -zy[r], 1.0])),
         }
     }
 
@@ -167,7 +194,7 @@ impl Contacts {
             }
             Orientation::Slopes { zx, zy } => Orientation::Slopes { zx: taken(zx, order), zy: taken(zy, order) },
         };
-        let RowWeights { z, x, y } = &self.weights;
+        let ContactWeights { z, x, y } = &self.weights;
         Contacts {
             x: taken(&self.x, order),
             y: taken(&self.y, order),
@@ -175,7 +202,7 @@ impl Contacts {
             orientation,
             finger: labels(&self.finger),
             station: labels(&self.station),
-            weights: RowWeights { z: optional(z), x: optional(x), y: optional(y) },
+            weights: ContactWeights { z: optional(z), x: optional(x), y: optional(y) },
         }
     }
 
@@ -190,12 +217,9 @@ impl Contacts {
     }
 }
 
-/// `v / |v|`, scaled first so that neither tiny nor huge components overflow.
-pub(crate) fn unit(v: [f64; 3]) -> [f64; 3] {
-    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let w = [v[0] / largest, v[1] / largest, v[2] / largest];
-    let length = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
-    [w[0] / length, w[1] / length, w[2] / length]
+/// Columns of an array of vectors.
+fn columns(vectors: &[[f64; 3]]) -> [Vec<f64>; 3] {
+    [0, 1, 2].map(|k| vectors.iter().map(|v| v[k]).collect())
 }
 
 #[cfg(test)]
@@ -203,14 +227,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn points_become_columns_and_ragged_normals_are_named() {
+        let contacts = Contacts::from_points(&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(contacts, Contacts::from_positions(vec![1.0, 4.0], vec![2.0, 5.0], vec![3.0, 6.0]));
+        let ragged = contacts.with_normal_vectors(&[[0.0, 0.0, 1.0]]).check();
+        assert_eq!(ragged, Err(ContactError::Length { column: "nx", found: 1, expected: 2 }));
+    }
+
+    #[test]
     fn another_order_takes_every_column_along() {
         let contacts = Contacts::from_positions(vec![0.9, 0.1, 0.8], vec![0.5; 3], vec![1.0, 2.0, 3.0])
             .with_slopes(vec![7.0; 3], vec![8.0, 9.0, 10.0]);
-        let weights = RowWeights { z: Some(vec![1.0, 0.0, 2.0]), ..RowWeights::default() };
+        let weights = ContactWeights { z: Some(vec![1.0, 0.0, 2.0]), ..ContactWeights::default() };
         let sorted = Contacts { station: Some(vec![4, 5, 6]), weights, ..contacts }.in_order(&[1, 0, 2]);
         assert_eq!((sorted.x, sorted.y, sorted.z), (vec![0.1, 0.9, 0.8], vec![0.5; 3], vec![2.0, 1.0, 3.0]));
         assert_eq!((sorted.station, sorted.finger), (Some(vec![5, 4, 6]), None));
-        assert_eq!(sorted.weights, RowWeights { z: Some(vec![0.0, 1.0, 2.0]), ..RowWeights::default() });
+        assert_eq!(sorted.weights, ContactWeights { z: Some(vec![0.0, 1.0, 2.0]), ..ContactWeights::default() });
         assert_eq!(sorted.orientation, Orientation::Slopes { zx: vec![7.0; 3], zy: vec![9.0, 8.0, 10.0] });
     }
 }

@@ -46,7 +46,7 @@ impl ShapeClass {
         if shape_index < 0.0 { ShapeClass::CURVED[4 - bins] } else { ShapeClass::CURVED[4 + bins] }
     }
 
-    /// The bin's edges in S, outermost ones infinite; `None` for the plane.
+    /// The edges of the class in S, infinite at both ends of the scale; `None` for the plane.
     pub fn edges(self) -> Option<(f64, f64)> {
         let k = ShapeClass::CURVED.iter().position(|c| *c == self)? as f64;
         let lo = if k == 0.0 { f64::NEG_INFINITY } else { (2.0 * k - 9.0) / 8.0 };

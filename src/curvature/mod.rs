@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The normal points to the free side: convex bodies have negative curvatures, cap +1, ridge +1/2, saddle 0, rut -1/2,
-//! cup -1. Paper Eq. 9 to 12, whose root cancels at every umbilic; J. J. Koenderink, *Solid Shape*, MIT Press 1990.
+//! cup -1. These are Eq. 9 to 12 of the paper, but without its root, which cancels at every umbilic; J. J. Koenderink, *Solid Shape*, MIT Press 1990.
 
 mod class;
 mod principal;

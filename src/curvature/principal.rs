@@ -1,5 +1,7 @@
 //! `k1`, `k2` and their directions from the first and second derivatives of `Q(u, v)`.
 
+use crate::vector::{cross, dot, norm_hypot};
+
 /// First and second derivatives of a surface map `Q(u, v)` into space.
 ///
 /// A height field is `Q = (x, y, S(x, y))`: see [`Derivatives::of_height`].
@@ -79,8 +81,8 @@ pub fn curvedness(k1: f64, k2: f64) -> f64 {
 /// Returns `None` where `Q_u` and `Q_v` are parallel or zero: there is no tangent plane.
 pub fn principal_curvatures(q: &Derivatives) -> Option<Principal> {
     let normal_scaled = cross(q.u, q.v);
-    let area = norm(normal_scaled);
-    let length = norm(q.u);
+    let area = norm_hypot(normal_scaled);
+    let length = norm_hypot(q.u);
     if area == 0.0 || length == 0.0 || !area.is_finite() {
         return None;
     }
@@ -107,18 +109,6 @@ pub fn principal_curvatures(q: &Derivatives) -> Option<Principal> {
         direction2: combine(-sin, cos),
         normal,
     })
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    a[0].hypot(a[1]).hypot(a[2])
 }
 
 #[cfg(test)]

@@ -1,18 +1,18 @@
-//! Uniforms and normals from words, branch-free: `u = (k + 1/2) 2^-53`, Box-Muller in pairs.
+//! Uniforms and gaussians from random words, branch-free: `u = (k + 1/2) 2^-53`, Box-Muller in pairs.
 //!
-//! `ln` and `sin, cos` are polynomials over a reduced range, to 2 units in the last place: the same bits on every
-//! machine, whatever its mathematical library, and a loop without calls. Kernels in the manner of FreeBSD's msun
+//! `ln` and `sin, cos` are polynomials over a reduced range, good to 2 units in the last place. They give the same bits on
+//! every machine, whatever its mathematical library, and loops without calls. The polynomials are those of FreeBSD's msun
 //! (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993).
 
 /// A uniform in (0, 1) from the upper 53 bits of a word; never 0, never 1.
 #[inline(always)]
 pub fn uniform_open(word: u64) -> f64 {
-    // 2^-54 added after rounding to 2^-53 steps; the largest, 1 - 2^-54, would round up to 1, so it is held below
+    // 2^-54 is added to a multiple of 2^-53; the largest sum, 1 - 2^-54, would round to 1, so it is limited
     let u = (word >> 11) as f64 * 2.0_f64.powi(-53) + 2.0_f64.powi(-54);
     u.min(1.0 - 2.0_f64.powi(-53))
 }
 
-/// `values[2i], values[2i + 1]` from `words[2i], words[2i + 1]`: two independent standard normals.
+/// `values[2i], values[2i + 1]` from `words[2i], words[2i + 1]`: two independent gaussians.
 ///
 /// Largest value 8.65 (u = 2^-54): the tail beyond has probability 5e-18.
 #[inline]
@@ -48,11 +48,12 @@ fn ln_unit(u: f64) -> f64 {
     exponent * LN2_HI - ((half_square - (s * (half_square + series) + exponent * LN2_LO)) - f)
 }
 
-/// `(sin, cos)` of `2 pi` times the word's fraction of a turn: the two top bits are the quarter, the rest the angle.
+/// `(sin, cos)` of `2 pi` times the word as a fraction: the two top bits choose the quadrant, the rest the angle in
+/// it, which is measured from the middle of the quadrant.
 #[inline(always)]
 fn sin_cos_turn(word: u64) -> (f64, f64) {
     let quarter = word >> 62;
-    // angle within the quarter, in (-pi/4, pi/4): 51 bits and a half step
+    // angle within the quadrant, in (-pi/4, pi/4): 51 bits and a half step
     let fraction = ((word << 2) >> 13) as f64 * 2.0_f64.powi(-51) + (2.0_f64.powi(-52) - 0.5);
     let angle = fraction * std::f64::consts::FRAC_PI_2;
     let z = angle * angle;
@@ -71,7 +72,7 @@ fn sin_cos_turn(word: u64) -> (f64, f64) {
                     + z * (2.480_158_728_947_673e-5
                         + z * (-2.755_731_435_139_066_3e-7
                             + z * (2.087_572_321_298_175e-9 - z * 1.135_964_755_778_819_5e-11)))));
-    // turn by quarters: odd ones swap, and signs follow; all by bits, without a branch
+    // odd quadrants swap sine and cosine, and the quadrant sets the signs; all by bits, without a branch
     let odd = 0_u64.wrapping_sub(quarter & 1);
     let (s, c) = (sin.to_bits(), cos.to_bits());
     let first = (s & !odd) | (c & odd);
@@ -93,8 +94,8 @@ mod tests {
             let u = uniform_open(word ^ (word >> 29));
             assert!((ln_unit(u) - u.ln()).abs() <= 2.0 * f64::EPSILON * u.ln().abs(), "ln {u}");
             let (sin, cos) = sin_cos_turn(word);
-            let turn = (word >> 62) as f64 * 0.25 + (((word << 2) >> 13) as f64 + 0.5) * 2.0_f64.powi(-53) - 0.125;
-            let angle = turn * std::f64::consts::TAU;
+            let fraction = (word >> 62) as f64 * 0.25 + (((word << 2) >> 13) as f64 + 0.5) * 2.0_f64.powi(-53) - 0.125;
+            let angle = fraction * std::f64::consts::TAU;
             assert!((sin - angle.sin()).abs() < 2e-15 && (cos - angle.cos()).abs() < 2e-15, "angle {angle}");
         }
         for u in [2.0_f64.powi(-54), 0.5, 0.75, 0.707, 0.708, 1.0 - 2.0_f64.powi(-53)] {

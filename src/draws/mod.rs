@@ -18,8 +18,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 pub use gaussian::{box_muller, uniform_open};
 
-/// Words (u64) drawn from the generator at once. Long enough for the vector loop, short enough that clearing it costs
-/// a single replicate nothing it would notice (512 bytes).
+/// Words (u64) drawn from the generator at once: enough for the vector loop, and few enough (512 bytes) that clearing
+/// the buffer costs a single replicate little.
 const CHUNK: usize = 64;
 
 /// The draws of one effect under one seed.
@@ -29,8 +29,8 @@ pub struct EffectDraws {
 }
 
 impl EffectDraws {
-    /// Draws of the effect called `name` under `seed`. The name, not a position in a list, is the address, so that
-    /// a new effect renumbers none.
+    /// Draws of the effect called `name` under `seed`. Because the address holds the name and not a
+    /// position in a list, a new effect changes no other effect's draws.
     pub fn new(seed: u64, name: &str) -> EffectDraws {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -44,9 +44,9 @@ impl EffectDraws {
         std::array::from_fn(|k| u32::from_le_bytes(words[k]))
     }
 
-    /// Fills `out` with `per` standard normals for each replicate from `first_replicate` on: `out[b * per + i]`.
+    /// Fills `out` with `per` gaussians for each replicate from `first_replicate` on: `out[b * per + i]`.
     ///
-    /// `out.len()` is a multiple of `per`; a rest is left untouched.
+    /// `out.len()` should be a multiple of `per`; numbers beyond the last multiple are left untouched.
     ///
     /// # Panics
     /// When `per` exceeds 64.
@@ -77,7 +77,7 @@ impl EffectDraws {
         if per == 0 || out.is_empty() {
             return;
         }
-        // an even slot, since normals come in pairs
+        // slots are even, because gaussians come in pairs
         let slot = per.next_multiple_of(2);
         let replicates = out.len() / per;
         let mut generator = self.at(contact, u128::from(first_replicate) * slot as u128 * 2);
@@ -105,7 +105,7 @@ impl EffectDraws {
     }
 }
 
-/// 64-bit FNV-1a: spreads effect names over keys; collisions among a dozen fixed names are excluded by a test.
+/// 64-bit FNV-1a, which makes keys of effect names. A test shows that the dozen names do not collide.
 fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
@@ -144,7 +144,7 @@ mod tests {
 
     /// Moments to the sixth and lag-one products, each within 5 sigma of its estimate over 10^6 draws.
     #[test]
-    fn normals_have_the_moments_of_a_normal() {
+    fn gaussians_have_the_moments_of_the_normal_distribution() {
         let count = 1_000_000;
         let mut out = vec![0.0; count];
         EffectDraws::new(3, "moments").gaussians(0, 0, 1, &mut out);

@@ -44,16 +44,21 @@ pub use certificate::guaranteed_digits::GuaranteedDigits;
 pub use describe::residuals::Rms;
 pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
+#[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
 pub use linear::reasons::{MethodUsed, Reason};
-pub use linear::solution::{Factor, Solution};
+#[doc(hidden)]
+pub use linear::solution::Factor;
+pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, UnknownWord,
 };
+#[doc(hidden)]
 pub use placing::patch::Patch;
+#[doc(hidden)]
 pub use placing::sites::DataSites;
 
 use std::sync::OnceLock;

@@ -3,7 +3,7 @@
 //! `x,y,z` and optionally `nx,ny,nz` or `zx,zy` (not both), `finger`, `station`, `wz,wx,wy`. Without `z` but with
 //! slopes or normals the heights are zero with weight zero: slopes only.
 
-use crate::contact::{Contacts, Orientation, RowWeights};
+use crate::contact::{ContactWeights, Contacts, Orientation};
 
 use super::{IoError, Place, Points, ReadOptions};
 
@@ -235,7 +235,7 @@ impl Columns {
         let labels = |values: Option<Vec<f64>>| values.map(|v| v.into_iter().map(|label| label as u32).collect());
         let finger = labels(take(Finger));
         let station = labels(take(Station));
-        let weights = RowWeights { z: weight_z, x: take(Wx), y: take(Wy) };
+        let weights = ContactWeights { z: weight_z, x: take(Wx), y: take(Wy) };
         Contacts { x, y, z, orientation, finger, station, weights }
     }
 }

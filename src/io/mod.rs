@@ -15,6 +15,7 @@ mod error;
 mod imported;
 mod npy;
 mod npz;
+mod npz_writer;
 mod place;
 mod ply;
 mod remark;
@@ -32,6 +33,7 @@ use columns::Need;
 pub use atomic::{remove_unfinished, write_atomically};
 pub use error::IoError;
 pub use imported::import_surface;
+pub(crate) use npz_writer::NpzWriter;
 pub use place::{Place, Places};
 pub use surface_file::{
     AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,

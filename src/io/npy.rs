@@ -85,6 +85,26 @@ impl Header {
     }
 }
 
+/// Magic, version, length and text of the header of a row-major array of float64, as NumPy writes it: padded with blanks
+/// so that the data start at a multiple of 64 bytes.
+pub(super) fn float64_header(shape: &[usize]) -> Vec<u8> {
+    const ALIGNMENT: usize = 64;
+    /// Magic, version and the u16 of the length.
+    const BEFORE_TEXT: usize = 10;
+    let sizes: String = match shape {
+        [only] => format!("{only},"),
+        _ => shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+    };
+    let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({sizes})}}");
+    let length = (BEFORE_TEXT + text.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_TEXT;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((length as u16).to_le_bytes());
+    bytes.extend(text.as_bytes());
+    bytes.resize(BEFORE_TEXT + length - 1, b' ');
+    bytes.push(b'\n');
+    bytes
+}
+
 /// The text after `'key':`, blanks taken off.
 fn value_of<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(|quoted| {
@@ -137,6 +157,16 @@ mod tests {
         assert_eq!((h.kind, h.size, h.big_endian, h.fortran_order), (Kind::Float, 4, true, true));
         assert_eq!((h.shape.clone(), h.data_start, h.data_bytes()), (vec![616, 514], bytes.len(), Some(616 * 514 * 4)));
         assert_eq!(h.decode(&1.5_f32.to_be_bytes()), [1.5]);
+    }
+
+    #[test]
+    fn a_written_header_is_aligned_and_read_back() {
+        for shape in [vec![3], vec![616, 514], vec![0, 4], vec![usize::MAX; 3]] {
+            let bytes = float64_header(&shape);
+            let h = Header::parse(&bytes).unwrap();
+            assert_eq!((h.kind, h.size, h.big_endian, h.fortran_order), (Kind::Float, 8, false, false));
+            assert_eq!((&h.shape, h.data_start, bytes.len() % 64), (&shape, bytes.len(), 0));
+        }
     }
 
     #[test]

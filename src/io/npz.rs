@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::io::{Cursor, Read, Seek, Write};
 
 use ndarray::{Array2, ShapeBuilder};
-use ndarray_npy::NpzWriter;
 use zip::ZipArchive;
 
 use crate::contact::{Contacts, Grid};
 
 use super::columns::{Column, Columns, Need, columns_of};
 use super::npy::Header;
+use super::npz_writer::NpzWriter;
 use super::place::{Place, Places, Runs, Unit};
 use super::{Input, IoError, ReadOptions, Reading};
 
@@ -189,13 +189,13 @@ fn read_array(member: &mut impl Read, promised: u64) -> Result<Array, String> {
 
 /// Writes contacts as 1-D arrays of float64 (labels too, so that every array has one type).
 pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: impl Write + Seek) -> std::io::Result<()> {
-    let mut npz = NpzWriter::new(out);
+    let mut npz = NpzWriter::stored(out);
     for (column, values) in columns_of(contacts) {
-        npz.add_array(column.name(), &ndarray::ArrayView1::from(&values[..])).map_err(std::io::Error::other)?;
+        npz.add(column.name(), &[values.len()], values.iter().copied())?;
     }
     if let Some(remark) = remark {
-        let ones = ndarray::Array1::<f64>::ones(contacts.len());
-        npz.add_array(super::remark::array_name(remark), &ones).map_err(std::io::Error::other)?;
+        let name = super::remark::array_name(remark);
+        npz.add(&name, &[contacts.len()], std::iter::repeat_n(1.0, contacts.len()))?;
     }
-    npz.finish().map(drop).map_err(std::io::Error::other)
+    npz.finish().map(drop)
 }

@@ -1,13 +1,14 @@
-//! The normal matrix of a map into space: one 3 x 3 block for each pair of coefficients whose basis functions meet.
+//! The normal matrix of a parametric surface, a map into space: one 3 x 3 block for each pair of coefficients whose basis
+//! functions overlap.
 //!
 //! ```text
-//! A[(i,j),(k,l)] = 0 unless |i - k| <= p and |j - l| <= q          (counted round a closed direction)
+//! A[(i,j),(k,l)] = 0 unless |i - k| <= p and |j - l| <= q          (modulo the period in a closed direction)
 //! ```
 //!
 //! Coefficient `(i, j)` has number `i m + j`, its three unknowns `3 (i m + j) + d`. Only blocks with column <= row are
 //! stored; a diagonal block is stored whole.
 
-/// Distinct coefficients of a map into space, their degrees, and which directions close.
+/// Numbers of distinct coefficients of a parametric surface, its degrees, and which directions are closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapShape {
     /// Distinct coefficients in u and v.
@@ -24,7 +25,7 @@ impl MapShape {
         self.free[0] * self.free[1]
     }
 
-    /// Indices in direction `axis` whose basis functions meet that of `index`, ascending.
+    /// Indices in direction `axis` whose basis functions overlap that of `index`, ascending.
     fn neighbours(&self, axis: usize, index: usize) -> Vec<usize> {
         let (n, p) = (self.free[axis], self.degree[axis]);
         let mut near: Vec<usize> = if self.closed[axis] {
@@ -79,7 +80,7 @@ impl BlockMatrix {
         self.values.fill([[0.0; 3]; 3]);
     }
 
-    /// Adds `block` to `A[row, column]`, `column <= row`; a pair whose basis functions do not meet is left alone.
+    /// Adds `block` to `A[row, column]`, `column <= row`; a pair whose basis functions do not overlap is ignored.
     #[inline]
     pub fn add(&mut self, row: usize, column: usize, block: &[[f64; 3]; 3]) {
         let range = self.starts[row]..self.starts[row + 1];
@@ -155,10 +156,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn closed_directions_meet_across_the_seam() {
+    fn closed_directions_overlap_across_the_seam() {
         let shape = MapShape { free: [6, 3], degree: [2, 2], closed: [true, false] };
         let mut a = BlockMatrix::zeros(shape);
-        // coefficient (5, 0) meets (0, 0) round the seam, (3, 0) does not
+        // coefficient (5, 0) overlaps (0, 0) across the seam, (3, 0) does not
         a.add(15, 0, &[[1.0; 3]; 3]);
         a.add(9, 0, &[[7.0; 3]; 3]);
         let mut v = vec![0.0; a.order()];

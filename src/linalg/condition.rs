@@ -1,7 +1,7 @@
 //! Hager and Higham's estimate of `|B^-1|_1` from a few solves with `B` and `B'`.
 //!
-//! N. J. Higham, *FORTRAN codes for estimating the one-norm*, ACM TOMS 14 (1988), Algorithm 2.1: a lower bound, nearly
-//! always within a factor 3.
+//! N. J. Higham, *FORTRAN codes for estimating the one-norm*, ACM TOMS 14 (1988), Algorithm 2.1. It is a lower
+//! bound, nearly always within a factor of 3.
 
 /// At most this many refinements; the estimate settles after 2 or 3.
 const MAX_STEPS: usize = 5;
@@ -36,14 +36,14 @@ pub fn inverse_norm1_estimate(
         v[best] = 1.0;
         solve(&mut v);
         let grown: f64 = v.iter().map(|w| w.abs()).sum();
-        let turned: Vec<f64> = v.iter().map(|w| 1.0_f64.copysign(*w)).collect();
-        if grown <= estimate || turned == signs {
+        let new_signs: Vec<f64> = v.iter().map(|w| 1.0_f64.copysign(*w)).collect();
+        if grown <= estimate || new_signs == signs {
             estimate = estimate.max(grown);
             break;
         }
-        (estimate, signs) = (grown, turned);
+        (estimate, signs) = (grown, new_signs);
     }
-    // the alternating vector catches what cancels in the walk above (Higham's safeguard)
+    // Higham's safeguard: an alternating vector finds matrices in which the steps above cancel
     for (i, w) in v.iter_mut().enumerate() {
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
         *w = sign * (1.0 + i as f64 / (order.max(2) - 1) as f64);
@@ -51,11 +51,6 @@ pub fn inverse_norm1_estimate(
     solve(&mut v);
     let safeguard = 2.0 * v.iter().map(|w| w.abs()).sum::<f64>() / (3.0 * order as f64);
     estimate.max(safeguard)
-}
-
-/// Condition of E from that of E'E; infinite stays infinite.
-pub fn sqrt_of_condition(norm: f64, inverse_norm: f64) -> f64 {
-    (norm * inverse_norm).sqrt()
 }
 
 #[cfg(test)]

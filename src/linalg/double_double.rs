@@ -4,7 +4,8 @@
 //! x = hi + lo,  |lo| <= ulp(hi) / 2          errors of + - * /: a few 2^-104
 //! ```
 //!
-//! For residuals that refinement needs in twice the working precision. Products beyond 1e300 overflow in the split.
+//! Iterative refinement needs residuals in twice the working precision, which this gives. Products beyond 1e300 overflow
+//! in the split.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -31,7 +32,7 @@ impl DoubleDouble {
         self.hi + self.lo
     }
 
-    /// Square root by one Newton step on the double's; 0 for what is not positive.
+    /// Square root, by one Newton step from the square root of `hi`; 0 for numbers that are not positive.
     pub fn sqrt(self) -> DoubleDouble {
         if self.hi.is_nan() || self.hi <= 0.0 {
             return DoubleDouble::ZERO;

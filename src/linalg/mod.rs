@@ -1,4 +1,4 @@
-//! The structured system: `minimise |W (E c - b)|^2`, E made of tensor-product rows, never held in full.
+//! The structured system: `minimise |W (E c - b)|^2`, where E consists of tensor-product rows and is never formed.
 //!
 //! ```text
 //! one site:   rows   wz  (N  o M )                      value row
@@ -7,22 +7,21 @@
 //! all sites:  A = E'E (stencil of a tensor spline),  E'b,  b - E c
 //! ```
 //!
-//! [`Sites`] says where the data lie (scattered or gridded: two implementations that never meet), [`RowWeights`] how the
-//! rows are weighted, [`Targets`] what they should be. Everything else is written once over the three.
+//! [`Sites`] says where the data lie and has two implementations, scattered and gridded. [`RowWeights`] holds the weights
+//! of the rows, [`Targets`] their right-hand sides. Everything else is written once, over these three.
 
 mod blocks;
 mod condition;
 mod double_double;
-mod site_blocks;
+mod site_groups;
 mod sites;
 mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};
-pub use condition::{inverse_norm1_estimate, sqrt_of_condition};
+pub use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
-pub use site_blocks::{SiteBlock, SiteBlocks, SiteRows};
+pub use site_groups::{SiteGroups, SiteRows};
 pub use sites::{
-    RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, apply_rows, assemble, descent, normal_rhs,
-    residuals, site_rows,
+    RowWeights, Site, SiteWeights, Sites, Targets, apply_rows, assemble, descent, normal_rhs, residuals, site_rows,
 };
 pub use stencil::{StencilMatrix, TensorShape};

@@ -1,4 +1,4 @@
-//! Where data lie, how their rows are weighted, what they should be; and the four products built on that.
+//! Data sites, the weights of their rows, their right-hand sides, and the products that are built on these.
 //!
 //! For a site with x values `N, N'` and y values `M, M'` (p + 1 and q + 1 of each, coefficients `c_ab` of the patch)
 //!
@@ -10,7 +10,7 @@
 
 use super::stencil::{StencilMatrix, TensorShape};
 
-/// One data site: which basis functions live there, and their values and slopes.
+/// One data site: the basis functions that are not zero there, with their values and slopes.
 #[derive(Clone, Copy, Debug)]
 pub struct Site<'a> {
     /// Number of the datum in the user's order (gridded: `i m + j`).
@@ -28,8 +28,8 @@ pub struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// `body` of this site; for degrees 2, 3 and 4 in both directions handed rows of literal length, which
-    /// changes no bit. Whether the loops are unrolled by it is the compiler's choice: it may share one body among them.
+    /// Calls `body` with this site. For degrees 2, 3 and 4 in both directions the rows have a length that the compiler
+    /// knows, so it may unroll the loops of `body`; the bits are the same either way.
     #[inline(always)]
     pub fn unrolled<T>(&self, body: impl FnOnce(&Site) -> T) -> T {
         match [self.x.len(), self.y.len()] {
@@ -40,14 +40,14 @@ impl Site<'_> {
         }
     }
 
-    /// The same, its rows of this length.
+    /// The same site with every row cut to length `n`.
     #[inline(always)]
     pub fn cut(&self, n: usize) -> Site<'_> {
         Site { x: &self.x[..n], dx: &self.dx[..n], y: &self.y[..n], dy: &self.dy[..n], ..*self }
     }
 }
 
-/// Sites of data under a tensor spline. Scattered and gridded data implement it, each in its own way.
+/// Sites of data under a tensor spline; implemented by scattered and by gridded data.
 pub trait Sites: Sync {
     /// Shape of the spline.
     fn shape(&self) -> TensorShape;
@@ -59,14 +59,15 @@ pub trait Sites: Sync {
     }
     /// Visits every site, knot cell by knot cell (x segment major): all sites of a cell come together.
     fn visit(&self, f: impl FnMut(&Site));
-    /// The same visit a cell at a time, where basis rows lie side by side: `f(first basis functions, numbers of the data,
-    /// rows)`, in the rows N, N', M, M' of one site after the other. `false`, and nothing is visited, where they do not.
+    /// The same visit, one cell at a time, if the basis rows are stored side by side; otherwise it visits nothing and
+    /// returns `false`. It calls `f(first basis functions, numbers of the data, rows)`, where `rows` holds N, N', M, M' of
+    /// one site after the other.
     fn visit_cells(&self, _f: impl FnMut([usize; 2], &[u32], &[f64])) -> bool {
         false
     }
 }
 
-/// Weights of one site's rows: `wz` and the upper triangle `[a b; 0 d]`. Residuals are multiplied, not squares.
+/// Weights of one site's rows: `wz` and the upper triangle `[a b; 0 d]`. They multiply residuals, not squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SiteWeights {
     /// Weight of the value row.
@@ -93,36 +94,36 @@ impl RowWeights {
     #[inline]
     pub fn at(&self, index: usize) -> SiteWeights {
         match self {
-            RowWeights::Uniform(row_weights) => *row_weights,
-            RowWeights::PerSite(site_weights) => site_weights[index],
+            RowWeights::Uniform(weights) => *weights,
+            RowWeights::PerSite(weights) => weights[index],
         }
     }
 
     /// Number of rows with a weight that is not zero, among `sites` sites: `[values, slopes]`.
     pub fn row_counts(&self, sites: usize) -> [usize; 2] {
-        let count = |m: &SiteWeights| {
-            [usize::from(m.z != 0.0), usize::from(m.a != 0.0 || m.b != 0.0) + usize::from(m.d != 0.0)]
+        let count = |w: &SiteWeights| {
+            [usize::from(w.z != 0.0), usize::from(w.a != 0.0 || w.b != 0.0) + usize::from(w.d != 0.0)]
         };
         match self {
-            RowWeights::Uniform(row_weights) => count(row_weights).map(|c| c * sites),
-            RowWeights::PerSite(site_weights) => {
-                site_weights.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]])
+            RowWeights::Uniform(weights) => count(weights).map(|c| c * sites),
+            RowWeights::PerSite(weights) => {
+                weights.iter().map(count).fold([0, 0], |sum, c| [sum[0] + c[0], sum[1] + c[1]])
             }
         }
     }
 }
 
-/// Weighted right-hand sides, three per site: `wz z`, `a zx + b zy`, `d zy` (or what stands in their place).
+/// Weighted right-hand sides, three per site: `wz z`, `a zx + b zy`, `d zy` (normal rows have their own in place of the last two).
 pub type Targets = Vec<[f64; 3]>;
 
 /// `[wz S, a S_x + b S_y, d S_y]` of the spline `c` at one site.
 #[inline]
-pub fn site_rows(site: &Site, row_weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
-    site.unrolled(|site| site_rows_of(site, row_weights, c, columns))
+pub fn site_rows(site: &Site, weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
+    site.unrolled(|site| site_rows_of(site, weights, c, columns))
 }
 
 #[inline(always)]
-fn site_rows_of(site: &Site, row_weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
+fn site_rows_of(site: &Site, weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
     let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
     for a in 0..site.x.len() {
         let start = (site.first[0] + a) * columns + site.first[1];
@@ -136,7 +137,7 @@ fn site_rows_of(site: &Site, row_weights: &SiteWeights, c: &[f64], columns: usiz
         sx += site.dx[a] * along;
         sy += site.x[a] * slope;
     }
-    [row_weights.z * s, row_weights.a * sx + row_weights.b * sy, row_weights.d * sy]
+    [weights.z * s, weights.a * sx + weights.b * sy, weights.d * sy]
 }
 
 /// `out = E c`, weighted, in the user's order.
@@ -166,26 +167,26 @@ pub fn normal_rhs(sites: &impl Sites, row_weights: &RowWeights, rows: &Targets, 
     sites.visit(|site| add_transposed(site, &row_weights.at(site.index), rows[site.index], columns, out));
 }
 
-/// `out = E'(b - E c)`: residuals and their product in one visit, with the bits of the two one after the other.
+/// `out = E'(b - E c)` in one visit, with the same bits as [`residuals`] followed by [`normal_rhs`].
 pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut [f64]) {
     let columns = sites.shape().basis[1];
     out.fill(0.0);
     sites.visit(|site| {
-        let m = row_weights.at(site.index);
-        let (rows, target) = (site_rows(site, &m, c, columns), targets[site.index]);
-        add_transposed(site, &m, [0, 1, 2].map(|k| target[k] - rows[k]), columns, out);
+        let weights = row_weights.at(site.index);
+        let (rows, target) = (site_rows(site, &weights, c, columns), targets[site.index]);
+        add_transposed(site, &weights, [0, 1, 2].map(|k| target[k] - rows[k]), columns, out);
     });
 }
 
 /// `out += E_site' r` for the weighted rows `r` of one site; `columns` are the basis functions in y.
 #[inline]
-pub fn add_transposed(site: &Site, m: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
-    site.unrolled(|site| add_transposed_of(site, m, r, columns, out))
+pub fn add_transposed(site: &Site, w: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
+    site.unrolled(|site| add_transposed_of(site, w, r, columns, out))
 }
 
 #[inline(always)]
-fn add_transposed_of(site: &Site, m: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
-    let (value, slope_x, slope_y) = (m.z * r[0], m.a * r[1], m.b * r[1] + m.d * r[2]);
+fn add_transposed_of(site: &Site, w: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
+    let (value, slope_x, slope_y) = (w.z * r[0], w.a * r[1], w.b * r[1] + w.d * r[2]);
     for a in 0..site.x.len() {
         let start = (site.first[0] + a) * columns + site.first[1];
         let along = value * site.x[a] + slope_x * site.dx[a];
@@ -196,7 +197,7 @@ fn add_transposed_of(site: &Site, m: &SiteWeights, r: [f64; 3], columns: usize, 
     }
 }
 
-/// Adds `E'E` to `out`, cell by cell: a dense local matrix takes the rank-one updates, then is scattered once.
+/// Adds `E'E` to `out`, cell by cell. The rank-one updates go into a dense matrix of the cell, which is added to `out` once.
 pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilMatrix) {
     let shape = sites.shape();
     let mut local = LocalMatrix::new(shape);
@@ -210,7 +211,7 @@ pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilM
     local.scatter(out);
 }
 
-/// Lower-in-x blocks of one cell's matrix: entry `[a, k <= a][b, l]`.
+/// One cell's matrix, of which only the blocks with `k <= a` in x are kept: entry `[a, k <= a][b, l]`.
 struct LocalMatrix {
     first: [usize; 2],
     width: [usize; 2],
@@ -234,7 +235,7 @@ impl LocalMatrix {
         }
     }
 
-    fn add(&mut self, site: &Site, m: &SiteWeights) {
+    fn add(&mut self, site: &Site, w: &SiteWeights) {
         self.touched = true;
         let square = self.width[1] * self.width[1];
         for b in 0..self.width[1] {
@@ -243,7 +244,7 @@ impl LocalMatrix {
                     [site.y[b] * site.y[l], site.y[b] * site.dy[l], site.dy[b] * site.dy[l]];
             }
         }
-        let (zz, aa, ab, dd) = (m.z * m.z, m.a * m.a, m.a * m.b, m.b * m.b + m.d * m.d);
+        let (zz, aa, ab, dd) = (w.z * w.z, w.a * w.a, w.a * w.b, w.b * w.b + w.d * w.d);
         let mut blocks = self.blocks.chunks_exact_mut(square);
         for a in 0..self.width[0] {
             for k in 0..=a {

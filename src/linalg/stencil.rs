@@ -3,7 +3,7 @@
 //! Unknown `(i, j)` has number `i m + j`. Only the lower half is stored, as a stencil: for row `(i, j)` the entries
 //! `(i - di, j + dj)` with `di = 0..=p`, `dj = -q..=q` (for `di = 0` those with `dj > 0` are unused).
 
-/// How many basis functions there are in x and y, and of what degrees.
+/// Numbers and degrees of the basis functions in x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TensorShape {
     /// Basis functions n (x) and m (y).
@@ -18,7 +18,7 @@ impl TensorShape {
         self.basis[0] * self.basis[1]
     }
 
-    /// Basis functions alive at one point, (p + 1)(q + 1).
+    /// Number of basis functions that are not zero at one point, (p + 1)(q + 1).
     pub fn local(&self) -> usize {
         (self.degree[0] + 1) * (self.degree[1] + 1)
     }
@@ -112,7 +112,7 @@ impl StencilMatrix {
         self.norm1_scaled_with(d, &mut vec![0.0; self.order()])
     }
 
-    /// The same with the caller's buffer of one number per row.
+    /// The same, using a buffer of the caller with one number per row.
     pub fn norm1_scaled_with(&self, d: &[f64], sums: &mut [f64]) -> f64 {
         sums.fill(0.0);
         self.for_each_lower(|row, column, position| {
@@ -137,7 +137,7 @@ impl StencilMatrix {
                         let below = self.position(row, di, q - dj);
                         self.values[below] += factor * x_value * y_value;
                         if di > 0 && dj > 0 {
-                            // Y(j - dj, j): the same band entry, seen from the other side
+                            // Y(j - dj, j) equals Y(j, j - dj), which is the one stored
                             let above = self.position(row - dj, di, q + dj);
                             self.values[above] += factor * x_value * y_value;
                         }

@@ -1,27 +1,46 @@
-//! Replicates of a small fit whose sites stand still: one factor, then draws -> coefficients -> S, R -> means.
+//! Replicates of a small fit whose sites are the same in all of them: one factor serves every replicate.
 //!
 //! ```text
 //! c = c0 + P n       P = A^-1 E'W diag(sigma)   (unknowns x 3 g),   n standard normals, three per contact
 //! S_b = mean_g S(c_b),  R_b = mean_g R(c_b)
 //! ```
 //!
-//! Only heights and slopes are noisy here; effects that move a site, drop a contact or turn a normal need the whole fit.
-//! Replicate b's draws are those of the effect [`ROW_NOISE`] at (seed, contact, b), whatever the block.
+//! Only heights and slopes are noisy here; effects that move a site, drop a contact or rotate a normal need the whole
+//! fit. The draws of replicate b are those of the effect [`ROW_NOISE`] at (seed, contact, b) in every block.
 
 use crate::bspline::Knots;
 use crate::draws::EffectDraws;
-use crate::fit::FitError;
-use crate::plans::{SlopeColumns, SlopePlan};
+use crate::plans::{PlanError, SlopeColumns, SlopePlan, check_noise_sds, check_shape_grid};
 use crate::simd::{
-    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, Isa, LANES, add_draws, chacha8, gaussian_triples, mean_shapes,
+    CHACHA_BLOCKS, CHACHA_WORDS, GridTables, Isa, REPLICATES, add_draws, chacha8, gaussian_triples, mean_shapes,
 };
 use crate::surface::pieces_of;
 
-/// The effect whose draws these are.
+/// Name of the effect that the draws belong to.
 pub const ROW_NOISE: &str = "row_noise";
 
-/// What stands still over all replicates.
-#[derive(Debug)]
+/// Everything that all replicates share: the sites, the factor and the shape grid.
+///
+/// ```
+/// use palpate::spline::{Knots, linspace};
+/// use palpate::montecarlo::FixedSites;
+/// use palpate::plans::SlopeColumns;
+///
+/// // z = x^2/2 at nine sites; how do mean S and mean R vary with noise of sd 0.01 and 0.02?
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let x: Vec<f64> = (0..9).map(|r| (r / 3) as f64 - 1.0).collect();
+/// let y: Vec<f64> = (0..9).map(|r| (r % 3) as f64 - 1.0).collect();
+/// let z: Vec<f64> = x.iter().map(|x| 0.5 * x * x).collect();
+/// let contacts = SlopeColumns { x: &x, y: &y, z: &z, zx: &x, zy: &[0.0; 9] };
+/// let points = linspace(-0.5, 0.5, 4);
+/// let knots = [axis.clone(), axis];
+/// let sites = FixedSites::new(&knots, &contacts, [1.0; 3], [0.01, 0.02, 0.02], [&points, &points])?;
+/// let (mut s, mut r) = ([0.0; 100], [0.0; 100]);
+/// sites.replicates(2026, 0, &mut s, &mut r);
+/// assert!(s.iter().all(|s| (s + 0.5).abs() < 0.2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
 pub struct FixedSites {
     degree: [usize; 2],
     /// Coefficients of the noise-free data.
@@ -32,22 +51,25 @@ pub struct FixedSites {
 }
 
 impl FixedSites {
-    /// One factor for the sites `contacts` (their data noise-free), the block weights `[wz, wx, wy]`, the sds
+    /// Prepares the sites `contacts` with noise-free data, the block weights `[wz, wx, wy]`, the noise sds
     /// `[heights, x slopes, y slopes]` and the points of the shape grid.
     ///
     /// # Errors
-    /// As [`SlopePlan`]; degrees other than 2 x 2 and 3 x 3.
+    /// As [`SlopePlan::fit`]; [`PlanError::Degree`] for degrees other than 2 x 2 and 3 x 3; [`PlanError::NoiseSd`] for an
+    /// sd that is negative or not finite; [`PlanError::EmptyGrid`], [`PlanError::Axis`].
     pub fn new(
         knots: &[Knots; 2],
         contacts: &SlopeColumns<'_>,
         weights: [f64; 3],
         sigma: [f64; 3],
         grid: [&[f64]; 2],
-    ) -> Result<FixedSites, FitError> {
+    ) -> Result<FixedSites, PlanError> {
         let degree = [knots[0].degree(), knots[1].degree()];
         if degree[0] != degree[1] || degree[0] < 2 {
-            return Err(FitError::Method { method: "fixed sites", why: "lanes are made for degrees 2 x 2 and 3 x 3" });
+            return Err(PlanError::Degree { degree, allowed: "replicates are made for degrees 2 x 2 and 3 x 3" });
         }
+        check_noise_sds(sigma, true)?;
+        check_shape_grid(grid)?;
         let mut plan = SlopePlan::new(knots.clone(), weights)?;
         let nominal = plan.fit(contacts)?.to_vec();
         let columns = knots[1].n_basis();
@@ -72,20 +94,21 @@ impl FixedSites {
         Ok(FixedSites { degree, nominal, noise, grid: tables(knots, grid) })
     }
 
-    /// Mean S and mean R over the grid of the replicates `first ..` (as many as `shape_index` holds).
+    /// Mean S and mean R over the grid of the replicates `first ..`, as many as both arrays have room for.
     ///
-    /// Blocks of [`LANES`] replicates are shared among the threads of the current pool; a replicate's numbers depend on
-    /// the seed and its own number alone. S is NaN where a replicate is flat at every point.
+    /// The threads of the current pool share the blocks of [`REPLICATES`] replicates; a replicate's numbers depend on the seed
+    /// and its own number alone. S is NaN where a replicate is flat at every point.
     pub fn replicates(&self, seed: u64, first: u64, shape_index: &mut [f64], curvedness: &mut [f64]) {
         let key = EffectDraws::new(seed, ROW_NOISE).key();
-        self.range(&key, first, shape_index, curvedness);
+        let count = shape_index.len().min(curvedness.len());
+        self.range(&key, first, &mut shape_index[..count], &mut curvedness[..count]);
     }
 
     fn range(&self, key: &[u32; 8], first: u64, s: &mut [f64], r: &mut [f64]) {
-        // 64 blocks a task: a millisecond's work
-        const TASK: usize = 64 * LANES;
+        // 64 blocks are about a millisecond of work
+        const TASK: usize = 64 * REPLICATES;
         if first % 2 == 1 && !s.is_empty() {
-            // an odd replicate is the second half of a ChaCha block: its pair is made and the first of it dropped
+            // an odd replicate is the second half of a ChaCha block, so both are made and the even one is dropped
             let (mut pair_s, mut pair_r) = ([0.0; 2], [0.0; 2]);
             self.range(key, first - 1, &mut pair_s, &mut pair_r);
             (s[0], r[0]) = (pair_s[1], pair_r[1]);
@@ -93,32 +116,36 @@ impl FixedSites {
             return;
         }
         if s.len() > TASK {
-            let half = (s.len() / 2).next_multiple_of(LANES);
+            let half = (s.len() / 2).next_multiple_of(REPLICATES);
             let (s_a, s_b) = s.split_at_mut(half);
             let (r_a, r_b) = r.split_at_mut(half);
-            rayon::join(|| self.range(key, first, s_a, r_a), || self.range(key, first + half as u64, s_b, r_b));
+            crate::threads::join(
+                || self.range(key, first, s_a, r_a),
+                || self.range(key, first + half as u64, s_b, r_b),
+            );
             return;
         }
-        let mut coefficients = vec![[0.0; LANES]; self.nominal.len()];
-        for (k, (s, r)) in s.chunks_mut(LANES).zip(r.chunks_mut(LANES)).enumerate() {
-            self.block(key, first + (k * LANES) as u64, &mut coefficients, s, r);
+        let mut coefficients = vec![[0.0; REPLICATES]; self.nominal.len()];
+        for (k, (s, r)) in s.chunks_mut(REPLICATES).zip(r.chunks_mut(REPLICATES)).enumerate() {
+            self.block(key, first + (k * REPLICATES) as u64, &mut coefficients, s, r);
         }
     }
 
-    /// One block from an even replicate on; lane `p 16 + l` is replicate `first + 2 l + p`, since a ChaCha block feeds two replicates.
-    fn block(&self, key: &[u32; 8], first: u64, c: &mut [[f64; LANES]], s: &mut [f64], r: &mut [f64]) {
+    /// One block of replicates, the first of them even. Lane `16 p + l` is replicate `first + 2 l + p`, since a ChaCha
+    /// block feeds two replicates.
+    fn block(&self, key: &[u32; 8], first: u64, c: &mut [[f64; REPLICATES]], s: &mut [f64], r: &mut [f64]) {
         let isa = Isa::active();
         for (lanes, value) in c.iter_mut().zip(&self.nominal) {
-            *lanes = [*value; LANES];
+            *lanes = [*value; REPLICATES];
         }
         let mut words = [[0_u64; CHACHA_BLOCKS]; CHACHA_WORDS];
-        let mut drawn = [[0.0; LANES]; 3];
+        let mut drawn = [[0.0; REPLICATES]; 3];
         for (contact, weights) in self.noise.iter().enumerate() {
             chacha8(isa, key, contact as u64, first / 2, &mut words);
             gaussian_triples(isa, &words, &mut drawn);
             add_draws(isa, weights, &drawn, c);
         }
-        let (mut means, mut curved) = ([0.0; LANES], [0.0; LANES]);
+        let (mut means, mut curved) = ([0.0; REPLICATES], [0.0; REPLICATES]);
         mean_shapes(isa, self.degree, &self.grid, c, &mut means, &mut curved);
         for (k, (s, r)) in s.iter_mut().zip(r.iter_mut()).enumerate() {
             let lane = k % 2 * CHACHA_BLOCKS + k / 2;
@@ -218,5 +245,23 @@ mod tests {
             assert_eq!(part.0, whole.0[first..first + count]);
             assert_eq!(part.1, whole.1[first..first + count]);
         }
+    }
+
+    #[test]
+    fn faulty_noise_and_contacts_are_named() {
+        let axis = || Knots::uniform(2, 1, -4.5, 4.5).unwrap();
+        let (data, points) = (cylinder(), linspace(-3.5, 3.5, 4));
+        let make = |data: &Columns, sigma: [f64; 3], points: &[f64]| {
+            FixedSites::new(&[axis(), axis()], &columns(data), [1.0; 3], sigma, [points, points]).map(|_| ())
+        };
+        for sd in [-1.0, f64::NAN, f64::INFINITY] {
+            let found = make(&data, [0.02, sd, 0.02], &points);
+            assert!(matches!(found, Err(PlanError::NoiseSd { block: "x slopes", .. })), "{found:?}");
+        }
+        assert!(matches!(make(&data, [0.02; 3], &[]), Err(PlanError::EmptyGrid { axis: "x" })));
+        let mut bad = data.clone();
+        bad[2][3] = f64::NAN;
+        assert!(matches!(make(&bad, [0.02; 3], &points), Err(PlanError::NotFinite { column: "z", index: 3, .. })));
+        assert_eq!(make(&data, [0.0; 3], &points), Ok(()));
     }
 }

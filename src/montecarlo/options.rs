@@ -1,6 +1,6 @@
-//! What a scene's `[study]` may say.
+//! Options of a study: the `[study]` section of a scene file.
 
-/// How often a study repeats, and what its intervals cover.
+/// Number of replicates of a study and confidence level of its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StudyOptions {

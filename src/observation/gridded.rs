@@ -1,4 +1,4 @@
-//! Data on the product of two axes: the factors `N (n_x x n)` and `M (n_y x m)` stay apart, each held by its bands.
+//! Data on a grid, the product of two axes: the factors `N (n_x x n)` and `M (n_y x m)` are stored separately, as bands.
 
 use crate::bspline::Knots;
 use crate::linalg::{Site, Sites, TensorShape};
@@ -8,7 +8,7 @@ use crate::linalg::{Site, Sites, TensorShape};
 pub struct AxisRows {
     /// Knots of this axis.
     pub knots: Knots,
-    /// First basis function alive at each axis point.
+    /// First basis function that is not zero at each axis point.
     pub first: Vec<usize>,
     /// p + 1 values per axis point.
     pub values: Vec<f64>,
@@ -60,7 +60,7 @@ pub struct GridSites {
 }
 
 impl GridSites {
-    /// Basis rows along both axes (increasing, in the knots' coordinates).
+    /// Forms the basis rows along both axes, which are increasing and in the coordinates of the knots.
     pub fn new(knots: [Knots; 2], x: &[f64], y: &[f64]) -> GridSites {
         let [kx, ky] = knots;
         GridSites { axes: [AxisRows::new(kx, x), AxisRows::new(ky, y)] }

@@ -1,12 +1,12 @@
-//! Data to equations: where the rows of `[N o M; N' o M; N o M']` stand, their weights and their targets.
+//! From data to equations: the rows of `[N o M; N' o M; N o M']`, their weights and their targets.
 //!
 //! ```text
 //! slope rows    wz (z - S)      wx (zx - S_x)     wy (zy - S_y)                    paper Eq. 14, linear
 //! normal rows   (z - S)/Z       (n - n^(S_x, S_y))/sigma, n^ = (-S_x, -S_y, 1)/w   maximum likelihood, Gauss-Newton
 //! ```
 //!
-//! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] keeps the two Kronecker
-//! factors of a grid apart; both are [`crate::linalg::Sites`].
+//! [`ScatteredSites`] forms the row-wise Khatri-Rao product contact by contact, [`GridSites`] stores the two Kronecker
+//! factors of a grid separately; both implement [`crate::linalg::Sites`].
 
 mod cells;
 mod csr;
@@ -18,9 +18,9 @@ mod scattered;
 mod slope_rows;
 
 pub use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
-pub use csr::to_csr;
-pub use gridded::{AxisRows, GridSites};
-pub use kronecker::{SeparableWeights, kronecker_normal_matrix};
+pub use csr::{stacked_csr, to_csr};
+pub use gridded::GridSites;
+pub use kronecker::kronecker_normal_matrix;
 pub use normal_rows::{angular_residual_squared, linearise_normals};
 pub use roughness::roughness_matrix;
 pub use scattered::{CellNumbers, ScatteredSites};

@@ -6,7 +6,8 @@
 //! rows:  U (S_x, S_y) = U (p, q) + U'^-1 J'n           (J' n^ = 0, so J'(n - n^) = J'n)
 //! ```
 //!
-//! The weights are those of the FITTED surface: whitening with the measured normal biases slopes. Nothing divides by nz.
+//! The weights are taken from the fitted surface, because weights from the measured normals would bias the slopes. Nothing
+//! is divided by nz.
 
 use crate::linalg::SiteWeights;
 

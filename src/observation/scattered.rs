@@ -1,4 +1,4 @@
-//! Contacts wherever they fell: each row is the Kronecker product of that contact's two basis rows (Khatri-Rao).
+//! Scattered contacts: each row is the Kronecker product of the contact's two basis rows (row-wise Khatri-Rao product).
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,19 +6,19 @@ use super::cells::PackedCells;
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::{Site, Sites, TensorShape};
 
-/// Most numbers of basis rows that are kept (64 MB: half a million sites of degree 3); beyond it they are formed anew on
+/// Basis rows are kept up to this many numbers (64 MB: half a million sites of degree 3). Larger fits form them again on
 /// every visit, which costs twice the time and no memory.
 const KEPT: usize = 1 << 23;
-/// From this many contacts on, or from [`SOME`] where cells hold [`DENSE`] each, equations come from moments, cell by cell
-/// and on all threads, and the visits of the rows from each cell's polynomial, eight contacts at once. Either agrees with
-/// the rows one by one to a few units in the last place of the largest term.
+/// Fits with this many contacts, or with at least [`SOME`] contacts and [`DENSE`] for each cell, use packed cells: the
+/// equations come from moments, cell by cell and on all threads, and passes over the rows use each cell's polynomial, eight
+/// contacts at once. Results agree with those of single rows to a few units in the last place of the largest term.
 const MANY: usize = 20_000;
-/// So few go as fast one by one: less is to be gained than the cells' tables cost.
+/// Fewer contacts than this are as fast one by one, because the tables of the cells cost more than packing gains.
 const SOME: usize = 100;
-/// A cell costs as much as some contacts, however few it holds.
+/// Contacts for each cell from which packing pays: a cell has a cost of its own, however few contacts it holds.
 const DENSE: usize = 8;
 
-/// Scattered sites, ordered knot cell by knot cell by a counting sort. Copies share what they hold.
+/// Scattered sites, sorted by knot cell with a counting sort. Clones share their memory.
 #[derive(Clone, Debug)]
 pub struct ScatteredSites {
     knots: [Knots; 2],
@@ -30,7 +30,7 @@ pub struct ScatteredSites {
     kept: Arc<Kept>,
 }
 
-/// Points one knot cell after the other, by a counting sort that leaves those of a cell in their order.
+/// Points sorted by knot cell. The counting sort is stable: points of one cell keep their order.
 #[derive(Clone, Debug)]
 pub struct CellNumbers {
     /// Numbers of the points.
@@ -40,7 +40,7 @@ pub struct CellNumbers {
 }
 
 impl CellNumbers {
-    /// Of the points `(x, y)`, coordinates of the knots.
+    /// Sorts the points `(x, y)`, in the coordinates of the knots.
     pub fn of(knots: &[Knots; 2], points: &[[f64; 2]]) -> CellNumbers {
         let across = knots[1].n_segments();
         let cells: Vec<u32> =
@@ -60,12 +60,12 @@ impl CellNumbers {
     }
 }
 
-/// What is formed when it is asked for.
+/// What is made at its first use.
 #[derive(Debug, Default)]
 struct Kept {
     /// In cell order, site after site: values in x, slopes in x, values in y, slopes in y.
     rows: OnceLock<Vec<f64>>,
-    lanes: OnceLock<Option<PackedCells>>,
+    packed: OnceLock<Option<PackedCells>>,
 }
 
 impl ScatteredSites {
@@ -79,25 +79,26 @@ impl ScatteredSites {
             cell_starts: cell_starts.into(),
             kept: Arc::default(),
         };
-        // by the cells' lanes no rows are visited, but by QR of them; others are formed while their points are at hand
-        if !sites.go_by_cells() {
+        // with packed cells only QR visits single rows; other fits need the rows, so they are made now, while the points
+        // are in the caches
+        if !sites.uses_packed_cells() {
             sites.rows();
         }
         sites
     }
 
-    /// Whether so many contacts under these knots are worth going by cells, which [`ScatteredSites::lanes`] hold.
-    pub fn many_go_by_cells(contacts: usize, knots: &[Knots; 2]) -> bool {
+    /// Whether this many contacts under these knots are worth packing into cells ([`ScatteredSites::packed_cells`]).
+    pub fn worth_packing(contacts: usize, knots: &[Knots; 2]) -> bool {
         let cells = knots[0].n_segments() * knots[1].n_segments();
         contacts >= MANY || contacts >= SOME.max(DENSE * cells)
     }
 
-    /// Whether these do.
-    pub fn go_by_cells(&self) -> bool {
-        ScatteredSites::many_go_by_cells(self.points.len(), &self.knots)
+    /// Whether fits to these sites use packed cells.
+    pub fn uses_packed_cells(&self) -> bool {
+        ScatteredSites::worth_packing(self.points.len(), &self.knots)
     }
 
-    /// The basis rows, where they are few enough to be kept.
+    /// The basis rows; `None` if there are too many to be kept.
     fn rows(&self) -> Option<&[f64]> {
         let each: usize = self.shape().degree.iter().map(|d| 2 * (d + 1)).sum();
         if self.points.len() * each > KEPT {
@@ -115,13 +116,13 @@ impl ScatteredSites {
         Some(self.kept.rows.get_or_init(form))
     }
 
-    /// The contacts cell by cell, put there by whoever asks first; `None` above the degree that moments are kept for.
-    pub fn lanes(&self) -> Option<&PackedCells> {
-        let put = || PackedCells::new(&self.knots, &self.points, &self.order, &self.cell_starts);
-        self.kept.lanes.get_or_init(put).as_ref()
+    /// The packed cells, made at the first call; `None` above the largest degree of moments.
+    pub fn packed_cells(&self) -> Option<&PackedCells> {
+        let pack = || PackedCells::new(&self.knots, &self.points, &self.order, &self.cell_starts);
+        self.kept.packed.get_or_init(pack).as_ref()
     }
 
-    /// Visits every site with basis rows formed on the spot.
+    /// Visits every site, forming its basis rows.
     fn form(&self, mut f: impl FnMut(&Site)) {
         let across = self.knots[1].n_segments();
         let width = self.shape().degree.map(|d| d + 1);

@@ -5,40 +5,40 @@ use crate::linalg::{RowWeights, SiteWeights, Targets};
 
 /// Weights and targets of scattered contacts that are already in the patch frame; `block` is `[wz, wx, wy]` there.
 ///
-/// Contacts without slopes have height rows only. A normal with nz = 0 has no slope: the caller refuses it first.
+/// Contacts without slopes have height rows only. A normal with nz = 0 has no slope; the caller must refuse it before.
 pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, Targets) {
     let weights = &contacts.weights;
     let has_slopes = contacts.orientation != Orientation::None;
     let block = if has_slopes { block } else { [block[0], 0.0, 0.0] };
     let row = |column: &Option<Vec<f64>>, r: usize| column.as_ref().map_or(1.0, |w| w[r]);
-    let metric_of = |r: usize| SiteWeights {
+    let weights_of = |r: usize| SiteWeights {
         z: block[0] * row(&weights.z, r),
         a: block[1] * row(&weights.x, r),
         b: 0.0,
         d: block[2] * row(&weights.y, r),
     };
     let row_weights = if weights.z.is_none() && weights.x.is_none() && weights.y.is_none() {
-        RowWeights::Uniform(metric_of(0))
+        RowWeights::Uniform(weights_of(0))
     } else {
-        RowWeights::PerSite((0..contacts.len()).map(metric_of).collect())
+        RowWeights::PerSite((0..contacts.len()).map(weights_of).collect())
     };
     let targets = (0..contacts.len())
         .map(|r| {
-            let m = row_weights.at(r);
+            let w = row_weights.at(r);
             let [zx, zy] = match &contacts.orientation {
                 Orientation::None => [0.0, 0.0],
                 Orientation::Normals { nx, ny, nz } => [-nx[r] / nz[r], -ny[r] / nz[r]],
                 Orientation::Slopes { zx, zy } => [zx[r], zy[r]],
             };
-            // a weight of zero means the number is not looked at, whatever it is
+            // a number with weight zero is ignored, even if it is not finite
             let weighted = |w: f64, v: f64| if w == 0.0 { 0.0 } else { w * v };
-            [weighted(m.z, contacts.z[r]), weighted(m.a, zx), weighted(m.d, zy)]
+            [weighted(w.z, contacts.z[r]), weighted(w.a, zx), weighted(w.d, zy)]
         })
         .collect();
     (row_weights, targets)
 }
 
-/// The same for a grid, `origin` and `scale` taking its heights into the patch frame; NaN has weight zero.
+/// The same for a grid. `origin` and `scale` bring its heights into the patch frame; NaN gets weight zero.
 pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (RowWeights, Targets) {
     let at = |array: &Option<ndarray::Array2<f64>>, i: usize, j: usize, otherwise: f64| {
         array.as_ref().map_or(otherwise, |a| a[[i, j]])
@@ -56,7 +56,7 @@ pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) ->
         }
     }
     let uniform = site_weights.first().copied().unwrap_or_default();
-    let row_weights = if site_weights.iter().all(|m| *m == uniform) {
+    let row_weights = if site_weights.iter().all(|w| *w == uniform) {
         RowWeights::Uniform(uniform)
     } else {
         RowWeights::PerSite(site_weights)

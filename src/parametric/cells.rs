@@ -1,4 +1,4 @@
-//! Where a contact stands under the spline: its cell, the coefficients alive there, and the basis with derivatives.
+//! The cell of a place (u, v), the coefficients that are nonzero there, and the basis with its derivatives.
 //!
 //! ```text
 //! Q_kl = sum_ab c_(first_u + a, first_v + b) N_a^(k) M_b^(l)
@@ -8,15 +8,15 @@ use super::vector::{Vector, cross};
 use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::MapShape;
 
-/// Basis functions alive in one direction, at most.
+/// Most basis functions that are nonzero at a place, in one direction.
 const WIDTH: usize = MAX_DEGREE + 1;
-/// Orders of derivatives that are kept: 0 to 3.
+/// Orders of derivatives: 0 to 3.
 const ORDERS: usize = 4;
 
-/// Derivatives of a map by their orders `[k][l]`.
+/// Derivatives of a parametric surface by their orders `[k][l]`.
 pub type Jet = [[Vector; ORDERS]; ORDERS];
 
-/// Knots of a map and the numbering of its distinct coefficients.
+/// Knots of a parametric surface and the numbering of its distinct coefficients.
 #[derive(Clone, Debug)]
 pub struct Cells {
     knots: [Knots; 2],
@@ -54,7 +54,7 @@ impl Cells {
         self.shape
     }
 
-    /// Coefficients alive in one cell.
+    /// Number of coefficients that are nonzero in one cell.
     pub fn local(&self) -> usize {
         (self.shape.degree[0] + 1) * (self.shape.degree[1] + 1)
     }
@@ -86,7 +86,7 @@ impl Cells {
         row
     }
 
-    /// Numbers of the coefficients alive in the cell of `row`, in the order of [`Row::products`].
+    /// Numbers of the coefficients that are nonzero in the cell of `row`, in the order of [`Row::products`].
     pub fn alive(&self, row: &Row, out: &mut Vec<usize>) {
         let [n, m] = self.shape.free;
         out.clear();
@@ -96,14 +96,14 @@ impl Cells {
         }
     }
 
-    /// Derivatives `[k][l]` of the map with these coefficients, `k + l <= ORDER`.
+    /// Derivatives `[k][l]` of the surface with these coefficients, `k + l <= ORDER`.
     #[inline]
     pub fn jet<const ORDER: usize>(&self, row: &Row, c: &[Vector]) -> Jet {
         let mut out = [[[0.0; 3]; ORDERS]; ORDERS];
         let [n, m] = self.shape.free;
         let [wide_u, wide_v] = row.width;
         for a in 0..wide_u {
-            // a closed direction has more coefficients than the p + 1 alive, so once round is enough
+            // a closed direction has more than p + 1 coefficients, so the index wraps at most once
             let i = row.first[0] + a;
             let line = &c[if i < n { i } else { i - n } * m..][..m];
             let mut along = [[0.0; 3]; ORDERS];
@@ -133,7 +133,7 @@ impl Cells {
 }
 
 impl Row {
-    /// Products `N_a^(k) M_b^(l)`, a-major, one for each place of `out`.
+    /// Products `N_a^(k) M_b^(l)` in the order of a, then b.
     #[inline]
     pub fn products(&self, (k, l): (usize, usize), out: &mut [f64]) {
         let inner = &self.values[1][l * self.width[1]..(l + 1) * self.width[1]];

@@ -1,14 +1,15 @@
-//! `--surface auto`: when a height field cannot stand up to what was felt.
+//! The choice between a height field and a parametric surface, from how much the measured normals vary.
 //!
 //! ```text
-//! turn      one smoothed normal in twenty more than 20 degrees, and 1.5 sd of their noise, from the mean one
-//! steep     some smoothed normal more than 56 degrees (slope 1.5), and 1.5 sd of their noise, from z
+//! parametric, if   more than one smoothed normal in twenty is over 20 degrees + 1.5 sd of their noise from the mean one
+//!            or    some smoothed normal is over 56 degrees (slope 1.5) + 1.5 sd of their noise from z
 //! ```
 //!
-//! On the paper's patches a height field of degree 2 is off in R by 3 % where normals turn by 12 degrees and by 12 % where
-//! they turn by 24; the surface in space by 0.1 % (`cargo bench --bench parametric -- auto`). One in twenty, because a
-//! single poor normal calls for nothing; less their noise, because what a surface in space gains in bias it pays for in
-//! noise, by its third degree: with normals wrong by 14 degrees a pipe that turns by 26 is better off as a height field.
+//! On the paper's patches a height field of degree 2 is off in R by 3 % where normals are 12 degrees from the mean one and by
+//! 12 % where they are 24, a parametric surface by 0.1 % (`cargo bench --bench parametric -- auto`). One normal in twenty
+//! is needed, so that a single poor one decides nothing. The noise raises the limits because a parametric surface, being of
+//! degree 3, has less bias but more noise: with normals wrong by 14 degrees a pipe whose normals are 26 degrees from the
+//! mean one is better fitted by a height field.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -17,25 +18,27 @@ use super::vector::{Vector, dot, minus, unit};
 use crate::contact::{Contacts, Orientation};
 use crate::fit::{FitOptions, SurfaceKind};
 
-/// Steepest smoothed normal, degrees from z, that a height field is left with.
+/// Largest angle of a smoothed normal from z, degrees, for which a height field is taken.
 const STEEP_DEG: f64 = 56.0;
-/// Turn from the mean normal, degrees, that a height field is left with.
-const TURN_DEG: f64 = 20.0;
-/// Share of the normals that may turn by more.
+/// Largest angle from the mean normal, degrees, for which a height field is taken.
+const SPREAD_DEG: f64 = 20.0;
+/// Share of the normals that may be farther from the mean one.
 const BEYOND: f64 = 0.05;
-/// Sd of the noise that the limits rise by: half of one is left in the smoothed normals, one is what a third degree costs.
+/// Sds of the noise that are added to the limits: half of one is left in the smoothed normals, and one is what the third
+/// degree costs.
 const NOISE: f64 = 1.5;
-/// Contacts that one normal is smoothed over: a sweep of three fingers; fewer leave noise in, more lose what bends.
+/// Contacts that one normal is smoothed over, a sweep of three fingers: fewer leave more noise, more smooth the shape away.
 const NEAREST: usize = 27;
-/// Numbers fitted to them.
+/// Columns of the local fit: 1 and three offsets.
 const COLUMNS: usize = 4;
-/// Contacts below which there is nothing to smooth over.
+/// Fewer contacts than this are not smoothed.
 const LEAST: usize = 2 * COLUMNS;
-/// Contacts that are looked at, and normals that are smoothed: every pair of the two is, 10 ns each.
+/// Most contacts that are used; every pair of such a contact and a smoothed normal takes 10 ns.
 const POOL: usize = 2000;
+/// Most normals that are smoothed.
 const SITES: usize = 200;
 
-/// `Height` or `Parametric` for these contacts, and why.
+/// `Height` or `Parametric` for these contacts, and the reason in words.
 pub fn choose_surface(contacts: &Contacts, options: &FitOptions) -> (SurfaceKind, String) {
     match options.surface {
         SurfaceKind::Auto => by_normals(contacts, options),
@@ -54,28 +57,29 @@ fn by_normals(contacts: &Contacts, options: &FitOptions) -> (SurfaceKind, String
         return (SurfaceKind::Height, "the contacts have no single side".into());
     };
     let mean = unit(normals.iter().fold([0.0; 3], |m, n| [0, 1, 2].map(|k| m[k] + n[k])));
-    let mut turns: Vec<f64> = normals.iter().map(|n| dot(*n, mean).clamp(-1.0, 1.0).acos().to_degrees()).collect();
-    turns.sort_by(f64::total_cmp);
-    let turn = turns[((1.0 - BEYOND) * (turns.len() - 1) as f64).floor() as usize];
+    let mut angles: Vec<f64> = normals.iter().map(|n| dot(*n, mean).clamp(-1.0, 1.0).acos().to_degrees()).collect();
+    angles.sort_by(f64::total_cmp);
+    let spread = angles[((1.0 - BEYOND) * (angles.len() - 1) as f64).floor() as usize];
     let steepest = normals.iter().map(|n| n[0].hypot(n[1]).atan2(n[2]).to_degrees()).fold(0.0, f64::max);
     let of = format!("smoothed normals (noise {noise:.1} degrees)");
-    if turn > TURN_DEG + NOISE * noise {
-        return (SurfaceKind::Parametric, format!("{of} turn by {turn:.0} degrees from the mean one"));
+    if spread > SPREAD_DEG + NOISE * noise {
+        return (SurfaceKind::Parametric, format!("{of} turn by {spread:.0} degrees from the mean one"));
     }
     if steepest > STEEP_DEG + NOISE * noise {
         return (SurfaceKind::Parametric, format!("{of} are up to {steepest:.0} degrees from z"));
     }
-    let limit = TURN_DEG + NOISE * noise;
-    (SurfaceKind::Height, format!("{of} turn by {turn:.0} degrees from the mean one, not above {limit:.0}"))
+    let limit = SPREAD_DEG + NOISE * noise;
+    (SurfaceKind::Height, format!("{of} turn by {spread:.0} degrees from the mean one, not above {limit:.0}"))
 }
 
-/// Normals without most of their noise, and its sd per tangent axis, degrees.
+/// Smoothed normals, and the sd of the noise of the measured ones per tangent axis, degrees.
 struct Smoothed {
     normals: Vec<Vector>,
     noise: f64,
 }
 
-/// `n ~ a + B (P - P_0)` over the nearest contacts of some of them; exact on planes, balls and bars. `None` for none.
+/// Fits `n ~ a + B (P - P_0)` over the nearest contacts of up to [`SITES`] of them, which is exact on planes, balls and
+/// bars. `None` where there are no normals.
 fn smoothed(contacts: &Contacts) -> Option<Smoothed> {
     let stride = contacts.len().div_ceil(POOL).max(1);
     let pool: Vec<(Vector, Vector)> = (0..contacts.len())
@@ -119,11 +123,11 @@ fn local_plane(from: Vector, near: &[(f64, &(Vector, Vector))]) -> impl Fn(Vecto
     };
     let rows: Vec<[f64; COLUMNS]> = near.iter().map(|(_, (p, _))| columns(*p)).collect();
     let sum = |f: &dyn Fn(usize) -> f64| (0..rows.len()).map(f).sum::<f64>();
-    // flat contacts have no third offset: a millionth of the trace keeps its slope at zero
+    // contacts in a plane do not determine the third slope: a millionth of the trace keeps it at zero
     let small = |i: usize, j: usize| if i == j { 1e-6 * rows.len() as f64 } else { 0.0 };
     let normal = Mat::from_fn(COLUMNS, COLUMNS, |i, j| sum(&|r| rows[r][i] * rows[r][j]) + small(i, j));
     let right = Mat::from_fn(COLUMNS, 3, |i, d| sum(&|r| rows[r][i] * near[r].1.1[d]));
-    // no factor only where numbers overflow: normals that are not finite choose a height field, whose checks name them
+    // a factor fails only where numbers overflow; NaN normals then lead to a height field, whose checks name the fault
     let solved: [Vector; COLUMNS] = normal.llt(Side::Lower).map_or([[f64::NAN; 3]; COLUMNS], |factor| {
         let solved = factor.solve(&right);
         std::array::from_fn(|k| [0, 1, 2].map(|d| solved[(k, d)]))

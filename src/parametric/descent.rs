@@ -1,11 +1,10 @@
-//! Levenberg-Marquardt on the objective, every trial with its own feet, none that folds.
+//! Levenberg-Marquardt on the objective, where every trial has its own feet and none may fold.
 //!
 //! ```text
 //! (A + mu diag A) dc = -1/2 grad F,   mu / 10 after a step that goes down, mu * 10 after one that does not or folds
 //! ```
 //!
-//! A trial folds when `Q_u x Q_v` has turned against the measured normal of a contact that it went along with before,
-//! or against its own direction at a Gauss point.
+//! A trial folds when `Q_u x Q_v` at a Gauss point or a foot makes an obtuse angle with its direction before the step.
 
 use super::cells::Row;
 use super::foot::Feet;
@@ -16,26 +15,27 @@ use crate::fit::FitError;
 use crate::linalg::BlockMatrix;
 use crate::solve::BlockCholesky;
 
-/// Coefficients nearer to the minimum than this, patch units, end the descent.
-pub const SETTLED: f64 = 1e-10;
-/// The same while noise levels are still to move.
-pub const ON_THE_WAY: f64 = 1e-6;
-/// Ratio of two steps in a row up to which what is still to come is told from them as from a geometric series.
+/// The descent ends when all coefficients are within this distance of the minimum, patch units.
+pub const TOLERANCE: f64 = 1e-10;
+/// The same while noise sds are still being estimated.
+pub const COARSE_TOLERANCE: f64 = 1e-6;
+/// Largest ratio of two successive steps from which the remaining distance is estimated, as of a geometric series.
 const GEOMETRIC: f64 = 0.5;
-/// Steps of one descent; from the starts here 5 to 40 are taken, on rings that swing up to 150.
+/// Most steps of one descent. From the starts used here it takes 5 to 40, and up to 150 on rings that oscillate.
 const MAX_STEPS: usize = 300;
-/// The same while noise levels are still to move: a ring that swings does it with them.
-const MAX_ON_THE_WAY: usize = 30;
-/// Damping to begin with, and its bounds: 1e-14 is an undamped step, 1e8 one of no length.
+/// The same while noise sds are still being estimated.
+const MAX_COARSE_STEPS: usize = 30;
+/// First damping, and its bounds: with 1e-14 a step is undamped, with 1e8 it has practically no length.
 const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
 
-/// Damping up to which two steps in a row tell a ratio, and not the damping's change.
+/// Largest damping at which the ratio of two successive steps is that of the series and not of a change of damping.
 const FREE: f64 = 1e-5;
-/// Cosine of two steps above which they are one series, and the ratios that are summed: below, the next step does it.
+/// Least cosine between two steps that are taken as one series.
 const PARALLEL: f64 = 0.9;
+/// Ratios of the series that are summed; with smaller ones the next step is enough.
 const RATIOS: [f64; 2] = [0.2, 0.998];
 
-/// A surface on its way.
+/// The state of the descent: a surface and the feet of the contacts on it.
 #[derive(Clone, Debug)]
 pub struct State {
     /// Distinct coefficients.
@@ -44,7 +44,7 @@ pub struct State {
     pub feet: Feet,
 }
 
-/// What a descent came to.
+/// The result of a descent.
 #[derive(Clone, Copy, Debug)]
 pub struct Descent {
     /// F.
@@ -55,12 +55,12 @@ pub struct Descent {
     pub steps: usize,
     /// Trials refused because they folded.
     pub folds_refused: usize,
-    /// The last step was below the tolerance, or nothing nearby is lower.
+    /// Whether the last step was below the tolerance, or no damping finds a lower value.
     pub settled: bool,
 }
 
 /// Work space of the descent.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Solver {
     /// Gauss-Newton matrix.
     pub matrix: BlockMatrix,
@@ -70,7 +70,7 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// For one numbering of coefficients.
+    /// Plans for the numbering of the coefficients of `problem`.
     ///
     /// # Errors
     /// No memory.
@@ -80,19 +80,19 @@ impl Solver {
         Ok(Solver { matrix, factor, last: Vec::new() })
     }
 
-    /// Minimises F from `state` until the coefficients are nearer than `near` to the minimum.
+    /// Minimises F from `state` until all coefficients are within `near` of the minimum.
     ///
     /// # Errors
-    /// A start without a tangent plane; a matrix without a factor even when damped.
+    /// A start without a tangent plane; a matrix that has no factor even when damped.
     pub fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
-        state.feet = state.feet.moved(problem.cells, problem.touches, &state.coefficients);
+        state.feet = state.feet.moved(problem.cells, problem.contacts, &state.coefficients);
         let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
         let mut reached = Descent { value, sums, steps: 0, folds_refused: 0, settled: false };
         let mut damping = DAMPING[0];
         let mut rhs = vec![0.0; self.matrix.order()];
         let mut before: Option<f64> = None;
         self.last.clear();
-        let most = if near > SETTLED { MAX_ON_THE_WAY } else { MAX_STEPS };
+        let most = if near > TOLERANCE { MAX_COARSE_STEPS } else { MAX_STEPS };
         while reached.steps < most && !reached.settled {
             self.matrix.clear();
             rhs.fill(0.0);
@@ -109,7 +109,7 @@ impl Solver {
         Ok(reached)
     }
 
-    /// One step downwards: its size, or `None` when no damping finds one.
+    /// Takes one step downwards and returns its size; `None` when no damping finds one.
     fn step(
         &mut self,
         problem: &Problem,
@@ -160,9 +160,9 @@ fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, 
         reached.folds_refused += 1;
         return false;
     }
-    let feet = state.feet.moved(problem.cells, problem.touches, &next);
+    let feet = state.feet.moved(problem.cells, problem.contacts, &next);
     match problem.value(&next, &feet) {
-        // F rounds to about 1e-15 of itself: a last step may not see itself go down
+        // F is rounded to about 1e-15 of itself, so the last step may not lower it visibly
         Some((value, sums)) if value <= reached.value * (1.0 + 1e-14) => {
             *state = State { coefficients: next, feet };
             (reached.value, reached.sums) = (value, sums);
@@ -172,9 +172,9 @@ fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, 
     }
 }
 
-/// `1/(1 - q)` where two steps in a row are as those of a geometric series with ratio q, else 1: the sum of what is still
-/// to come. Gauss-Newton leaves out the bending of the residuals, so along one direction it may creep, or
-/// swing from side to side.
+/// `1/(1 - q)`, the sum of the whole series, where two successive steps are like those of a geometric series with ratio q,
+/// else 1. Gauss-Newton leaves out the second derivatives of the residuals, so along one direction it may converge slowly
+/// or oscillate.
 fn stretch(last: &[f64], now: &[f64]) -> f64 {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let (both, before, after) = (product(last, now), product(last, last), product(now, now));
@@ -183,11 +183,11 @@ fn stretch(last: &[f64], now: &[f64]) -> f64 {
     if parallel && RATIOS[0] < ratio.abs() && ratio.abs() < RATIOS[1] { 1.0 / (1.0 - ratio) } else { 1.0 }
 }
 
-/// Whether the map turns over somewhere on the way from `state` to `next`.
+/// Whether the surface folds somewhere between `state` and `next`.
 fn folds(problem: &Problem, state: &State, next: &[Vector]) -> bool {
     let cells = problem.cells;
-    let turned = |row: &Row| dot(cells.area(row, &state.coefficients), cells.area(row, next)) <= 0.0;
+    let flipped = |row: &Row| dot(cells.area(row, &state.coefficients), cells.area(row, next)) <= 0.0;
     let places = &state.feet.places;
-    parallel::any(problem.gauss.len(), |k| turned(&problem.gauss[k].row))
-        || parallel::any(places.len(), |r| turned(&cells.row(places[r][0], places[r][1], 1)))
+    parallel::any(problem.gauss.len(), |k| flipped(&problem.gauss[k].row))
+        || parallel::any(places.len(), |r| flipped(&cells.row(places[r][0], places[r][1], 1)))
 }

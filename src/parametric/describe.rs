@@ -1,12 +1,13 @@
 //! S, R, curvatures and their directions over a grid in (u, v), where contacts reach; means, uncertainty, class.
 //!
 //! ```text
-//! u^2(mean S) = g' A^-1 g,   g = d(mean S)/dc,   A the Gauss-Newton matrix at the levels of the noise
+//! u^2(mean S) = g' A^-1 g,   g = d(mean S)/dc,   A the Gauss-Newton matrix at the noise sds
 //! ```
 
+use super::fit_data::FitData;
 use super::gradient::{INPUTS, shape_gradient};
+use super::problem;
 use super::vector::{Vector, dot, minus, unit};
-use super::{ParametricFit, problem};
 use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
 use crate::shape::{
@@ -14,14 +15,14 @@ use crate::shape::{
     spread, uv_grid,
 };
 
-/// The level at which the best plane is rejected, as for height fields.
+/// The significance level at which the best plane is rejected, as for height fields.
 const PLANE_LEVEL: f64 = 0.01;
 /// Mean R times the larger side below which a surface is flat to rounding.
 const FLAT: f64 = 1e-9;
-/// Steps of the best plane's normal; each is nine products.
+/// Steps of the iteration for the normal of the best plane; each takes nine products.
 const PLANE_STEPS: usize = 2000;
 
-/// The shape of a surface in space, input units.
+/// The shape of a parametric surface, input units.
 #[derive(Clone, Debug)]
 pub struct ParametricShape {
     /// Maps over the grid.
@@ -42,14 +43,14 @@ pub struct ParametricShape {
     pub k2: Spread,
     /// Unit direction of k1 in space at the supported grid point nearest the middle of (u, v).
     pub direction: Option<Vector>,
-    /// Points used / grid points.
+    /// Share of the grid points that contacts surround.
     pub support: f64,
     /// p-value of the best plane against the fit.
     pub plane_p: Option<f64>,
 }
 
 /// Describes the fit over the grid of its options.
-pub fn describe(fit: &ParametricFit) -> ParametricShape {
+pub fn describe(fit: &FitData) -> ParametricShape {
     let domain = [0, 1].map(|k| &fit.cells.knots()[k]);
     let grid = uv_grid(domain, fit.options.grid, fit.options.inset);
     let local = parametric_maps(&fit.surface, grid, &fit.support);
@@ -85,7 +86,7 @@ pub fn describe(fit: &ParametricFit) -> ParametricShape {
 }
 
 /// Standard uncertainties of mean S and mean R, patch units.
-fn uncertainties(fit: &ParametricFit, maps: &ParametricMaps, defined: usize) -> [f64; 2] {
+fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 2] {
     let unknowns = 3 * fit.cells.shape().coefficients();
     let mut sums = [vec![0.0; unknowns], vec![0.0; unknowns]];
     let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
@@ -112,53 +113,55 @@ fn uncertainties(fit: &ParametricFit, maps: &ParametricMaps, defined: usize) -> 
     })
 }
 
+/// Unit direction of k1 at the supported point nearest the middle.
 fn direction(maps: &ParametricMaps) -> Option<Vector> {
     let middle = [&maps.grid.x, &maps.grid.y].map(|axis| 0.5 * (axis[0] + axis[axis.len() - 1]));
     let distance = |at: (usize, usize)| (maps.grid.x[at.0] - middle[0]).hypot(maps.grid.y[at.1] - middle[1]);
     let supported = maps.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at);
     let at = supported.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
     let (k1, k2) = (maps.k1[at], maps.k2[at]);
-    // an umbilic has no direction; 1 % of the bending is what a spline leaves of one
+    // an umbilic has no direction, and a spline leaves 1 % of the curvature as a difference there
     (k1 - k2 > 0.01 * k1.abs().max(k2.abs())).then_some(maps.direction[at]).filter(|d| d[0].is_finite())
 }
 
-/// Best plane against the fit by chi-square at the levels of the noise. Freedom counts every coefficient's one geometric
-/// unknown less the plane's three, so a smoothed fit has fewer and the test leans to the plane.
-fn plane_probability(fit: &ParametricFit) -> Option<f64> {
-    let touches = &fit.touches;
+/// p-value of the best plane against the fit, by chi-square at the noise sds. The degrees of freedom are one for every
+/// coefficient, the one along the normal, less the three of the plane; a smoothed fit has fewer, so that the test favours
+/// the plane.
+fn plane_probability(fit: &FitData) -> Option<f64> {
+    let contacts = &fit.contacts;
     let freedom = fit.cells.shape().coefficients() as f64 - 3.0;
     let squares = |w: f64| w * w;
-    let weight: f64 = touches.position_weight.iter().map(|w| squares(*w)).sum();
+    let weight: f64 = contacts.position_weight.iter().map(|w| squares(*w)).sum();
     if freedom <= 0.0 || weight <= 0.0 {
         return None;
     }
     let sum = |f: &dyn Fn(usize) -> Vector| {
-        (0..touches.len()).fold([0.0; 3], |m, r| {
+        (0..contacts.len()).fold([0.0; 3], |m, r| {
             let v = f(r);
             [0, 1, 2].map(|k| m[k] + v[k])
         })
     };
-    let centre = sum(&|r| touches.points[r].map(|p| p * squares(touches.position_weight[r]) / weight));
+    let centre = sum(&|r| contacts.points[r].map(|p| p * squares(contacts.position_weight[r]) / weight));
     let problem::Weights { position, normal, .. } = fit.weights;
     let mut spread = [[0.0; 3]; 3];
-    for r in 0..touches.len() {
-        let d = minus(touches.points[r], centre).map(|v| v * touches.position_weight[r] / position);
+    for r in 0..contacts.len() {
+        let d = minus(contacts.points[r], centre).map(|v| v * contacts.position_weight[r] / position);
         (0..3).for_each(|a| (0..3).for_each(|b| spread[a][b] += d[a] * d[b]));
     }
-    let pull = sum(&|r| touches.normals[r].map(|n| n * squares(touches.normal_weight[r] / normal)));
-    let pulled: f64 = touches.normal_weight.iter().map(|w| squares(w / normal)).sum();
-    // minimise n'Cn - 2 n.s on the sphere: n <- unit((tr C - C) n + s) never goes up
+    let pull = sum(&|r| contacts.normals[r].map(|n| n * squares(contacts.normal_weight[r] / normal)));
+    let pulled: f64 = contacts.normal_weight.iter().map(|w| squares(w / normal)).sum();
+    // minimises n'Cn - 2 n.s on the sphere: n <- unit((tr C - C) n + s) never raises it
     let trace = spread[0][0] + spread[1][1] + spread[2][2];
     let mut n = unit(pull);
     for _ in 0..PLANE_STEPS {
-        let bent = spread.map(|row| dot(row, n));
-        n = unit([0, 1, 2].map(|k| trace * n[k] - bent[k] + pull[k]));
+        let product = spread.map(|row| dot(row, n));
+        n = unit([0, 1, 2].map(|k| trace * n[k] - product[k] + pull[k]));
     }
     let of_plane = dot(n, spread.map(|row| dot(row, n))) + 2.0 * (pulled - dot(n, pull));
     let of_fit: f64 = (fit.residuals.iter().enumerate())
-        .map(|(r, [distance, turn])| {
-            squares(distance * touches.position_weight[r] / position)
-                + squares(turn * touches.normal_weight[r] / normal)
+        .map(|(r, [distance, difference])| {
+            squares(distance * contacts.position_weight[r] / position)
+                + squares(difference * contacts.normal_weight[r] / normal)
         })
         .sum();
     Some(chi_square_upper_tail((of_plane - of_fit).max(0.0), freedom))

@@ -1,4 +1,5 @@
-//! Forward differentiation: `f + f' e`, e^2 = 0, with N directions at once. Exact derivatives of what is written once.
+//! Forward differentiation: `f + f' e`, e^2 = 0, with N directions at once: exact derivatives from the formula of
+//! the value alone.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -15,7 +16,7 @@ pub struct Dual<const N: usize> {
 pub type DualVector<const N: usize> = [Dual<N>; 3];
 
 impl<const N: usize> Dual<N> {
-    /// A number that does not move.
+    /// A number that depends on no variable.
     pub fn constant(value: f64) -> Self {
         Dual { value, slope: [0.0; N] }
     }

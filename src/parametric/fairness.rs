@@ -1,4 +1,5 @@
-//! What holds the surface where contacts do not: bending may be any, its change along the surface is paid for.
+//! Penalties that determine the surface where contacts do not: E penalises changes of curvature along the surface, T
+//! uneven parametrisation.
 //!
 //! ```text
 //! E = integral |grad h|^2 dA            h the second fundamental form, h_ij = n . Q_ij
@@ -6,10 +7,10 @@
 //! T = integral |Q_uu^t|^2 + 2 |Q_uv^t|^2 + |Q_vv^t|^2 du dv                 ^t: tangential part
 //! ```
 //!
-//! E does not see how the surface is parametrised and vanishes exactly on planes, spheres and cylinders, whose h is
-//! parallel: nothing pulls a ball flat, as a thin plate would. It is the covariant relative of the minimum variation
-//! surface of H. P. Moreton and C. H. Séquin, *Computer Graphics* 26 (1992) 167. T moves the coefficients only along the
-//! surface: without it nothing would, since neither E nor the distance of the contacts does.
+//! E does not depend on the parametrisation and vanishes exactly on planes, spheres and cylinders, whose h is parallel, so
+//! that it does not flatten a ball as a thin plate would. It is the covariant relative of the minimum variation surface of
+//! H. P. Moreton and C. H. Séquin, *Computer Graphics* 26 (1992) 167. T determines how the coefficients lie along the
+//! surface, on which neither E nor the distances of the contacts depend.
 //!
 //! Both depend on the jet through sixteen numbers of the frame e1 = Q_u/l, e2 = n x e1, n:
 //!
@@ -28,12 +29,13 @@ pub const RESIDUALS: usize = 10;
 /// Orders of the derivatives of a [`ThirdJet`].
 pub const ORDERS: [(usize, usize); 9] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)];
 
-/// Weights that make the squares of the residuals the integrands: a tensor's mixed components count as often as they stand.
+/// Weights that make the squares of the residuals the integrands: a mixed component of a symmetric tensor counts
+/// as often as it occurs.
 const SHARES: [f64; 3] = [1.0, std::f64::consts::SQRT_2, 1.0];
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// The sixteen numbers, and what turns with the frame.
-struct Framed {
+/// The sixteen numbers, and the frame that they belong to.
+struct JetInFrame {
     frame: [Vector; 3],
     l: f64,
     s: f64,
@@ -54,8 +56,8 @@ struct ByFrame {
     z: [f64; 4],
 }
 
-/// `grad h` along (u, v), and what it is made of.
-struct Change {
+/// `grad h` along (u, v), and the factors that it is made of.
+struct CurvatureChange {
     /// D_111, D_112, D_122, D_222.
     along: [f64; 4],
     /// h(e1, k), h(e2, k).
@@ -68,7 +70,8 @@ struct Change {
     root: f64,
 }
 
-fn framed(jet: &ThirdJet) -> Option<Framed> {
+/// The jet in its own frame; `None` where the surface has no tangent plane.
+fn in_own_frame(jet: &ThirdJet) -> Option<JetInFrame> {
     let area = cross(jet[0], jet[1]);
     let (jacobian, l) = (norm(area), norm(jet[0]));
     if !(jacobian > 0.0 && jacobian.is_finite() && l > 0.0) {
@@ -77,7 +80,7 @@ fn framed(jet: &ThirdJet) -> Option<Framed> {
     let (n, e1) = (area.map(|a| a / jacobian), jet[0].map(|a| a / l));
     let frame = [e1, cross(n, e1), n];
     let within = |w: Vector| frame.map(|e| dot(e, w));
-    Some(Framed {
+    Some(JetInFrame {
         frame,
         l,
         s: dot(jet[1], e1),
@@ -87,7 +90,7 @@ fn framed(jet: &ThirdJet) -> Option<Framed> {
     })
 }
 
-fn change(f: &Framed) -> Change {
+fn change(f: &JetInFrame) -> CurvatureChange {
     let (a, d) = (1.0 / f.l, 1.0 / f.t);
     let [[x1, y1, h1], [x2, y2, h2], [x3, y3, h3]] = f.second;
     let p = [h1 * a, h2 * a];
@@ -99,12 +102,12 @@ fn change(f: &Framed) -> Change {
         z[2] - (x3 * p[0] + y3 * q[0]) - 2.0 * (x2 * p[1] + y2 * q[1]),
         z[3] - 3.0 * (x3 * p[1] + y3 * q[1]),
     ];
-    Change { along, p, q, a, b: -f.s * a * d, d, root: (f.l * f.t).sqrt() }
+    CurvatureChange { along, p, q, a, b: -f.s * a * d, d, root: (f.l * f.t).sqrt() }
 }
 
-/// Rows that turn D along (u, v) into its components along e1, e2, but for the root of the Jacobian.
-fn turning(c: &Change) -> [[f64; 4]; 4] {
-    let Change { a, b, d, .. } = *c;
+/// Rows that transform D along (u, v) to its components along e1, e2, without the root of the Jacobian.
+fn frame_rows(c: &CurvatureChange) -> [[f64; 4]; 4] {
+    let CurvatureChange { a, b, d, .. } = *c;
     [
         [a * a * a, 0.0, 0.0, 0.0],
         [ROOT_3 * a * a * b, ROOT_3 * a * a * d, 0.0, 0.0],
@@ -114,8 +117,8 @@ fn turning(c: &Change) -> [[f64; 4]; 4] {
 }
 
 /// Derivatives of the four components by a, b, d.
-fn by_frame_factors(c: &Change) -> [[f64; 3]; 4] {
-    let Change { along: [d0, d1, d2, d3], a, b, d, .. } = *c;
+fn by_frame_factors(c: &CurvatureChange) -> [[f64; 3]; 4] {
+    let CurvatureChange { along: [d0, d1, d2, d3], a, b, d, .. } = *c;
     [
         [3.0 * a * a * d0, 0.0, 0.0],
         [2.0 * ROOT_3 * a * (b * d0 + d * d1), ROOT_3 * a * a * d0, ROOT_3 * a * a * d1],
@@ -128,9 +131,9 @@ fn by_frame_factors(c: &Change) -> [[f64; 3]; 4] {
     ]
 }
 
-fn values_of(f: &Framed, c: &Change) -> [f64; RESIDUALS] {
+fn values_of(f: &JetInFrame, c: &CurvatureChange) -> [f64; RESIDUALS] {
     let mut out = [0.0; RESIDUALS];
-    for (value, row) in out.iter_mut().zip(turning(c)) {
+    for (value, row) in out.iter_mut().zip(frame_rows(c)) {
         *value = c.root * (0..4).map(|k| row[k] * c.along[k]).sum::<f64>();
     }
     for (k, share) in SHARES.into_iter().enumerate() {
@@ -139,20 +142,20 @@ fn values_of(f: &Framed, c: &Change) -> [f64; RESIDUALS] {
     out
 }
 
-/// Square roots of the integrands of E (per du dv) and T; `None` where the map has no tangent plane.
+/// Square roots of the integrands of E (per du dv) and T; `None` where the surface has no tangent plane.
 pub fn values(jet: &ThirdJet) -> Option<[f64; RESIDUALS]> {
-    let f = framed(jet)?;
+    let f = in_own_frame(jet)?;
     let c = change(&f);
     Some(values_of(&f, &c))
 }
 
 /// The same with their derivatives by the vectors of the jet.
 pub fn residuals(jet: &ThirdJet) -> Option<([f64; RESIDUALS], [ThirdJet; RESIDUALS])> {
-    let f = framed(jet)?;
+    let f = in_own_frame(jet)?;
     let c = change(&f);
     let values = values_of(&f, &c);
     let mut slopes = [[[0.0; 3]; 9]; RESIDUALS];
-    let (rows, factors) = (turning(&c), by_frame_factors(&c));
+    let (rows, factors) = (frame_rows(&c), by_frame_factors(&c));
     for k in 0..4 {
         slopes[k] = f.pulled_back(&by_change(&f, &c, &rows[k], &factors[k], values[k]));
     }
@@ -167,7 +170,7 @@ pub fn residuals(jet: &ThirdJet) -> Option<([f64; RESIDUALS], [ThirdJet; RESIDUA
 }
 
 /// Derivatives of one component of grad h: through D, through a, b, d, and through the root of the Jacobian.
-fn by_change(f: &Framed, c: &Change, row: &[f64; 4], by: &[f64; 3], value: f64) -> ByFrame {
+fn by_change(f: &JetInFrame, c: &CurvatureChange, row: &[f64; 4], by: &[f64; 3], value: f64) -> ByFrame {
     let [w0, w1, w2, w3] = row.map(|w| c.root * w);
     let [[x1, y1, _], [x2, y2, _], [x3, y3, _]] = f.second;
     let (p, q) = (c.p, c.q);
@@ -200,26 +203,26 @@ fn by_change(f: &Framed, c: &Change, row: &[f64; 4], by: &[f64; 3], value: f64) 
     out
 }
 
-impl Framed {
+impl JetInFrame {
     /// Derivatives by the vectors of the jet, from those by the sixteen numbers.
     fn pulled_back(&self, by: &ByFrame) -> ThirdJet {
-        let (mut turn_a, mut turn_b, mut turn_c) = (by.s * self.t - by.t * self.s, 0.0, 0.0);
+        let (mut spin_a, mut spin_b, mut spin_c) = (by.s * self.t - by.t * self.s, 0.0, 0.0);
         for (g, w) in by.second.iter().zip(&self.second) {
-            turn_a += g[0] * w[1] - g[1] * w[0];
-            turn_b += g[2] * w[1] - g[1] * w[2];
-            turn_c += g[0] * w[2] - g[2] * w[0];
+            spin_a += g[0] * w[1] - g[1] * w[0];
+            spin_b += g[2] * w[1] - g[1] * w[2];
+            spin_c += g[0] * w[2] - g[2] * w[0];
         }
         for (g, w) in by.z.iter().zip(&self.third) {
-            turn_b += g * w[1];
-            turn_c -= g * w[0];
+            spin_b += g * w[1];
+            spin_c -= g * w[0];
         }
         let [e1, e2, n] = self.frame;
         let space = |[a, b, c]: Vector| [0, 1, 2].map(|k| a * e1[k] + b * e2[k] + c * n[k]);
         let along_n = |c: f64| n.map(|v| c * v);
-        let by_u = [by.l, turn_a / self.l, (turn_c + turn_b * self.s / self.t) / self.l];
+        let by_u = [by.l, spin_a / self.l, (spin_c + spin_b * self.s / self.t) / self.l];
         [
             space(by_u),
-            space([by.s, by.t, -turn_b / self.t]),
+            space([by.s, by.t, -spin_b / self.t]),
             space(by.second[0]),
             space(by.second[1]),
             space(by.second[2]),
@@ -239,7 +242,7 @@ mod tests {
     const INPUTS: usize = 27;
     type D = Dual<INPUTS>;
 
-    /// The residuals as their formulas stand, differentiated by dual numbers: the twin of the closed forms.
+    /// The residuals as their formulas stand, differentiated by dual numbers, to check the closed forms.
     fn by_duals(jet: &ThirdJet) -> Option<[D; RESIDUALS]> {
         let q: [DualVector<INPUTS>; 9] =
             std::array::from_fn(|k| std::array::from_fn(|d| D::variable(jet[k][d], 3 * k + d)));
@@ -362,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_without_a_tangent_plane_is_no_number() {
+    fn a_surface_without_a_tangent_plane_has_no_residuals() {
         assert!(residuals(&[[1.0, 2.0, 3.0]; 9]).is_none());
     }
 }

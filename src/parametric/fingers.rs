@@ -1,32 +1,22 @@
-//! Parameters from lanes and stations: arc length along the lanes (v) and across them (u).
+//! Parameters from fingers and stations: arc length along the fingers' paths (v) and across them (u).
 //!
 //! ```text
-//! v(f, s) = v(f, s - 1) + |P - P'| (t/2)/sin(t/2),  t the turn between both normals;  u across the fingers alike
+//! v(f, s) = v(f, s - 1) + |P - P'| (t/2)/sin(t/2),  t the angle between both normals
+//! u(f, s) alike across the fingers
 //! ```
 //!
-//! Lengths count from the middle station and the middle finger, where the lanes are aligned; in a closed direction every
-//! ring is stretched to the mean period. Repeats, and stations too close to tell a length from noise, share a node.
+//! Lengths are measured from the middle station and the middle finger, where the paths are aligned; in a closed direction
+//! every ring is stretched to the mean period. Repeated contacts share a node, and so do neighbouring stations where there
+//! are too many of them: the noise of their positions would add up to length.
 
 use std::collections::BTreeMap;
 
-use super::touches::Touches;
+use super::flattening::Flattening;
+use super::patch_contacts::PatchContacts;
 use super::vector::{Vector, arc, cross, dot, minus, norm, unit};
 
-/// Nodes a direction at most: between more of them the noise of the positions would add up to length.
+/// Most nodes in a direction: between more of them the noise of the positions would add up to length.
 const MAX_NODES: usize = 24;
-
-/// Parameters of contacts, and how they hang together.
-#[derive(Clone, Debug)]
-pub struct Flat {
-    /// (u, v) of every contact, input units.
-    pub places: Vec<[f64; 2]>,
-    /// Periods of closed directions.
-    pub period: [Option<f64>; 2],
-    /// Triangles of contacts that the support is made of; empty: their hull.
-    pub triangles: Vec<[usize; 3]>,
-    /// How it was made, for the certificate.
-    pub method: &'static str,
-}
 
 struct Node {
     point: Vector,
@@ -36,13 +26,13 @@ struct Node {
 
 type Net = Vec<Vec<Option<Node>>>;
 
-/// Flattens labelled lanes.
+/// Flattens contacts with finger and station labels.
 ///
 /// # Errors
-/// In words, why these are no lanes of one sheet; the caller may flatten without them.
-pub fn flatten_by_fingers(touches: &Touches, closed: [bool; 2]) -> Result<Flat, &'static str> {
-    let labels = touches.labels.as_ref().ok_or("the contacts have no finger and station")?;
-    let net = nodes(touches, labels);
+/// The reason why the labels do not make one sheet, in words; the caller may flatten without them.
+pub fn flatten_by_fingers(contacts: &PatchContacts, closed: [bool; 2]) -> Result<Flattening, &'static str> {
+    let labels = contacts.labels.as_ref().ok_or("the contacts have no finger and station")?;
+    let net = nodes(contacts, labels);
     let (fingers, stations) = (net.len(), net[0].len());
     let filled = net.iter().flatten().flatten().count();
     if fingers < 2 || stations < 2 || 2 * filled < fingers * stations {
@@ -51,14 +41,14 @@ pub fn flatten_by_fingers(touches: &Touches, closed: [bool; 2]) -> Result<Flat, 
     let at = |f: usize, s: usize| net[f][s].as_ref();
     let (v, period_v) = lengths(&at, fingers, stations, closed[1]).ok_or("lanes share no station")?;
     let (u, period_u) = lengths(&|s, f| at(f, s), stations, fingers, closed[0]).ok_or("stations share no lane")?;
-    let mut places = vec![[0.0; 2]; touches.len()];
+    let mut places = vec![[0.0; 2]; contacts.len()];
     for f in 0..fingers {
         for s in 0..stations {
             let Some(node) = at(f, s) else { continue };
             let (Some(u), Some(v)) = (u[s][f], v[f][s]) else { return Err("a contact hangs on no lane") };
             let directions = [direction(&|k| at(k, s), f, fingers), direction(&|k| at(f, k), s, stations)];
             for &r in &node.members {
-                let off = minus(touches.points[r], node.point);
+                let off = minus(contacts.points[r], node.point);
                 places[r] = [u + dot(off, directions[0]), v + dot(off, directions[1])];
             }
         }
@@ -67,7 +57,7 @@ pub fn flatten_by_fingers(touches: &Touches, closed: [bool; 2]) -> Result<Flat, 
     if side < 0.0 {
         places.iter_mut().for_each(|p| p[0] = period_u.unwrap_or(0.0) - p[0]);
     }
-    Ok(Flat {
+    Ok(Flattening {
         places,
         period: [period_u, period_v],
         triangles: triangles(&net, closed),
@@ -75,7 +65,8 @@ pub fn flatten_by_fingers(touches: &Touches, closed: [bool; 2]) -> Result<Flat, 
     })
 }
 
-fn nodes(touches: &Touches, labels: &[[u32; 2]]) -> Net {
+/// The net of nodes, fingers x stations.
+fn nodes(contacts: &PatchContacts, labels: &[[u32; 2]]) -> Net {
     let bins = [0, 1].map(|k| {
         let mut names: Vec<u32> = labels.iter().map(|l| l[k]).collect();
         names.sort_unstable();
@@ -92,8 +83,8 @@ fn nodes(touches: &Touches, labels: &[[u32; 2]]) -> Net {
             members: Vec::new(),
         });
         node.members.push(r);
-        (0..3).for_each(|k| node.point[k] += touches.points[r][k]);
-        (0..3).for_each(|k| node.normal[k] += touches.normals[r][k]);
+        (0..3).for_each(|k| node.point[k] += contacts.points[r][k]);
+        (0..3).for_each(|k| node.normal[k] += contacts.normals[r][k]);
     }
     for node in net.iter_mut().flatten().flatten() {
         let count = node.members.len() as f64;
@@ -105,19 +96,19 @@ fn nodes(touches: &Touches, labels: &[[u32; 2]]) -> Net {
 
 type Lengths = Vec<Vec<Option<f64>>>;
 
-/// Arc length of every node along its lane, the lanes aligned; and the period when they close.
+/// Arc length of every node along its line of nodes, with the lines aligned, and the mean period of closed lines.
 fn lengths<'a>(
     at: &dyn Fn(usize, usize) -> Option<&'a Node>,
-    lanes: usize,
+    lines: usize,
     count: usize,
     closed: bool,
 ) -> Option<(Lengths, Option<f64>)> {
-    let mut all: Lengths = vec![vec![None; count]; lanes];
+    let mut all: Lengths = vec![vec![None; count]; lines];
     let mut periods = Vec::new();
-    for (lane, out) in all.iter_mut().enumerate() {
+    for (line, out) in all.iter_mut().enumerate() {
         let (mut sum, mut last, mut first) = (0.0, None::<&Node>, None);
         for k in 0..count {
-            let Some(node) = at(lane, k) else { continue };
+            let Some(node) = at(line, k) else { continue };
             if let Some(last) = last {
                 sum += arc(last.point, node.point, last.normal, node.normal);
             }
@@ -126,46 +117,46 @@ fn lengths<'a>(
             first = first.or(Some(node));
         }
         let (Some(first), Some(last)) = (first, last) else { continue };
-        periods.push((lane, sum + arc(last.point, first.point, last.normal, first.normal)));
+        periods.push((line, sum + arc(last.point, first.point, last.normal, first.normal)));
     }
     let mean = periods.iter().map(|p| p.1).sum::<f64>() / periods.len().max(1) as f64;
     if closed {
-        for (lane, period) in &periods {
-            all[*lane].iter_mut().flatten().for_each(|v| *v *= mean / period);
+        for (line, period) in &periods {
+            all[*line].iter_mut().flatten().for_each(|v| *v *= mean / period);
         }
     }
     align(&mut all, if closed { 0 } else { count / 2 })?;
     Some((all, closed.then_some(mean)))
 }
 
-/// Shifts every lane so that node `anchor` has length 0; a lane without it goes along with one that has.
+/// Shifts every line so that node `anchor` has length 0. A line without that node is shifted so that it agrees in the
+/// mean with one that has it.
 fn align(all: &mut Lengths, anchor: usize) -> Option<()> {
-    let reference = (0..all.len()).min_by_key(|lane| {
-        let missing = all[*lane][anchor].is_none();
-        (missing, lane.abs_diff(all.len() / 2))
+    let reference = (0..all.len()).min_by_key(|line| {
+        let missing = all[*line][anchor].is_none();
+        (missing, line.abs_diff(all.len() / 2))
     })?;
-    let shift = |lane: &mut Vec<Option<f64>>, by: f64| lane.iter_mut().flatten().for_each(|v| *v -= by);
+    let shift = |line: &mut Vec<Option<f64>>, by: f64| line.iter_mut().flatten().for_each(|v| *v -= by);
     if let Some(zero) = all[reference][anchor] {
         shift(&mut all[reference], zero);
     }
     let guide = all[reference].clone();
-    for (k, lane) in all.iter_mut().enumerate().filter(|(k, _)| *k != reference) {
-        let _ = k;
-        if let Some(zero) = lane[anchor] {
-            shift(lane, zero);
+    for (_, line) in all.iter_mut().enumerate().filter(|(k, _)| *k != reference) {
+        if let Some(zero) = line[anchor] {
+            shift(line, zero);
             continue;
         }
-        let differences: Vec<f64> = lane.iter().zip(&guide).filter_map(|(a, b)| Some((*a)? - (*b)?)).collect();
-        if differences.is_empty() && lane.iter().any(Option::is_some) {
+        let differences: Vec<f64> = line.iter().zip(&guide).filter_map(|(a, b)| Some((*a)? - (*b)?)).collect();
+        if differences.is_empty() && line.iter().any(Option::is_some) {
             return None;
         }
         let mean = differences.iter().sum::<f64>() / differences.len().max(1) as f64;
-        shift(lane, mean);
+        shift(line, mean);
     }
     Some(())
 }
 
-/// Unit direction of the lane at node k, from the nodes beside it.
+/// Unit direction of a line at node k, from its neighbours.
 fn direction<'a>(at: &dyn Fn(usize) -> Option<&'a Node>, k: usize, count: usize) -> Vector {
     let before = (0..k).rev().find_map(at).or(at(k));
     let after = (k + 1..count).find_map(at).or(at(k));
@@ -175,7 +166,7 @@ fn direction<'a>(at: &dyn Fn(usize) -> Option<&'a Node>, k: usize, count: usize)
     }
 }
 
-/// Neighbours of the net: `(f, s)` with the next finger and the next station, round closed directions.
+/// Quadrilaterals of the net: `(f, s)` with the next finger and the next station; closed directions wrap.
 fn corners(net: &Net, closed: [bool; 2]) -> Vec<[(usize, usize); 4]> {
     let (fingers, stations) = (net.len(), net[0].len());
     let mut all = Vec::new();
@@ -188,7 +179,7 @@ fn corners(net: &Net, closed: [bool; 2]) -> Vec<[(usize, usize); 4]> {
     all
 }
 
-/// +1 where fingers x stations is the side of the normals, -1 where it is the other one.
+/// +1 where fingers x stations (a vector product) points to the side of the normals, -1 where it points to the other.
 fn side(net: &Net, closed: [bool; 2]) -> Result<f64, &'static str> {
     let (mut with, mut against) = (0usize, 0usize);
     for [a, b, c, d] in corners(net, closed) {
@@ -209,6 +200,7 @@ fn side(net: &Net, closed: [bool; 2]) -> Result<f64, &'static str> {
     }
 }
 
+/// Two triangles of contacts for every quadrilateral.
 fn triangles(net: &Net, closed: [bool; 2]) -> Vec<[usize; 3]> {
     let mut all = Vec::new();
     for corner in corners(net, closed) {

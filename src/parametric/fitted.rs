@@ -1,13 +1,13 @@
-//! A fit of whichever kind the options or the contacts call for.
+//! Fits of either kind: the options or the contacts decide between a height field and a parametric surface.
 
 use super::{ParametricFit, choose_surface, fit_parametric};
 use crate::contact::Contacts;
 use crate::fit::{Fit, FitError, FitOptions, SurfaceKind, fit_contacts};
 
-/// The least degree of a surface in space that `auto` takes: a biquadratic bends too little to go round.
+/// The least degree of a parametric surface that `auto` takes: a biquadratic cannot follow strongly curved bodies.
 const LEAST_DEGREE: usize = 3;
 
-/// Either kind of fit.
+/// A height field fit or a parametric fit.
 #[derive(Debug)]
 pub enum FittedSurface {
     /// `z = S(x, y)`.
@@ -16,9 +16,26 @@ pub enum FittedSurface {
     Parametric(Box<ParametricFit>),
 }
 
-/// Fits a height field or a surface in space, and says why that one.
+/// Fits a height field or a parametric surface, and gives the reason for the choice in words.
 ///
-/// Where `auto` takes a surface in space, degrees below 3 are raised to 3, and the reason says so.
+/// Where `auto` takes a parametric surface, degrees below 3 are raised to 3, and the reason says so.
+///
+/// ```
+/// use palpate::Contacts;
+/// use palpate::fit::{FitOptions, SurfaceKind};
+/// use palpate::parametric::{FittedSurface, fit_surface};
+///
+/// // a shallow bowl z = (x^2 + y^2)/20 is well fitted by a height field
+/// let grid = || (0..25).map(|r| [f64::from(r / 5) - 2.0, f64::from(r % 5) - 2.0]);
+/// let points: Vec<[f64; 3]> = grid().map(|[x, y]| [x, y, (x * x + y * y) / 20.0]).collect();
+/// let normals: Vec<[f64; 3]> = grid().map(|[x, y]| [-x / 10.0, -y / 10.0, 1.0]).collect();
+/// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+/// let mut options = FitOptions::default();
+/// options.surface = SurfaceKind::Auto;
+/// let (fit, _reason) = fit_surface(&contacts, &options)?;
+/// assert!(matches!(fit, FittedSurface::Height(_)));
+/// # Ok::<(), palpate::fit::FitError>(())
+/// ```
 ///
 /// # Errors
 /// Every [`FitError`].

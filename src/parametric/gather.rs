@@ -1,7 +1,8 @@
-//! Rows of one cell, gathered into the normal matrix: `A += J' J`, `b += J' t`.
+//! Rows of one cell, summed into the normal matrix: `A += J' J`, `b += J' t`.
 //!
 //! ```text
-//! [ J t ]' [ J t ]     J: one row a residual, columns d L + alpha (coordinate d, coefficient alpha of L alive), t last
+//! [ J t ]' [ J t ]     J: one row per residual, column d L + alpha for coordinate d of coefficient alpha
+//!                        of the L nonzero in the cell, t last
 //! ```
 
 use super::cells::Row;
@@ -9,7 +10,7 @@ use super::vector::Vector;
 use crate::linalg::BlockMatrix;
 use crate::simd::{Isa, RowTerm, combine_rows, gram_rows};
 
-/// Rows that are gathered before they are multiplied out: with 56 columns they fill a isa-1 cache.
+/// Rows that are gathered before they are multiplied out: with 56 columns they fill a first-level cache.
 const CHUNK: usize = 64;
 
 /// Sums over the rows of one cell, and the buffers that they are made in.
@@ -25,14 +26,14 @@ pub struct Gather {
 }
 
 impl Gather {
-    /// For cells of so many coefficients alive.
+    /// For cells with `local` nonzero coefficients.
     pub fn new(local: usize) -> Gather {
         let stride = (3 * local + 1).next_multiple_of(8);
         let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
         Gather { isa: Isa::active(), local, stride, rows, filled: 0, gram, any: false }
     }
 
-    /// For the next cell.
+    /// Begins the next cell.
     pub fn clear(&mut self) {
         self.gram.fill(0.0);
         (self.filled, self.any) = (0, false);
@@ -65,14 +66,14 @@ impl Gather {
         self.filled = 0;
     }
 
-    /// Ends a cell.
+    /// Multiplies out the rows that are left.
     pub fn finish(&mut self) {
         if self.filled > 0 {
             self.multiply_out();
         }
     }
 
-    /// Adds the cell, whose coefficients are `alive`, to the matrix and its right-hand side.
+    /// Adds the cell, whose coefficients have the numbers `alive`, to the matrix and the right-hand side.
     pub fn scatter(&self, alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
         if !self.any {
             return;
@@ -95,7 +96,7 @@ impl Gather {
     }
 }
 
-/// Products of a basis row for several orders, one after another.
+/// Products of a basis row for several orders of derivatives.
 #[derive(Clone, Debug)]
 pub struct Products {
     local: usize,
@@ -103,26 +104,26 @@ pub struct Products {
 }
 
 impl Products {
-    /// For so many coefficients alive and orders.
+    /// For `local` nonzero coefficients and so many orders.
     pub fn new(local: usize, orders: usize) -> Products {
         Products { local, values: vec![0.0; local * orders] }
     }
 
-    /// Fills in those of `row`.
+    /// Fills in the products of `row`.
     pub fn fill(&mut self, row: &Row, orders: &[(usize, usize)]) {
         for (out, order) in self.values.chunks_exact_mut(self.local).zip(orders) {
             row.products(*order, out);
         }
     }
 
-    /// Those of the k-th order.
+    /// Products of the k-th order.
     #[inline]
     pub fn of(&self, k: usize) -> &[f64] {
         &self.values[k * self.local..(k + 1) * self.local]
     }
 }
 
-/// Members of every cell, in their own order.
+/// The contacts of every cell, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub struct Buckets {
     starts: Vec<usize>,
@@ -130,7 +131,7 @@ pub struct Buckets {
 }
 
 impl Buckets {
-    /// By counting.
+    /// Sorts the numbers 0, 1, .. by their cells, by counting.
     pub fn new(count: usize, cells: impl Iterator<Item = usize> + Clone) -> Buckets {
         let mut starts = vec![0; count + 1];
         cells.clone().for_each(|cell| starts[cell + 1] += 1);

@@ -1,11 +1,11 @@
-//! Derivatives of S and R at a point of a map by its first and second derivatives.
+//! Derivatives of S and R at a point of a parametric surface by its first and second derivatives.
 //!
 //! ```text
 //! S = -(2/pi) atan2(a + c, d),  R = sqrt(a^2 + c^2 + 2 b^2)/sqrt 2,  d = sqrt((a - c)^2 + 4 b^2)
 //! [a b; b c]  the shape operator along e1 = Q_u/|Q_u|, e2 = n x e1
 //! ```
 //!
-//! At an umbilic d has a kink; there its own change is dropped, as for height fields.
+//! At an umbilic d has a kink; the derivative of d is dropped there, as for height fields.
 
 use super::dual::{Dual, DualVector, cross, dot};
 use crate::curvature::Derivatives;
@@ -30,7 +30,7 @@ pub fn shape_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; INPUTS])>
     let n = area.map(|x| x * inverse);
     let (e, f) = (dot(&u, &u), dot(&u, &v));
     let [h11, h12, h22] = [&uu, &uv, &vv].map(|w| dot(w, &n));
-    // Q_v less its share s of Q_u stands across; its length is |area|/sqrt e
+    // Q_v - s Q_u is perpendicular to Q_u; its length is |area|/sqrt e
     let s = f * e.recip();
     let a = h11 * e.recip();
     let b = (h12 - s * h11) * inverse;

@@ -1,15 +1,16 @@
-//! Loops over contacts, Gauss points and cells: on all threads where there are many, the same digits on any number.
+//! Loops over contacts, Gauss points and cells, on all threads where there are many; the digits do not depend on the
+//! number of threads.
 //!
 //! Sums run over blocks of fixed size and add the blocks in their order.
 
-use rayon::prelude::*;
+use crate::threads;
 
-/// Items a block; below it a thread's start costs more than the items, 100 ns each.
+/// Items of one block. Fewer items, at 100 ns each, cost less than starting a thread.
 const BLOCK: usize = 2048;
-/// Cells that are gathered side by side before they are added to the matrix in their order.
+/// Cells that are computed in parallel before they are added to the matrix in their order.
 const CELLS: usize = 128;
 
-/// `sum_k f(k)`; `None` where one is.
+/// `sum_k f(k)`; `None` where one of the terms is.
 pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> + Sync) -> Option<[f64; N]> {
     let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|k| a[k] + b[k]);
     let block =
@@ -17,24 +18,24 @@ pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> +
     if count <= BLOCK {
         return block(0);
     }
-    let blocks: Option<Vec<[f64; N]>> = (0..count.div_ceil(BLOCK)).into_par_iter().map(block).collect();
-    Some(blocks?.into_iter().fold([0.0; N], add))
+    let blocks = threads::try_map(count.div_ceil(BLOCK), block)?;
+    Some(blocks.into_iter().fold([0.0; N], add))
 }
 
-/// `f(0), f(1), ...`.
+/// `f(0), f(1), ..` as a vector.
 pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if count <= BLOCK {
         return (0..count).map(f).collect();
     }
-    (0..count).into_par_iter().with_min_len(BLOCK / 4).map(&f).collect()
+    threads::map(count, BLOCK / 4, f)
 }
 
-/// Whether one of them is true.
+/// Whether `f` is true for any of `0 .. count`.
 pub fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
-    if count <= BLOCK { (0..count).any(f) } else { (0..count).into_par_iter().with_min_len(BLOCK / 4).any(&f) }
+    if count <= BLOCK { (0..count).any(f) } else { threads::any(count, BLOCK / 4, f) }
 }
 
-/// `make` for every item with a work space of its own, then `take` for each in order.
+/// Calls `make` for every item, each with a work space of its own, then `take` for each item in order.
 pub fn in_order<W: Send>(
     count: usize,
     new: impl Fn() -> W + Sync,
@@ -52,7 +53,7 @@ pub fn in_order<W: Send>(
     let mut works: Vec<W> = (0..CELLS).map(|_| new()).collect();
     for from in (0..count).step_by(CELLS) {
         let to = (from + CELLS).min(count);
-        works[..to - from].par_iter_mut().enumerate().for_each(|(k, work)| make(from + k, work));
+        threads::each(&mut works[..to - from], |k, work| make(from + k, work));
         works[..to - from].iter().enumerate().for_each(|(k, work)| take(from + k, work));
     }
 }

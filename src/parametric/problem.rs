@@ -6,28 +6,29 @@
 //! u_r  the foot of P_r on Q, so the distance is orthogonal;   n^ = Q_u x Q_v / |Q_u x Q_v| there
 //! ```
 //!
-//! The maximum likelihood for isotropic errors of points and normals. The last two terms only say which (u, v) is meant:
-//! T alone leaves every affine change of them free, so the contacts are loosely tied to where they were flattened, u_r0.
+//! The maximum likelihood for isotropic errors of points and normals. The last two terms only fix the
+//! parametrisation: T alone leaves every affine change of (u, v) free, so the contacts are loosely tied to the places u_r0
+//! that they were flattened to.
 //! A change dQ of the surface moves the foot, `M du = (-Q_a . dQ + d n . dQ_a)_a`, `M_ab = g_ab - d h_ab`, d the distance.
-//! The distance does not feel that, the normal does; e_1, e_2 being orthonormal tangents, D_ak = g^ab Q_b . e_k:
+//! The distance does not depend on that, the normal does; e_1, e_2 being orthonormal tangents, D_ak = g^ab Q_b . e_k:
 //!
 //! ```text
-//! distance   n . dQ / Z              turn_k   -(D_ak n . dQ_a + H_kb du_b) / sigma,   H_kb = D_ak h_ab
+//! distance   n . dQ / Z              normal_k   -(D_ak n . dQ_a + H_kb du_b) / sigma,   H_kb = D_ak h_ab
 //! ```
 //!
-//! With it a mere change of (u, v) has no rows at all, and Gauss-Newton converges as if it were not there.
+//! With du_b the rows vanish for a mere change of (u, v), so that it does not slow down Gauss-Newton.
 
 use super::cells::{Cells, Jet};
 use super::fairness::{ORDERS, RESIDUALS, ThirdJet, residuals, values};
 use super::foot::Feet;
 use super::gather::{Buckets, Gather, Products};
 use super::parallel;
+use super::patch_contacts::PatchContacts;
 use super::quadrature::GaussPoint;
-use super::touches::Touches;
 use super::vector::{Vector, cross, dot, minus, norm, unit};
 use crate::linalg::BlockMatrix;
 
-/// Weights of the four parts of the objective, patch units.
+/// Noise sds and weights of the parts of the objective, patch units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Sd Z of a position.
@@ -42,27 +43,27 @@ pub struct Weights {
     pub tie: f64,
 }
 
-/// What is minimised, at given weights.
+/// The objective at given weights.
 pub struct Problem<'a> {
     /// Knots and numbering.
     pub cells: &'a Cells,
-    /// Data.
-    pub touches: &'a Touches,
-    /// Where the contacts were flattened to.
+    /// Contacts in patch units.
+    pub contacts: &'a PatchContacts,
+    /// Places (u, v) that the contacts were flattened to.
     pub flattened: &'a [[f64; 2]],
-    /// Rule for E and T, cell after cell.
+    /// Quadrature rule for E and T, cell after cell.
     pub gauss: &'a [GaussPoint],
     /// Weights.
     pub weights: Weights,
     tied: Buckets,
-    /// Matrix of the ties, which no step changes.
+    /// Matrix of the ties, which does not change from step to step.
     ties: BlockMatrix,
 }
 
 /// The parts of F, unweighted sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sums {
-    /// Squared distances, with the contacts' own weights.
+    /// Squared distances, weighted by the contacts' weights.
     pub position: f64,
     /// Squared differences of normals.
     pub normal: f64,
@@ -94,7 +95,7 @@ impl Parts {
     pub const NONE: Parts = Parts { position: false, normal: false, fairness: false, slack: false };
 }
 
-/// A foot further than this from the contact's normal plane, patch units, has met the end of its range.
+/// A foot whose contact is farther off its surface normal than this, patch units, was held back by the end of its range.
 const HELD: f64 = 1e-7;
 
 /// Frame of the surface at a contact.
@@ -109,6 +110,7 @@ struct Tangents {
     dual: [[f64; 2]; 2],
 }
 
+/// Tangent frame at a contact; `None` where the surface has no tangent plane.
 fn tangents(jet: &Jet) -> Option<Tangents> {
     let [point, qu, qv] = [jet[0][0], jet[1][0], jet[0][1]];
     let area = cross(qu, qv);
@@ -125,8 +127,8 @@ fn tangents(jet: &Jet) -> Option<Tangents> {
     Some(Tangents { point, normal, along: [qu, qv], frame: [e1, e2], dual })
 }
 
-/// `V_ka = H_kb (M^-1)_ba`: turn of the normal by what moves the foot; zero where the foot was held back from its place.
-fn foot_turn(jet: &Jet, t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
+/// `V_ka = H_kb (M^-1)_ba`: rotation of the normal by a move of the foot; zero where the foot was held back.
+fn foot_rotation(jet: &Jet, t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
     let distance = dot(t.normal, off);
     let aside = t.frame.map(|e| dot(e, off));
     if aside[0].hypot(aside[1]) > HELD {
@@ -147,24 +149,24 @@ fn foot_turn(jet: &Jet, t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
 }
 
 impl<'a> Problem<'a> {
-    /// At these weights.
+    /// The objective at these weights, with the matrix of the ties.
     pub fn new(
         cells: &'a Cells,
-        touches: &'a Touches,
+        contacts: &'a PatchContacts,
         flattened: &'a [[f64; 2]],
         gauss: &'a [GaussPoint],
         weights: Weights,
     ) -> Problem<'a> {
         let tied = Buckets::new(cells.count(), flattened.iter().map(|p| cells.cell_of(*p)));
         let ties = BlockMatrix::zeros(cells.shape());
-        let mut problem = Problem { cells, touches, flattened, gauss, weights, tied, ties };
+        let mut problem = Problem { cells, contacts, flattened, gauss, weights, tied, ties };
         if weights.tie > 0.0 {
             let (mut ties, weight) = (problem.ties.clone(), problem.tie_weight().sqrt());
             let mut unused = vec![0.0; ties.order()];
             problem.gather(&mut ties, &mut unused, |cell, sums, products| {
                 for &r in problem.tied.of(cell) {
                     products.fill(&cells.row(flattened[r][0], flattened[r][1], 0), &[(0, 0)]);
-                    for e in across(touches.normals[r]) {
+                    for e in across(contacts.normals[r]) {
                         sums.add(&[(e.map(|v| weight * v), products.of(0))], 0.0);
                     }
                 }
@@ -178,7 +180,7 @@ impl<'a> Problem<'a> {
         self.weights.tie / self.flattened.len() as f64
     }
 
-    /// F and its parts at these coefficients and feet; `None` where the map has no tangent plane.
+    /// F and its parts at these coefficients and feet; `None` where the surface has no tangent plane.
     pub fn value(&self, c: &[Vector], feet: &Feet) -> Option<(f64, Sums)> {
         let contacts = parallel::sum(feet.places.len(), |r| self.contact_sums(r, c, feet.places[r]))?;
         let rule = parallel::sum(self.gauss.len(), |k| {
@@ -193,36 +195,37 @@ impl<'a> Problem<'a> {
         value.is_finite().then_some((value, sums))
     }
 
-    /// Squared distance, squared turn and share of the ties of one contact.
+    /// Squared distance, squared difference of the normals, and squared distance of the tie, of one contact.
     fn contact_sums(&self, r: usize, c: &[Vector], foot: [f64; 2]) -> Option<[f64; 3]> {
         let jet = self.cells.jet::<1>(&self.cells.row(foot[0], foot[1], 1), c);
         let t = tangents(&jet)?;
-        let (point, normal) = (self.touches.points[r], self.touches.normals[r]);
-        let (wp, wn) = (self.touches.position_weight[r], self.touches.normal_weight[r]);
+        let (point, normal) = (self.contacts.points[r], self.contacts.normals[r]);
+        let (wp, wn) = (self.contacts.position_weight[r], self.contacts.normal_weight[r]);
         let distance = wp * dot(t.normal, minus(point, t.point));
-        let turn = minus(normal, t.normal);
+        let difference = minus(normal, t.normal);
         let tied = self.flattened[r];
         let off = minus(point, self.cells.jet::<0>(&self.cells.row(tied[0], tied[1], 0), c)[0][0]);
         let lift = dot(off, normal);
         Some([
             distance * distance,
-            wn * wn * dot(turn, turn),
+            wn * wn * dot(difference, difference),
             (dot(off, off) - lift * lift) / self.flattened.len() as f64,
         ])
     }
 
-    /// Distance and turn of the normal of every contact, without weights.
+    /// Distance and difference of the normals of every contact, without weights.
     pub fn residuals(&self, c: &[Vector], feet: &Feet) -> Vec<[f64; 2]> {
         parallel::map(feet.places.len(), |r| {
             let [u, v] = feet.places[r];
             let Some(t) = tangents(&self.cells.jet::<1>(&self.cells.row(u, v, 1), c)) else {
                 return [f64::INFINITY; 2];
             };
-            let turn = norm(minus(self.touches.normals[r], t.normal));
-            [dot(t.normal, minus(self.touches.points[r], t.point)), turn]
+            let difference = norm(minus(self.contacts.normals[r], t.normal));
+            [dot(t.normal, minus(self.contacts.points[r], t.point)), difference]
         })
     }
 
+    /// F from its parts.
     fn total(&self, s: &Sums) -> f64 {
         let w = &self.weights;
         s.position / (w.position * w.position)
@@ -239,7 +242,7 @@ impl<'a> Problem<'a> {
 
     /// Adds the Gauss-Newton matrix of `parts` to `matrix` and `-1/2` the gradient to `rhs`.
     pub fn assemble(&self, c: &[Vector], feet: &Feet, parts: Parts, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        let standing = if parts.position || parts.normal {
+        let by_cell = if parts.position || parts.normal {
             Buckets::new(self.cells.count(), feet.places.iter().map(|p| self.cells.cell_of(*p)))
         } else {
             Buckets::default()
@@ -249,7 +252,7 @@ impl<'a> Problem<'a> {
         }
         self.gather(matrix, rhs, |cell, sums, products| {
             if parts.position || parts.normal {
-                standing.of(cell).iter().for_each(|r| self.add_contact(*r, c, feet.places[*r], parts, sums, products));
+                by_cell.of(cell).iter().for_each(|r| self.add_contact(*r, c, feet.places[*r], parts, sums, products));
             }
             if parts.slack && self.weights.tie > 0.0 {
                 self.tied.of(cell).iter().for_each(|r| self.add_tie(*r, c, sums, products));
@@ -305,32 +308,32 @@ impl<'a> Problem<'a> {
         let row = self.cells.row(u, v, 2);
         let jet = self.cells.jet::<2>(&row, c);
         let Some(t) = tangents(&jet) else { return };
-        let off = minus(self.touches.points[r], t.point);
+        let off = minus(self.contacts.points[r], t.point);
         let distance = dot(t.normal, off);
         products.fill(&row, &[(0, 0), (1, 0), (0, 1)]);
         if parts.position {
-            let weight = self.touches.position_weight[r] / self.weights.position;
+            let weight = self.contacts.position_weight[r] / self.weights.position;
             sums.add(&[(t.normal.map(|n| weight * n), products.of(0))], weight * distance);
         }
         if parts.normal {
-            let weight = self.touches.normal_weight[r] / self.weights.normal;
-            let turn = foot_turn(&jet, &t, off);
+            let weight = self.contacts.normal_weight[r] / self.weights.normal;
+            let rotation = foot_rotation(&jet, &t, off);
             for k in 0..2 {
                 let moved: Vector =
-                    [0, 1, 2].map(|d| weight * (turn[k][0] * t.along[0][d] + turn[k][1] * t.along[1][d]));
-                let [a, b] = [0, 1].map(|a| -weight * (t.dual[a][k] + distance * turn[k][a]));
-                let bent = |factor: f64| t.normal.map(|n| factor * n);
-                let terms = [(moved, products.of(0)), (bent(a), products.of(1)), (bent(b), products.of(2))];
-                sums.add(&terms, weight * dot(t.frame[k], self.touches.normals[r]));
+                    [0, 1, 2].map(|d| weight * (rotation[k][0] * t.along[0][d] + rotation[k][1] * t.along[1][d]));
+                let [a, b] = [0, 1].map(|a| -weight * (t.dual[a][k] + distance * rotation[k][a]));
+                let scaled = |factor: f64| t.normal.map(|n| factor * n);
+                let terms = [(moved, products.of(0)), (scaled(a), products.of(1)), (scaled(b), products.of(2))];
+                sums.add(&terms, weight * dot(t.frame[k], self.contacts.normals[r]));
             }
         }
     }
 
-    /// The right-hand side of a tie; its matrix is known.
+    /// Adds the right-hand side of a tie; its matrix was made once.
     fn add_tie(&self, r: usize, c: &[Vector], sums: &mut Gather, products: &mut Products) {
         let row = self.cells.row(self.flattened[r][0], self.flattened[r][1], 0);
-        let off = minus(self.touches.points[r], self.cells.jet::<0>(&row, c)[0][0]);
-        let (weight, n) = (self.tie_weight(), self.touches.normals[r]);
+        let off = minus(self.contacts.points[r], self.cells.jet::<0>(&row, c)[0][0]);
+        let (weight, n) = (self.tie_weight(), self.contacts.normals[r]);
         let lift = dot(n, off);
         products.fill(&row, &[(0, 0)]);
         sums.add_right([0, 1, 2].map(|d| weight * (off[d] - lift * n[d])), products.of(0));

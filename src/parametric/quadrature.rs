@@ -1,14 +1,14 @@
-//! Gauss points of every cell, p + 1 and q + 1 a direction, with the basis and its derivatives up to the third there.
+//! Gauss points of every cell, (p + 1) x (q + 1) of them, with the basis and its derivatives up to the third.
 
 use super::cells::{Cells, Row};
 use crate::bspline::{Knots, gauss_legendre};
 
-/// One point of the rule.
+/// One point of the quadrature rule.
 #[derive(Clone, Debug)]
 pub struct GaussPoint {
     /// Its cell and basis.
     pub row: Row,
-    /// Weight, with the cell's area.
+    /// Weight, the area of the cell included.
     pub weight: f64,
 }
 

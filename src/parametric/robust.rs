@@ -1,44 +1,45 @@
-//! Robust losses by reweighting: weights of positions and normals from their residuals, refitted until they stand.
+//! Robust losses by reweighting: the weights of positions and normals follow from their residuals, and the fit is
+//! repeated until the coefficients no longer move.
 //!
 //! ```text
 //! Huber  w^2 = min(1, 1.345/|r|)        Tukey  w = max(0, 1 - (r/4.685)^2)        r over its own median scale
 //! ```
 
-use super::descent::{Descent, SETTLED, Solver, State};
-use super::levels::NO_NOISE;
+use super::descent::{Descent, Solver, State, TOLERANCE};
+use super::noise::NO_NOISE;
+use super::patch_contacts::PatchContacts;
 use super::problem::Problem;
-use super::touches::Touches;
 use super::vector::{minus, norm};
 use crate::fit::{FitError, Robust};
 
-/// Reweightings of a robust fit.
+/// Most reweightings of a robust fit.
 const REWEIGHTINGS: usize = 20;
-/// Coefficients that moved by less between two of them stand, patch units.
-const STANDS: f64 = 1e-9;
+/// The reweighting ends when no coefficient moves by more, patch units.
+const SMALLEST_MOVE: f64 = 1e-9;
 
-/// Reweighs and refits; leaves the weights in `weighted`.
+/// Reweights and refits; the weights are left in `weighted`.
 ///
 /// # Errors
 /// As [`Solver::descend`].
-pub fn reweigh(
+pub fn reweight(
     robust: Robust,
     problem: &Problem,
-    weighted: &mut Touches,
+    weighted: &mut PatchContacts,
     solver: &mut Solver,
     state: &mut State,
     reached: &mut Descent,
 ) -> Result<(), FitError> {
     for _ in 0..REWEIGHTINGS {
         let Some([p, n]) = robust_weights(robust, problem, state) else { break };
-        *weighted = problem.touches.clone();
+        *weighted = problem.contacts.clone();
         weighted.position_weight.iter_mut().zip(p).for_each(|(w, v)| *w *= v);
         weighted.normal_weight.iter_mut().zip(n).for_each(|(w, v)| *w *= v);
         let before = state.coefficients.clone();
         let again = Problem::new(problem.cells, weighted, problem.flattened, problem.gauss, problem.weights);
-        let next = solver.descend(&again, state, SETTLED)?;
+        let next = solver.descend(&again, state, TOLERANCE)?;
         *reached = Descent { steps: reached.steps + next.steps, ..next };
         let moved = before.iter().zip(&state.coefficients).map(|(a, b)| norm(minus(*a, *b)));
-        if moved.fold(0.0, f64::max) < STANDS {
+        if moved.fold(0.0, f64::max) < SMALLEST_MOVE {
             break;
         }
     }
@@ -61,7 +62,7 @@ fn robust_weights(robust: Robust, problem: &Problem, state: &State) -> Option<[V
     Some([0, 1].map(|k| residuals.iter().map(|r| loss_weight(robust, r[k] / scales[k])).collect()))
 }
 
-/// Square root of the loss's weight, tuned for 95 % efficiency.
+/// Square root of the weight of the loss, tuned for 95 % efficiency.
 fn loss_weight(robust: Robust, r: f64) -> f64 {
     match robust {
         Robust::None => 1.0,

@@ -1,12 +1,13 @@
-//! Where the descent begins: the linear rows of the flattened contacts.
+//! Coefficients that the descent starts from: a linear least squares fit at the flattened places of the contacts.
 //!
 //! ```text
 //! minimise  sum_r |P_r - Q(u_r)|^2 / Z^2 + ((n_r . Q_u)^2 + (n_r . Q_v)^2) / sigma^2
 //!           + a integral |Q_uuu|^2 + |Q_vvv|^2 + b integral |Q_uu|^2 + 2 |Q_uv|^2 + |Q_vv|^2
 //! ```
 //!
-//! The normals couple the coordinates, so the matrix has full 3 x 3 blocks. The third derivatives bring a surface of any
-//! degree and number of segments near a biquadratic, whose curvatures do not run away; closed directions need none.
+//! The normals couple the coordinates, so the matrix has full 3 x 3 blocks. The penalty on third
+//! derivatives keeps a surface of any degree and number of segments near a biquadratic, whose curvatures stay moderate;
+//! closed directions need none.
 
 use super::cells::Row;
 use super::descent::Solver;
@@ -15,25 +16,26 @@ use super::problem::Problem;
 use super::vector::Vector;
 use crate::fit::FitError;
 
-/// Share of the data's trace that the third derivatives get: enough that three lanes bear nine coefficients.
+/// Trace of the third-derivative penalty over the trace of the data: enough that three fingers determine nine
+/// coefficients.
 const THIRD: f64 = 1.0;
-/// The same for the thin plate, which only keeps a corner without contacts from being free.
+/// The same for the thin plate, which only keeps corners without contacts from being undetermined.
 const PLATE: f64 = 1e-8;
-/// And where several segments of degree 1 or 2 have no third derivative to hold them.
+/// The same for several segments of degree 1 or 2, whose third derivatives vanish.
 const PLATE_OF_LOW_DEGREE: f64 = 1e-3;
 
-/// Distinct coefficients of the start.
+/// The distinct coefficients that the descent starts from.
 ///
 /// # Errors
-/// A matrix without a factor.
+/// The normal matrix has no factor.
 pub fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Result<Vec<Vector>, FitError> {
     let cells = problem.cells;
     let matrix = &mut solver.matrix;
     matrix.clear();
     let mut rhs = vec![0.0; matrix.order()];
-    let standing = Buckets::new(cells.count(), places.iter().map(|p| cells.cell_of(*p)));
+    let by_cell = Buckets::new(cells.count(), places.iter().map(|p| cells.cell_of(*p)));
     problem.gather(matrix, &mut rhs, |cell, sums, products| {
-        standing.of(cell).iter().for_each(|r| add_contact(problem, *r, places[*r], sums, products));
+        by_cell.of(cell).iter().for_each(|r| add_contact(problem, *r, places[*r], sums, products));
     });
     let data: f64 = matrix.diagonal().iter().sum();
     let third = [(3, 0), (0, 3)].into_iter().zip(cells.shape().closed).filter(|(_, closed)| !closed);
@@ -64,12 +66,12 @@ pub fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Res
 
 fn add_contact(problem: &Problem, r: usize, [u, v]: [f64; 2], sums: &mut Gather, products: &mut Products) {
     products.fill(&problem.cells.row(u, v, 1), &[(0, 0), (1, 0), (0, 1)]);
-    let weight = problem.touches.position_weight[r] / problem.weights.position;
-    for (e, p) in axes(weight).iter().zip(problem.touches.points[r]) {
+    let weight = problem.contacts.position_weight[r] / problem.weights.position;
+    for (e, p) in axes(weight).iter().zip(problem.contacts.points[r]) {
         sums.add(&[(*e, products.of(0))], weight * p);
     }
-    let weight = problem.touches.normal_weight[r] / problem.weights.normal;
-    let normal = problem.touches.normals[r].map(|n| weight * n);
+    let weight = problem.contacts.normal_weight[r] / problem.weights.normal;
+    let normal = problem.contacts.normals[r].map(|n| weight * n);
     (1..3).for_each(|k| sums.add(&[(normal, products.of(k))], 0.0));
 }
 

@@ -1,11 +1,20 @@
-//! What is planned once and then repeated: fits of contacts, of images and of touches one by one, without allocation.
+//! Fits that are planned once and then repeated: scattered contacts, images, and touches one by one.
 //!
 //! ```text
 //! plan (knots, weights)  ->  factor  ->  solve, again and again      A c = E'W^2 b,  A = E'W^2 E
 //! ```
+//!
+//! Nothing is allocated after the plan is made, and data are checked by way of the sums that are formed anyway.
 
-mod plan;
+mod error;
+mod image_plan;
+mod slope_plan;
 mod stream;
 
-pub use plan::{ImagePlan, SlopeColumns, SlopePlan};
+pub use error::PlanError;
+pub(crate) use error::{check_noise_sds, check_shape_grid};
+pub use image_plan::ImagePlan;
+#[doc(hidden)]
+pub use image_plan::Pixel;
+pub use slope_plan::{SlopeColumns, SlopePlan};
 pub use stream::{StreamShape, Touch, TouchStream};

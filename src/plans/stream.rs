@@ -1,16 +1,17 @@
-//! Contacts one at a time: `push` adds three rows to the equations, `shape` says what is known so far.
+//! Contacts one at a time: `push` adds three rows to the equations, `shape` returns S and R so far.
 //!
 //! ```text
 //! A += sum_k e_k e_k',   b += sum_k e_k d_k       k = height, x slope, y slope, each row divided by its sd
 //! A c = b        S, R = means over the grid        u^2 = g' A^-1 g,  g = d(mean)/dc      (delta method)
 //! ```
 //!
-//! For a robot that touches a thousand times a second: nothing is allocated after the plan on patches of one segment,
-//! and every contact costs the same. Slope rows with known noise, in the coordinates of the knots.
+//! It is meant for a robot that touches a thousand times a second: on patches of one segment nothing is allocated after
+//! the plan is made, and every touch costs the same. The rows are slope rows with known noise sds, in the coordinates of
+//! the knots.
 
+use super::error::{PlanError, check_noise_sds, check_shape_grid};
 use crate::bspline::{BasisRow, Knots, MAX_DEGREE};
 use crate::curvature::principal_curvatures;
-use crate::fit::FitError;
 use crate::linalg::{StencilMatrix, TensorShape};
 use crate::shape::{by_coefficients, shape_gradient};
 use crate::solve::Cholesky;
@@ -18,8 +19,25 @@ use crate::surface::SurfacePoint;
 
 const WIDTH: usize = MAX_DEGREE + 1;
 
-/// A fit that grows contact by contact.
-#[derive(Debug)]
+/// A fit that grows touch by touch.
+///
+/// ```
+/// use palpate::spline::{Knots, linspace};
+/// use palpate::plans::{Touch, TouchStream};
+///
+/// // a bowl z = (x^2 + y^2)/10: S = -1, R = 1/5 at its bottom
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let points = linspace(-0.1, 0.1, 3);
+/// let mut stream = TouchStream::new([axis.clone(), axis], [0.01, 0.03, 0.03], [&points, &points])?;
+/// for r in 0..9 {
+///     let [x, y] = [f64::from(r / 3) - 1.0, f64::from(r % 3) - 1.0];
+///     stream.push(&Touch { at: [x, y], z: 0.1 * (x * x + y * y), slopes: [0.2 * x, 0.2 * y] })?;
+/// }
+/// let shape = stream.shape()?;
+/// assert!(shape.shape_index.is_some_and(|s| s < -0.9) && (shape.curvedness - 0.2).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
 pub struct TouchStream {
     knots: [Knots; 2],
     /// 1/sd of heights, x slopes, y slopes.
@@ -29,14 +47,16 @@ pub struct TouchStream {
     factor: Cholesky,
     coefficients: Vec<f64>,
     grid: [Vec<BasisRow>; 2],
-    /// d(mean S)/dc, d(mean R)/dc, and one of them after a solve.
+    /// d(mean S)/dc and d(mean R)/dc.
     gradients: [Vec<f64>; 2],
+    /// One of the gradients times `A^-1`.
     solved: Vec<f64>,
     contacts: usize,
 }
 
-/// One touch: where, how high, how steep.
+/// One touch: its place, height and slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Touch {
     /// x and y, the knots' coordinates.
     pub at: [f64; 2],
@@ -46,8 +66,9 @@ pub struct Touch {
     pub slopes: [f64; 2],
 }
 
-/// What is known after so many touches: means over the grid with their standard uncertainties.
+/// The shape after the touches so far: means over the grid with their standard uncertainties.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StreamShape {
     /// Touches so far.
     pub contacts: usize,
@@ -65,17 +86,13 @@ impl TouchStream {
     /// Plans for these knots, the sds `[heights, x slopes, y slopes]` and the axes of the shape grid.
     ///
     /// # Errors
-    /// [`FitError::Option`] for an sd that is not positive or an empty grid; no memory.
-    pub fn new(knots: [Knots; 2], sigma: [f64; 3], grid: [&[f64]; 2]) -> Result<TouchStream, FitError> {
-        if let Some(sd) = sigma.iter().find(|sd| !(sd.is_finite() && **sd > 0.0)) {
-            return Err(FitError::Option { option: "sigma", value: sd.to_string(), expected: "a positive number" });
-        }
-        if grid.iter().any(|axis| axis.is_empty()) {
-            return Err(FitError::Option { option: "grid", value: "none".into(), expected: "at least one point" });
-        }
+    /// [`PlanError::NoiseSd`] for an sd that is not positive; [`PlanError::EmptyGrid`], [`PlanError::Axis`]; no memory.
+    pub fn new(knots: [Knots; 2], sigma: [f64; 3], grid: [&[f64]; 2]) -> Result<TouchStream, PlanError> {
+        check_noise_sds(sigma, false)?;
+        check_shape_grid(grid)?;
         let shape =
             TensorShape { basis: knots.each_ref().map(Knots::n_basis), degree: knots.each_ref().map(Knots::degree) };
-        let factor = Cholesky::plan(shape).map_err(|source| FitError::Solve { source })?;
+        let factor = Cholesky::plan(shape)?;
         let zeros = vec![0.0; shape.unknowns()];
         let axis = |k: usize| grid[k].iter().map(|&at| knots[k].basis(at)).collect();
         Ok(TouchStream {
@@ -92,15 +109,14 @@ impl TouchStream {
         })
     }
 
-    /// Takes one touch in: three rows more, over the basis functions alive there.
+    /// Adds one touch: three rows more, over the basis functions alive there.
     ///
     /// # Errors
-    /// [`FitError::Option`] where a number is not finite; nothing has changed then.
-    pub fn push(&mut self, touch: &Touch) -> Result<(), FitError> {
+    /// [`PlanError::NotFinite`] where a number is not finite, [`PlanError::Outside`] where the touch lies outside the
+    /// knots' domain; nothing has changed then.
+    pub fn push(&mut self, touch: &Touch) -> Result<(), PlanError> {
+        self.check(touch)?;
         let Touch { at: [x, y], z, slopes: [zx, zy] } = *touch;
-        if let Some(bad) = [x, y, z, zx, zy].iter().find(|v| !v.is_finite()) {
-            return Err(FitError::Option { option: "touch", value: bad.to_string(), expected: "finite numbers" });
-        }
         let [bx, by] = [(0, x), (1, y)].map(|(axis, at)| {
             let knots = &self.knots[axis];
             let mut rows = [0.0; 2 * WIDTH];
@@ -131,15 +147,30 @@ impl TouchStream {
         Ok(())
     }
 
-    /// Coefficients, mean S and mean R and their uncertainties from all touches so far.
+    fn check(&self, touch: &Touch) -> Result<(), PlanError> {
+        let Touch { at: [x, y], z, slopes: [zx, zy] } = *touch;
+        let index = self.contacts;
+        for (column, value) in [("x", x), ("y", y), ("z", z), ("zx", zx), ("zy", zy)] {
+            if !value.is_finite() {
+                return Err(PlanError::NotFinite { column, index, value });
+            }
+        }
+        for (axis, (value, knots)) in ["x", "y"].into_iter().zip([x, y].into_iter().zip(&self.knots)) {
+            let [lo, hi] = knots.domain();
+            if !(lo..=hi).contains(&value) {
+                return Err(PlanError::Outside { axis, index, value, domain: [lo, hi] });
+            }
+        }
+        Ok(())
+    }
+
+    /// Fits all touches so far: mean S and mean R over the grid, and their uncertainties.
     ///
     /// # Errors
-    /// [`FitError::Solve`] while touches are too few or leave a basis function without data.
-    pub fn shape(&mut self) -> Result<StreamShape, FitError> {
+    /// [`PlanError::Solve`] while touches are too few or leave a basis function without data.
+    pub fn shape(&mut self) -> Result<StreamShape, PlanError> {
         self.coefficients.copy_from_slice(&self.right);
-        self.factor
-            .factor_and_solve(&self.matrix, &mut self.coefficients)
-            .map_err(|source| FitError::Solve { source })?;
+        self.factor.factor_and_solve(&self.matrix, &mut self.coefficients)?;
         let (index, curvedness) = self.means();
         let [u_shape_index, u_curvedness] = [0, 1].map(|k| self.uncertainty(k));
         Ok(StreamShape { contacts: self.contacts, shape_index: index, u_shape_index, curvedness, u_curvedness })
@@ -288,10 +319,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_refused_and_changes_nothing() {
+    fn a_faulty_touch_is_refused_and_changes_nothing() {
         let knots = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
         let mut stream = TouchStream::new([knots.clone(), knots.clone()], [1.0; 3], [&[0.0], &[0.0]]).unwrap();
         assert!(stream.push(&Touch { at: [0.0, f64::NAN], z: 0.0, slopes: [0.0; 2] }).is_err());
+        let far = stream.push(&Touch { at: [1000.0, 0.0], z: 0.0, slopes: [0.0; 2] });
+        assert!(matches!(far, Err(PlanError::Outside { axis: "x", index: 0, .. })));
         assert!(stream.right.iter().chain(stream.matrix.values()).all(|v| *v == 0.0) && stream.contacts == 0);
         assert!(TouchStream::new([knots.clone(), knots.clone()], [0.0; 3], [&[0.0], &[0.0]]).is_err());
         assert!(TouchStream::new([knots.clone(), knots], [1.0; 3], [&[0.0], &[]]).is_err());

@@ -121,7 +121,7 @@ fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, second
 }
 
 fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
-    let (certificate, levels, rms) = (fit.certificate(), fit.levels(), fit.rms());
+    let (certificate, levels, rms) = (fit.certificate(), fit.noise(), fit.rms());
     let knots = fit.surface().knots();
     let finite = |v: f64| v.is_finite().then_some(v);
     let how = if levels.estimated { "levels estimated with the fit" } else { "levels declared" };
@@ -137,7 +137,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             folds_refused: certificate.folds_refused,
             smallest_jacobian: certificate.smallest_jacobian,
             fold_free: certificate.fold_free,
-            fingers_monotone: certificate.lanes_monotone,
+            fingers_monotone: certificate.fingers_monotone,
             against: certificate.against,
             bending: certificate.bending,
             fairness_raised: certificate.fairness_raised,

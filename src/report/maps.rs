@@ -4,9 +4,9 @@
 
 use std::io::{Cursor, Write};
 
-use ndarray::{Array1, Array2};
-use ndarray_npy::NpzWriter;
+use ndarray::Array2;
 
+use crate::io::NpzWriter;
 use crate::shape::ShapeMaps;
 
 /// `x,y,z,k1,k2,S,R`, x-major. Lengths and curvatures in the coordinates of the maps' grid.
@@ -34,7 +34,7 @@ pub fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<
 /// # Errors
 /// What the system says.
 pub fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut npz = NpzWriter::new_compressed(Cursor::new(Vec::new()));
+    let mut npz = NpzWriter::compressed(Cursor::new(Vec::new()));
     let size = (maps.grid.x.len(), maps.grid.y.len());
     let map =
         |at: &dyn Fn(usize, usize) -> Option<f64>| Array2::from_shape_fn(size, |(i, j)| at(i, j).unwrap_or(f64::NAN));
@@ -48,10 +48,10 @@ pub fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<
         ("R", map(&|i, j| maps.curvedness_at(i, j))),
     ];
     for (name, axis) in axes {
-        npz.add_array(name, &Array1::from(axis.clone())).map_err(std::io::Error::other)?;
+        npz.add(name, &[axis.len()], axis.iter().copied())?;
     }
     for (name, array) in arrays {
-        npz.add_array(name, &array).map_err(std::io::Error::other)?;
+        npz.add(name, array.shape(), array.iter().copied())?;
     }
-    out.write_all(npz.finish().map_err(std::io::Error::other)?.get_ref())
+    out.write_all(npz.finish()?.get_ref())
 }

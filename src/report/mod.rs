@@ -23,15 +23,7 @@ mod table;
 
 pub use describe::{compute_shape, describe_fit, describe_saved, points_at};
 pub use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub use document::{
-    ChosenPart, FitDocument, FitPart, MeasurePart, ParametricPart, PromisePart, RmsPart, Seconds, ShapePart, Shares,
-    SigmaPart, SpreadPart, TruthPart,
-};
+pub use document::{ChosenPart, FitDocument, Seconds};
 pub use json::write_json;
-pub use maps::{write_maps_csv, write_maps_npz};
-pub use parametric::{ParametricPointShape, write_parametric_maps_csv, write_parametric_points_csv};
-pub use picture::{PictureOptions, write_picture};
-pub use point_table::PointTable;
-pub use points::{PointShape, write_points_csv};
 pub use schema::fit_schema;
-pub use table::{significant, write_table};
+pub use table::write_table;

@@ -1,7 +1,7 @@
 //! The JSON Schema of `palpate.fit/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
-//! fall behind the structs; `tests/schema.rs` holds the committed file to it and real output to the file.
+//! fall behind the structs; `tests/program/schema.rs` holds the committed file to it and real output to the file.
 
 use serde_json::{Map, Value, json};
 

@@ -11,18 +11,23 @@ mod batch;
 pub mod effects;
 mod error;
 pub mod explain;
+mod rotation;
 mod simulate;
 pub mod surface;
 mod sweep;
 mod truth;
-mod vector;
 
+#[doc(hidden)]
 pub use batch::ContactBatch;
 pub use effects::Effect;
 pub use error::SceneError;
 pub use simulate::Simulator;
-pub use surface::{Body, Surface, SurfacePoint};
-pub use sweep::{MAX_TOUCHES, Site, Sweep, SweepPath, linspace};
+#[doc(hidden)]
+pub use surface::SurfacePoint;
+pub use surface::{Body, Surface};
+#[doc(hidden)]
+pub use sweep::{MAX_TOUCHES, Site, linspace};
+pub use sweep::{Sweep, SweepPath};
 pub use truth::Truth;
 
 /// A world to be touched.

@@ -1,4 +1,4 @@
-//! Derivatives of S and R by the surface's derivatives, and of their grid means by the coefficients.
+//! Derivatives of S and R by the derivatives of the surface, and of their grid means by the coefficients.
 //!
 //! ```text
 //! l^2 = 1 + p^2, w^2 = 1 + p^2 + q^2, s = p q / l^2          a = r/(l^2 w)
@@ -7,7 +7,8 @@
 //! d = sqrt((a - c)^2 + 4 b^2)                                p, q, r, t, u = S_x, S_y, S_xx, S_xy, S_yy
 //! ```
 //!
-//! S has a kink at an umbilic (d = 0): there the term of d is dropped, and the delta method sees only the mean curvature.
+//! S has a kink at an umbilic (d = 0): the derivative of d is dropped there, so that only the mean curvature enters the
+//! delta method.
 
 use super::{GridGradients, ShapeMaps};
 use crate::bspline::BasisRow;
@@ -62,8 +63,8 @@ pub fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
     out
 }
 
-/// Chain rule: from derivatives `g` by `(S_x, S_y, S_xx, S_xy, S_yy)` to those by the coefficients alive at a point,
-/// `visit(a, b, sum_k g_k d_k(N_a M_b))`.
+/// Chain rule: from derivatives `g` by `(S_x, S_y, S_xx, S_xy, S_yy)` to those by the coefficients that are nonzero at a
+/// point, `visit(a, b, sum_k g_k d_k(N_a M_b))`.
 #[inline]
 pub fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut visit: impl FnMut(usize, usize, f64)) {
     let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k));
@@ -128,18 +129,18 @@ pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps, gradients: &GridG
     let mut counts = [0usize; 2];
     gradients.visit(surface, &maps.rows, |eight| {
         let ([i, start], width) = (eight.at, surface.knots()[1].degree() + 1);
-        let asked: [[bool; 2]; POINTS] = std::array::from_fn(|l| {
+        let counted: [[bool; 2]; POINTS] = std::array::from_fn(|l| {
             let j = start + l.min(eight.count - 1);
             let is_there = l < eight.count;
             [is_there && maps.shape_index_at(i, j).is_some(), is_there && maps.supported[[i, j]]]
         });
         for (kind, sums) in [&mut sums.shape_index, &mut sums.curvedness].into_iter().enumerate() {
-            counts[kind] += asked.iter().filter(|asked| asked[kind]).count();
+            counts[kind] += counted.iter().filter(|counted| counted[kind]).count();
             for (a, entries) in eight.entries[kind].chunks_exact(width).enumerate() {
                 let home = &mut sums[(eight.first[0] + a) * columns + eight.first[1]..][..width];
                 for (home, lanes) in home.iter_mut().zip(entries) {
-                    let of_asked = lanes.iter().zip(&asked).map(|(v, asked)| if asked[kind] { *v } else { 0.0 });
-                    *home += of_asked.sum::<f64>();
+                    let values = lanes.iter().zip(&counted).map(|(v, counted)| if counted[kind] { *v } else { 0.0 });
+                    *home += values.sum::<f64>();
                 }
             }
         }

@@ -1,9 +1,18 @@
-//! The grid that shape is averaged over: linspace over the domain less an inset, both ends included.
+//! The grid that shape is averaged over: equally spaced points over the domain less an inset, both ends included.
 
 use crate::bspline::{BasisRow, Knots, linspace};
 
 /// Points of the shape grid, in the coordinates of the surface's knots.
+///
+/// ```
+/// use palpate::geometry::ShapeGrid;
+///
+/// // 3 x 2 points over [0, 10] x [0, 1], a tenth of every side left out at each end
+/// let grid = ShapeGrid::over([[0.0, 10.0], [0.0, 1.0]], [3, 2], 0.1);
+/// assert_eq!((grid.x, grid.y), (vec![1.0, 5.0, 9.0], vec![0.1, 0.9]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapeGrid {
     /// x coordinates.
     pub x: Vec<f64>,
@@ -21,7 +30,7 @@ impl ShapeGrid {
         ShapeGrid { x: axis(domain[0], points[0]), y: axis(domain[1], points[1]) }
     }
 
-    /// Basis rows of the two axes: every point's is the product of one each.
+    /// Basis rows along the two axes; the basis at a point is the product of one row of each.
     pub fn rows(&self, knots: &[Knots; 2]) -> [Vec<BasisRow>; 2] {
         let along = |axis: &[f64], knots: &Knots| axis.iter().map(|at| knots.basis(*at)).collect();
         [along(&self.x, &knots[0]), along(&self.y, &knots[1])]
@@ -32,7 +41,7 @@ impl ShapeGrid {
         self.x.len() * self.y.len()
     }
 
-    /// No points.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -4,35 +4,35 @@
 //! dS/dc_ij = sum_k (dS/d_k) D_k(N_i M_j)     R likewise     d_k = S_x, S_y, S_xx, S_xy, S_yy
 //! ```
 //!
-//! Made once, read twice: their mean is what the noise of the mean S and R follows from, and each of them what a
-//! certificate's digits do.
+//! They are computed once and read twice: the uncertainty of mean S and mean R follows from their mean, and the digits of
+//! a certificate from each of them.
 
 use crate::bspline::{BasisRow, MAX_DEGREE};
 use crate::simd::{CellPoints, CurveLanes, Isa, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
 use crate::surface::HeightField;
 
-/// Up to this many points gradients are kept (0.8 MB at degree 2, 1.3 at degree 3); of larger grids they are made anew
-/// for every reader, which takes no longer than fetching them from memory.
+/// Up to this many points the gradients are kept (0.8 MB at degree 2, 1.3 at degree 3). Those of larger grids are computed
+/// again for every reader, which takes no longer than fetching them from memory.
 const KEPT: usize = 1 << 12;
 
-/// Eight neighbours or fewer: one number in x, ascending ones in y, all on one cell.
+/// Up to eight neighbouring points of one grid row: the same x, ascending y, all in one knot cell.
 #[derive(Clone, Copy, Debug)]
 pub struct EightPoints<'a> {
-    /// Place of the first of them in the grid.
+    /// Indices of the first of them in the grid.
     pub at: [usize; 2],
-    /// How many there are; the last lane is repeated up to eight.
+    /// Number of points; the last one is repeated in the lanes left over.
     pub count: usize,
     /// First basis functions of the cell in x and in y.
     pub first: [usize; 2],
     /// `2 (L_xx + 2 L_xy + L_yy)` and `4 (L_x + L_y)`, L the largest 2-norms of the derivatives by the coefficients.
     pub spans: [f64; 2],
-    /// Curvatures, and what they are rounded by.
+    /// Curvatures and their rounding errors.
     pub shapes: &'a PointShapes,
     /// dS/dc and dR/dc, number `a (q + 1) + b` of the cell.
     pub entries: [&'a [PointLanes]; 2],
 }
 
-/// Gradients over one grid.
+/// Gradients of S and R over one grid.
 #[derive(Clone, Debug)]
 pub struct GridGradients {
     kept: Option<Kept>,
@@ -62,7 +62,7 @@ impl Head {
 }
 
 impl GridGradients {
-    /// Of `surface` over the points with these basis rows along x and y.
+    /// The gradients of `surface` over the points with these basis rows along x and y.
     pub fn new(surface: &HeightField, rows: &[Vec<BasisRow>; 2]) -> GridGradients {
         let [along_x, along_y] = rows;
         if along_x.len() * along_y.len() > KEPT {
@@ -75,7 +75,7 @@ impl GridGradients {
         GridGradients { kept: Some(kept) }
     }
 
-    /// Visits all points by eights: x after x for the same ones in y. `surface` and `rows` are those of [`Self::new`].
+    /// Visits all points in groups of up to eight: for each group in y, all x in turn. `surface` and `rows` are those of [`Self::new`].
     pub fn visit(&self, surface: &HeightField, rows: &[Vec<BasisRow>; 2], mut f: impl FnMut(&EightPoints)) {
         let Some(Kept { heads, entries }) = &self.kept else {
             let mut latest = Kept { heads: Vec::new(), entries: Vec::new() };
@@ -90,13 +90,13 @@ impl GridGradients {
     }
 }
 
-/// Where a visit is: the points in y, the cell, and its coefficients summed along y.
+/// The state of a visit: the points in y, the cell, and its coefficients summed along y.
 struct Walk<'a> {
     isa: Isa,
     coefficients: std::borrow::Cow<'a, [f64]>,
     /// Basis functions in y.
     columns: usize,
-    /// Basis functions alive in a cell, in x and in y.
+    /// Basis functions that are nonzero in a cell, in x and in y.
     width: [usize; 2],
     /// M, M', M'' one after the other.
     y: Vec<PointLanes>,
@@ -128,12 +128,12 @@ impl Walk<'_> {
         self.width[0] * self.width[1]
     }
 
-    /// Appends eight after eight and says so.
+    /// Appends group after group to `kept`, and calls `f` after each.
     fn all(&mut self, [along_x, along_y]: &[Vec<BasisRow>; 2], kept: &mut Kept, mut f: impl FnMut(&mut Kept)) {
         let lengths: Vec<[f64; 3]> = along_x.iter().map(|row| [0, 1, 2].map(|k| length(row.derivative(k)))).collect();
         let mut start = 0;
         for rows in along_y.chunk_by(|a, b| a.first == b.first).flat_map(|run| run.chunks(POINTS)) {
-            self.turn_to(rows);
+            self.load_y(rows);
             let mut cell = usize::MAX;
             for (i, bx) in along_x.iter().enumerate() {
                 let first = [bx.first, rows[0].first];
@@ -154,8 +154,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Goes to these neighbours in y.
-    fn turn_to(&mut self, rows: &[BasisRow]) {
+    /// Loads the basis of these neighbours in y.
+    fn load_y(&mut self, rows: &[BasisRow]) {
         let last = rows.len() - 1;
         for (k, values) in self.y.chunks_exact_mut(self.width[1]).enumerate() {
             self.lengths[k] = rows.iter().map(|row| length(row.derivative(k))).fold(0.0, f64::max);
@@ -171,7 +171,7 @@ impl Walk<'_> {
         [&self.y[..q], &self.y[q..2 * q], &self.y[2 * q..]]
     }
 
-    /// Goes to the cell of these first basis functions.
+    /// Sums the coefficients of the cell with these first basis functions along y.
     fn enter(&mut self, first: [usize; 2]) {
         let mut runs = [0; MAX_DEGREE + 1];
         runs.iter_mut().enumerate().for_each(|(a, run)| *run = (first[0] + a) * self.columns + first[1]);
@@ -209,7 +209,7 @@ mod tests {
     use crate::shape::{by_coefficients, shape_gradient};
     use ndarray::Array2;
 
-    /// Every point once, its gradients those of the formulas point by point, kept or made on the way.
+    /// Every point once, its gradients those of the formulas point by point, kept or computed on the way.
     #[test]
     fn every_point_has_its_gradients_once() {
         let knots = [Knots::uniform(2, 3, 0.0, 1.0).unwrap(), Knots::uniform(3, 2, 0.0, 1.0).unwrap()];

@@ -9,14 +9,30 @@ use crate::bspline::BasisRow;
 use crate::curvature::principal_curvatures;
 use crate::surface::{CurvatureGrid, HeightField, SurfacePoint};
 
-/// Beyond this many points the derivatives come row by row from one polynomial per segment, equal to those point by
-/// point to rounding and many times faster.
+/// Above this number of points the derivatives are computed row by row from one polynomial per segment. They equal those
+/// computed point by point up to rounding, and take a fraction of the time.
 const MANY: usize = 4096;
 
-/// Maps over a shape grid, indexed [x, y]. Undefined entries are NaN inside; ask [`ShapeMaps::shape_index_at`].
+/// Maps over a shape grid, indexed [x, y]. Undefined entries are NaN; [`ShapeMaps::shape_index_at`] returns `None` there.
+///
+/// ```
+/// use ndarray::Array2;
+/// use palpate::spline::Knots;
+/// use palpate::geometry::{ShapeGrid, shape_maps};
+/// use palpate::spline::HeightField;
+///
+/// // z = x^2 is a rut along y: S = -1/2, and R = sqrt 2 at its bottom
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let coefficients = Array2::from_shape_fn((3, 3), |(i, _)| if i == 1 { -1.0 } else { 1.0 });
+/// let surface = HeightField::new([axis.clone(), axis], coefficients)?;
+/// let maps = shape_maps(&surface, ShapeGrid::over([[-1.0, 1.0]; 2], [3, 3], 0.0), &[]);
+/// assert!(maps.shape_index_at(1, 1).is_some_and(|s| (s + 0.5).abs() < 1e-12));
+/// assert!((maps.curvedness[[1, 1]] - 2.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ShapeMaps {
-    /// Where.
+    /// The points.
     pub grid: ShapeGrid,
     /// Height and derivatives.
     pub points: Array2<SurfacePoint>,
@@ -30,19 +46,18 @@ pub struct ShapeMaps {
     pub curvedness: Array2<f64>,
     /// Whether the data determine every coefficient that this point depends on.
     pub supported: Array2<bool>,
-    /// Basis rows along both axes, by the knots of the surface that the maps were made of; empty where that
-    /// is a surface in space.
+    /// Basis rows along both axes, by the knots of the surface; empty for a parametric surface.
     pub rows: Arc<[Vec<BasisRow>; 2]>,
 }
 
 impl ShapeMaps {
-    /// Shape index at point (i, j); `None` where it is undefined or the data do not reach.
+    /// Shape index at point (i, j); `None` where it is undefined or not supported by data.
     pub fn shape_index_at(&self, i: usize, j: usize) -> Option<f64> {
         let s = self.shape_index[[i, j]];
         (self.supported[[i, j]] && !s.is_nan()).then_some(s)
     }
 
-    /// Curvedness at point (i, j); `None` where the data do not reach.
+    /// Curvedness at point (i, j); `None` where it is not supported by data.
     pub fn curvedness_at(&self, i: usize, j: usize) -> Option<f64> {
         self.supported[[i, j]].then_some(self.curvedness[[i, j]])
     }
@@ -106,7 +121,7 @@ fn flags(surface: &HeightField, unsupported: &[usize]) -> Option<Array2<bool>> {
 }
 
 fn is_supported(free: &Array2<bool>, bx: &BasisRow, by: &BasisRow) -> bool {
-    // a basis function counts where it or a derivative up to the second enters the shape
+    // a basis function matters where it or a derivative up to the second is not zero
     let alive = |row: &BasisRow, a: usize| (0..3).any(|k| row.derivative(k)[a] != 0.0);
     (0..bx.derivative(0).len())
         .filter(|&a| alive(bx, a))

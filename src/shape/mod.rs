@@ -1,4 +1,4 @@
-//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and how far to trust them.
+//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and their uncertainty.
 //!
 //! ```text
 //! S_g, R_g at every grid point g that the data support     mean, sd (n - 1)
@@ -6,7 +6,7 @@
 //! P(class) = Phi((hi - mean)/u) - Phi((lo - mean)/u)
 //! ```
 //!
-//! The spread over the patch is not uncertainty: a parabola is no circle, so R varies over it without any noise.
+//! The spread over the patch is not uncertainty: R varies over a paraboloid, for example, without any noise.
 
 mod gradient;
 mod grid;
@@ -18,12 +18,12 @@ mod summary;
 mod truth;
 mod uv_support;
 
-pub use gradient::{MeanGradients, ShapeGradient, by_coefficients, gap_gradient, mean_gradients, shape_gradient};
+pub use gradient::{by_coefficients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
 pub use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};
-pub use truth::{TrueShapeAt, TruthComparison, compare_with_truth};
+pub use truth::compare_with_truth;
 pub use uv_support::UvSupport;

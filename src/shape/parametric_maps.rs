@@ -1,4 +1,4 @@
-//! S, R, curvatures and their directions over a grid in (u, v) of a surface in space.
+//! S, R, curvatures and their directions over a grid in (u, v) of a parametric surface.
 
 use ndarray::Array2;
 
@@ -9,9 +9,26 @@ use crate::surface::{Parametric, SurfacePoint};
 type Vector = [f64; 3];
 
 /// Maps over (u, v), input units.
+///
+/// ```
+/// use palpate::spline::Knots;
+/// use palpate::internals::shape::{UvSupport, parametric_maps, uv_grid};
+/// use palpate::spline::Parametric;
+///
+/// // a parabolic sheet over u; the support is the triangle (0, 0), (1, 0), (0, 1)
+/// let axis = Knots::uniform(2, 1, 0.0, 1.0)?;
+/// let (u, height) = ([0.0, 0.5, 1.0], [0.0, 0.0, 1.0]);
+/// let free: Vec<[f64; 3]> = (0..9).map(|k| [u[k / 3], u[k % 3], height[k / 3]]).collect();
+/// let surface = Parametric::from_free([axis.clone(), axis.clone()], &free)?;
+/// let support = UvSupport::new(vec![[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], [None, None]);
+/// let maps = parametric_maps(&surface, uv_grid([&axis, &axis], [2, 2], 0.1), &support);
+/// assert!(maps.supported[[0, 0]] && !maps.supported[[1, 1]]);
+/// assert!((maps.shape_index[[0, 0]] + 0.5).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ParametricMaps {
-    /// Where, in u (as `x`) and v (as `y`).
+    /// The points in u (as `x`) and v (as `y`).
     pub grid: ShapeGrid,
     /// Points in space.
     pub points: Array2<Vector>,
@@ -31,7 +48,7 @@ pub struct ParametricMaps {
     pub supported: Array2<bool>,
 }
 
-/// Points of a grid over (u, v): of a closed direction the upper end is the lower one again and left out.
+/// A grid over (u, v). In a closed direction the upper end, which is the lower end again, is left out.
 pub fn uv_grid(knots: [&Knots; 2], points: [usize; 2], inset: f64) -> ShapeGrid {
     let domain = knots.map(Knots::domain);
     let mut grid = ShapeGrid::over(domain, points, inset);
@@ -76,7 +93,7 @@ pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSuppor
 }
 
 impl ParametricMaps {
-    /// The same under `P -> origin + scale P`, u and v scaled alike.
+    /// The same maps under `P -> origin + scale P`, u and v scaled alike.
     pub fn placed(mut self, origin: Vector, scale: f64) -> ParametricMaps {
         for axis in [&mut self.grid.x, &mut self.grid.y] {
             axis.iter_mut().for_each(|t| *t *= scale);
@@ -88,7 +105,7 @@ impl ParametricMaps {
         self
     }
 
-    /// Over (u, v) as if it were (x, y), with z for a height: what pictures and arrays of maps take.
+    /// The maps over (u, v) as if it were (x, y), with z as the height, for pictures and saved arrays.
     pub fn flat(&self) -> ShapeMaps {
         ShapeMaps {
             rows: Default::default(),

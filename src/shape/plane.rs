@@ -1,4 +1,4 @@
-//! Is it a plane? The best plane against the fit: chi-square with declared sigmas, else F.
+//! The test for a plane: the best plane against the fit, by chi-square with declared sds, else by F.
 //!
 //! ```text
 //! rise = rss(plane) - rss(fit),  nu = rank - 3        declared:  P(chi^2_nu > rise)
@@ -7,7 +7,7 @@
 
 use statrs::function::{beta::beta_reg, gamma::gamma_ur};
 
-/// Upper tail of chi-square with `freedom` degrees: the p-value of the plane under declared sigmas.
+/// Upper tail of chi-square with `freedom` degrees: the p-value of the plane under declared sds.
 pub fn chi_square_upper_tail(value: f64, freedom: f64) -> f64 {
     if value <= 0.0 || freedom <= 0.0 {
         return 1.0;
@@ -24,7 +24,7 @@ pub fn f_upper_tail(value: f64, freedom: f64, rest: f64) -> f64 {
     beta_reg(0.5 * rest, 0.5 * freedom, rest / (rest + freedom * value))
 }
 
-/// Least squares plane `z = h + gx x + gy y` through a grid of heights, and its largest deviation.
+/// The least squares plane `z = h + gx x + gy y` through a grid of heights, and its largest deviation.
 pub fn best_plane(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], f64) {
     let count = points.clone().count().max(1) as f64;
     let mean = points.clone().fold([0.0; 3], |m, p| [0, 1, 2].map(|k| m[k] + p[k] / count));

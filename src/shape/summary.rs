@@ -4,8 +4,9 @@ use statrs::function::erf;
 
 use crate::curvature::ShapeClass;
 
-/// Mean and sample standard deviation (n - 1) of what is defined: variation over the patch, not uncertainty.
+/// Mean and sample standard deviation (n - 1) of the defined values: variation over the patch, not uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spread {
     /// Mean; `None` with fewer than 2 points.
     pub mean: Option<f64>,
@@ -15,7 +16,7 @@ pub struct Spread {
     pub count: usize,
 }
 
-/// Spread of the values given; two passes, the second about the mean.
+/// Spread of `values`, in two passes, the second about the mean.
 pub fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
     let count = values.clone().count();
     if count < 2 {
@@ -28,6 +29,7 @@ pub fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
 
 /// Both ends of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Interval {
     /// Lower end.
     pub lo: f64,
@@ -41,9 +43,10 @@ pub fn normal_interval(mean: f64, u: f64, level: f64, floor: f64, ceiling: f64) 
     Interval { lo: (mean - z * u).max(floor), hi: (mean + z * u).min(ceiling) }
 }
 
-/// Probability of each curved class for mean S distributed as N(mean, u^2), outermost bins taking the tails.
+/// Probability of each curved class where mean S is distributed as N(mean, u^2); the tails belong to the outermost
+/// classes.
 pub fn class_probabilities(mean: f64, u: f64) -> Vec<(ShapeClass, f64)> {
-    // upper tail Q((edge - mean)/u); erfc keeps digits that 1 - Phi would lose
+    // upper tail Q((edge - mean)/u), by erfc because 1 - Phi loses digits
     let above = |edge: f64| {
         if edge.is_infinite() {
             return if edge > 0.0 { 0.0 } else { 1.0 };
@@ -64,7 +67,7 @@ pub fn class_probabilities(mean: f64, u: f64) -> Vec<(ShapeClass, f64)> {
         .collect()
 }
 
-/// 1/R of spheres, 1/(R sqrt 2) of cylinders, `None` of everything else (paper Table 2).
+/// 1/R of spheres, 1/(R sqrt 2) of cylinders, `None` for everything else (paper Table 2).
 pub fn radius_of(class: ShapeClass, curvedness: f64) -> Option<f64> {
     match class {
         ShapeClass::Cap | ShapeClass::Cup => Some(1.0 / curvedness),

@@ -7,8 +7,9 @@
 
 use super::ShapeMaps;
 
-/// The truth over the points of a fit, and how far off the fit is. `None` where nothing can be compared.
+/// The true shape over the points of a fit, and the error of the fit. `None` where nothing can be compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TruthComparison {
     /// Mean true shape index.
     pub shape_index: Option<f64>,

@@ -1,9 +1,17 @@
-//! Where contacts reach in (u, v): triangles that they span. S and R are taken nowhere else.
+//! The region of (u, v) that contacts surround, as triangles between them. S and R are evaluated nowhere else.
 
-/// A point this share of a triangle outside still counts: its own rounding must not decide.
+/// A point counts as inside up to this share of a triangle beyond its edge, so that rounding does not decide.
 const RIM: f64 = 1e-9;
 
-/// Triangles in (u, v) that contacts span.
+/// Triangles in (u, v) between contacts.
+///
+/// ```
+/// use palpate::internals::shape::UvSupport;
+///
+/// // u is closed with period 10, and the triangle crosses the seam
+/// let support = UvSupport::new(vec![[[9.0, 0.0], [1.0, 0.0], [0.0, 2.0]]], [Some(10.0), None]);
+/// assert!(support.holds(9.5, 0.2) && support.holds(0.5, 0.2) && !support.holds(5.0, 0.2));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UvSupport {
     triangles: Vec<[[f64; 2]; 3]>,
@@ -11,12 +19,12 @@ pub struct UvSupport {
 }
 
 impl UvSupport {
-    /// Triangles of (u, v) in open directions, or in the period of closed ones.
+    /// The support made of these triangles; `period` is that of the closed directions.
     pub fn new(triangles: Vec<[[f64; 2]; 3]>, period: [Option<f64>; 2]) -> UvSupport {
         let near = |from: [f64; 2], to: [f64; 2]| {
             [0, 1].map(|k| period[k].map_or(to[k], |p| to[k] - p * ((to[k] - from[k]) / p).round()))
         };
-        // a triangle across the seam is one whose corners are taken on the same side of it
+        // the corners of a triangle across the seam are moved to the same side of it
         let triangles = triangles.into_iter().map(|[a, b, c]| [a, near(a, b), near(a, c)]).collect();
         UvSupport { triangles, period }
     }
@@ -26,7 +34,7 @@ impl UvSupport {
         &self.triangles
     }
 
-    /// The same where u and v are `scale` times as long.
+    /// The same support with u and v multiplied by `scale`.
     pub fn scaled(&self, scale: f64) -> UvSupport {
         UvSupport {
             triangles: self.triangles.iter().map(|t| t.map(|p| p.map(|v| v * scale))).collect(),
@@ -46,11 +54,12 @@ impl UvSupport {
 }
 
 fn inside(t: &[[f64; 2]; 3], p: [f64; 2]) -> bool {
-    let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    let area = turn(t[0], t[1], t[2]);
+    let twice_area =
+        |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let area = twice_area(t[0], t[1], t[2]);
     let rim = -RIM * area.abs();
     let sign = area.signum();
-    (0..3).all(|k| sign * turn(t[k], t[(k + 1) % 3], p) >= rim)
+    (0..3).all(|k| sign * twice_area(t[k], t[(k + 1) % 3], p) >= rim)
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@
 //! atan r = r - r z (a0 + a1 z + .. + a10 z^10),  z = r^2,  |r| <= tan(pi/8)
 //! ```
 //!
-//! One division, NaN at the origin. The steps up to it and those after it are functions of their own: the callers put
-//! many quotients between them, so that nobody waits for the divider. Any `unit` of the angle costs one product. The
-//! polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
+//! The result at the origin is NaN. There is one division; the steps before it and those after it are separate
+//! functions, and callers do the first steps of many points before the last steps of any, so that none waits for the
+//! divider. The angle may be in any `unit`, at the cost of one product. The polynomial is that of FreeBSD's msun `s_atan.c` (Sun Microsystems 1993), good to |r| < 7/16.
 
 use super::lanes::Lanes;
 
@@ -26,7 +26,7 @@ const SERIES: [f64; 11] = [
     1.628_582_011_536_578_236_23e-2,
 ];
 
-/// tan(pi/8): where the reduction to pi/4 begins.
+/// tan(pi/8), above which the angle is reduced by pi/4.
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_05;
 
 /// The quotient r and the multiple of pi/4, in parts of `unit`, whose sum with `atan r` is `atan2(|y|, x)`.
@@ -48,7 +48,7 @@ pub(super) fn angle<V: Lanes>(r: V, offset: V, y: V, unit: f64) -> V {
     let z = r * r;
     let w = z * z;
     let a = |k: usize| V::splat(SERIES[k] * unit);
-    // even and odd terms apart: two short chains instead of a long one
+    // even and odd terms are summed apart: two short chains instead of a long one
     let even = w.mul_add(w.mul_add(w.mul_add(w.mul_add(w.mul_add(a(10), a(8)), a(6)), a(4)), a(2)), a(0));
     let odd = w.mul_add(w.mul_add(w.mul_add(w.mul_add(a(9), a(7)), a(5)), a(3)), a(1));
     let series = z.mul_add(odd, even) * z;

@@ -1,6 +1,7 @@
-//! `out[r] += sum_t (X_t G_t Y_t)[r]`: small dense products that turn a cell's moments into its part of the equations.
+//! `out[r] += sum_t (X_t G_t Y_t)[r]`: small dense products by which a cell's moments become its part of the
+//! equations.
 //!
-//! `X_t` is rows x powers, `G_t` powers x 8, `Y_t` 8 x 16, all padded to whole sets of lanes.
+//! `X_t` is rows x powers, `G_t` powers x 8, `Y_t` 8 x 16; all are padded to whole sets of lanes.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
@@ -62,7 +63,7 @@ mod tests {
 
     /// Twin: the sum as it is written.
     #[test]
-    fn every_level_agrees_with_the_written_sum() {
+    fn every_isa_agrees_with_the_written_sum() {
         let value = |a: usize, b: usize, seed: f64| ((a * 17 + b) as f64 * 0.37 + seed).sin();
         let left: Vec<[f64; 8]> = (0..10).map(|r| std::array::from_fn(|a| value(r, a, 0.3))).collect();
         let middle: Vec<[f64; 8]> = (0..7).map(|a| std::array::from_fn(|b| value(a, b, 1.3))).collect();

@@ -1,21 +1,22 @@
 //! The inner loops of a banded Cholesky factorisation by block columns.
 //!
-//! A block column holds `width` columns of L, each `height` rows from the block's own diagonal downwards, in panels of
-//! eight rows: the eight rows of one column are one cache line, and the columns of a panel follow one another.
+//! A block column holds `width` columns of L, each with `height` rows from the block's own diagonal downwards. It is stored
+//! in panels of eight rows: the eight rows of one column are one cache line, and the columns of a panel follow one another.
 //!
 //! ```text
 //! C -= sum_r A_r B_r'     A_r, B_r: rows of the block column r blocks to the left, from C's first row on
 //! C = L C_11^(-T)         the block's own triangle, then everything below it
 //! ```
 //!
-//! Nothing is packed, the factor is made in the order in which it is read: a tile of C stays in registers over all its
-//! updates, A comes by whole registers from three running streams and B by single numbers from a fourth, 11 loads for
-//! 24 multiply-adds. Column c ends at row `c + reach`, so a tile far down begins with the first column that reaches it.
+//! The factor is written in the order in which it is read, so nothing needs to be packed. A tile of C stays in registers
+//! over all its updates; A is loaded by whole registers from three streams, B by single numbers from a fourth, which is
+//! 11 loads for 24 multiply-adds. Column c ends at row `c + reach`, so the sums for a tile far down begin with the first
+//! column that reaches it.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
-/// Numbers that memory for blocks needs in addition, so that the first may stand where a cache line begins.
+/// Extra numbers to allocate, so that the first block can begin at the start of a cache line.
 pub const PADDING: usize = PANEL - 1;
 /// Widths and heights are multiples of this: three panels, the rows of a tile.
 pub const GRAIN: usize = 3 * PANEL;
@@ -39,18 +40,13 @@ impl BlockShape {
         self.width * self.height
     }
 
-    /// No columns at all.
-    pub fn is_empty(self) -> bool {
-        self.width == 0
-    }
-
-    /// Where the block keeps this entry.
+    /// Position of this entry in the block.
     #[inline(always)]
     pub fn place(self, row: usize, column: usize) -> usize {
         (row / PANEL * self.width + column) * PANEL + row % PANEL
     }
 
-    /// The lines of the panel that `row` stands in, from column `from` to before `to`.
+    /// The cache lines of columns `from .. to` of the panel that holds `row`.
     #[inline(always)]
     pub(super) fn panel(self, block: &[f64], row: usize, from: usize, to: usize) -> &[[f64; PANEL]] {
         let start = row / PANEL * self.width;
@@ -100,7 +96,7 @@ fn load_tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     block: &[f64],
     [row, column]: [usize; 2],
 ) -> [[V; COLUMNS]; ROWS] {
-    // loops, not closures: a closure does not carry the instruction set
+    // loops and not closures, because a closure does not carry the instruction set
     let mut c = [[V::splat(0.0); COLUMNS]; ROWS];
     for v in 0..ROWS {
         let lines = shape.panel(block, row + v * V::N, column, column + COLUMNS);
@@ -127,8 +123,8 @@ fn store_tile<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     }
 }
 
-/// The tiles of `target` that begin in `row`: `blocks` are the sources, the nearest last, `gap` blocks short of the
-/// target's neighbour.
+/// Updates the tiles of `target` that begin in `row`. `blocks` are the sources, the nearest last; `gap` blocks lie between
+/// the nearest source and the target.
 #[inline(always)]
 fn update_rows<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     shape: BlockShape,
@@ -150,7 +146,7 @@ fn update_rows<V: Lanes, const ROWS: usize, const COLUMNS: usize>(
     }
 }
 
-/// Numbers of source blocks that stay in the caches beside the target, while all tiles go over them.
+/// Numbers of source blocks that stay in the caches, beside the target, while they are used for all tiles.
 const CACHED: usize = 1 << 16;
 
 #[inline(always)]
@@ -161,8 +157,8 @@ fn update<V: Lanes>(shape: BlockShape, blocks: &[f64], gap: usize, target: &mut 
         let gap = gap + total - k * together - group.len() / shape.len();
         // the nearest source ends there
         let end = shape.height.saturating_sub((gap + 1) * shape.width);
-        // beside the diagonal panel by panel, so that nothing is done above it; eight lanes leave room for 24 sums in
-        // registers, four lanes for 12
+        // near the diagonal panel by panel, so that nothing is computed above it; registers of eight lanes have room for
+        // 24 sums, those of four lanes for 12
         for row in (0..shape.width.min(end)).step_by(PANEL) {
             if V::N == PANEL {
                 update_rows::<V, 1, 8>(shape, group, gap, target, row);
@@ -180,7 +176,7 @@ fn update<V: Lanes>(shape: BlockShape, blocks: &[f64], gap: usize, target: &mut 
     }
 }
 
-/// The triangle of eight columns on the diagonal, and one over its diagonal.
+/// The triangle of eight columns on the diagonal, and the reciprocals of its diagonal.
 struct Triangle {
     entries: [[f64; PANEL]; PANEL],
     inverse: [f64; PANEL],
@@ -218,7 +214,8 @@ fn factor_triangle(shape: BlockShape, block: &mut [f64], at: usize) -> Result<Tr
     Ok(made)
 }
 
-/// Eight columns from `at` on, some rows below their triangle: less what the block's earlier columns take, and solved.
+/// Finishes some rows below the triangle of the eight columns from `at` on: subtracts the products of the block's earlier
+/// columns and solves with the triangle.
 #[inline(always)]
 fn finish_rows<V: Lanes, const ROWS: usize>(
     shape: BlockShape,
@@ -226,7 +223,7 @@ fn finish_rows<V: Lanes, const ROWS: usize>(
     [row, at]: [usize; 2],
     triangle: &Triangle,
 ) {
-    // stored in between: solved in place, the tile would not stay in registers while it is summed
+    // the tile is stored before it is solved: otherwise it would not stay in registers while it is summed
     let mut c = load_tile::<V, ROWS, PANEL>(shape, block, [row, at]);
     accumulate(&mut c, shape, block, [row, at], at);
     store_tile(&c, shape, block, [row, at]);
@@ -301,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_factors_and_solves_as_the_dense_twin() {
+    fn every_isa_factors_and_solves_as_the_dense_twin() {
         let (n, band) = (96, 27);
         let mut a = vec![0.0; n * n];
         for i in 0..n {
@@ -325,7 +322,7 @@ mod tests {
                         block[shape.place(r, c)] = a[(b * 24 + r) * n + b * 24 + c];
                     }
                 }
-                // beyond the matrix: ones on the diagonal never occur, rows there stay zero
+                // beyond the end of the matrix rows stay zero
                 update_block(isa, shape, &done[b.saturating_sub(3) * shape.len()..], 0, block);
                 factor_block(isa, shape, block).unwrap();
                 forward_block(isa, shape, block, &mut v[b * 24..b * 24 + 72]);

@@ -1,17 +1,17 @@
-//! Substitution by the block columns of a banded Cholesky factor.
+//! Forward and backward substitution with the block columns of a banded Cholesky factor.
 //!
 //! ```text
 //! forward    x = L_11^-1 v_1, then v_2 -= L_21 x          backward    v_1 <- L_11^-T (v_1 - L_21' v_2)
 //! ```
 //!
-//! The blocks are those of [`super::block_columns`], whose test holds both against a dense twin.
+//! The blocks are those of [`super::block_columns`], whose test compares both with a dense twin.
 
 use super::block_columns::{BlockShape, PANEL};
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
-/// `v[row..] -= sum_k L[row.., k] x_k` over one panel's columns before `x.len()`, in four sums that do not wait for
-/// one another.
+/// `v[row..] -= sum_k L[row.., k] x_k` over one panel's columns before `x.len()`, in four independent
+/// sums.
 #[inline(always)]
 fn take_columns<V: Lanes>(shape: BlockShape, block: &[f64], row: usize, x: &[f64], v: &mut [f64]) {
     let from = shape.first_column(row).min(x.len());
@@ -95,13 +95,13 @@ fn backward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
     }
 }
 
-/// `v <- L^-1 v` for one block column: the block's own unknowns, then what they take from those below. `v` starts at
-/// the block's first unknown and has `height` numbers.
+/// `v <- L^-1 v` for one block column: solves for the block's own unknowns, then subtracts their products from those
+/// below. `v` starts at the block's first unknown and has `height` numbers.
 pub fn forward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
     dispatch!(isa, forward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }
 
-/// `v <- L^-T v` for one block column, those below being known.
+/// `v <- L^-T v` for one block column, when the unknowns below it are known.
 ///
 /// # Panics
 /// When the block is wider than 96 columns.

@@ -6,17 +6,18 @@
 //! G_ij = sum_r  z r_0 u^i v^j + a r_1 i u^(i-1) v^j / h_x + (b r_1 + d r_2) u^i j v^(j-1) / h_y
 //! ```
 //!
-//! With 16 coefficients in place of the basis functions' values a site takes two numbers and not sixteen, and `E'r` of a
-//! whole cell leaves as the 16 numbers G, which its own basis functions are then held against.
+//! With the polynomial's 16 coefficients in place of the values of basis functions a site needs two numbers instead of
+//! sixteen, and `E'r` of a whole cell comes out as the 16 numbers G, which are multiplied by the basis functions' own
+//! coefficients once for the cell.
 
+use super::cell_sites::{SITES, SiteLanes};
 use super::lanes::Lanes;
-use super::site_passes::{SITES, SiteLanes};
 use super::{Isa, dispatch};
 
 /// Coefficients `[i][j]` of `u^i v^j`.
 pub type CellPowers = [[f64; 4]; 4];
 
-/// The sites of one cell by eights.
+/// The sites of one cell in groups of eight.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPiece<'a> {
     /// The surface.
@@ -25,11 +26,11 @@ pub struct CellPiece<'a> {
     pub inverse_half: [f64; 2],
     /// u and v.
     pub places: [&'a [SiteLanes]; 2],
-    /// b, three a site; `None` for zeros.
+    /// b, three for each site; `None` stands for zeros.
     pub targets: Option<[&'a [SiteLanes]; 3]>,
-    /// z, a, b, d of every eight, or of the first alone when all are alike.
+    /// z, a, b, d of every group, or of one group if all are alike.
     pub weights: &'a [[SiteLanes; 4]],
-    /// Those of the last eight, zero for lanes without a site.
+    /// Weights of the last group, zero in lanes without a site.
     pub last: &'a [SiteLanes; 4],
 }
 
@@ -57,7 +58,7 @@ fn values_at<V: Lanes>(surface: &CellPowers, slopes: &[[f64; 3]; 4], inverse_hal
     [value, along * V::splat(inverse_half[0]), across * V::splat(inverse_half[1])]
 }
 
-/// The weighted rows less their targets, negated; with the weights.
+/// Targets less the weighted rows, and the weights.
 #[inline(always)]
 fn residuals<V: Lanes>(piece: &CellPiece, slopes: &[[f64; 3]; 4], k: usize, lanes: usize) -> ([V; 3], [V; 4]) {
     let place = [V::load(&piece.places[0][k][lanes..]), V::load(&piece.places[1][k][lanes..])];
@@ -189,7 +190,7 @@ pub fn cell_basis(
     ));
 }
 
-/// `out = [S, S_x, S_y]` at places in u and v, one for every eight.
+/// `out = [S, S_x, S_y]` at the local coordinates `places` in u and v, group by group.
 pub fn cell_values(
     isa: Isa,
     surface: &CellPowers,
@@ -224,9 +225,9 @@ mod tests {
         (0..3).map(|k| std::array::from_fn(|l| ((seed * 29 + k * 8 + l) as f64 * 0.73).sin())).collect()
     }
 
-    /// Twin: powers and derivatives by `powi`, site after site.
+    /// Twin: powers and their derivatives by `powi`, one site at a time.
     #[test]
-    fn every_level_agrees_with_the_polynomial_written_out() {
+    fn every_isa_agrees_with_the_polynomial_written_out() {
         let surface: CellPowers = std::array::from_fn(|i| std::array::from_fn(|j| ((4 * i + j) as f64 * 0.9).cos()));
         let (u, v, targets) = (lanes(1), lanes(2), [lanes(3), lanes(4), lanes(5)]);
         let weights: Vec<[SiteLanes; 4]> = (0..3).map(|k| std::array::from_fn(|w| lanes(6 + w)[k])).collect();

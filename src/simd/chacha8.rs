@@ -10,7 +10,9 @@
 //! gathers, which took three quarters of the time.
 //! D. J. Bernstein, *ChaCha, a variant of Salsa20*, 2008.
 
+#[cfg(test)]
 use rand_chacha::ChaCha8Rng;
+#[cfg(test)]
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::lanes::{Lanes, Words};
@@ -38,7 +40,7 @@ macro_rules! quarter {
     }};
 }
 
-/// The starting state of the blocks `first ..`, one a lane in the order that [`Words::store_pairs`] undoes.
+/// The starting state of the blocks `first ..`, one block in each lane, in the order that [`Words::store_pairs`] reverses.
 #[inline(always)]
 fn start<W: Words>(key: &[u32; 8], stream: u64, first: u64) -> [W; 16] {
     let mut x = [W::splat(0); 16];
@@ -95,6 +97,7 @@ pub fn chacha8(isa: Isa, key: &[u32; 8], stream: u64, first_block: u64, out: &mu
 }
 
 /// The safe twin: `rand_chacha`, one block after the other.
+#[cfg(test)]
 pub fn chacha8_twin(key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]) {
     let mut bytes = [0; 32];
     for (four, word) in bytes.chunks_exact_mut(4).zip(key) {

@@ -1,7 +1,7 @@
-//! `row[d L + a] = sum_k g_k[d] p_k[a]`: one row of a normal matrix of maps into space, from the derivatives g of a residual
-//! by the vectors of a jet and the products p of basis functions.
+//! `row[d L + a] = sum_k g_k[d] p_k[a]`: one row of equations for a parametric surface, from the derivatives g of a residual
+//! by the vectors of a jet (the surface's point and derivatives) and the products p of basis functions.
 //!
-//! Plain loops: compiled for each instruction set they are as wide as it is.
+//! These are plain loops, which the compiler vectorises for each instruction set.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
@@ -35,7 +35,7 @@ fn generic<V: Lanes>(local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
 /// Overwrites the first `3 local` numbers of `row`.
 ///
 /// # Panics
-/// When `row` or the products of a term are shorter than that needs.
+/// When `row` or the products of a term are shorter than that.
 pub fn combine_rows(isa: Isa, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
     dispatch!(isa, generic [](local: usize, terms: &[RowTerm<'_>], row: &mut [f64]))
 }
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_agrees_with_the_formula() {
+    fn every_isa_agrees_with_the_formula() {
         let products: Vec<f64> = (0..48).map(|k| (k as f64 * 1.3).sin()).collect();
         for local in [4, 9, 16] {
             let directions = [[1.0, -0.5, 0.25], [0.3, 0.7, -2.0], [-1.0, 0.1, 0.9]];

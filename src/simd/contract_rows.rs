@@ -1,8 +1,8 @@
 //! `out += sum_t B_t' Z_t`: banded bases against images, one pass over each image.
 //!
 //! Row i of `B_t` holds `width` values from column `first[i]` on; `Z_t` is n x m, row-major. Rows that share `first`
-//! (the pixels of one segment) are summed in registers before `out` (columns of B x m) is touched, so the image's own
-//! memory traffic is all there is.
+//! (the pixels of one segment) are summed in registers before they are added to `out` (columns of B x m), so that reading
+//! the image is nearly all the memory traffic.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let noise = |n: usize, seed: f64| -> Vec<f64> { (0..n).map(|r| ((r as f64 + seed) * 78.233).sin()).collect() };
         for (width, m) in [(2, 5), (3, 16), (4, 39), (5, 8), (6, 23), (8, 11)] {
             let first: Vec<usize> = (0..40).map(|i| i / 7).collect();

@@ -1,4 +1,4 @@
-//! All derivatives of a tensor spline along one row of a grid of points, and S and R from them without leaving registers.
+//! All derivatives of a tensor spline along one row of a grid of points, and S and R from them.
 //!
 //! ```text
 //! L_d[j] = sum_a N_a^(d)(x) c[first + a][j]      d = 0, 1, 2: the row's three curves in y
@@ -15,10 +15,11 @@ use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
 use super::{Isa, dispatch};
 
-/// Points of which S and R are under way at once: 6 KiB, the longest batch that leaves the cache to the row's curves.
+/// Points whose S and R are computed together. Their 6 KiB leave room in the first-level cache for the row's curves; a
+/// longer batch would not.
 const BATCH: usize = 256;
 
-/// The points of a row, sorted into runs that lie on one segment, with the Taylor coefficients of that segment's basis.
+/// The points of a row in runs that lie on one segment each, with the Taylor coefficients of the segment's basis functions.
 #[derive(Clone, Debug)]
 pub struct RowPieces {
     pub(super) degree: usize,
@@ -31,7 +32,7 @@ pub struct RowPieces {
     /// `taylor[(k (q + 1) + v) padded + run]`: k-th derivative over k! of basis function `first + v` at the centre.
     pub(super) taylor: Vec<f64>,
     pub(super) padded: usize,
-    /// `y - centre` of every point, with room for one more set of lanes.
+    /// `y - centre` of every point, padded by one set of lanes.
     pub(super) offsets: Vec<f64>,
     pub(super) contiguous: bool,
 }
@@ -104,7 +105,7 @@ impl RowPieces {
 }
 
 impl RowScratch {
-    /// Room for `row`; nothing is allocated when it is there already.
+    /// Makes the buffers large enough for `row`.
     fn make_room(&mut self, row: &RowPieces) {
         let width = row.degree + 1;
         let grow = |v: &mut Vec<f64>, n: usize| {
@@ -154,7 +155,7 @@ fn curves_of<V: Lanes>(basis: [&[f64]; 3], width: usize, rows: &[f64], m: usize,
     for j in (0..m - V::N).step_by(V::N) {
         curves_at(&weights, width, rows, m, j, curves);
     }
-    // the last lanes overlap those before instead of reaching beyond the row
+    // the last set of lanes overlaps the one before it, so that it does not reach beyond the row
     curves_at(&weights, width, rows, m, m - V::N, curves);
 }
 
@@ -253,7 +254,8 @@ fn walk<V: Lanes>(
     run
 }
 
-/// Where a batch from point `from` on `run` ends: with the last run that fits, or within a run that is longer.
+/// End of the batch that begins at point `from` on `run`: the end of the last run that fits, or a point within a run that
+/// is longer than a batch.
 #[inline(always)]
 fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
     // room for the lanes beyond the end
@@ -263,7 +265,7 @@ fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
 
 #[inline(always)]
 fn prepare<V: Lanes>(row: &RowPieces, q: usize, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch) {
-    // equal degrees, as nearly always: a width that the compiler knows keeps the weights in registers
+    // degrees are nearly always equal, and then a width that the compiler knows keeps the weights in registers
     let width = basis[0].len();
     if width == q + 1 {
         curves_of::<V>(basis, q + 1, rows, row.n_basis, &mut scratch.curves);

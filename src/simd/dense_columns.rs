@@ -1,11 +1,11 @@
-//! Cholesky of a small dense matrix whose order is known to the compiler, the right-hand side carried as one more row.
+//! Cholesky of a small dense matrix whose order is known to the compiler; the right-hand side is one more row.
 //!
 //! ```text
 //! [ A  b ]     column k: a_ij -= a_ik a_jk / a_kk, l_kk = sqrt(a_kk), l_ik = a_ik / l_kk     i > k, i = n being b:
 //! [ b' . ]     after the last column row n holds y = L^-1 b;   then L' x = y from the bottom
 //! ```
 //!
-//! Columns are padded to whole sets of lanes; what stands above the diagonal is never read. The inverse, from Z = L^-1:
+//! Columns are padded to whole sets of lanes; entries above the diagonal are never read. The inverse, from Z = L^-1:
 //!
 //! ```text
 //! z_j = (e_j - sum_(m<j) l_jm z_m) / l_jj          A^-1 = Z'Z, row u = sum_(i>=u) z_iu z_i          z_j row j of Z
@@ -28,7 +28,7 @@ fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColu
             return Err(k);
         }
         smallest = f64::min(smallest, pivot);
-        // the columns to come wait for the reciprocal alone; the root is taken beside them
+        // later columns need the reciprocal only, so the square root delays none of them
         let reciprocal = 1.0 / pivot;
         for (j, target) in rest.iter_mut().enumerate() {
             let j = k + 1 + j;
@@ -69,7 +69,7 @@ fn invert<V: Lanes, const N: usize, const PADDED: usize>(
         row[j] = 1.0;
         for i in (0..=j).step_by(V::N) {
             let mut sum = V::load(&row[i..]);
-            // rows above i have nothing in these lanes
+            // rows above i are zero in these lanes
             for (m, solved) in done.iter().enumerate().skip(i) {
                 sum = V::load(&solved[i..]).neg_mul_add(V::splat(columns[m][j]), sum);
             }
@@ -88,8 +88,8 @@ fn invert<V: Lanes, const N: usize, const PADDED: usize>(
     out
 }
 
-/// `(L L')^-1` row by row, from the columns of L that [`factor_columns`] left and the reciprocals of its diagonal; what
-/// stands beyond N in a row has no meaning.
+/// `(L L')^-1` row by row, from the columns of L that [`factor_columns`] left and the reciprocals of its diagonal;
+/// entries beyond N in a row have no meaning.
 pub fn invert_columns<const N: usize, const PADDED: usize>(
     isa: Isa,
     columns: &DenseColumns<N, PADDED>,
@@ -128,7 +128,7 @@ fn factor_any<V: Lanes>(order: usize, stride: usize, columns: &mut [f64]) -> Res
     Ok(smallest)
 }
 
-/// As [`factor_columns`] for any order, columns one after another, `stride` numbers each, a multiple of 8.
+/// As [`factor_columns`] for any order, with columns one after another, `stride` numbers each, a multiple of 8.
 ///
 /// # Errors
 /// `Err(column)`.
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_the_textbook() {
+    fn every_isa_agrees_with_the_textbook() {
         check::<9, 16>();
         check::<16, 24>();
         check::<25, 32>();

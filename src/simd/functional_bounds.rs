@@ -1,11 +1,11 @@
-//! How far functionals `g'c` can be off, of which only the unknowns of one cell are part: two kinds at eight points.
+//! Error bounds of functionals `g'c` in which only the unknowns of one cell take part: two kinds at eight points.
 //!
 //! ```text
 //! bound = (min(m |D g|_2, v (sqrt(g'A g) rho + |A g|'t) + s |g|_1) + rounding) / size
 //! ```
 //!
-//! A is symmetric, n x n row by row; the eight vectors g of a kind stand side by side, entry u of all
-//! eight, then entry u + 1. Two kinds at once share the reading of A.
+//! A is symmetric, n x n, stored row by row. The eight vectors g of a kind are interleaved: entry u of all eight comes
+//! before entry u + 1. Taking both kinds at once reads A once instead of twice.
 
 use super::lanes::Lanes;
 use super::{Isa, by_width, dispatch};
@@ -15,15 +15,15 @@ pub const FUNCTIONALS: usize = 8;
 /// Kinds of functionals taken at once: S and R.
 pub const KINDS: usize = 2;
 
-/// One number a functional.
+/// One number for each functional.
 pub type OfKinds = [[f64; FUNCTIONALS]; KINDS];
 
-/// The bound in the direction that is asked about.
+/// What the second bound needs, the one in the direction g.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectedTerms<'a> {
     /// A, row by row.
     pub matrix: &'a [f64],
-    /// t, one number a row.
+    /// t, one number for each row.
     pub weights: &'a [f64],
     /// rho.
     pub rows: f64,
@@ -33,10 +33,10 @@ pub struct DirectedTerms<'a> {
     pub settled: f64,
 }
 
-/// What does not change from functional to functional.
+/// What is the same for all functionals.
 #[derive(Clone, Copy, Debug)]
 pub struct BoundTerms<'a> {
-    /// D, one number an unknown.
+    /// D, one number for each unknown.
     pub scales: &'a [f64],
     /// m; infinite where the second bound is the smaller one for every g.
     pub moved: f64,
@@ -44,12 +44,12 @@ pub struct BoundTerms<'a> {
     pub directed: Option<DirectedTerms<'a>>,
 }
 
-/// The unknowns of one cell and the gradients by them.
+/// The unknowns of one cell, and the gradients of the functionals by these unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct CellGradients<'a> {
     /// First unknown of each run of neighbours, ascending.
     pub runs: &'a [usize],
-    /// Run after run, all of one length; one slice a kind.
+    /// Gradients run after run, all runs of one length; one slice for each kind.
     pub entries: [&'a [[f64; FUNCTIONALS]]; KINDS],
 }
 
@@ -137,12 +137,12 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
             } else {
                 forms::<V>(directed, gradients, lanes)
             };
-            // solved in one go, coefficients have not settled on anything: most fits
+            // s is zero for most fits, which are solved directly: then no lengths are needed
             let lengths = if directed.settled > 0.0 { gradients.lengths::<V>(lanes) } else { [zero; KINDS] };
             for kind in 0..KINDS {
                 let along = forms[kind].max(zero).sqrt().mul_add(V::splat(directed.rows), weighted[kind]);
                 let other = along.mul_add(V::splat(directed.backward), V::splat(directed.settled) * lengths[kind]);
-                // a NaN on the right is less than nothing: it leaves the plain bound
+                // a comparison with NaN is false, which leaves the plain bound
                 bounds[kind] = V::select(other.less(bounds[kind]), other, bounds[kind]);
             }
         }
@@ -154,7 +154,7 @@ fn bounds<V: Lanes, const P: usize, const Q: usize>(
     out
 }
 
-/// `[g'A g, |A g|'t]` where the cell is all there is: Q rows of A share the reading of g, and all lengths are literal.
+/// `[g'A g, |A g|'t]` for a patch of one cell: all lengths are literal, and g is read once for Q rows of A.
 #[inline(always)]
 fn patch_forms<V: Lanes, const P: usize, const Q: usize>(
     directed: &DirectedTerms,
@@ -184,7 +184,7 @@ fn patch_forms<V: Lanes, const P: usize, const Q: usize>(
     [forms, weighted]
 }
 
-/// `[g'A g, |A g|'t]`: rows of other cells have a part in the second only.
+/// `[g'A g, |A g|'t]` for more cells: the rows of other cells' unknowns matter for the second number only.
 #[inline(always)]
 fn forms<V: Lanes>(directed: &DirectedTerms, gradients: &CellGradients, lanes: usize) -> [[V; KINDS]; 2] {
     let [mut forms, mut weighted] = [[V::splat(0.0); KINDS]; 2];
@@ -208,7 +208,7 @@ fn forms<V: Lanes>(directed: &DirectedTerms, gradients: &CellGradients, lanes: u
 }
 
 impl DirectedTerms<'_> {
-    /// `(A g)_u`, its size times `t_u` added to the sums.
+    /// Returns `(A g)_u` and adds `|(A g)_u| t_u` to the sums.
     #[inline(always)]
     fn add_row<V: Lanes>(
         &self,
@@ -225,7 +225,7 @@ impl DirectedTerms<'_> {
     }
 }
 
-/// The bounds.
+/// The bounds of both kinds at eight points.
 ///
 /// # Panics
 /// When an unknown has no scale or no column in the matrix, or there are fewer entries than runs need.
@@ -250,7 +250,7 @@ mod tests {
     use super::super::Twins;
     use super::*;
 
-    /// Twin: the sums as they are written, over all unknowns.
+    /// Twin: the written sums over all unknowns.
     fn twin(terms: &BoundTerms, gradient: &[f64], rounding: f64, size: f64) -> f64 {
         let n = gradient.len();
         let square: f64 = (0..n).map(|u| (terms.scales[u] * gradient[u]).powi(2)).sum();
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_the_written_sums() {
+    fn every_isa_agrees_with_the_written_sums() {
         let value = |a: usize, b: usize| ((a * 7 + b * 5 + 1) as f64 * 0.41).sin();
         let cells: [(usize, usize, Vec<usize>); 4] =
             [(9, 3, vec![0, 3, 6]), (23, 3, vec![2, 9]), (1, 1, vec![0]), (25, 4, vec![1, 6, 12, 18])];

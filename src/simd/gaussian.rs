@@ -1,12 +1,12 @@
-//! Standard normals from pairs of random words, without a branch.
+//! Gaussians (standard normal variates) from pairs of random words, without a branch.
 //!
 //! ```text
 //! u = (k + 1/2) 2^-53, k the upper 53 bits         n0, n1 = sqrt(-2 ln u0) (cos, sin)(2 pi u1)
 //! ln u = e ln 2 + 2 artanh(s),  u = 2^e (1 + f),  1 + f in [sqrt(1/2), sqrt 2),  s = f/(2 + f)
 //! ```
 //!
-//! The top two bits of the second word are the quarter of the turn, the rest the angle in (-pi/4, pi/4). Polynomials of
-//! FreeBSD's msun (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993). The largest value is 8.65.
+//! The top two bits of the second word choose one of four quadrants, the other bits the angle in (-pi/4, pi/4) within it.
+//! The polynomials are those of FreeBSD's msun (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993). The largest value is 8.65.
 //! G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610.
 
 use super::chacha8::{BLOCKS, WORDS};
@@ -38,7 +38,7 @@ const COS: [f64; 6] = [
     2.087_572_321_298_174_827_90e-9,
     -1.135_964_755_778_819_482_65e-11,
 ];
-/// The bits of sqrt(1/2): mantissas are taken from there to sqrt 2.
+/// The bits of sqrt(1/2): mantissas 1 + f lie between it and sqrt 2.
 const SQRT_HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
 const LN2: f64 = std::f64::consts::LN_2;
 
@@ -56,10 +56,10 @@ fn series<V: Lanes>(z: V, c: &[f64]) -> V {
 #[inline(always)]
 fn reduced<V: Lanes>(word: V::Bits) -> [V; 3] {
     let unit = V::splat(2.0_f64.powi(-53));
-    // the half step rounds away from 2^52 on, up to exactly 1 at the top; there ln is 0 and so is the radius
+    // from 2^52 on the half step is lost to rounding, and the largest word gives u = 1, whose logarithm and radius are 0
     let u = V::from_integer(V::shift_right::<11>(word)).mul_add(unit, V::splat(2.0_f64.powi(-54)));
     let shifted = V::plus(u.to_bits(), V::splat_bits(SQRT_HALF_BITS.wrapping_neg()));
-    // exponents run from -54 to 0: 64 is added and taken off, to stay with unsigned shifts
+    // exponents run from -54 to 0; 64 is added before the unsigned shift and subtracted after it
     let biased = V::shift_right::<52>(V::plus(shifted, V::splat_bits(64 << 52)));
     let exponent = V::from_integer(biased) - V::splat(64.0);
     let fraction = V::and(shifted, V::splat_bits(0x000f_ffff_ffff_ffff));
@@ -77,9 +77,9 @@ fn radius<V: Lanes>([exponent, f, s]: [V; 3]) -> V {
     (ln * V::splat(-2.0)).max(V::splat(0.0)).sqrt()
 }
 
-/// `(cos, sin)` of `2 pi` times the word's fraction of a turn, up to a fixed turn by pi/4.
+/// `(cos, sin)` of the angle `2 pi word / 2^64 - pi/4`, up to half a step of the word.
 #[inline(always)]
-fn turn<V: Lanes>(word: V::Bits) -> (V, V) {
+fn cos_sin<V: Lanes>(word: V::Bits) -> (V, V) {
     let within = V::from_integer(V::shift_right::<13>(V::shift_left::<2>(word)));
     let step = std::f64::consts::FRAC_PI_2 * 2.0_f64.powi(-51);
     let middle = std::f64::consts::FRAC_PI_2 * (2.0_f64.powi(-52) - 0.5);
@@ -87,7 +87,7 @@ fn turn<V: Lanes>(word: V::Bits) -> (V, V) {
     let z = angle * angle;
     let sin = (angle * z).mul_add(series(z, &SIN), angle);
     let cos = (z * z).mul_add(series(z, &COS), z.neg_mul_add(V::splat(0.5), V::splat(1.0)));
-    // quarter 1: (-sin, cos); 2: (-cos, -sin); 3: (sin, -cos)
+    // quadrant 1: (-sin, cos); 2: (-cos, -sin); 3: (sin, -cos)
     let top = V::splat_bits(1 << 63);
     let low_bit = V::and(V::shift_left::<1>(word), top);
     let high_bit = V::and(word, top);
@@ -96,15 +96,16 @@ fn turn<V: Lanes>(word: V::Bits) -> (V, V) {
     (flip(V::select(odd, sin, cos), V::xor(high_bit, low_bit)), flip(V::select(odd, cos, sin), high_bit))
 }
 
+#[cfg(test)]
 #[inline(always)]
 fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     let n = first.len();
-    assert!(n.is_multiple_of(8), "normals are made by eights");
+    assert!(n.is_multiple_of(8), "gaussians are made by eights");
     match second {
         Some(second) => {
             for i in (0..n).step_by(V::N) {
                 let r = radius(reduced::<V>(V::load_bits(&words[0][i..])));
-                let (cos, sin) = turn::<V>(V::load_bits(&words[1][i..]));
+                let (cos, sin) = cos_sin::<V>(V::load_bits(&words[1][i..]));
                 (r * cos).store(&mut first[i..]);
                 (r * sin).store(&mut second[i..]);
             }
@@ -112,23 +113,24 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
         None => {
             for i in (0..n).step_by(V::N) {
                 let r = radius(reduced::<V>(V::load_bits(&words[0][i..])));
-                (r * turn::<V>(V::load_bits(&words[1][i..])).0).store(&mut first[i..]);
+                (r * cos_sin::<V>(V::load_bits(&words[1][i..])).0).store(&mut first[i..]);
             }
         }
     }
 }
 
-/// `first[i], second[i]` from `words[0][i], words[1][i]`: two independent standard normals, or only the first.
+/// `first[i], second[i]` from `words[0][i], words[1][i]`: two independent gaussians, or only the first.
 ///
 /// # Panics
 /// When `first.len()` is no multiple of 8 or another array is shorter.
+#[cfg(test)]
 pub fn gaussians(isa: Isa, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     dispatch!(isa, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
 }
 
 #[inline(always)]
 fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
-    // step by step over all of them: each step is a short chain, and the divider works while the others wait
+    // each step is taken for all words before the next begins: the chains are short and the divider is always busy
     let mut parts = [[[0.0; BLOCKS]; 3]; WORDS / 2];
     for (row, part) in parts.iter_mut().enumerate() {
         for i in (0..BLOCKS).step_by(V::N) {
@@ -148,7 +150,7 @@ fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS
         let from = row / 2 * BLOCKS;
         for i in (0..BLOCKS).step_by(V::N) {
             let r = V::load(&radius[i..]);
-            let (cos, sin) = turn::<V>(V::load_bits(&words[2 * row + 1][i..]));
+            let (cos, sin) = cos_sin::<V>(V::load_bits(&words[2 * row + 1][i..]));
             if row % 2 == 0 {
                 (r * cos).store(&mut z[from + i..]);
                 (r * sin).store(&mut x[from + i..]);
@@ -159,13 +161,14 @@ fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS
     }
 }
 
-/// Three standard normals for each half of every block, `out[k][16 half + block]`: the first three of the four that
-/// [`normals`] makes of the half's words.
+/// Three gaussians for each half of every block, `out[k][16 half + block]`: the first three of the four that
+/// [`gaussians`] makes of the half's words.
 pub fn gaussian_triples(isa: Isa, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
     dispatch!(isa, triples [](words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]));
 }
 
 /// The safe twin: the library's `ln`, `sin` and `cos`, one pair at a time.
+#[cfg(test)]
 pub fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64]) {
     for i in 0..first.len() {
         let u = (words[0][i] >> 11) as f64 * 2.0_f64.powi(-53) + 2.0_f64.powi(-54);
@@ -200,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let (mut a, b) = words(1 << 16, 1);
         a[..8].copy_from_slice(&[0, u64::MAX, 1 << 11, 1 << 63, u64::MAX - (1 << 11), 1 << 62, 3 << 62, 5]);
         let n = a.len();
@@ -216,7 +219,7 @@ mod tests {
                 worst = worst.max((p[i] - x[i]).abs().max((q[i] - y[i]).abs()) / scale.max(1e-8));
                 in_ulps = in_ulps.max(ulps(p[i].hypot(q[i]), scale));
             }
-            println!("normals {}: radius {in_ulps:.1} ulp, point {worst:.1e} of the radius", isa.name());
+            println!("gaussians {}: radius {in_ulps:.1} ulp, point {worst:.1e} of the radius", isa.name());
             assert!(worst < 2e-15 && in_ulps < 8.0, "{}: {worst:e} {in_ulps}", isa.name());
             let mut alone = vec![0.0; n];
             gaussians(isa, [&a, &b], &mut alone, None);
@@ -260,18 +263,18 @@ mod tests {
             {
                 let sum: f64 = p.iter().map(|v| v.powi(power)).sum();
                 let sigmas = (sum / n - mean) / (variance / n).sqrt();
-                println!("normals {}: moment {power} is {sigmas:+.2} sigma off", isa.name());
+                println!("gaussians {}: moment {power} is {sigmas:+.2} sigma off", isa.name());
                 assert!(sigmas.abs() < 5.0, "moment {power}: {sigmas} sigma");
             }
             let tail = p.iter().filter(|v| v.abs() > 4.0).count() as f64;
             let expected = 6.334_248_366_623_984e-5 * n;
-            println!("normals {}: {tail} of {n} beyond 4, expected {expected:.0}", isa.name());
+            println!("gaussians {}: {tail} of {n} beyond 4, expected {expected:.0}", isa.name());
             assert!((tail - expected).abs() < 5.0 * expected.sqrt(), "tail {tail} of {expected}");
             p.sort_by(f64::total_cmp);
             let normal = Normal::standard();
             let distance =
                 p.iter().enumerate().map(|(i, v)| (normal.cdf(*v) - (i as f64 + 0.5) / n).abs()).fold(0.0, f64::max);
-            println!("normals {}: Kolmogorov-Smirnov {:.2}", isa.name(), distance * n.sqrt());
+            println!("gaussians {}: Kolmogorov-Smirnov {:.2}", isa.name(), distance * n.sqrt());
             // 1.95 is exceeded once in a thousand
             assert!(distance * n.sqrt() < 1.95, "Kolmogorov-Smirnov {distance}");
         }

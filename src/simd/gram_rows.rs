@@ -1,11 +1,11 @@
-//! `G += J' J`, lower triangle: what every normal matrix is made of, for the few hundred rows of one cell.
+//! `G += J' J`, lower triangle, for the few hundred rows J of one cell: the sums of which normal matrices consist.
 //!
 //! J is row-major with `stride` columns, a multiple of 8; tiles of G stay in registers over all rows.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
-/// Rows of G a tile: with two sets of lanes that is eight sums, enough to hide the latency of multiply-adds.
+/// Rows of G in a tile. With two sets of lanes there are eight sums, enough to hide the latency of multiply-adds.
 const TALL: usize = 4;
 
 #[inline(always)]
@@ -51,7 +51,7 @@ fn generic<V: Lanes>(stride: usize, rows: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Adds `J' J` to the lower triangle of `out`, `stride` x `stride`; what stands above the diagonal is not to be read.
+/// Adds `J' J` to the lower triangle of `out`, `stride` x `stride`; entries above the diagonal have no meaning.
 ///
 /// # Panics
 /// When `out` is shorter than that, or `stride` no multiple of 8.
@@ -61,6 +61,7 @@ pub fn gram_rows(isa: Isa, stride: usize, rows: &[f64], out: &mut [f64]) {
 }
 
 /// The safe twin: plain loops.
+#[cfg(test)]
 pub fn gram_rows_twin(stride: usize, rows: &[f64], out: &mut [f64]) {
     for row in rows.chunks_exact(stride) {
         for i in 0..stride {
@@ -77,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         for (stride, count) in [(8, 3), (32, 17), (56, 64), (80, 5)] {
             let rows: Vec<f64> = (0..stride * count).map(|r| (r as f64 * 78.233).sin()).collect();
             let mut expected = vec![0.5; stride * stride];

@@ -2,25 +2,20 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use super::lanes::Kind;
+
 /// An instruction set that this machine has.
 ///
-/// It can only be made by asking the processor ([`Isa::best`], [`Isa::available`]), which is what makes calling a
-/// kernel with it sound.
+/// It can only be made by asking the processor ([`Isa::best`], [`Isa::available`]), so a kernel may run the instructions
+/// of any `Isa` that it is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Isa(Kind);
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
-
-/// Dense 512-bit arithmetic makes a processor of that time lower its clock, halt for the change, and stay there for two
-/// thirds of a millisecond: what a few microseconds of it gain, the plain code around them loses several times over. Work
-/// on more sites than this takes longer than that.
+/// Work on this many sites or fewer never uses 512-bit registers.
+///
+/// Dense 512-bit arithmetic makes many processors halt briefly, lower their clock, and keep it low for two thirds of a
+/// millisecond. A few microseconds of such arithmetic gain less than the plain code around them loses. Work on more sites
+/// than this takes longer than that time, and gains.
 const BRIEF: usize = 1 << 12;
 
 /// 0: not chosen yet; 1: the best there is; 2: portable.
@@ -32,29 +27,14 @@ impl Isa {
 
     /// The widest set of this machine.
     pub fn best() -> Isa {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            let avx2 = has!("avx2") && has!("fma") && has!("bmi2");
-            if avx2 && has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
-                return Isa(Kind::Avx512);
-            }
-            if avx2 {
-                return Isa(Kind::Avx2);
-            }
-        }
-        Isa::PORTABLE
+        Isa(Kind::best())
     }
 
     /// Every set of this machine, the portable one first.
     pub fn available() -> Vec<Isa> {
-        match Isa::best().0 {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => vec![Isa::PORTABLE, Isa(Kind::Avx2), Isa(Kind::Avx512)],
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => vec![Isa::PORTABLE, Isa(Kind::Avx2)],
-            Kind::Portable => vec![Isa::PORTABLE],
-        }
+        let mut all = vec![Isa::PORTABLE, Isa(Kind::best().at_most_256_bits()), Isa::best()];
+        all.dedup();
+        all
     }
 
     /// The set in use: the best, or the portable one after [`Isa::force_portable`].
@@ -65,11 +45,7 @@ impl Isa {
     /// The set for about so many sites or points in one go: [`Isa::active`], but no 512-bit set for 4096 or fewer.
     pub fn for_work(items: usize) -> Isa {
         let isa = Isa::active();
-        #[cfg(target_arch = "x86_64")]
-        if items <= BRIEF && isa.0 == Kind::Avx512 {
-            return Isa(Kind::Avx2);
-        }
-        isa
+        if items <= BRIEF { Isa(isa.0.at_most_256_bits()) } else { isa }
     }
 
     /// From now on the whole process takes the portable path (`--portable`), for the same bits on different machines.
@@ -82,9 +58,9 @@ impl Isa {
         match self.0 {
             Kind::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => "avx2",
+            Kind::Avx2 { .. } => "avx2",
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => "avx512",
+            Kind::Avx512 { .. } => "avx512",
         }
     }
 

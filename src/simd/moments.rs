@@ -1,4 +1,4 @@
-//! Weighted moments of the contacts of one knot cell, and of what they measured.
+//! Moments of the contacts of one knot cell: of their weights (G) and of their weighted measurements (F).
 //!
 //! ```text
 //! G[a][b] = sum_r w_r u_r^a v_r^b,   a <= 2p, b <= 2q          F_t[a][b] = sum_r f_t,r u_r^a v_r^b,   a <= p, b <= q
@@ -7,8 +7,8 @@
 //! with `u, v` in [-1, 1] across the cell. Products of two basis functions are polynomials of degree 2p on a cell, so
 //! the (p+1)^2 (q+1)^2 sums of the normal matrix are linear in these moments: seven eight-lane operations a contact
 //! for a bicubic instead of the 26 that the unique products take. Centred powers up to the sixth lose at most a few
-//! units in the last place of the largest entry (held by the test in `linalg` against the rows themselves); beyond
-//! degree 3 the rows themselves are used.
+//! units in the last place of the largest entry (a test in `observation::cells` compares with the sum over rows).
+//! Beyond degree 3 the sum over rows is used instead.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
@@ -16,7 +16,7 @@ use super::{Isa, dispatch};
 /// Largest degree per direction whose squares fit the eight lanes: 2 * 3 + 1 = 7.
 pub const MAX_MOMENT_DEGREE: usize = 3;
 
-/// What [`moments`] adds to: `weights[a][b]` is G, `loads[t][a][b]` is F_t. Entries beyond the degrees hold rubbish.
+/// What [`moments`] adds to: `weights[a][b]` is G, `loads[t][a][b]` is F_t. Entries beyond the degrees have no meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellMoments {
     /// G.
@@ -33,7 +33,7 @@ impl CellMoments {
 /// Contacts taken at once: their powers stay in the first-level cache, and every sum reads its factor from there.
 const BATCH: usize = 64;
 
-/// Powers of up to 64 contacts, one column a power: the memory that [`moments`] works in.
+/// Powers of up to 64 contacts, one column for each power: the working memory of [`moments`].
 #[derive(Debug)]
 pub struct MomentPowers {
     count: usize,
@@ -84,7 +84,7 @@ impl MomentPowers {
         if V::N == 8 { [low * V::select(bits[1][0], fourth, one), one] } else { [low, low * fourth] }
     }
 
-    /// `[1, v, v^2, v^3]`, again and again.
+    /// `[1, v, v^2, v^3]` of contact r, repeated to fill the lanes.
     #[inline(always)]
     fn low_row<V: Lanes>(&self, r: usize, bits: &[[V::Mask; 2]; 2]) -> V {
         let one = V::splat(1.0);
@@ -147,7 +147,8 @@ fn add_loads<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], o
     }
 }
 
-/// Eight lanes hold the four powers of v twice: once for F_z, once for F_x; and for F_y once for u^a, once for u^(a+1).
+/// Eight lanes hold the four powers of v twice: one half sums F_z and the other F_x; for F_y one half belongs to u^a and
+/// the other to u^(a+1).
 #[inline(always)]
 fn add_loads_by_eights<V: Lanes>(degree: usize, batch: &MomentPowers, data: [&[f64]; 3], out: &mut [[[f64; 8]; 4]; 3]) {
     let bits = exponent_bits::<V>();
@@ -196,7 +197,7 @@ fn generic<V: Lanes>(
         let local = local.map(|c| &c[range.clone()]);
         let weight = weight.map(|w| &w[range.clone()]);
         let data = data.map(|d| d.map(|f| &f[range.clone()]));
-        // the degree as a literal, so that the sums stay in registers
+        // the degree is a literal, so that the sums stay in registers
         match degree {
             1 => add_batch::<V>(1, batch, local, weight, data, out),
             2 => add_batch::<V>(2, batch, local, weight, data, out),
@@ -223,8 +224,8 @@ fn add_batch<V: Lanes>(
 
 /// Adds the contacts at `local = [u, v]` to `out`: G with `weight` (`None`: ones), and F with `data = [f_z, f_x, f_y]`.
 ///
-/// `degree` is p, at most [`MAX_MOMENT_DEGREE`]; q may be anything up to it. Contacts are added in their order, whatever
-/// the number of threads around.
+/// `degree` is p, at most [`MAX_MOMENT_DEGREE`]; q may be anything up to it. Contacts are added in their order, so
+/// the bits do not depend on the number of threads.
 ///
 /// # Panics
 /// When an array is shorter than u.
@@ -244,6 +245,7 @@ pub fn moments(
 }
 
 /// The safe twin: powers by `powi`, one moment at a time.
+#[cfg(test)]
 pub fn moments_twin(
     degree: usize,
     local: [&[f64]; 2],
@@ -274,7 +276,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let column = |seed: f64| -> Vec<f64> { (0..53).map(|r| ((r as f64 + seed) * 12.9898).sin()).collect() };
         let (u, v, w) = (column(0.1), column(0.7), column(3.0));
         let f = [column(1.0), column(2.0), column(5.0)];

@@ -4,8 +4,8 @@
 //! C -= A B'      A rows x inner, B columns x inner      entry (r, k) at (r / 8 stride + k) 8 + r % 8
 //! ```
 //!
-//! Neither factor is packed or turned: a tile of C stays in registers over the whole inner length, A comes by whole
-//! registers from three running streams and B by single numbers from a fourth.
+//! Neither factor is packed or transposed: a tile of C stays in registers over the whole inner length, A is loaded by
+//! whole registers from three streams and B by single numbers from a fourth.
 
 use super::lanes::Lanes;
 use super::{Isa, dispatch};
@@ -13,16 +13,16 @@ use super::{Isa, dispatch};
 /// Rows of a panel.
 const PANEL: usize = 8;
 
-/// A matrix in panels, from some panel and column on.
+/// A part of a matrix in panels, beginning at some panel and column.
 #[derive(Clone, Copy, Debug)]
 pub struct Panels<'a> {
-    /// The numbers, from the first that counts.
+    /// The numbers, from the first of the part on.
     pub values: &'a [f64],
-    /// Columns from one panel to the next.
+    /// Columns of a whole panel.
     pub stride: usize,
 }
 
-/// How much of them counts: rows of A, a multiple of 24; rows of B, a multiple of 8; columns of both.
+/// Size of a product: the rows of A are a multiple of 24, those of B a multiple of 8.
 #[derive(Clone, Copy, Debug)]
 pub struct ProductSize {
     /// Rows of A and C.
@@ -72,7 +72,7 @@ fn tile<V: Lanes, const COLUMNS: usize>(
 #[inline(always)]
 fn subtract<V: Lanes>(factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
     for row in (0..size.rows).step_by(3 * V::N) {
-        // eight lanes leave room for 24 sums in registers, four lanes for 12
+        // registers of eight lanes have room for 24 sums, those of four lanes for 12
         if V::N == PANEL {
             for column in (0..size.columns).step_by(8) {
                 tile::<V, 8>(factors, size.inner, [row, column], c, stride);
@@ -85,7 +85,7 @@ fn subtract<V: Lanes>(factors: [Panels; 2], size: ProductSize, c: &mut [f64], st
     }
 }
 
-/// `C -= A B'` for the factors `[A, B]`; `c` has `stride` columns a panel and begins at the product's first entry.
+/// `C -= A B'` for the factors `[A, B]`; `c` has `stride` columns in each panel and begins at the product's first entry.
 pub fn subtract_product(isa: Isa, factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
     dispatch!(isa, subtract [](factors: [Panels<'_>; 2], size: ProductSize, c: &mut [f64], stride: usize));
 }
@@ -95,9 +95,9 @@ mod tests {
     use super::super::Twins;
     use super::*;
 
-    /// Twin: the sum over the inner index as it is written.
+    /// Twin: the written sum over the inner index.
     #[test]
-    fn every_level_multiplies_as_the_triple_loop() {
+    fn every_isa_multiplies_as_the_triple_loop() {
         let size = ProductSize { rows: 48, columns: 24, inner: 37 };
         let strides = [41, 40, 30];
         let at = |stride: usize, r: usize, k: usize| (r / PANEL * stride + k) * PANEL + r % PANEL;

@@ -1,5 +1,5 @@
-//! S and R over a grid of points that lie on one segment, all rows in one call: [`super::curvature_row`] for a patch so
-//! small that its preparations would cost more than its points.
+//! S and R over a grid of points that lie on one segment, all rows in one call. For small patches this
+//! replaces [`super::curvature_row`], whose preparations would cost more than the points.
 //!
 //! ```text
 //! e_a,k = sum_v D_k[v] c_av                    powers of t = y - centre instead of basis functions, once for all rows
@@ -11,10 +11,10 @@ use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
 use super::{Isa, dispatch};
 
-/// Grids up to this many points are worth the short way; beyond it rows are better shared among threads.
+/// Grids up to this many points go through this kernel; the rows of larger ones are better shared among threads.
 pub const PATCH_POINTS: usize = 4096;
 
-/// Points of which S and R are under way at once: an 8 x 8 grid; larger ones go by parts.
+/// Points whose S and R are computed together: an 8 x 8 grid. Larger grids go in parts.
 const BATCH: usize = 64;
 
 /// k and k (k - 1), the factors of a derivative.
@@ -84,7 +84,7 @@ fn generic<V: Lanes, const W: usize>(
                 batch.finish::<V>(&mut shape_index[from..at], &mut curvedness[from..at]);
                 from = at;
             }
-            // lanes beyond the row's end are overwritten by the next row
+            // the lanes beyond the row's end are overwritten by the next row
             batch.put(at - from, [x, y, horner(&pieces[2], 0, W, t), xy, horner(&second, 2, W, t)]);
         }
     }
@@ -109,15 +109,15 @@ pub fn patch_maps(
         return false;
     }
     match row.degree {
-        2 => on_level::<3>(isa, row, basis, coefficients, shape_index, curvedness),
-        3 => on_level::<4>(isa, row, basis, coefficients, shape_index, curvedness),
-        4 => on_level::<5>(isa, row, basis, coefficients, shape_index, curvedness),
+        2 => of_width::<3>(isa, row, basis, coefficients, shape_index, curvedness),
+        3 => of_width::<4>(isa, row, basis, coefficients, shape_index, curvedness),
+        4 => of_width::<5>(isa, row, basis, coefficients, shape_index, curvedness),
         _ => return false,
     }
     true
 }
 
-fn on_level<const W: usize>(
+fn of_width<const W: usize>(
     isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
@@ -134,9 +134,9 @@ mod tests {
     use super::super::{Twins, shape_maps_twin};
     use super::*;
 
-    /// Twin: every derivative as the double sum it is, then the textbook's shape operator.
+    /// Twin: every derivative as a double sum, then the textbook's shape operator.
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let value = |a: usize, b: usize| ((a * 17 + b * 5) as f64 * 0.37).sin();
         for width in [3, 4, 5] {
             let offsets: Vec<f64> = (0..13).map(|j| -0.6 + 0.1 * j as f64).collect();

@@ -1,4 +1,4 @@
-//! The machine's multiply-add peak, which kernels are held against: `x <- a x + b` on twelve registers at once.
+//! The machine's multiply-add peak, with which benches compare the kernels: `x <- a x + b` on twelve registers at once.
 //!
 //! ```text
 //! x_k = a^k x_0 + b (1 - a^k)/(1 - a)          12 independent chains hide a latency of 4 on two multipliers
@@ -26,7 +26,7 @@ fn generic<V: Lanes>(rounds: usize, a: f64, b: f64) -> [f64; 2] {
     [total, (rounds * CHAINS * V::N) as f64]
 }
 
-/// The sum of all chains after `rounds` steps from 1, and the multiply-adds done.
+/// The sum of all chains after `rounds` steps from 1, and the number of multiply-adds.
 pub fn multiply_add_peak(isa: Isa, rounds: usize, a: f64, b: f64) -> [f64; 2] {
     dispatch!(isa, generic [](rounds: usize, a: f64, b: f64) -> [f64; 2])
 }

@@ -1,22 +1,23 @@
-//! Many replicates of one small fit at once, one a lane: coefficients from draws, S and R means from coefficients.
+//! Many replicates of one small fit at once, one replicate in each SIMD lane: coefficients from gaussians, and means of S
+//! and R from coefficients.
 //!
 //! ```text
 //! c_i += sum_k P[i][k] n_k           S_g, R_g from c at every grid point g           mean over g, replicate by replicate
 //! along y on a segment:  S_x = sum_k P_1,k t^k,  P_d,k = sum_av N_a^(d)(x) D_k[v] c[first_x + a][first_y + v]
 //! ```
 //!
-//! No lane ever meets another, so a replicate's bits do not depend on its neighbours.
+//! Lanes are never combined, so a replicate's bits do not depend on its neighbours.
 
 use super::curvature_row::RowPieces;
 use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
 use super::{Isa, dispatch};
 
-/// Numbers of which S and R are under way at once: 32 points of eight lanes.
+/// Numbers whose S and R are computed together: 32 points of eight lanes.
 const BATCH: usize = 256;
 
 /// Replicates in a block.
-pub const LANES: usize = 32;
+pub const REPLICATES: usize = 32;
 
 /// The points of the shape grid: basis values at every x, `(p + 1)` per point and derivative, and runs of points in y.
 #[derive(Clone, Debug)]
@@ -30,9 +31,9 @@ pub struct GridTables {
 }
 
 #[inline(always)]
-fn draws<V: Lanes>(weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
-    for l in (0..LANES).step_by(V::N) {
-        let n = normals.each_ref().map(|row| V::load(&row[l..]));
+fn draws<V: Lanes>(weights: &[[f64; 3]], gaussians: &[[f64; REPLICATES]; 3], coefficients: &mut [[f64; REPLICATES]]) {
+    for l in (0..REPLICATES).step_by(V::N) {
+        let n = gaussians.each_ref().map(|row| V::load(&row[l..]));
         for (w, c) in weights.iter().zip(coefficients.iter_mut()) {
             let mut sum = V::load(&c[l..]);
             for k in 0..3 {
@@ -43,9 +44,14 @@ fn draws<V: Lanes>(weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficien
     }
 }
 
-/// `coefficients[i] += sum_k weights[i][k] normals[k]`, lane by lane.
-pub fn add_draws(isa: Isa, weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]) {
-    dispatch!(isa, draws [](weights: &[[f64; 3]], normals: &[[f64; LANES]; 3], coefficients: &mut [[f64; LANES]]));
+/// `coefficients[i] += sum_k weights[i][k] gaussians[k]`, lane by lane.
+pub fn add_draws(
+    isa: Isa,
+    weights: &[[f64; 3]],
+    gaussians: &[[f64; REPLICATES]; 3],
+    coefficients: &mut [[f64; REPLICATES]],
+) {
+    dispatch!(isa, draws [](weights: &[[f64; 3]], gaussians: &[[f64; REPLICATES]; 3], coefficients: &mut [[f64; REPLICATES]]));
 }
 
 /// Sums over the points of a grid, lane by lane.
@@ -66,7 +72,7 @@ impl<V: Lanes> Sums<V> {
         let zero = V::splat(0.0);
         for k in 0..count {
             let s = batch.index::<V>(k * V::N);
-            // NaN compares with nothing: a flat point is left out of the mean of S
+            // comparisons with NaN are false, so flat points are left out of the mean of S
             let defined = V::splat(-2.0).less(s);
             self.shape_index = self.shape_index + V::select(defined, s, zero);
             self.defined = self.defined + V::select(defined, V::splat(1.0), zero);
@@ -81,7 +87,7 @@ fn powers_of<V: Lanes, const W: usize>(
     y: &RowPieces,
     run: usize,
     first_x: usize,
-    coefficients: &[[f64; LANES]],
+    coefficients: &[[f64; REPLICATES]],
     l: usize,
 ) -> [[V; W]; W] {
     let mut powers = [[V::splat(0.0); W]; W];
@@ -141,13 +147,13 @@ impl<V: Lanes, const W: usize> Lines<V, W> {
 #[inline(always)]
 fn means_of<V: Lanes, const W: usize>(
     grid: &GridTables,
-    coefficients: &[[f64; LANES]],
-    shape_index: &mut [f64; LANES],
-    curvedness: &mut [f64; LANES],
+    coefficients: &[[f64; REPLICATES]],
+    shape_index: &mut [f64; REPLICATES],
+    curvedness: &mut [f64; REPLICATES],
 ) {
     let zero = V::splat(0.0);
     let mut batch = ShapeBatch::<BATCH>::new();
-    for l in (0..LANES).step_by(V::N) {
+    for l in (0..REPLICATES).step_by(V::N) {
         let mut sums = Sums { shape_index: zero, defined: zero, curvedness: zero };
         let (mut waiting, mut from) = (0, 0);
         for (run, &to) in grid.y.ends.iter().enumerate() {
@@ -181,39 +187,39 @@ fn means_of<V: Lanes, const W: usize>(
     }
 }
 
-/// Mean S (over the points where it is defined; NaN where it is nowhere) and mean R of every lane's surface.
+/// Mean S (over the points where S is defined; NaN if there are none) and mean R of every lane's surface.
 ///
 /// Both degrees are equal, 2 to 4; returns `false`, and does nothing, for others.
 pub fn mean_shapes(
     isa: Isa,
     degree: [usize; 2],
     grid: &GridTables,
-    coefficients: &[[f64; LANES]],
-    shape_index: &mut [f64; LANES],
-    curvedness: &mut [f64; LANES],
+    coefficients: &[[f64; REPLICATES]],
+    shape_index: &mut [f64; REPLICATES],
+    curvedness: &mut [f64; REPLICATES],
 ) -> bool {
     if degree[0] != degree[1] {
         return false;
     }
     match degree[0] {
-        2 => on_level::<3>(isa, grid, coefficients, shape_index, curvedness),
-        3 => on_level::<4>(isa, grid, coefficients, shape_index, curvedness),
-        4 => on_level::<5>(isa, grid, coefficients, shape_index, curvedness),
+        2 => of_width::<3>(isa, grid, coefficients, shape_index, curvedness),
+        3 => of_width::<4>(isa, grid, coefficients, shape_index, curvedness),
+        4 => of_width::<5>(isa, grid, coefficients, shape_index, curvedness),
         _ => return false,
     }
     true
 }
 
-fn on_level<const W: usize>(
+fn of_width<const W: usize>(
     isa: Isa,
     grid: &GridTables,
-    coefficients: &[[f64; LANES]],
-    shape_index: &mut [f64; LANES],
-    curvedness: &mut [f64; LANES],
+    coefficients: &[[f64; REPLICATES]],
+    shape_index: &mut [f64; REPLICATES],
+    curvedness: &mut [f64; REPLICATES],
 ) {
     dispatch!(isa, means_of [W](
-        grid: &GridTables, coefficients: &[[f64; LANES]],
-        shape_index: &mut [f64; LANES], curvedness: &mut [f64; LANES]));
+        grid: &GridTables, coefficients: &[[f64; REPLICATES]],
+        shape_index: &mut [f64; REPLICATES], curvedness: &mut [f64; REPLICATES]));
 }
 
 #[cfg(test)]
@@ -236,12 +242,12 @@ mod tests {
         (GridTables { first_x, x, y }, offsets)
     }
 
-    /// Twin: every derivative as the double sum it is, the textbook's shape operator, the mean.
+    /// Twin: every derivative as a double sum, the textbook's shape operator, the mean.
     #[test]
-    fn means_at_every_level_agree_with_the_written_sums() {
+    fn means_of_every_isa_agree_with_the_written_sums() {
         for width in [3, 4, 5] {
             let (grid, offsets) = grid(width);
-            let coefficients: Vec<[f64; LANES]> =
+            let coefficients: Vec<[f64; REPLICATES]> =
                 (0..(width + 1) * (width + 1)).map(|k| std::array::from_fn(|l| value(k, 90 + l))).collect();
             let mean_of = |l: usize| {
                 let mut derivatives: [Vec<f64>; 5] = Default::default();
@@ -271,10 +277,10 @@ mod tests {
                 [s.iter().sum::<f64>() / 117.0, r.iter().sum::<f64>() / 117.0]
             };
             for isa in Isa::available() {
-                let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
+                let (mut s, mut r) = ([0.0; REPLICATES], [0.0; REPLICATES]);
                 assert!(mean_shapes(isa, [width - 1; 2], &grid, &coefficients, &mut s, &mut r));
                 let [mut twins_s, mut twins_r] = ["mean_shapes S", "mean_shapes R"].map(|name| Twins::new(name, isa));
-                for l in 0..LANES {
+                for l in 0..REPLICATES {
                     let [mean_s, mean_r] = mean_of(l);
                     twins_s.compare(s[l], mean_s);
                     twins_r.compare(r[l], mean_r);
@@ -289,24 +295,24 @@ mod tests {
     fn flat_points_are_left_out_of_the_mean_of_s() {
         let (grid, _) = grid(3);
         for isa in Isa::available() {
-            let (mut s, mut r) = ([0.0; LANES], [0.0; LANES]);
-            assert!(mean_shapes(isa, [2, 2], &grid, &[[0.0; LANES]; 16], &mut s, &mut r));
-            assert!(s.iter().all(|s| s.is_nan()) && r == [0.0; LANES], "{}", isa.name());
+            let (mut s, mut r) = ([0.0; REPLICATES], [0.0; REPLICATES]);
+            assert!(mean_shapes(isa, [2, 2], &grid, &[[0.0; REPLICATES]; 16], &mut s, &mut r));
+            assert!(s.iter().all(|s| s.is_nan()) && r == [0.0; REPLICATES], "{}", isa.name());
         }
     }
 
-    /// Twin: the sum as it is written.
+    /// Twin: the written sum.
     #[test]
-    fn draws_at_every_level_agree_with_the_written_sum() {
+    fn draws_of_every_isa_agree_with_the_written_sum() {
         let weights: Vec<[f64; 3]> = (0..7).map(|i| std::array::from_fn(|k| value(i, k))).collect();
-        let normals: [[f64; LANES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
+        let gaussians: [[f64; REPLICATES]; 3] = std::array::from_fn(|k| std::array::from_fn(|l| value(l, k + 9)));
         for isa in Isa::available() {
-            let mut coefficients = [[0.25; LANES]; 7];
-            add_draws(isa, &weights, &normals, &mut coefficients);
+            let mut coefficients = [[0.25; REPLICATES]; 7];
+            add_draws(isa, &weights, &gaussians, &mut coefficients);
             let mut twins = Twins::new("add_draws", isa);
             for (c, w) in coefficients.iter().zip(&weights) {
-                for l in 0..LANES {
-                    twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * normals[k][l]).sum::<f64>());
+                for l in 0..REPLICATES {
+                    twins.compare(c[l], 0.25 + (0..3).map(|k| w[k] * gaussians[k][l]).sum::<f64>());
                 }
             }
             twins.hold(64.0);

@@ -7,11 +7,11 @@
 //! d = sqrt((a - c)^2 + 4 b^2)                                p, q, r, t, u = S_x, S_y, S_xx, S_xy, S_yy
 //! dS/dc_ij = sum_k (dS/d_k) D_k(N_i M_j)                     d_k the five derivatives, D_k the same of the basis
 //!
-//! d_k = sum_a N_a^(i) g_a^(j), g_a^(j) = sum_b c_ab M_b^(j)  the curves g serve all points of the same y in the cell
+//! d_k = sum_a N_a^(i) g_a^(j), g_a^(j) = sum_b c_ab M_b^(j)  the curves g are shared by all points of one y in the cell
 //! ```
 //!
-//! The points share their x. With the gradients come the sizes of the terms that the five derivatives are sums of, which
-//! is what their rounding is relative to.
+//! The eight points have the same x. Besides the gradients the kernel returns the sizes of the terms of which the five
+//! derivatives are sums, because rounding errors are relative to these sizes.
 
 use super::lanes::Lanes;
 use super::{Isa, by_width, dispatch};
@@ -19,7 +19,7 @@ use super::{Isa, by_width, dispatch};
 /// Points taken at once.
 pub const POINTS: usize = 8;
 
-/// One number a point.
+/// One number for each point.
 pub type PointLanes = [f64; POINTS];
 
 /// `sum_b c_ab M_b^(j)` for j = 0, 1, 2, then the same of absolute values: one row of a cell's coefficients.
@@ -36,8 +36,8 @@ pub struct CellPoints<'a> {
     pub curves: &'a [CurveLanes],
 }
 
-/// Rounding of a derivative relative to the size of its terms, and of S and R to their own: sums over the tensor basis,
-/// in which each term is rounded about eight times.
+/// Rounding error of a derivative relative to the size of its terms, and of S and R relative to their own size. They come
+/// from sums over the tensor basis in which each term is rounded about eight times.
 const ROUNDING: f64 = 8.0 * 0.5 * f64::EPSILON;
 
 /// What [`shape_gradients`] finds at the eight points besides the gradients.
@@ -59,7 +59,7 @@ pub struct PointShapes {
 /// Orders of the five derivatives in x and in y.
 const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
-// `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
+// three lanes are written out, because `array::map` inside a kernel becomes a call that passes registers through memory
 #[inline(always)]
 fn splats<V: Lanes>([a, b, c]: [f64; 3]) -> [V; 3] {
     [V::splat(a), V::splat(b), V::splat(c)]
@@ -140,10 +140,10 @@ fn gradient<V: Lanes>([p, q, r, t, u]: [V; 5]) -> ([[V; 5]; 2], [V; 3]) {
     let r_w = r * by_w2;
     let db =
         [zero - s_p.mul_add(r_w, two * b * over), zero - s_q.mul_add(r_w, two * b * across), zero - s * by_w2, by_w2];
-    let turned = outer * bend_s;
+    let scaled_bend = outer * bend_s;
     let dc = [
-        (c * three.neg_mul_add(over, along)) - turned * s_p,
-        zero - three.mul_add(c * across, turned * s_q),
+        (c * three.neg_mul_add(over, along)) - scaled_bend * s_p,
+        zero - three.mul_add(c * across, scaled_bend * s_q),
         outer * s * s,
         zero - two * outer * s,
         outer,
@@ -218,7 +218,8 @@ fn gradients<V: Lanes, const P: usize, const Q: usize>(
     }
 }
 
-/// Lanes with a gradient of R, and finite ones of both; at an umbilic that of S is zero, and its kink counts instead.
+/// Lanes in which R has a gradient and both gradients are finite. At an umbilic the gradient of S is set to zero, and the
+/// opening of the kink is used instead.
 #[inline(always)]
 fn is_sound<V: Lanes>([of_s, of_r]: &[[V; 5]; 2], size: V) -> V::Mask {
     let (mut reach, mut other) = (V::splat(0.0), size);
@@ -226,7 +227,7 @@ fn is_sound<V: Lanes>([of_s, of_r]: &[[V; 5]; 2], size: V) -> V::Mask {
         reach = reach + of_r[k].abs();
         other = other + of_s[k].abs();
     }
-    // infinite or NaN times 0 is NaN, which nothing is less than
+    // infinity or NaN times 0 is NaN, for which the comparison is false
     V::splat(0.0).less(other.mul_add(V::splat(0.0), reach))
 }
 
@@ -249,7 +250,7 @@ pub fn cell_curves(isa: Isa, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], o
     ));
 }
 
-/// The gradients at eight points: dS/dc and dR/dc in `entries`, number `a (q + 1) + b`, and what comes with them.
+/// The gradients at eight points, dS/dc and dR/dc, in `entries` number `a (q + 1) + b`; returns the rest of the results.
 ///
 /// # Panics
 /// When there are fewer curves or entries than basis rows ask for.
@@ -321,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_the_shape_room() {
+    fn every_isa_agrees_with_the_shape_room() {
         for isa in Isa::available() {
             for degree in [[2, 2], [3, 3], [2, 4]] {
                 [0.1, 1.0, 20.0].into_iter().for_each(|steep| compare(isa, degree, steep));

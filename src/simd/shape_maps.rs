@@ -9,25 +9,26 @@
 //! S = -(2/pi) atan2(m, h)       R = sqrt((k1^2 + k2^2)/2) = sqrt((m^2 + h^2) / (4 v^2 w^3))
 //! ```
 //!
-//! Where both curvatures are zero S is NaN, here and nowhere above: the callers turn it into "undefined". The squares
-//! bound the range: curvatures between 1e-140 and 1e140 and slopes up to 1e25, in the patch's unit.
+//! Where both curvatures are zero S is NaN; callers report it as undefined. The squares limit the range: curvatures between 1e-140 and 1e140 and slopes up to 1e25, in the patch's unit.
 
 use super::arctangent::{angle, reduced};
 use super::lanes::Lanes;
+#[cfg(test)]
 use super::{Isa, dispatch};
 
-/// Points of a batch here: 32 sets of eight lanes keep roots and divider busy; the three arrays are 6 KiB of the 32 KiB at
-/// hand. Callers with few points take less, because a batch begins with zeros.
+/// Points of a batch in this kernel: 32 sets of eight lanes keep the divider busy, and the three arrays take 6 KiB of a
+/// first-level cache of 32 KiB. Callers with few points use shorter batches, because every batch is first zeroed.
+#[cfg(test)]
 const BATCH: usize = 256;
 
-/// S of one radian.
+/// Change of S for one radian.
 const UNIT: f64 = std::f64::consts::FRAC_2_PI;
 
-/// Points between the steps of S and R.
+/// Intermediate results of S and R for a batch of points.
 ///
-/// One point is a chain of 180 cycles (polynomials, root, division, arctangent) and 90 instructions, and the processor
-/// looks ahead over about a hundred that wait: points one after the other leave it idle half of the time. Step by
-/// step over many points each chain is short.
+/// One point is a chain of 90 instructions (polynomials, root, division, arctangent) that takes 180 cycles, and a processor
+/// looks ahead over about a hundred waiting instructions: taking points one after another leaves it idle half of the time.
+/// Taking each step for many points makes the chains short.
 #[repr(align(64))]
 pub(super) struct ShapeBatch<const B: usize> {
     /// -m; its sign is that of S.
@@ -94,7 +95,7 @@ impl<const B: usize> ShapeBatch<B> {
     }
 }
 
-/// As many lanes as there is room for.
+/// Stores as many lanes as `to` has room for.
 #[inline(always)]
 fn store_within<V: Lanes>(lanes: V, to: &mut [f64]) {
     if to.len() >= V::N {
@@ -106,6 +107,7 @@ fn store_within<V: Lanes>(lanes: V, to: &mut [f64]) {
     }
 }
 
+#[cfg(test)]
 #[inline(always)]
 fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     let n = shape_index.len();
@@ -118,7 +120,7 @@ fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curv
             batch.put(i - from, all);
         }
         if whole < to {
-            // the rest is padded to full width, so that a point's bits do not depend on where it stands
+            // the last points are padded to full width, so that a point's bits do not depend on its place
             let mut padded = [[0.0; 8]; 5];
             for (row, d) in padded.iter_mut().zip([p, q, e, f, g]) {
                 row[..to - whole].copy_from_slice(&d[whole..to]);
@@ -134,11 +136,13 @@ fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curv
 ///
 /// # Panics
 /// When an array is shorter than `shape_index`.
+#[cfg(test)]
 pub fn shape_maps(isa: Isa, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     dispatch!(isa, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
 }
 
 /// The safe twin: the textbook's shape operator with divisions, `hypot` and the library's `atan2`, one point at a time.
+#[cfg(test)]
 pub fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     for i in 0..shape_index.len() {
         let [p, q, e, f, g] = derivatives.map(|d| d[i]);
@@ -205,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_agrees_with_its_twin() {
+    fn every_isa_agrees_with_its_twin() {
         let d = samples();
         let n = d[0].len();
         let slices = d.each_ref().map(|v| &v[..]);

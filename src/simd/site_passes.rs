@@ -1,4 +1,4 @@
-//! The visits of the rows that a backward error takes, eight sites of one cell at once.
+//! The passes over the rows that a backward error needs, eight sites of one cell at once.
 //!
 //! ```text
 //! E_r c = [ z S,  a S_x + b S_y,  d S_y ]        S = sum N_i c_ij M_j, and so on; [z; a b; 0 d] the weights of site r
@@ -7,71 +7,19 @@
 //!                                                |sizes|^2, |r|^2,  max_i |b - E c - r|_i / sizes_i
 //! ```
 //!
-//! Rows are formed anew at every visit: that takes less time than memory for what a visit found out about them. Sums over
-//! sites stay apart lane by lane; [`add_lanes`] brings them together. Lanes whose weights are zero add nothing.
+//! Every pass forms the rows again, which takes less time than reading stored results of an earlier pass. Sums over sites
+//! are kept lane by lane, and [`add_lanes`] adds the lanes. Lanes with zero weights add nothing.
 
+use super::cell_sites::{CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes};
 use super::lanes::Lanes;
 use super::{Isa, by_width, dispatch};
 
-/// Sites taken at once.
-pub const SITES: usize = 8;
-
-/// One number a site.
-pub type SiteLanes = [f64; SITES];
-
-/// Eight sites of one cell.
-#[derive(Clone, Copy, Debug)]
-pub struct CellSites<'a> {
-    /// N and N', `p + 1` each.
-    pub x: [&'a [SiteLanes]; 2],
-    /// M and M', `q + 1` each.
-    pub y: [&'a [SiteLanes]; 2],
-    /// z, a, b, d.
-    pub weights: &'a [SiteLanes],
-}
-
-/// Sums over the sites of a cell for one coefficient, still lane by lane: `E'r`, `|E|'|r|`, squares of the column.
-pub type ColumnSums = [SiteLanes; 3];
 /// Places in [`ColumnSums`].
 const PRODUCTS: usize = 0;
 const SIZES: usize = 1;
 const NORMS: usize = 2;
 
-impl<'a> CellSites<'a> {
-    /// The same with lengths that the compiler knows where P and Q are not 0.
-    #[inline(always)]
-    fn cut<const P: usize, const Q: usize>(&self) -> CellSites<'a> {
-        if P * Q == 0 {
-            return *self;
-        }
-        let ([x, dx], [y, dy]) = (self.x, self.y);
-        CellSites { x: [&x[..P], &dx[..P]], y: [&y[..Q], &dy[..Q]], weights: &self.weights[..4] }
-    }
-}
-
-/// What the last visit adds up over rows, lane by lane.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RowSums {
-    /// Squares of the sizes.
-    pub sizes: SiteLanes,
-    /// Squares of r.
-    pub residual: SiteLanes,
-    /// The largest ratio.
-    pub worst: SiteLanes,
-}
-
-/// What the rows are held against.
-#[derive(Clone, Copy, Debug)]
-pub struct CellVectors<'a> {
-    /// c on the cell.
-    pub c: &'a [f64],
-    /// v on the cell; empty where it is zero.
-    pub v: &'a [f64],
-    /// b of the sites.
-    pub targets: [&'a SiteLanes; 3],
-}
-
-// `array::map` is a call of its own inside a kernel, with registers through memory: three lanes are written out instead
+// three lanes are written out, because `array::map` inside a kernel becomes a call that passes registers through memory
 #[inline(always)]
 fn three<V: Lanes>(rows: [&SiteLanes; 3], lanes: usize) -> [V; 3] {
     [V::load(&rows[0][lanes..]), V::load(&rows[1][lanes..]), V::load(&rows[2][lanes..])]
@@ -262,7 +210,7 @@ pub fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
     by_width!(isa, [sites.x[0].len(), sites.y[0].len()], norms(sites: &CellSites, columns: &mut [ColumnSums]));
 }
 
-/// The last visit: everything that is summed over rows, `E'r` and `|E|'|r|`.
+/// The last pass: all sums over rows, `E'r` and `|E|'|r|`.
 ///
 /// # Panics
 /// As [`products_pass`].
@@ -275,7 +223,7 @@ pub fn last_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &m
     ));
 }
 
-/// The largest ratio again, with sizes below `tiny |E| largest` taken with that besides; `largest` has an entry a
+/// The largest ratio again, where `|E| largest` is added to sizes below `tiny |E| largest`; `largest` has one entry for each
 /// coefficient of the cell.
 ///
 /// # Panics
@@ -328,7 +276,7 @@ mod tests {
         fn new() -> Cell {
             let rows = |axis: usize, from: usize| (0..=DEGREE[axis]).map(|a| lanes(from + a)).collect();
             let mut weights = [lanes(31), lanes(32), lanes(33), lanes(34)];
-            // the last lane is empty
+            // the last lane has no site
             weights.iter_mut().for_each(|w| w[SITES - 1] = 0.0);
             let c = (0..(DEGREE[0] + 1) * (DEGREE[1] + 1)).map(|u| value(u, 40)).collect();
             Cell { x: [rows(0, 1), rows(0, 9)], y: [rows(1, 17), rows(1, 24)], weights, c }
@@ -355,9 +303,9 @@ mod tests {
         }
     }
 
-    /// Twin: every sum over the entries of E as they are written.
+    /// Twin: the written sums over the entries of E.
     #[test]
-    fn every_level_agrees_with_the_rows_written_out() {
+    fn every_isa_agrees_with_the_rows_written_out() {
         let cell = Cell::new();
         let unknowns = cell.c.len();
         let targets = [lanes(51), lanes(52), lanes(53)];

@@ -6,17 +6,17 @@
 //!     [      C     A_r ]
 //! ```
 //!
-//! The left part is eliminated forwards, the right part backwards (its numbering reversed), and they meet in a middle
-//! as wide as the band. The work is that of one band factorisation, but its two halves do not know of each other: two
-//! threads take one each, and the bits do not depend on how many there are.
+//! The left part is eliminated forwards and the right part backwards, by reversing its numbering, until a middle as wide
+//! as the band is left. The work is that of one band factorisation, but the two parts are independent of each other, so
+//! two threads take one each, and the bits do not depend on the number of threads.
 
 use super::numbering::Numbering;
 use crate::linalg::{StencilMatrix, TensorShape};
 use crate::simd::{BlockShape, GRAIN, Isa, PADDING, backward_block, factor_block, forward_block, update_block};
 
-/// Columns eliminated at once. 48: wide enough that a tile's sums stay in registers over long runs. 72 is no faster, and
-/// the zeros that a block keeps beside its columns grow with it: at 17,161 unknowns one end would pass the 32 MB from
-/// which an allocator asks the system each time, and page faults would take an eighth of a fit.
+/// Columns eliminated at once. With 48 a tile's sums stay in registers over long runs. 72 is no faster, and the number of
+/// zeros that a block stores grows with it: at 17,161 unknowns one end would exceed the 32 MB above which an allocator gets
+/// new memory from the system each time, and page faults would take an eighth of a fit.
 pub(super) const WIDTH: usize = 48;
 /// Bytes.
 const CACHE_LINE: usize = 64;
@@ -24,10 +24,10 @@ const CACHE_LINE: usize = 64;
 /// One end of the band, or the middle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
-    /// Block columns, one after the other, from a cache line's beginning on.
+    /// Block columns, one after the other; the first begins at the start of a cache line.
     memory: Vec<f64>,
     start: usize,
-    /// How many there will be.
+    /// Number of block columns when all are filled.
     pub(super) count: usize,
     vector: Vec<f64>,
 }
@@ -35,7 +35,7 @@ pub(super) struct Part {
 /// A reusable band factorisation of `D A D` for one shape.
 #[derive(Clone, Debug)]
 pub struct BandCholesky {
-    /// Unknowns eliminated from each end (0: everything is middle), and those in the middle.
+    /// Number of unknowns eliminated from each end (0: all unknowns are in the middle), and of those in the middle.
     pub(super) end: usize,
     pub(super) middle: usize,
     pub(super) end_block: BlockShape,
@@ -50,20 +50,20 @@ fn half_width(shape: TensorShape) -> usize {
     shape.degree[0] * shape.basis[1] + shape.degree[1]
 }
 
-/// Products and sums of the factorisation: n w^2 / 2 of each.
+/// Number of products of the factorisation, and of sums: n w^2 / 2 of each.
 pub fn band_flops(shape: TensorShape) -> f64 {
     shape.unknowns() as f64 * (half_width(shape) as f64).powi(2)
 }
 
 impl BandCholesky {
-    /// Plans for every matrix of this shape.
+    /// Plans the factorisation of every matrix of this shape.
     pub fn plan(shape: TensorShape) -> BandCholesky {
         let (order, band) = (shape.unknowns(), half_width(shape).min(shape.unknowns() - 1));
-        // below four half-widths the middle would be most of the matrix
+        // with fewer unknowns than four half-widths the middle would be most of the matrix
         let end = if order >= 4 * band { (order - band) / 2 / WIDTH * WIDTH } else { 0 };
         let middle = order - 2 * end;
         let end_block = BlockShape { width: WIDTH, height: (WIDTH + band).next_multiple_of(GRAIN), reach: band };
-        // what both ends leave of the middle is full
+        // after the elimination of both ends the middle is a full matrix
         let full = middle.next_multiple_of(WIDTH);
         let middle_block = if end == 0 { end_block } else { BlockShape { height: full, reach: full, ..end_block } };
         let mut made = BandCholesky {
@@ -78,7 +78,7 @@ impl BandCholesky {
         let middle_blocks = middle.div_ceil(WIDTH);
         if end > 0 {
             for part in [&mut made.left, &mut made.right] {
-                // filled block by block as the elimination gets there: one pass over the memory less
+                // blocks are filled when the elimination gets to them, which saves a pass over the memory
                 part.reserve(end / WIDTH + middle_blocks, end_block);
                 part.vector = vec![0.0; order + end_block.height];
             }
@@ -93,7 +93,7 @@ impl BandCholesky {
         2 * self.left.count * self.end_block.len() + self.centre.count * self.middle_block.len()
     }
 
-    /// Factors `D A D` and solves for `v` on the way: `v <- (D A D)^-1 v`. Returns the smallest squared pivot.
+    /// Factors `D A D` and solves for `v` in the same pass: `v <- (D A D)^-1 v`. Returns the smallest squared pivot.
     ///
     /// # Errors
     /// The unknown at which a pivot is not positive.
@@ -129,12 +129,14 @@ impl BandCholesky {
         }
         let forwards = Numbering { matrix, scale, reversed: false };
         let backwards = Numbering { matrix, scale, reversed: true };
-        let (a, b) =
-            rayon::join(|| left.eliminate(isa, block, end, &forwards), || right.eliminate(isa, block, end, &backwards));
+        let (a, b) = crate::threads::join(
+            || left.eliminate(isa, block, end, &forwards),
+            || right.eliminate(isa, block, end, &backwards),
+        );
         Ok(a?.min(b.map_err(|unknown| order - 1 - unknown)?))
     }
 
-    /// The middle's own entries less what both ends took from them, and the same for the right-hand side.
+    /// Fills the middle with its own entries less the products of both ends, and likewise its right-hand side.
     fn gather_middle(&mut self, matrix: &StencilMatrix, scale: &[f64], v: &[f64]) {
         let (end, middle, block) = (self.end, self.middle, self.middle_block);
         let numbering = Numbering { matrix, scale, reversed: false };
@@ -147,7 +149,7 @@ impl BandCholesky {
             for c in 0..WIDTH {
                 let unknown = b * WIDTH + c;
                 if unknown >= middle {
-                    // the last block is filled up with the identity
+                    // the last block is completed by columns of the identity
                     columns[block.place(c, c)] = 1.0;
                     continue;
                 }
@@ -164,14 +166,16 @@ impl BandCholesky {
         }
     }
 
-    /// Adds to the middle what both ends left in their last blocks: the left end in the same order, the right reversed.
+    /// Adds to the middle what both ends have accumulated in their last blocks. The left end has the order of the middle,
+    /// the right end the reversed one.
     fn take_from_ends(&mut self) {
         let (end, middle, block, ends) = (self.end, self.middle, self.middle_block, self.end_block);
         for k in 0..middle {
             self.centre.vector[k] += self.left.vector[end + k] + self.right.vector[end + middle - 1 - k];
         }
         for b in 0..self.centre.count {
-            // one width, so one place for an entry in blocks of both heights; past the middle both hold zeros
+            // an entry has the same place in blocks of either height, because their widths are equal; beyond the middle
+            // both hold zeros
             let from_left = self.left.block(end / WIDTH + b, ends);
             self.centre.block_mut(b, block).iter_mut().zip(from_left).for_each(|(t, l)| *t += l);
         }
@@ -221,13 +225,16 @@ impl BandCholesky {
         }
         let ends = self.end_block;
         let [mut left, mut right] = [&mut self.left, &mut self.right].map(|part| std::mem::take(&mut part.vector));
-        rayon::join(|| self.left.back(isa, ends, end, &mut left), || self.right.back(isa, ends, end, &mut right));
+        crate::threads::join(
+            || self.left.back(isa, ends, end, &mut left),
+            || self.right.back(isa, ends, end, &mut right),
+        );
         v[..end].copy_from_slice(&left[..end]);
         v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(target, value)| *target = *value);
         (self.left.vector, self.right.vector) = (left, right);
     }
 
-    /// `v <- (D A D)^-1 v` with the factor at hand.
+    /// `v <- (D A D)^-1 v` with the current factor.
     pub fn solve(&self, v: &mut [f64]) {
         let isa = Isa::active();
         let (end, middle) = (self.end, self.middle);
@@ -239,7 +246,10 @@ impl BandCholesky {
         if end > 0 {
             left[..end].copy_from_slice(&v[..end]);
             right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
-            rayon::join(|| self.left.forth(isa, ends, end, &mut left), || self.right.forth(isa, ends, end, &mut right));
+            crate::threads::join(
+                || self.left.forth(isa, ends, end, &mut left),
+                || self.right.forth(isa, ends, end, &mut right),
+            );
             for k in 0..middle {
                 centre[k] += left[end + k] + right[end + middle - 1 - k];
             }
@@ -257,7 +267,10 @@ impl BandCholesky {
                 left[end + k] = centre[k];
                 right[end + middle - 1 - k] = centre[k];
             }
-            rayon::join(|| self.left.back(isa, ends, end, &mut left), || self.right.back(isa, ends, end, &mut right));
+            crate::threads::join(
+                || self.left.back(isa, ends, end, &mut left),
+                || self.right.back(isa, ends, end, &mut right),
+            );
             v[..end].copy_from_slice(&left[..end]);
             v[end + middle..].iter_mut().rev().zip(&right[..end]).for_each(|(t, s)| *t = *s);
         }
@@ -265,7 +278,7 @@ impl BandCholesky {
 }
 
 impl Part {
-    /// Memory for `count` blocks, none of them touched.
+    /// Reserves memory for `count` blocks without writing to it.
     fn reserve(&mut self, count: usize, shape: BlockShape) {
         self.count = count;
         self.memory = Vec::with_capacity(count * shape.len() + PADDING);
@@ -280,7 +293,7 @@ impl Part {
         &mut self.memory[self.start + b * shape.len()..][..shape.len()]
     }
 
-    /// Factors the columns below `end` and leaves in those after it what is taken from the middle.
+    /// Factors the columns before `end`; the columns after it then hold what must be subtracted from the middle.
     fn eliminate(&mut self, isa: Isa, block: BlockShape, end: usize, a: &Numbering<'_>) -> Result<f64, usize> {
         let reach = (block.height - 1) / WIDTH;
         let mut smallest = f64::INFINITY;

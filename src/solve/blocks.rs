@@ -1,6 +1,9 @@
-//! `D (A + mu diag A) D = L L'` for a matrix of 3 x 3 blocks, dense when small, else faer's sparse LLT under AMD.
+//! `D (A + mu diag A) D = L L'` for a matrix of 3 x 3 blocks: dense if it is small, else by faer's sparse LLT with an AMD
+//! ordering.
 //!
 //! `mu` is the damping of a Levenberg-Marquardt step, 0 for the plain matrix; D equilibrates the diagonal.
+
+use std::sync::Arc;
 
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -12,11 +15,11 @@ use super::SolveError;
 use crate::linalg::{BlockMatrix, inverse_norm1_estimate};
 use crate::simd::{Isa, factor_dense};
 
-/// Up to this many unknowns the dense factor wins: its 4.5 million multiply-adds cost what a symbolic step does.
+/// Up to this many unknowns the dense factor is faster: its 4.5 million multiply-adds take as long as a symbolic step.
 const DENSE_LIMIT: usize = 300;
 
 /// A reusable Cholesky solver for matrices of one block pattern.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BlockCholesky {
     scale: Vec<f64>,
     sums: Vec<f64>,
@@ -24,24 +27,25 @@ pub struct BlockCholesky {
     kind: Kind,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Kind {
     Dense(Dense),
     Sparse(Box<Sparse>),
 }
 
 /// Columns of L, padded to whole sets of lanes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Dense {
     stride: usize,
     columns: Vec<f64>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sparse {
     starts: Vec<usize>,
     rows: Vec<usize>,
-    symbolic: SymbolicCholesky<usize>,
+    /// Shared between clones: it depends on the pattern alone and never changes.
+    symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     factor: Vec<f64>,
 }
@@ -80,7 +84,7 @@ impl BlockCholesky {
         sums.fill(0.0);
         let (values, stride) = match &mut self.kind {
             Kind::Dense(dense) => {
-                // blocks that do not meet stay zero
+                // blocks of basis functions that do not overlap stay zero
                 dense.columns.fill(0.0);
                 (&mut dense.columns, Some(dense.stride))
             }
@@ -158,7 +162,7 @@ impl Dense {
     }
 }
 
-/// `a . b` in four sums, which do not wait for one another.
+/// `a . b` in four independent sums.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(x, y)| x * y).sum();
@@ -185,7 +189,7 @@ impl Sparse {
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, Default::default())
             .map_err(|_| SolveError::Memory { unknowns })?;
         let (values, factor) = (vec![0.0; rows.len()], vec![0.0; symbolic.len_val()]);
-        Ok(Sparse { starts, rows, symbolic, values, factor })
+        Ok(Sparse { starts, rows, symbolic: Arc::new(symbolic), values, factor })
     }
 
     /// Factors `values`.

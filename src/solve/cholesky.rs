@@ -1,7 +1,8 @@
-//! `D A D = L L'` with `D = diag(A)^(-1/2)`: the normal matrix with unit columns, dense when small, else a band or faer's LLT.
+//! `D A D = L L'` with `D = diag(A)^(-1/2)`: the equilibrated normal matrix, factored dense if it is small, else as a band
+//! or by faer's sparse LLT.
 //!
-//! Forming `A = E'E` squares the condition; the certificate says what is left. LDL' is not used: it accepts indefinite
-//! matrices, and the failing pivot of LLT is the test for rank.
+//! Forming `A = E'E` squares the condition; the certificate reports the digits that remain. LDL' is not used, because it
+//! accepts indefinite matrices, whereas a failing pivot of LLT shows a rank below the number of unknowns.
 
 use std::sync::Arc;
 
@@ -19,17 +20,17 @@ use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
 use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 
-/// Up to this many unknowns that are no patch a packed dense factor beats the set-up of a band. Beyond, the band's panels win,
-/// and its inverse's entries give traces without a solve for every unknown.
+/// Up to this many unknowns, unless they are a patch of one cell, a packed dense factor takes less time than setting up a
+/// band. Beyond it the band's panels are faster, and entries of its inverse give traces without a solve for every unknown.
 pub const DENSE_LIMIT: usize = 30;
 
-/// The band does each multiply-add this many times faster than the sparse factor of a nested dissection: it has no
+/// The band does a multiply-add this many times faster than the sparse factor of a nested dissection, because it has no
 /// small fronts, no indices and no symbolic step. At 4,489 unknowns (counted ratio 0.7) a whole fit with the sparse
 /// factor takes a quarter longer; at 17,161 (1.8) they are equal on one thread, and the band's two ends take two.
 const BAND_ADVANTAGE: f64 = 2.5;
 
-/// Products and sums of the nested dissection's top separators, which is nearly all of them: a front of s unknowns with a
-/// border of b costs `s^3/3 + s^2 b + s b^2`.
+/// Number of products of the nested dissection's top separators, which make nearly all of the work. A front of s unknowns
+/// with a border of b costs `s^3/3 + s^2 b + s b^2`.
 fn dissection_flops(shape: TensorShape) -> f64 {
     fn part(wide: f64, high: f64, degree: [f64; 2], border: f64) -> f64 {
         let cut_x = degree[0] * high <= degree[1] * wide;
@@ -72,7 +73,7 @@ enum Kind {
 #[derive(Clone, Debug)]
 struct Sparse {
     pattern: Pattern,
-    /// Shared by clones: the pattern stays the same.
+    /// Shared between clones: it depends on the pattern alone and never changes.
     symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     factor: Vec<f64>,
@@ -138,7 +139,7 @@ impl Cholesky {
         self.factor_equilibrated(matrix, None)
     }
 
-    /// Factors `matrix` and solves on the way, `v <- A^-1 v`: one pass less over the factor than one after the other.
+    /// Factors `matrix` and solves, `v <- A^-1 v`, in the same pass, which saves a pass over the factor.
     ///
     /// # Errors
     /// As [`Cholesky::factor`].
@@ -163,7 +164,7 @@ impl Cholesky {
             *scale = 1.0 / diagonal.sqrt();
         }
         if matches!(self.kind, Kind::Patch(_)) {
-            return Ok(()); // its norm comes with its factor
+            return Ok(()); // the patch's norm is computed with its factor
         }
         self.norm = matrix.norm1_scaled_with(&self.scale, &mut self.sums);
         if self.norm.is_finite() { Ok(()) } else { Err(SolveError::NotFinite { unknown: 0 }) }
@@ -224,8 +225,8 @@ impl Cholesky {
         }
     }
 
-    /// `A^-1` row by row, with n^3/3 multiply-adds where its columns one by one take n^3; `false`, and nothing is written, where the
-    /// factor is not that of one patch.
+    /// Writes `A^-1` row by row, with n^3/3 multiply-adds, where solving for its columns one by one takes n^3. Returns `false`
+    /// and writes nothing if the factor is not that of a patch of one cell.
     pub fn write_inverse(&self, out: &mut [f64]) -> bool {
         let Kind::Patch(patch) = &self.kind else { return false };
         patch.write_inverse(out);
@@ -235,8 +236,8 @@ impl Cholesky {
         true
     }
 
-    /// `tr A^-1 B` over the unknowns that are not left `out`, exactly; `None` where the factor is not a band's. A must not
-    /// couple the others with those left out.
+    /// `tr A^-1 B` over the unknowns that are not left `out`, computed directly; `None` if the factor is not a band. A must not
+    /// couple these unknowns with those left out.
     pub fn inverse_trace(&self, b: &StencilMatrix, out: impl Fn(usize) -> bool) -> Option<f64> {
         let Kind::Band(band) = &self.kind else { return None };
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(u, d)| if out(u) { 0.0 } else { *d }).collect();
@@ -248,7 +249,7 @@ impl Cholesky {
         &self.scale
     }
 
-    /// Smallest squared pivot of the equilibrated factor: near the unit roundoff the rank is in doubt.
+    /// Smallest squared pivot of the equilibrated factor. If it is near the unit roundoff, the rank is in doubt.
     pub fn smallest_pivot(&self) -> f64 {
         self.smallest_pivot
     }

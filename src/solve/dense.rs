@@ -1,4 +1,5 @@
-//! Dense rows, cheapest factor first, refined with residuals in twice the working precision.
+//! Least squares of dense rows: the cheapest factor is tried first, and the solution is refined with residuals in twice
+//! the working precision.
 //!
 //! ```text
 //! Cholesky        D E'E D = L L'                         kept while the condition of E D is below 1e4
@@ -11,16 +12,16 @@ use super::small::PackedCholesky;
 use super::{PivotedQr, SolveError};
 use crate::linalg::{DoubleDouble, inverse_norm1_estimate};
 
-/// Cholesky squares the condition: beyond this it would lose more than half of a double's digits.
+/// Cholesky squares the condition; above this condition it would lose more than half of a double's digits.
 const CHOLESKY_CONDITION: f64 = 1e4;
 
-/// Corrections shrink by the factor's own accuracy each time; ten of them mend a factor of two digits.
+/// Each correction is smaller than the last by the accuracy of the factor; ten are enough for a factor good to two digits.
 const MOST_CORRECTIONS: usize = 10;
 
 /// How dense rows are solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DenseMethod {
-    /// Down the list until one holds; every move is in the reason.
+    /// Tries the methods below in their order until one succeeds, and records the reason of every step.
     #[default]
     Auto,
     /// Normal equations.
@@ -31,14 +32,14 @@ pub enum DenseMethod {
     Qr,
 }
 
-/// The answer, and how far it went.
+/// The solution, and how it was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DenseSolution {
-    /// c, one per column; what the rows do not determine is zero.
+    /// c, one per column; unknowns that the rows do not determine are zero.
     pub coefficients: Vec<f64>,
-    /// The method that gave it.
+    /// The method that found it.
     pub method: DenseMethod,
-    /// Why not one of those before it.
+    /// Why the methods before it were not used.
     pub reason: String,
     /// Numerical rank.
     pub rank: usize,
@@ -46,7 +47,7 @@ pub struct DenseSolution {
     pub condition: f64,
     /// Corrections made.
     pub corrections: usize,
-    /// Size of the first correction over that of the last: what refinement gained.
+    /// Size of the first correction divided by that of the last: the gain of refinement.
     pub gain: f64,
 }
 
@@ -80,7 +81,7 @@ struct Problem<'a> {
     scale: Vec<f64>,
 }
 
-/// What a run of corrections did.
+/// Result of a series of corrections.
 struct Refined {
     coefficients: Vec<f64>,
     corrections: usize,
@@ -134,7 +135,8 @@ impl<'a> Problem<'a> {
         if self.columns > 0 {
             condition = (norm * inverse_norm1_estimate(self.columns, |v| factor.solve(v), |v| factor.solve(v))).sqrt();
         }
-        // the computed normal matrix is off by columns * eps: then a factor of it is one of rounding
+        // the computed normal matrix has a relative error of columns * eps; at such a condition its factor is mostly that
+        // of rounding errors
         if condition.is_nan() || self.columns as f64 * f64::EPSILON * condition * condition > 0.1 {
             return Err(SolveError::NotPositiveDefinite { unknown: self.columns - 1 });
         }

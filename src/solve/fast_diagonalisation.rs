@@ -1,4 +1,4 @@
-//! A complete grid with weights that separate, solved by two small eigenproblems: direct and exact.
+//! Direct solution for a complete grid with one weight for each block, by two small eigenproblems.
 //!
 //! ```text
 //! A = wz^2 X (x) Y + wx^2 X' (x) Y + wy^2 X (x) Y'      X = N'N, X' = D'D, Y = M'M, Y' = F'F  (Grams of values, slopes)
@@ -7,7 +7,8 @@
 //! ```
 //!
 //! R. E. Lynch, J. R. Rice, D. H. Thomas, *Direct solution of partial difference equations by tensor product methods*,
-//! Numer. Math. 6 (1964). Roughness, weight maps and missing pixels do not share the eigenvectors: not for them.
+//! Numer. Math. 6 (1964). It does not apply with roughness, weight maps or missing pixels, whose matrices
+//! have other eigenvectors.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
@@ -51,7 +52,7 @@ fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Ma
     let eigen = reduced.self_adjoint_eigen(Side::Lower).map_err(|_| broken)?;
     let mut vectors = eigen.U().to_owned();
     lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
-    // a symmetric matrix that is positive semidefinite: rounding may leave -1e-17
+    // the matrix is positive semidefinite, but rounding may make an eigenvalue -1e-17
     let values = eigen.S().column_vector().iter().map(|l| l.max(0.0)).collect();
     Ok((values, vectors))
 }

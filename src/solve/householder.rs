@@ -1,11 +1,11 @@
-//! Householder triangularisation of small dense fronts: `H_k .. H_1 F = [R; 0]`, column-major, by hand.
+//! Householder triangularisation of small dense fronts, `H_k .. H_1 F = [R; 0]`, stored by columns.
 //!
-//! Fronts of one knot cell are a few tens of columns wide; larger ones go through faer's blocked QR.
+//! Fronts of one knot cell have a few tens of columns and are reduced here; larger ones by faer's blocked QR.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::{MatMut, Par};
 
-/// Fronts with at least this many columns are worth faer's blocked code.
+/// From this many columns on faer's blocked code is faster.
 const BLOCKED_FROM: usize = 48;
 
 /// A column-major matrix with room for `capacity` rows, of which `rows` are in use.
@@ -75,8 +75,8 @@ impl Front {
         self.rows = kept;
     }
 
-    /// Zeroes column `column` below row `used`; false (and the rest of the column set to zero) where it is already
-    /// below `threshold`. The other columns follow.
+    /// Zeroes column `column` below row `used` and updates the other columns. If the column's part there is already below
+    /// `threshold`, sets it to zero and returns `false`.
     pub(super) fn eliminate_column(&mut self, used: usize, column: usize, threshold: f64) -> bool {
         let rows = self.rows;
         if used >= rows {
@@ -137,13 +137,14 @@ fn reflect(
     }
 }
 
-/// Turns `x` into `beta e_1` by `I - tau v v'`, `v_0 = 1`, the rest of v left in `x[1..]`. `None`: nothing below.
+/// The reflector `I - tau v v'`, `v_0 = 1`, that maps `x` to `beta e_1`. Returns `(beta, tau)` and leaves the rest of v in
+/// `x[1..]`; `None` if `x[1..]` is zero already.
 pub(super) fn reflector(x: &mut [f64]) -> Option<(f64, f64)> {
     let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if largest == 0.0 || x[1..].iter().all(|v| *v == 0.0) {
         return None;
     }
-    // scaled by the largest entry: rows of 1e-170 and 1e170 are data too
+    // scaled by the largest entry, so that rows of size 1e-170 or 1e170 work too
     let tail: f64 = x[1..].iter().map(|v| (v / largest) * (v / largest)).sum();
     let head = x[0] / largest;
     let norm = (head * head + tail).sqrt();

@@ -5,23 +5,25 @@
 //! otherwise  conjugate gradients on A, preconditioned with the same factors at the mean weights
 //! ```
 //!
-//! Missing pixels, weight maps and roughness change A a little, and the iterations stay few.
+//! Missing pixels, weight maps and roughness change A little, so that few iterations are needed.
 
 use std::sync::{Mutex, PoisonError};
 
 use super::FastDiagonalisation;
 use crate::linalg::{StencilMatrix, inverse_norm1_estimate};
 
-/// Conjugate gradients stop when the preconditioned residual is this share of the first: past it, rounding wanders.
+/// Conjugate gradients stop when the preconditioned residual is this fraction of the first; further steps only change
+/// roundings.
 const CG_TOLERANCE: f64 = 1e-15;
-/// With a preconditioner of the right structure tens of steps are usual; a thousand means it has the wrong one.
+/// Tens of steps are usual with a preconditioner of the right structure; a thousand would mean that it is the wrong one.
 const CG_STEPS: usize = 1000;
 
-/// A normal matrix solved through fast diagonalisation: directly, or by conjugate gradients where it only resembles it.
+/// A normal matrix solved through fast diagonalisation: directly if it is exactly what the diagonalisation inverts, by
+/// conjugate gradients if it is only close to it.
 #[derive(Debug)]
 pub struct GridSolver {
     matrix: StencilMatrix,
-    /// Behind a lock because it works in buffers of its own.
+    /// The lock protects the buffers that it works in.
     diagonalisation: Mutex<FastDiagonalisation>,
     iterative: bool,
 }
@@ -71,7 +73,7 @@ impl GridSolver {
     }
 
     fn precondition(&self, v: &mut [f64]) {
-        // the buffers hold nothing between calls, so a poisoned lock is as good as any
+        // the buffers hold nothing between calls, so a poisoned lock does no harm
         self.diagonalisation.lock().unwrap_or_else(PoisonError::into_inner).solve(v);
     }
 

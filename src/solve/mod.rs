@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! Cholesky   D E'E D = L L',  D = diag(1 / |column of E|)            [`Cholesky`]
-//! QR         E D = Q R, front by front, R kept, Q applied and gone    [`TriangularFactor`]
+//! QR         E D = Q R, front by front; Q is applied and not stored  [`TriangularFactor`]
 //! grid       (U (x) V) diag (U (x) V)'                                [`GridSolver`], direct or as preconditioner
-//! blocks     D (A + mu diag A) D = L L', 3 x 3 blocks of a map         [`BlockCholesky`]
+//! blocks     D (A + mu diag A) D = L L', 3 x 3 blocks                 [`BlockCholesky`], parametric surfaces
 //! dense QR   rows sorted by size, columns pivoted: reveals the rank   [`PivotedQr`]
 //! ```
 //!
@@ -25,17 +25,15 @@ mod selected;
 mod small;
 mod triangular;
 
-pub use band::{BandCholesky, band_flops};
 pub use blocks::BlockCholesky;
-pub use cholesky::{Cholesky, DENSE_LIMIT};
+pub use cholesky::Cholesky;
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use fast_diagonalisation::FastDiagonalisation;
 pub use kronecker::GridSolver;
-pub use ordering::nested_dissection;
 pub use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;
 
-/// Why a factorisation has no answer. A rank below the number of unknowns is not an error here but a finding.
+/// Why a factorisation has no answer. A rank below the number of unknowns is a result, not an error.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {

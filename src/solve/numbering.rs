@@ -21,7 +21,7 @@ impl Numbering<'_> {
         let ([n, m], [p, q]) = (shape.basis, shape.degree);
         let values = self.matrix.values();
         if self.reversed {
-            // in the reversed numbering what stands below is what stood above: the row's own stencil
+            // entries below the diagonal in the reversed numbering are those before it in the plain one: the row's own stencil
             let v = self.matrix.order() - 1 - number;
             let (i, j) = (v / m, v % m);
             for di in 0..=p.min(i) {

@@ -4,7 +4,7 @@
 
 use crate::linalg::TensorShape;
 
-/// Boxes below this many unknowns are numbered as they are: a supernode of that size costs less than its separators.
+/// Boxes with up to this many unknowns are not divided further: a supernode of that size costs less than its separators.
 const LEAF: usize = 96;
 
 /// Elimination order: entry k is the unknown eliminated k-th.
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_unknown_stands_once() {
+    fn every_unknown_appears_once() {
         for basis in [[3, 3], [67, 67], [5, 90], [131, 20]] {
             let shape = TensorShape { basis, degree: [3, 2] };
             let mut order = nested_dissection(shape);

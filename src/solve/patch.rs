@@ -1,4 +1,5 @@
-//! Cholesky for a patch of one segment per direction, degree 2, 3 or 4: 9, 16 or 25 unknowns, all lengths literal.
+//! Cholesky for a patch of one segment per direction, degree 2, 3 or 4: 9, 16 or 25 unknowns; the
+//! compiler knows all lengths.
 
 use crate::linalg::{StencilMatrix, TensorShape};
 use crate::simd::{DenseColumns, Isa, factor_columns, invert_columns};
@@ -29,7 +30,7 @@ impl PatchCholesky {
         }
     }
 
-    /// Factors `D A D`, D = `scale`, and where `v` is given solves for it on the way. Returns the smallest squared
+    /// Factors `D A D`, D = `scale`, and solves for `v`, if it is given, in the same pass. Returns the smallest squared
     /// pivot and the largest column sum of magnitudes of `D A D`.
     pub(super) fn factor(
         &mut self,
@@ -129,7 +130,7 @@ impl<const W: usize, const N: usize, const PADDED: usize> Factor<W, N, PADDED> {
         out.chunks_exact_mut(N).zip(&inverse).for_each(|(out, row)| out.copy_from_slice(&row[..N]));
     }
 
-    /// `v <- L^-T v`; the sum ends with the unknown found last, so that the others do not wait for it.
+    /// `v <- L^-T v`; each sum ends with the unknown that was found last, so that its other terms need not wait.
     fn backward(&self, v: &mut [f64]) {
         let v = &mut v[..N];
         for k in (0..N).rev() {

@@ -1,8 +1,10 @@
-//! `R0 E D P = Q [R S; 0 ~0]`: Householder QR with rows sorted by size and columns pivoted; its diagonal shows the rank.
+//! `R0 E D P = Q [R S; 0 ~0]`: Householder QR with rows sorted by size and columns pivoted; its diagonal shows
+//! the rank.
 //!
 //! Row sorting with column pivoting is what keeps Householder QR backward stable row by row when weights differ by many
 //! orders (A. Cox and N. Higham, *Stability of Householder QR factorization for weighted least squares problems*,
-//! 1998). Dense: for problems whose rows fit, and for the last resort of `auto`.
+//! 1998). The factor is dense: for problems whose rows fit into memory, and the last resort of
+//! `auto`.
 
 use super::SolveError;
 use super::householder::reflector;
@@ -24,7 +26,7 @@ pub struct PivotedQr {
 
 impl PivotedQr {
     /// Factors `rows` rows given column after column (`values[c * rows + r]`), with their right-hand side.
-    /// Columns that are zero throughout are allowed: they come out as not determined.
+    /// Columns of zeros are allowed and come out as not determined.
     ///
     /// # Errors
     /// [`SolveError::NotFinite`].
@@ -78,7 +80,7 @@ impl PivotedQr {
         self.unpivot(&v)
     }
 
-    /// Directions that the data cannot see, one per dependent unknown: `E z = 0` to rounding, `z = 1` there.
+    /// Directions that the data do not determine, one per dependent unknown: `E z = 0` to rounding, `z = 1` at that unknown.
     pub fn null_space(&self) -> Vec<Vec<f64>> {
         (self.rank..self.columns)
             .map(|c| {

@@ -1,4 +1,4 @@
-//! `tr A^-1 B` for a matrix B of A's own pattern: the inverse's entries inside the band, and no others, from the factor
+//! `tr A^-1 B` for a matrix B of A's own pattern, from the entries of the inverse within the band, and these from the factor
 //! (K. Takahashi, J. Fagan, M.-S. Chen, *8th PICA Conf.* (1973) 63; by block columns J with R the rows below them).
 //!
 //! ```text
@@ -6,8 +6,9 @@
 //! tr A^-1 B = sum_ij Z_ij B_ij
 //! ```
 //!
-//! Columns go backwards, from the middle out to both ends. Only `Z_RR`, a square as wide as the band, is kept: a ring of
-//! rows and columns in which J takes the places of what it pushes out. n w^2 multiply-adds, twice the factorisation.
+//! Columns are taken backwards, from the middle to both ends. Only `Z_RR`, a square as wide as the band, is stored, as a ring
+//! of rows and columns in which J replaces the unknowns that are no longer needed. The work is n w^2 multiply-adds, twice
+//! that of the factorisation.
 
 use super::band::{BandCholesky, Part, WIDTH};
 use super::numbering::Numbering;
@@ -16,16 +17,16 @@ use crate::simd::{BlockShape, GRAIN, Isa, Panels, ProductSize, subtract_product}
 
 /// Rows of a panel.
 const PANEL: usize = 8;
-/// Places of the ring, in grains, that a block column takes.
+/// Size of a block column in the ring, in grains.
 const GRAINS: usize = WIDTH / GRAIN;
 
-/// Where a matrix of so many columns keeps an entry.
+/// Position of an entry in a matrix with `stride` columns, stored in panels.
 #[inline(always)]
 fn place(stride: usize, row: usize, column: usize) -> usize {
     (row / PANEL * stride + column) * PANEL + row % PANEL
 }
 
-/// `Z_RR`: entries of the inverse among the unknowns that the block columns to come can reach.
+/// `Z_RR`: entries of the inverse among the unknowns within reach of the remaining block columns.
 struct Ring {
     /// Places, in grains: grain g of the unknowns stands at `g % grains`.
     grains: usize,
@@ -38,7 +39,7 @@ struct Ring {
     corner: Corner,
 }
 
-/// What belongs to J alone, 48 x 48 each.
+/// Matrices of J alone, 48 x 48 each.
 struct Corner {
     /// `L_JJ^-T` and its negative.
     inverse: Vec<f64>,
@@ -48,7 +49,7 @@ struct Corner {
 }
 
 impl Corner {
-    /// `L_JJ^-1` by forward substitution, row by row, and turned.
+    /// Computes `L_JJ^-1` by forward substitution, row by row, and stores its transpose.
     fn invert(&mut self, shape: BlockShape, columns: &[f64]) {
         let mut rows = [[0.0; WIDTH]; WIDTH];
         for i in 0..WIDTH {
@@ -72,7 +73,7 @@ impl Corner {
 }
 
 impl Ring {
-    /// An empty ring for block columns of this shape out of `count`; `whole` when it shall hold all of them at once.
+    /// An empty ring for `count` block columns of this shape; with `whole` it has room for all of them at once.
     fn new(shape: BlockShape, count: usize, whole: bool) -> Ring {
         let below = shape.height.saturating_sub(WIDTH) / GRAIN;
         let grains = if whole { count * GRAINS } else { below.max(GRAINS) };
@@ -92,7 +93,7 @@ impl Ring {
         self.grains * GRAIN
     }
 
-    /// Where unknown number `k` of the part stands.
+    /// Position in the ring of unknown number `k` of the part.
     #[inline(always)]
     fn at(&self, k: usize) -> usize {
         k / GRAIN % self.grains * GRAIN + k % GRAIN
@@ -113,7 +114,7 @@ impl Ring {
             let size = ProductSize { rows: WIDTH, columns: GRAIN, inner: WIDTH };
             subtract_product(isa, [inverse, from], size, &mut multipliers[to * PANEL..], order);
         }
-        // what is filled: everything once the ring has gone round, the end of it before
+        // a ring for all block columns is filled from block column b + 1 on; any other is used as a whole
         let first = if *whole { (b + 1) * WIDTH } else { 0 };
         let inner = order - first;
         let m = Panels { values: &multipliers[first.min(order - 1) * PANEL..], stride: order };
@@ -133,7 +134,7 @@ impl Ring {
         }
     }
 
-    /// Puts block column b where the unknowns stood that nothing reaches any more.
+    /// Stores block column b in the places of unknowns that are no longer needed.
     fn keep(&mut self, b: usize) {
         let order = self.order();
         let Ring { grains, values, rows, corner, .. } = self;
@@ -159,7 +160,7 @@ impl Ring {
         }
     }
 
-    /// `sum Z_ij B_ij` of block column b with what is below it: twice what is off the diagonal.
+    /// `sum Z_ij B_ij` over block column b and the rows below it, entries off the diagonal counted twice.
     fn products(&self, b: usize, unknowns: usize, column: impl Fn(usize, &mut dyn FnMut(usize, f64))) -> f64 {
         let mut sum = 0.0;
         let below = unknowns - b * WIDTH;
@@ -199,18 +200,20 @@ impl BandCholesky {
             return sum;
         }
         let backwards = Numbering { matrix: b, scale, reversed: true };
-        // the middle's ring holds all of it, in its own order
+        // the middle's ring holds all unknowns of the middle, in their own order
         let entry = |i: usize, k: usize| ring.values[place(ring.order(), i, k)];
         let one = |part: &Part, numbering: &Numbering, reversed: bool| {
             self.end_products(isa, part, numbering, |i, k| {
                 if reversed { entry(middle - 1 - i, middle - 1 - k) } else { entry(i, k) }
             })
         };
-        let (left, right) = rayon::join(|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
+        let (left, right) =
+            crate::threads::join(|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
         sum + left + right
     }
 
-    /// One end's share, given the inverse among the unknowns of the middle in the end's own order.
+    /// One end's part of the trace. `middle(i, k)` gives the inverse among the unknowns of the middle, in the end's own
+    /// numbering.
     fn end_products(&self, isa: Isa, part: &Part, b: &Numbering, middle: impl Fn(usize, usize) -> f64) -> f64 {
         let mut ring = Ring::new(self.end_block, part.count, false);
         let known = self.middle.min(ring.order());
@@ -246,7 +249,7 @@ mod tests {
         a
     }
 
-    /// The other route: one solve an unknown.
+    /// The other way: one solve for each unknown.
     fn by_unit_vectors(band: &BandCholesky, b: &StencilMatrix, scale: &[f64]) -> f64 {
         let mut sum = 0.0;
         for u in 0..b.order() {
@@ -278,14 +281,14 @@ mod tests {
             let factor_scale: Vec<f64> = a.diagonal().iter().map(|d| 1.0 / d.sqrt()).collect();
             let mut band = BandCholesky::plan(shape);
             band.factor(&a, &factor_scale).unwrap();
-            // some unknowns left out, as free ones are
+            // leaves out some unknowns, as fits do with free ones
             let scale: Vec<f64> =
                 factor_scale.iter().enumerate().map(|(u, d)| if u % 11 == 3 { 0.0 } else { *d }).collect();
             for scale in [&factor_scale, &scale] {
                 let (found, expected) = (band.inverse_trace(&b, scale), by_unit_vectors(&band, &b, scale));
                 assert!((found - expected).abs() < 1e-12 * shape.unknowns() as f64, "{basis:?}: {found} {expected}");
             }
-            // B = A: the trace counts the unknowns
+            // for B = A the trace is the number of unknowns
             let order = shape.unknowns() as f64;
             assert!((band.inverse_trace(&a, &factor_scale) - order).abs() < 1e-13 * order, "{basis:?}");
         }

@@ -1,4 +1,4 @@
-//! Dense Cholesky for few unknowns: `a_jj = l_jj^2 + ..`, rows packed, no library call worth its overhead.
+//! Dense Cholesky for few unknowns, with packed rows; a library call would cost more than the arithmetic.
 
 /// Lower triangle of a dense factor, row after row: row i starts at `i (i + 1) / 2`.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +42,7 @@ impl PackedCholesky {
         Ok(())
     }
 
-    /// Smallest pivot l_jj squared: how far the matrix is from losing rank, columns being of norm 1.
+    /// Smallest squared pivot `l_jj^2`. With columns of norm 1 it shows how far the matrix is from losing rank.
     pub(super) fn smallest_pivot(&self) -> f64 {
         (0..self.order).map(|i| self.lower[start(i) + i]).fold(f64::INFINITY, f64::min).powi(2)
     }

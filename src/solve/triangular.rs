@@ -1,4 +1,4 @@
-//! QR of the rows, front by front: only one cell's, one strip's, one band's rows stand in memory at a time.
+//! QR of the rows, front by front: memory holds the rows of one cell, of one strip and of one band at a time.
 //!
 //! ```text
 //! cell   rows of its sites             -> at most (p+1)(q+1) rows          (sequential accumulation)
@@ -6,16 +6,17 @@
 //! band   strips in x, carrying p m rows -> R, one block of rows per x basis function
 //! ```
 //!
-//! The right-hand side is one more column, so Q is applied and forgotten; R stays for refinement, the condition and
-//! the rank. Lawson and Hanson, *Solving Least Squares Problems*, ch. 27, with tensor-product fronts. Against faer's
-//! general sparse QR of the same compressed rows this keeps R at hand and finds deficient columns (M. Heath,
+//! The right-hand side is one more column, so Q is applied and never stored. R is kept, for refinement, for the condition
+//! and for the rank. Lawson and Hanson, *Solving Least Squares Problems*, ch. 27, with tensor-product fronts. Against faer's
+//! general sparse QR of the same compressed rows this keeps R and finds dependent columns (M. Heath,
 //! *Some extensions of an algorithm for sparse linear least squares problems*, SIAM J. Sci. Stat. Comput. 3, 1982).
 
 use super::SolveError;
 use super::householder::Front;
 use crate::linalg::{RowWeights, Sites, Targets, TensorShape, inverse_norm1_estimate};
 
-/// Cell fronts are reduced whenever they hold this many times their width in rows: larger wastes memory, smaller work.
+/// A cell's front is reduced whenever it has this many times as many rows as columns. A larger number wastes memory, a
+/// smaller one does more work.
 const CELL_ROWS: usize = 4;
 
 /// Upper triangular R with `R'R = D E'E D`, in blocks of rows, and `Q'b`.
@@ -23,14 +24,14 @@ const CELL_ROWS: usize = 4;
 pub struct TriangularFactor {
     shape: TensorShape,
     scale: Vec<f64>,
-    blocks: Vec<Block>,
+    blocks: Vec<RowBlock>,
     rhs: Vec<f64>,
     dead: Vec<usize>,
 }
 
 /// Rows of R for unknowns `first .. first + rows`, columns `first .. first + columns`, row-major.
 #[derive(Clone, Debug)]
-struct Block {
+struct RowBlock {
     first: usize,
     rows: usize,
     columns: usize,
@@ -137,7 +138,7 @@ impl TriangularFactor {
     }
 }
 
-/// `1 / |column|`, or why there is none.
+/// `1 / |column|`, or the error of a column that has none.
 pub(super) fn equilibration(norms_squared: &[f64]) -> Result<Vec<f64>, SolveError> {
     let scale = |(unknown, &norm): (usize, &f64)| {
         if norm == 0.0 {
@@ -151,7 +152,8 @@ pub(super) fn equilibration(norms_squared: &[f64]) -> Result<Vec<f64>, SolveErro
     norms_squared.iter().enumerate().map(scale).collect()
 }
 
-/// One x segment: columns `(j - cell_first)(p + 1) + a` of the cell in work, finished rows handed to the band.
+/// One x segment: the front of the current cell, with columns `(j - cell_first)(p + 1) + a`, and the finished rows that
+/// go to the band.
 struct Strip {
     shape: TensorShape,
     first: usize,
@@ -173,11 +175,11 @@ impl Strip {
         self.done.clear();
     }
 
-    fn add(&mut self, site: &crate::linalg::Site, m: &crate::linalg::SiteWeights, target: &[f64; 3], scale: &[f64]) {
+    fn add(&mut self, site: &crate::linalg::Site, w: &crate::linalg::SiteWeights, target: &[f64; 3], scale: &[f64]) {
         let last = self.cell.columns - 1;
         let wide = self.shape.degree[0] + 1;
         for (kind, rhs) in target.iter().enumerate() {
-            if [m.z == 0.0, m.a == 0.0 && m.b == 0.0, m.d == 0.0][kind] {
+            if [w.z == 0.0, w.a == 0.0 && w.b == 0.0, w.d == 0.0][kind] {
                 continue;
             }
             if self.cell.is_full() {
@@ -187,9 +189,9 @@ impl Strip {
             for a in 0..wide {
                 for b in 0..site.y.len() {
                     let value = match kind {
-                        0 => m.z * site.x[a] * site.y[b],
-                        1 => m.a * site.dx[a] * site.y[b] + m.b * site.x[a] * site.dy[b],
-                        _ => m.d * site.x[a] * site.dy[b],
+                        0 => w.z * site.x[a] * site.y[b],
+                        1 => w.a * site.dx[a] * site.y[b] + w.b * site.x[a] * site.dy[b],
+                        _ => w.d * site.x[a] * site.dy[b],
                     };
                     let unknown = (site.first[0] + a) * self.shape.basis[1] + site.first[1] + b;
                     self.cell.set(row, b * wide + a, value * scale[unknown]);
@@ -199,7 +201,7 @@ impl Strip {
         }
     }
 
-    /// Moves on to the cell whose first y basis function is `next`: rows that no later cell touches are finished.
+    /// Moves on to the cell whose first y basis function is `next`. Rows that no later cell changes are finished.
     fn advance_to(&mut self, next: usize) {
         let wide = self.shape.degree[0] + 1;
         let width = self.cell.columns - 1;
@@ -234,12 +236,12 @@ impl Strip {
     }
 }
 
-/// The rows that x segments still to come may touch: columns `(i - first) m + j`, right-hand side last.
+/// The rows that later x segments may still change: columns `(i - first) m + j`, right-hand side last.
 struct Band {
     shape: TensorShape,
     first: usize,
     front: Front,
-    blocks: Vec<Block>,
+    blocks: Vec<RowBlock>,
     rhs: Vec<f64>,
     dead: Vec<usize>,
 }
@@ -271,7 +273,7 @@ impl Band {
         self.front.set(row, last, values[width]);
     }
 
-    /// Eliminates the columns that segments from `next` on do not touch, at most one front's worth at a time.
+    /// Eliminates the columns in which segments from `next` on have no entries, at most as many at a time as the front has.
     fn advance_to(&mut self, next: usize) {
         while self.first < next {
             self.step_to(next.min(self.first + self.shape.degree[0] + 1));
@@ -297,12 +299,12 @@ impl Band {
         self.first = next;
     }
 
-    /// Below this a diagonal entry is rounding: columns have norm 1, each front adds a few roundings.
+    /// Diagonal entries below this are rounding errors: columns have norm 1, and each front adds a few roundings.
     fn threshold(&self) -> f64 {
         20.0 * (self.shape.unknowns() as f64).sqrt() * f64::EPSILON
     }
 
-    /// Heath's rule: a column whose part below the rows already used vanishes takes no row; the row goes on.
+    /// Heath's rule: a column that is zero below the rows already used takes no row, and the next column tries the same row.
     fn eliminate_deficient(&mut self, leaving: usize, threshold: f64) {
         let live = (self.front.columns - 1).min((self.shape.basis[0] - self.first) * self.shape.basis[1]);
         let mut used = 0;
@@ -332,7 +334,7 @@ impl Band {
             self.rhs.push(row.map_or(0.0, |row| self.front.get(row, last)));
         }
         let first = self.first * self.shape.basis[1];
-        self.blocks.push(Block { first, rows: leaving, columns: live, values });
+        self.blocks.push(RowBlock { first, rows: leaving, columns: live, values });
     }
 
     /// Carries rows from `used` on, columns from `leaving` on, into an emptied front.

@@ -1,45 +1,16 @@
-//! A height field over the product of two clamped knot vectors.
+//! A height field over the product of two clamped knot vectors: `S(x, y) = sum_ij c_ij N_i(x) M_j(y)`, n m coefficients.
 
 use ndarray::Array2;
 
-use crate::bspline::{BasisRow, KnotError, Knots};
+use super::error::SurfaceError;
+#[cfg(feature = "serde")]
+use super::saved::SavedSurface;
+use crate::bspline::{BasisRow, Knots};
 use crate::curvature::Derivatives;
-
-/// Why coefficients and knots make no surface.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// The coefficient array does not fit the knots.
-    #[error("coefficients are {found:?}, but the knots call for {expected:?}")]
-    Shape {
-        /// Shape of the array.
-        found: [usize; 2],
-        /// Basis functions in x and y.
-        expected: [usize; 2],
-    },
-    /// A coefficient is NaN or infinite.
-    #[error("coefficient ({i}, {j}) is not finite")]
-    NotFinite {
-        /// Index in x.
-        i: usize,
-        /// Index in y.
-        j: usize,
-    },
-    /// In a closed direction the last coefficients must repeat the first.
-    #[error("coefficient ({i}, {j}) does not repeat the one it closes on")]
-    Seam {
-        /// Index in u.
-        i: usize,
-        /// Index in v.
-        j: usize,
-    },
-    /// The knots are not usable.
-    #[error(transparent)]
-    Knots(#[from] KnotError),
-}
 
 /// Height and derivatives at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfacePoint {
     /// S.
     pub z: f64,
@@ -98,8 +69,24 @@ impl SurfacePoint {
     }
 }
 
-/// A tensor-product B-spline height field.
+/// A tensor-product B-spline height field. Lengths are in the unit of its knots and coefficients.
+///
+/// ```
+/// use ndarray::Array2;
+/// use palpate::spline::Knots;
+/// use palpate::spline::HeightField;
+///
+/// // z = x^2 on [-1, 1] has the quadratic B-spline coefficients 1, -1, 1 along x
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let coefficients = Array2::from_shape_fn((3, 3), |(i, _)| if i == 1 { -1.0 } else { 1.0 });
+/// let surface = HeightField::new([axis.clone(), axis], coefficients)?;
+/// let point = surface.at(0.5, 0.0);
+/// assert!((point.z - 0.25).abs() < 1e-15 && (point.zx - 1.0).abs() < 1e-15 && (point.zxx - 2.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "SavedSurface<f64>", try_from = "SavedSurface<f64>"))]
 pub struct HeightField {
     knots: [Knots; 2],
     coefficients: Array2<f64>,
@@ -132,12 +119,12 @@ impl HeightField {
         &self.coefficients
     }
 
-    /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials go on.
+    /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials are extended.
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
         self.with_rows(&self.knots[0].basis(x), &self.knots[1].basis(y))
     }
 
-    /// The same from basis rows that are at hand.
+    /// The same from basis rows that were evaluated before.
     pub(crate) fn with_rows(&self, bx: &BasisRow, by: &BasisRow) -> SurfacePoint {
         SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[[i, j]])
     }
@@ -147,10 +134,27 @@ impl HeightField {
     /// # Errors
     /// When the map leaves the finite numbers or makes distinct knots equal.
     pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<HeightField, SurfaceError> {
-        // t -> o + s t is (t - (-o/s)) / (1/s); written out to round once
+        // one multiplication and one addition, rounded once each
         let place = |k: &Knots, o: f64| Knots::new(k.degree(), k.as_slice().iter().map(|t| o + scale * t).collect());
         let knots = [place(&self.knots[0], origin[0])?, place(&self.knots[1], origin[1])?];
         HeightField::new(knots, self.coefficients.mapv(|c| origin[2] + scale * c))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<HeightField> for SavedSurface<f64> {
+    fn from(surface: HeightField) -> SavedSurface<f64> {
+        SavedSurface::of(&surface.knots, &surface.coefficients)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SavedSurface<f64>> for HeightField {
+    type Error = SurfaceError;
+
+    fn try_from(saved: SavedSurface<f64>) -> Result<HeightField, SurfaceError> {
+        let (knots, coefficients) = saved.read()?;
+        HeightField::new(knots, coefficients)
     }
 }
 

@@ -1,38 +1,60 @@
-//! A surface in space: `Q(u, v) = sum_ij c_ij N_i(u) M_j(v)`, c_ij in R^3, either direction open or closed.
+//! A parametric surface, a map into space: `Q(u, v) = sum_ij c_ij N_i(u) M_j(v)`, c_ij in R^3, either direction open or closed.
 //!
-//! No direction of space is special and nothing is too steep. In a closed direction the last p coefficients repeat the
+//! It is tied to no axis of space, so that it may be steep or close on itself. In a closed direction the last p coefficients repeat the
 //! first p, so Q and its derivatives up to p - 1 have no seam.
 
 use ndarray::Array2;
 
-use super::SurfaceError;
+use super::error::SurfaceError;
+#[cfg(feature = "serde")]
+use super::saved::SavedSurface;
 use crate::bspline::Knots;
 use crate::curvature::{Derivatives, Principal, principal_curvatures};
 
 /// Point and derivatives of `Q` at one (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpacePoint {
+pub struct ParametricPoint {
     /// Q.
     pub point: [f64; 3],
     /// Its first and second derivatives.
     pub derivatives: Derivatives,
 }
 
-impl SpacePoint {
-    /// `Q_u x Q_v`: towards the free side, as long as the map's Jacobian.
+impl ParametricPoint {
+    /// `Q_u x Q_v`: it points to the free side, and its length is the Jacobian of the map.
     pub fn area_vector(&self) -> [f64; 3] {
         let (u, v) = (self.derivatives.u, self.derivatives.v);
         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
     }
 
-    /// Curvatures and directions; `None` where the map has no tangent plane.
+    /// Principal curvatures and directions; `None` where the surface has no tangent plane.
     pub fn principal(&self) -> Option<Principal> {
         principal_curvatures(&self.derivatives)
     }
 }
 
 /// A tensor-product B-spline map into space.
+///
+/// ```
+/// use palpate::spline::Knots;
+/// use palpate::spline::Parametric;
+///
+/// // a tube of radius about 1 and length 1: u closes in 8 segments, v is straight
+/// let knots = [Knots::closed(3, 8, 0.0, 8.0)?, Knots::uniform(1, 1, 0.0, 1.0)?];
+/// let ring = |z: f64| move |i: i32| {
+///     let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
+///     [cos, sin, z]
+/// };
+/// let free: Vec<[f64; 3]> = (0..8).flat_map(|i| [ring(0.0)(i), ring(1.0)(i)]).collect();
+/// let tube = Parametric::from_free(knots, &free)?;
+/// let here = tube.at(8.5, 0.5);
+/// assert_eq!(here, tube.at(0.5, 0.5));
+/// assert!((here.point[2] - 0.5).abs() < 1e-15 && here.principal().is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "SavedSurface<[f64; 3]>", try_from = "SavedSurface<[f64; 3]>"))]
 pub struct Parametric {
     knots: [Knots; 2],
     coefficients: Array2<[f64; 3]>,
@@ -83,8 +105,8 @@ impl Parametric {
         &self.coefficients
     }
 
-    /// Point and derivatives at (u, v): closed directions wrap, in open ones the end polynomials go on.
-    pub fn at(&self, u: f64, v: f64) -> SpacePoint {
+    /// Point and derivatives at (u, v). Closed directions wrap; in open ones the end polynomials are extended.
+    pub fn at(&self, u: f64, v: f64) -> ParametricPoint {
         let (bu, bv) = (self.knots[0].basis(self.knots[0].wrapped(u)), self.knots[1].basis(self.knots[1].wrapped(v)));
         let mut out = [[0.0; 3]; 6];
         for a in 0..=self.knots[0].degree() {
@@ -101,7 +123,7 @@ impl Parametric {
             }
         }
         let [point, u, v, uu, uv, vv] = out;
-        SpacePoint { point, derivatives: Derivatives { u, v, uu, uv, vv } }
+        ParametricPoint { point, derivatives: Derivatives { u, v, uu, uv, vv } }
     }
 
     /// The same surface under `P -> origin + scale P` with parameters scaled alike: `(u, v) -> scale (u, v)`.
@@ -111,6 +133,23 @@ impl Parametric {
     pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<Parametric, SurfaceError> {
         let knots = [self.knots[0].mapped(0.0, 1.0 / scale)?, self.knots[1].mapped(0.0, 1.0 / scale)?];
         Parametric::new(knots, self.coefficients.mapv(|c| [0, 1, 2].map(|k| origin[k] + scale * c[k])))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Parametric> for SavedSurface<[f64; 3]> {
+    fn from(surface: Parametric) -> SavedSurface<[f64; 3]> {
+        SavedSurface::of(&surface.knots, &surface.coefficients)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SavedSurface<[f64; 3]>> for Parametric {
+    type Error = SurfaceError;
+
+    fn try_from(saved: SavedSurface<[f64; 3]>) -> Result<Parametric, SurfaceError> {
+        let (knots, coefficients) = saved.read()?;
+        Parametric::new(knots, coefficients)
     }
 }
 

@@ -1,4 +1,8 @@
-//! S and R of a height field over a whole grid of points, row by row, derivatives never leaving the first-level cache.
+//! S and R of a height field over a whole grid of points, row by row; derivatives stay in the first-level cache.
+//!
+//! ```text
+//! S, S_x, .., S_yy of one x at all y:  sum_b (sum_a c_ab N_a^(k)(x)) M_b^(l)(y),  M_b a Taylor polynomial per segment
+//! ```
 
 use std::sync::Mutex;
 
@@ -7,6 +11,20 @@ use crate::bspline::Knots;
 use crate::simd::{Isa, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
 
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
+///
+/// ```
+/// use palpate::spline::{Knots, linspace};
+/// use palpate::spline::CurvatureGrid;
+///
+/// // z = x^2 is a rut along y: S = -1/2
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let points = linspace(-0.5, 0.5, 4);
+/// let mut grid = CurvatureGrid::new(&[axis.clone(), axis], &points, &points);
+/// let (mut s, mut r) = ([0.0; 16], [0.0; 16]);
+/// grid.maps(&[1.0, 1.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0], &mut s, &mut r);
+/// assert!(s.iter().all(|s| (s + 0.5).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct CurvatureGrid {
     pieces: RowPieces,
@@ -15,12 +33,26 @@ pub struct CurvatureGrid {
     basis: [Vec<f64>; 3],
     width: usize,
     columns: usize,
-    /// One for every thread that is at work: each stays in the cache of its own.
+    /// One for every thread at work, so that each stays in the cache of its thread.
     scratch: Mutex<Vec<RowScratch>>,
 }
 
-/// Rows of points that one task takes: long enough to pay for handing it over, short enough to share evenly.
+/// Rows of points of one task: enough to pay for handing it over, few enough to share the work evenly.
 const ROWS: usize = 32;
+
+impl Clone for CurvatureGrid {
+    /// The same points; the clone makes buffers of its own as it needs them.
+    fn clone(&self) -> CurvatureGrid {
+        CurvatureGrid {
+            pieces: self.pieces.clone(),
+            first: self.first.clone(),
+            basis: self.basis.clone(),
+            width: self.width,
+            columns: self.columns,
+            scratch: Mutex::default(),
+        }
+    }
+}
 
 impl CurvatureGrid {
     /// Prepares the points `x` by `y` (y ascending) under `knots`.
@@ -52,7 +84,7 @@ impl CurvatureGrid {
         self.range(0, coefficients, shape_index, curvedness);
     }
 
-    /// Height and derivatives along every row of points, one after the other: `row(i, [S, S_x, S_y, S_xx, S_xy, S_yy])`.
+    /// Height and derivatives along every row of points, in order: `row(i, [S, S_x, S_y, S_xx, S_xy, S_yy])`.
     ///
     /// # Panics
     /// When `coefficients` are fewer than the knots' basis functions.
@@ -79,7 +111,7 @@ impl CurvatureGrid {
         }
     }
 
-    /// The short way of a small grid on one segment; `false` where this is none.
+    /// Evaluates a small grid on one segment at once; `false` where the grid is not of this kind.
     fn on_one_segment(&self, coefficients: &[f64], shape_index: &mut [f64], curvedness: &mut [f64]) -> bool {
         let points = self.first.len() * self.pieces.len();
         let (Some(&first), Some(column)) = (self.first.first(), self.pieces.only_segment()) else { return false };
@@ -108,7 +140,7 @@ impl CurvatureGrid {
             let half = rows.div_ceil(ROWS) / 2 * ROWS;
             let (s_a, s_b) = s.split_at_mut(half * m);
             let (r_a, r_b) = r.split_at_mut(half * m);
-            rayon::join(|| self.range(from, c, s_a, r_a), || self.range(from + half, c, s_b, r_b));
+            crate::threads::join(|| self.range(from, c, s_a, r_a), || self.range(from + half, c, s_b, r_b));
             return;
         }
         let mut scratch = self.take_scratch();

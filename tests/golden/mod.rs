@@ -3,6 +3,9 @@
 #![allow(dead_code, reason = "a test and a bench share this file, and each reads other fields")]
 
 pub mod judge;
+pub mod radius;
+pub mod record;
+pub mod table;
 
 use std::path::PathBuf;
 

@@ -4,10 +4,10 @@
 //! {r + E c = b, E'r = 0}      backward error   max_i |residual|_i / (|M||v| + |f|)_i     (Oettli and Prager 1964)
 //! ```
 //!
-//! r is a variable of that system: it is taken orthogonal to E, so an exact fit is judged by its rounding and not by
-//! the direction of a residual that is nothing but rounding. Rows whose own terms are all but zero are measured against
-//! `|E_i|_1 max|c|` (M. Arioli, J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), for there the plain
-//! ratio compares rounding with rounding.
+//! r is a variable of that system. It is made orthogonal to E, because the residual of an exact fit is nothing but rounding
+//! and its direction means nothing. Rows whose own terms nearly vanish are measured against `|E_i|_1 max|c|` (M. Arioli,
+//! J. Demmel and I. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165), because the plain ratio would compare rounding with
+//! rounding.
 
 use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
 use crate::fit::linear::solution::Solution;
@@ -18,7 +18,7 @@ use crate::simd::{RowSums, add_lanes};
 const SUSPICIOUS: f64 = 1e-13;
 /// Arioli, Demmel and Duff: denominators below this many roundings of the row's norm are replaced by it.
 const TINY: f64 = 1e3 * f64::EPSILON;
-/// The first correction of r is itself only accurate to condition^2 u; above this condition a second one is worth its cost.
+/// The first correction of r has a relative error of condition^2 u; above this condition a second one is worth its cost.
 const CORRECT_TWICE: f64 = 1e4;
 
 /// The backward error and the sizes it is relative to.
@@ -67,7 +67,7 @@ pub fn backward(solved: &Solved) -> Backward {
     }
 }
 
-/// v, the part of the computed residual in the span of E; `columns` is room for its sums.
+/// v, the part of the computed residual in the span of E; `columns` is a buffer for its sums.
 fn span(
     passes: &mut RowPasses,
     solution: &Solution,

@@ -8,9 +8,8 @@
 //! ```
 //!
 //! The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
-//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, taken in the direction that is asked about instead of the
-//! worst one: on small problems it promises about two digits more, and v allows for the second order. The smaller bound
-//! is used.
+//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
+//! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
 
 use crate::fit::certificate::backward::Backward;
 use crate::fit::linear::reasons::MethodUsed;
@@ -21,9 +20,9 @@ use crate::simd::{BoundTerms, DirectedTerms};
 const ESTIMATOR: f64 = 10.0;
 /// Unit roundoff 2^-53. Placing data and knots in the patch frame rounds each of them: no backward error is below this.
 pub const PLACING: f64 = 0.5 * f64::EPSILON;
-/// Unknowns up to which A^-1 is written out: n^3 multiplications against the fit's g n^2.
+/// Unknowns up to which A^-1 is written out, at n^3 multiplications; the fit itself takes g n^2.
 const INVERTED: usize = 100;
-/// Condition up to which A^-1 has digits enough for a bound: had from Cholesky of the normal matrix, and from R of the rows.
+/// Condition up to which A^-1 has enough digits for a bound, by Cholesky of the normal matrix and by R of the rows.
 const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// What bounds a linear functional of the coefficients.
@@ -37,7 +36,7 @@ pub struct Bound {
     directed: Option<Directed>,
 }
 
-/// The bound in the direction asked about.
+/// What the bound in one direction g needs.
 struct Directed {
     /// A^-1, row by row, and `|E|'|r|` after it.
     inverse: Vec<f64>,
@@ -71,14 +70,14 @@ impl Bound {
         inverse.iter_mut().for_each(|d| *d /= largest);
         let moved = moved + remaining * size;
         let directed = Directed::new(solved, backward, remaining);
-        // a NaN is no answer
+        // a NaN compares as false, which keeps the plain bound
         let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);
         Some(Bound { inverse, moved, is_plain, directed })
     }
 }
 
 impl Directed {
-    /// `None` where A^-1 is dear, not to be trusted, or not the inverse of E'E.
+    /// `None` where A^-1 is too expensive, too inaccurate, or not the inverse of E'E.
     fn new(solved: &Solved, backward: &Backward, remaining: f64) -> Option<Directed> {
         let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
         let condition = solved.condition();
@@ -126,7 +125,7 @@ impl Directed {
 }
 
 impl Bound {
-    /// What the kernel needs of it.
+    /// The terms for the kernel that bounds many functionals at once.
     pub fn terms(&self) -> BoundTerms<'_> {
         let directed = self.directed.as_ref().map(|d| {
             let (matrix, weights) = d.parts();

@@ -73,7 +73,8 @@ fn at_points(solved: &Solved, shape: &Shape, bound: &Bound) -> [f64; 2] {
     worst
 }
 
-/// Whether a bound is not below the worst so far; few rows have one, and only those ask where S is defined and supported.
+/// Whether a bound is above the worst so far. Few rows of the grid have one, and only for those is it looked up where S is
+/// defined and supported.
 fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
     let mut any = false;
     for (found, worst) in found.iter().zip(worst) {
@@ -85,15 +86,16 @@ fn exceeds(found: &OfKinds, worst: [f64; 2]) -> bool {
     any
 }
 
-/// The worst bounds with those of the first `count` points in it that are asked for; NaN is the worst of all.
-fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, is_asked: impl Fn(usize) -> bool) -> [f64; 2] {
-    for l in (0..count).filter(|l| is_asked(*l)) {
+/// The worst bounds after those of the first `count` points that count; NaN is the worst of all.
+fn raised(mut worst: [f64; 2], found: &OfKinds, count: usize, counts: impl Fn(usize) -> bool) -> [f64; 2] {
+    for l in (0..count).filter(|l| counts(*l)) {
         (0..2).for_each(|k| worst[k] = maximum(worst[k], found[k][l]));
     }
     worst
 }
 
-/// Whether a gap `k1 - k2` among them is within what rounding and errors of at most `moved |D_k(N M)|_2` open.
+/// Whether the gap `k1 - k2` of any of the eight points is no larger than rounding and errors of at most
+/// `moved |D_k(N M)|_2` can make it.
 fn may_be_umbilic(eight: &EightPoints, moved: f64) -> bool {
     let PointShapes { difference, bend, opening, .. } = eight.shapes;
     let [of_second, of_first] = eight.spans.map(|span| moved * span);
@@ -105,7 +107,8 @@ fn may_be_umbilic(eight: &EightPoints, moved: f64) -> bool {
     any
 }
 
-/// At an umbilic S has a kink that its gradient does not see: a gap within its own error opens by as much.
+/// At an umbilic S has a kink, which its gradient does not show: a gap smaller than its own error may be as large as that
+/// error.
 #[cold]
 fn add_kinks(
     eight: &EightPoints,

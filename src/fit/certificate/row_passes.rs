@@ -8,7 +8,7 @@
 //! visit. Sums that belong to columns are kept per cell and added to the unknowns when the visit leaves the cell.
 
 use crate::fit::linear::equations::Equations;
-use crate::linalg::{SiteBlocks, SiteRows, Sites};
+use crate::linalg::{SiteGroups, SiteRows, Sites};
 use crate::simd::{
     CellSites, CellVectors, ColumnSums, Isa, RowSums, SiteLanes, add_lanes, columns_pass, last_pass, norms_pass,
     products_pass,
@@ -30,7 +30,7 @@ pub struct RowPasses<'a> {
     equations: &'a Equations,
     c: &'a [f64],
     isa: Isa,
-    blocks: SiteBlocks,
+    groups: SiteGroups,
     cell: Cell,
 }
 
@@ -87,8 +87,8 @@ impl Cell {
 impl<'a> RowPasses<'a> {
     /// Visits of the rows of `equations` with the coefficients `c`.
     pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
-        let (blocks, cell) = (SiteBlocks::new(&equations.sites), Cell::new(equations));
-        RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), blocks, cell }
+        let (groups, cell) = (SiteGroups::new(&equations.sites), Cell::new(equations));
+        RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), groups, cell }
     }
 
     /// `E'r`, the other sums left at zero; an empty `v` stands for zeros.
@@ -127,7 +127,7 @@ impl<'a> RowPasses<'a> {
         home: &mut [ColumnTotals],
         mut pass: impl FnMut(&CellSites, &CellVectors, &mut [ColumnSums]),
     ) {
-        let RowPasses { equations, blocks, cell, .. } = self;
+        let RowPasses { equations, groups, cell, .. } = self;
         let mut eight = |first: [usize; 2], sites: &CellSites, targets: [&SiteLanes; 3]| {
             cell.enter(first, vectors, home);
             let [c, v] = match cell.parts.split_at_checked(cell.sums.len()) {
@@ -140,8 +140,8 @@ impl<'a> RowPasses<'a> {
             Some((cells, rows)) => cells.visit(rows, eight),
             None => {
                 let Equations { sites, row_weights, targets, .. } = equations;
-                blocks.visit(&SiteRows { sites, row_weights, targets }, |block| {
-                    eight(block.first, &block.lanes, block.targets)
+                groups.visit(&SiteRows { sites, row_weights, targets }, |block| {
+                    eight(block.first, &block.sites, block.targets)
                 });
             }
         }

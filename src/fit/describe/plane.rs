@@ -12,14 +12,14 @@ use crate::solve::PivotedQr;
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
-/// From this many sites on the rows are not written out: their QR takes longer than the fit, and three dense columns of a
-/// million contacts are 72 MB.
+/// From this many sites on the rows are not written out, because their QR takes longer than the fit, and three dense
+/// columns of a million contacts take 72 MB.
 const MANY: usize = 500;
-/// Squared pivots of the equilibrated 3 x 3 matrix below this leave too few digits for refinement to gain any: the
-/// rows are written out after all.
+/// Squared pivots of the equilibrated 3 x 3 matrix below this leave too few digits for refinement; then the rows are written
+/// out after all.
 const POOR: f64 = 1e-8;
 
-/// After a step of this share the next would be below the last bit.
+/// After a refinement step of this share the next would be below the last bit.
 const GAINED: f64 = 1e-9;
 
 /// What the best plane leaves.
@@ -27,8 +27,8 @@ const GAINED: f64 = 1e-9;
 pub struct PlaneFit {
     /// Sum of squares of the weighted residual rows.
     pub squares: f64,
-    /// No row is off by more than the rounding of its own terms and of the heights as the user gave them: such data are
-    /// a plane, whatever an F ratio of two roundings says.
+    /// Whether every residual is within the rounding of its own terms and of the heights as given. Such data are a plane,
+    /// although an F ratio of two roundings may be large.
     pub is_rounding: bool,
 }
 
@@ -52,8 +52,8 @@ impl Tally {
     }
 }
 
-/// The least squares plane under the fit's weights. With normal rows the weights are those of the fitted surface's, so a surface
-/// far from a plane is compared with the plane under its own weights. `largest` height of the data in patch units.
+/// The least squares plane under the fit's weights; with normal rows these are the weights linearised about the fitted
+/// surface. `largest` is the largest magnitude of a height in patch units.
 pub fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     if equations.sites.len() >= MANY
         && let Some(plane) = of_many(equations, largest)
@@ -63,8 +63,8 @@ pub fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     of_few(equations, largest)
 }
 
-/// The columns are written from the sites' places, so that the slope rows of the constant are zeros and not rounding: a
-/// column of roundings would be fitted like any other.
+/// The columns are written from the sites' places, so that the slope rows of the constant are exactly zero: a column of
+/// rounding errors would be fitted like any other.
 fn of_few(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     let rows = Rows::new(equations);
     let count = 3 * equations.sites.len();
@@ -150,7 +150,7 @@ fn of_many(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     let solve = equilibrated_cholesky(gram)?;
     let size = |v: [f64; 3]| v.into_iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let mut c = solve(right);
-    // each step gains what the condition leaves of the digits: a second only where the first has not taken them all
+    // a second step only where the first has not gained all digits
     for _ in 0..2 {
         let mut right = [0.0; 3];
         rows.each(|_, row, target| {

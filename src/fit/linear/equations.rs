@@ -157,7 +157,7 @@ pub fn data_normal_matrix(sites: &DataSites, row_weights: &RowWeights) -> Stenci
 /// Many scattered contacts packed by knot cells; `None` for few, for grids and for degrees above 3.
 pub fn packed_cells(sites: &DataSites) -> Option<&PackedCells> {
     match sites {
-        DataSites::Scattered(scattered) if scattered.go_by_cells() => scattered.lanes(),
+        DataSites::Scattered(scattered) if scattered.uses_packed_cells() => scattered.packed_cells(),
         _ => None,
     }
 }

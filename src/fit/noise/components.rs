@@ -24,7 +24,8 @@ use crate::linalg::Sites;
 pub const CONVERGED: f64 = 1e-10;
 /// Relative move of the sds below which they have converged.
 const SDS_CONVERGED: f64 = 1e-6;
-/// Steps at most: the iteration contracts slowly where both kinds of rows tell the same; 300 reach 1e-6 at 0.95 a step.
+/// Steps at most. The iteration is slow where both kinds of rows determine the same part of the surface; 300 steps reach
+/// 1e-6 where each leaves 0.95 of the error.
 const MAX_STEPS: usize = 300;
 /// An intermediate fit may end with a step of this share of the sds' last move; what it leaves is smaller by the
 /// contraction of Gauss-Newton again, and does not mislead the secant.
@@ -50,7 +51,7 @@ pub struct Trial {
     pub steps: usize,
 }
 
-/// Sds that the data tell, and the fit at them.
+/// The estimated sds, and the fit at them.
 pub struct Estimate {
     /// The sds.
     pub sds: RowSds,

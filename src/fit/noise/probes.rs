@@ -1,8 +1,8 @@
 //! Probes of Hutchinson's estimator `tr A^-1 B = mean z' A^-1 B z` over z of signs (M. F. Hutchinson, *Commun. Stat. Simul.
 //! Comput.* 18 (1989) 1059).
 
-/// Signs from Knuth's MMIX generator, one probe after another: any fixed sequence will do, and the result must not depend
-/// on a seed.
+/// Signs from Knuth's MMIX generator, one probe after another. Any fixed sequence will do; it has no seed, so that a fit is
+/// a function of its data and options alone.
 pub struct Signs(u64);
 
 impl Signs {

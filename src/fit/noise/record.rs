@@ -1,4 +1,4 @@
-//! What a fit knows of its noise: sds, or weights under which the residuals tell the sds to whoever asks.
+//! What a fit knows of its noise: sds, or weights with the residuals from which the sds are computed on demand.
 //!
 //! ```text
 //! s_b^2 = |weighted residuals of kind b|^2 / (rows_b - trace H_b)          sd of kind b = s_b / weight_b

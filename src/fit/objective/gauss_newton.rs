@@ -1,8 +1,8 @@
 //! Normal rows: Gauss-Newton on `sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2`, with step control.
 //!
-//! Each step is the same sparse least squares with new rows. It starts from the heights alone (from slope rows where
-//! they are too few) and stops when no coefficient moves by more than 1e-10 of the largest; the answer that is handed out
-//! is then polished until rounding moves it, for steps contract linearly and 1e-10 of a move is not 1e-10 of an error.
+//! Each step is the same sparse least squares with new rows. The iteration starts from the heights alone (from slope rows
+//! where they are too few) and stops when no coefficient moves by more than 1e-10 of the largest. The final answer is then
+//! polished until its steps are rounding: the steps contract linearly, so after a step of 1e-10 the error may be larger.
 
 use crate::fit::linear;
 use crate::fit::linear::equations::{Equations, packed_cells};
@@ -14,11 +14,12 @@ use crate::fit::{FitError, Method};
 use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
 use crate::observation::{angular_residual_squared, linearise_normals};
 
-/// Poor normals contract by a third a step, so 1e-10 takes some 25 steps; 200 means there is no minimum nearby.
+/// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
+/// nearby.
 const MAX_STEPS: usize = 200;
-/// Halvings of one step; 2^-30 of a Gauss-Newton step that does not go down is a stationary point to rounding.
+/// Halvings of one step at most: where 2^-30 of it does not lower the objective, the point is stationary to rounding.
 const MAX_HALVINGS: usize = 30;
-/// Steps of polishing at most: with the extrapolation between them each gains one to four digits of the last six.
+/// Polishing steps at most: each, with the extrapolation between them, gains one to four of the last six digits.
 const MAX_POLISH: usize = 8;
 /// A move this small is rounding.
 const POLISHED: f64 = 8.0 * f64::EPSILON;
@@ -46,7 +47,7 @@ pub struct NormalProblem<'a> {
     pub measured: &'a Measured,
     /// Noise sds.
     pub sds: RowSds,
-    /// `lambda` and P.
+    /// `lambda` and `P` of the roughness penalty.
     pub roughness: Option<(f64, StencilMatrix)>,
     /// Linear solver.
     pub method: Method,
@@ -54,8 +55,11 @@ pub struct NormalProblem<'a> {
 
 impl NormalProblem<'_> {
     /// Minimises from `start`, or from heights alone, until a step moves by no more than `tolerance` of the largest
-    /// coefficient. The equations are those of that step, about the coefficients before it: [`NormalProblem::polish`]
-    /// hands on what belongs to the answer.
+    /// coefficient. The equations returned are those of that step, linearised about the coefficients before it;
+    /// [`NormalProblem::polish`] replaces them by equations about the answer.
+    ///
+    /// # Errors
+    /// [`FitError::NotSettled`], or where a linear step has no solution.
     pub fn minimise(&self, start: Option<&[f64]>, tolerance: f64) -> Result<Minimum, FitError> {
         let mut current = match start {
             Some(c) => c.to_vec(),
@@ -79,8 +83,11 @@ impl NormalProblem<'_> {
         Err(FitError::NotSettled { steps: MAX_STEPS, moved })
     }
 
-    /// Full steps from a found answer until rounding moves it. Between two of them the contraction `rho` that they show
-    /// is summed up, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
+    /// Full steps from a minimum found roughly, until they are rounding. After two steps their contraction `rho` gives the
+    /// sum of all that would follow, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
+    ///
+    /// # Errors
+    /// Where a linear step has no solution.
     pub fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let mut from = found.solution.coefficients.clone();
@@ -103,7 +110,7 @@ impl NormalProblem<'_> {
             }
             let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
             from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
-            // a step after an extrapolation says nothing of the contraction
+            // the step after an extrapolation does not show the contraction
             before = (rho == 0.0).then_some(step);
         }
         Ok(found)
@@ -114,7 +121,7 @@ impl NormalProblem<'_> {
         for _ in 0..MAX_HALVINGS {
             let next: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
             let next_value = self.objective(&next);
-            // equality to rounding is progress enough near the minimum
+            // near the minimum the objective is equal to rounding, which is accepted
             if next_value <= value * (1.0 + 1e-14) {
                 return (next, next_value);
             }
@@ -169,10 +176,10 @@ impl NormalProblem<'_> {
         Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
     }
 
-    /// `visit(site, [S, S_x, S_y])` for every site, in the order of the cells.
+    /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
     fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
-        if let Some(lanes) = packed_cells(self.sites) {
-            return lanes.values(c, visit);
+        if let Some(cells) = packed_cells(self.sites) {
+            return cells.values(c, visit);
         }
         let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
         self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));

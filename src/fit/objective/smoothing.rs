@@ -4,8 +4,8 @@
 //! G(lambda) = N |b - E c|^2 / (N - trace H)^2,   H = E (E'E + lambda P)^-1 E'
 //! ```
 //!
-//! P. Craven and G. Wahba, Numer. Math. 31 (1979). Cross-validation and not REML: it needs no model of the surface's own
-//! variance. It assumes rows with independent errors; correlated ones (normals from overlapping neighbourhoods) make
+//! P. Craven and G. Wahba, Numer. Math. 31 (1979). It is used instead of REML because it needs no model of the surface's own
+//! variance. It assumes rows with independent errors; correlated errors (normals from overlapping neighbourhoods) make
 //! lambda too small.
 
 use crate::fit::linear;
@@ -52,7 +52,7 @@ pub fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<
     Ok(fitted)
 }
 
-/// Minimum of a function with one valley in `[lo, hi]`.
+/// Minimum of a function with a single minimum in `[lo, hi]`, by golden section.
 fn golden(mut lo: f64, mut hi: f64, f: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut left, mut right) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));

@@ -1,6 +1,7 @@
 //! The local frame: z along the mean normal, y along the sweep (or the first principal direction), x = y cross z.
 
 use crate::contact::Contacts;
+use crate::vector::{cross, dot, norm, reject, unit};
 
 /// Rows are the patch's x, y, z axes. The sweep direction is the sum over the fingers of the vectors from first to last
 /// station; without stations it is the first principal direction of the contacts across the mean normal.
@@ -61,27 +62,4 @@ fn principal_direction(contacts: &Contacts, z: [f64; 3]) -> [f64; 3] {
     let direction = [0, 1, 2].map(|k| angle.cos() * u[k] + angle.sin() * v[k]);
     let largest = direction.iter().fold(0.0_f64, |m, w| if w.abs() > m.abs() { *w } else { m });
     direction.map(|w| w * 1.0_f64.copysign(largest))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|w| w / length)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The part of `a` perpendicular to the unit vector `z`.
-fn reject(a: [f64; 3], z: [f64; 3]) -> [f64; 3] {
-    let along = dot(a, z);
-    [0, 1, 2].map(|k| a[k] - along * z[k])
 }

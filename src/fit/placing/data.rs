@@ -51,7 +51,7 @@ impl Data {
     /// Contacts in patch coordinates. Many contacts are sorted by knot cells once, because the cells are visited many times
     /// and reading contacts in the user's order would jump through memory at every visit.
     pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
-        if !ScatteredSites::many_go_by_cells(contacts.len(), &patch.knots) {
+        if !ScatteredSites::worth_packing(contacts.len(), &patch.knots) {
             return Data::Scattered { contacts, numbers: None };
         }
         let CellNumbers { order, .. } = CellNumbers::of(&patch.knots, &points(&contacts));

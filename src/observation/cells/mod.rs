@@ -6,9 +6,9 @@
 //!     t: values  wz^2  (N N, M M);   slopes  a^2 (N'N', M M),  a b (N'N, M M') + (N N', M'M),  b^2 + d^2 (N N, M'M')
 //! ```
 //!
-//! Contacts are put into stripes (one x segment each) by a stable counting sort fused with the gather, and within a
-//! stripe into cells by their number alone, so each is moved once. Stripes are summed in a fixed number of panels whose
-//! overlaps are added in order: the bits do not depend on the number of threads.
+//! A stable counting sort copies the contacts into stripes of one x segment each; within a stripe only their numbers are
+//! sorted into cells, so each contact is copied once. Stripes are summed in a fixed number of panels whose overlaps are
+//! added in order, so the bits do not depend on the number of threads.
 
 mod packed;
 mod sorting;
@@ -27,25 +27,21 @@ use sums::Scratch;
 use tables::{Axis, AxisTables, XTables, YTables, squares_of};
 use target::Overlap;
 
-/// Panels that the stripes are shared into: enough for the threads of a desktop, few enough that their overlaps are
-/// a small part of the matrix.
+/// Number of panels into which the stripes are divided: enough for the threads of a desktop, and few enough that their
+/// overlaps are a small part of the matrix.
 const PANELS: usize = 8;
-/// Numbers that a contact takes along: x, y and the three loads, and then the four squares of its row weights.
+/// Numbers of a contact's record: x, y and the three loads, and, if weights differ, the four squares of its row weights.
 const UNIFORM: usize = 5;
 const WEIGHTED: usize = 9;
 
-/// Contacts as the assembly sees them: where, and what their rows should be.
+/// Contacts as the assembly reads them: their positions and loads.
 ///
-/// A trait, not closures: a method that is always inlined writes a record without a detour over the stack, which
-/// costs more than everything else about a contact (a failed store-to-load forwarding).
+/// This is a trait and not a pair of closures because a method that is always inlined writes a record directly. Through the
+/// stack it would cost a failed store-to-load forwarding, which is more than all other work for a contact.
 pub trait CellRows: Sync {
     /// Number of contacts.
     fn len(&self) -> usize;
-    /// No contacts.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-    /// x and y of contact r, the knots' coordinates.
+    /// x and y of contact r, in the coordinates of the knots.
     fn at(&self, r: usize) -> [f64; 2];
     /// `E'b`'s multipliers of `N M`, `N'M`, `N M'`: `wz b_z`, `a b_1`, `b b_1 + d b_2`.
     fn loads(&self, r: usize) -> [f64; 3];
@@ -65,8 +61,24 @@ pub struct CellAssembly {
     scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
+impl Clone for CellAssembly {
+    /// The same tables; the clone makes buffers of its own as it needs them.
+    fn clone(&self) -> CellAssembly {
+        CellAssembly {
+            shape: self.shape,
+            x: self.x.clone(),
+            y: self.y.clone(),
+            knots: self.knots.clone(),
+            stripes: self.stripes.clone(),
+            overlaps: self.overlaps.clone(),
+            panels: self.panels.clone(),
+            scratch: Mutex::default(),
+        }
+    }
+}
+
 impl CellAssembly {
-    /// Tables for these knots; `None` where a degree is above [`MAX_MOMENT_DEGREE`] (then the rows are summed).
+    /// Tables for these knots; `None` if a degree is above [`MAX_MOMENT_DEGREE`]; then the equations are summed over rows.
     pub fn new(knots: [Knots; 2]) -> Option<CellAssembly> {
         if knots.iter().any(|k| k.degree() > MAX_MOMENT_DEGREE) {
             return None;
@@ -106,6 +118,7 @@ impl CellAssembly {
     }
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
+    #[cfg(test)]
     pub fn assemble(
         &mut self,
         row_weights: &RowWeights,
@@ -118,7 +131,7 @@ impl CellAssembly {
         self.add(row_weights, rows, matrix, right);
     }
 
-    /// `matrix += E'E` and `right += E'b`: contacts that come in pieces, none of which is kept.
+    /// `matrix += E'E` and `right += E'b`, for contacts that arrive in pieces and are not kept.
     pub fn add(
         &mut self,
         row_weights: &RowWeights,
@@ -156,11 +169,11 @@ impl CellAssembly {
 }
 
 impl CellAssembly {
-    /// `matrix += E'E` of contacts that are in their cells already: with the bits of [`CellAssembly::add`].
-    pub fn add_packed(&mut self, row_weights: &RowWeights, lanes: &PackedCells, matrix: &mut StencilMatrix) {
+    /// `matrix += E'E` of packed cells, with the same bits as [`CellAssembly::add`].
+    pub fn add_packed(&mut self, row_weights: &RowWeights, packed: &PackedCells, matrix: &mut StencilMatrix) {
         let mut nothing = vec![0.0; matrix.order()];
         self.sum_panels(matrix, &mut nothing, &|own, stripe, scratch, target| {
-            own.lane_stripe(stripe, row_weights, lanes, scratch, target);
+            own.packed_stripe(stripe, row_weights, packed, scratch, target);
         });
     }
 }
@@ -229,8 +242,8 @@ mod tests {
             cells.assemble(&site_weights, &given, &mut matrix, &mut right);
         }
         let mut again = StencilMatrix::zeros(shape);
-        if let Some(lanes) = sites.lanes() {
-            cells.add_packed(&site_weights, lanes, &mut again);
+        if let Some(packed) = sites.packed_cells() {
+            cells.add_packed(&site_weights, packed, &mut again);
             assert!(again == matrix, "contacts that are in their cells already: other bits");
         }
         let diagonal = expected.diagonal();
@@ -244,7 +257,7 @@ mod tests {
         println!(
             "degree {degree:?} contacts {count}: matrix {worst:.1e} of its diagonal, right side {worst_right:.1e}"
         );
-        // measured 2e-15: centred powers up to the sixth cost a few roundings, no more
+        // measured 2e-15: centred powers up to the sixth cost a few roundings
         assert!(worst < 1e-14 && worst_right < 1e-14, "{worst:e} {worst_right:e}");
     }
 

@@ -1,11 +1,11 @@
-//! The contacts of every cell side by side, put there once for all visits of their rows.
+//! Packed cells: the contacts of every knot cell stored side by side in groups of eight, for all passes over their rows.
 //!
 //! ```text
 //! on a cell   S = sum_ij s_ij u^i v^j     s = X' c Y     X, Y: the basis functions' own powers, (p + 1) x 4 and (q + 1) x 4
 //! E'r         += X G Y'                   G_ij = sum_r of the cell: see crate::simd::cell_products
 //! ```
 //!
-//! A contact in the user's order is a walk through memory at every visit; in the cells' order it is read once, in turn.
+//! In the user's order every pass would jump through memory; in the order of the cells it reads memory from start to end.
 
 use super::tables::AxisTables;
 use crate::bspline::Knots;
@@ -15,16 +15,16 @@ use crate::simd::{
     cell_squares, cell_values,
 };
 
-/// Where contacts lie in their cells, by eights; the last eight of a cell are filled up with nothing.
+/// Local coordinates of the contacts of every cell, in groups of eight. Unused lanes of a cell's last group are zero.
 #[derive(Debug)]
 pub struct PackedCells {
     shape: TensorShape,
     axes: [AxisTables; 2],
-    /// Cells in y.
+    /// Number of cells in y.
     across: usize,
-    /// First eight of every cell, x segment by x segment, and the end.
+    /// First group of every cell, x segment by x segment, and the end.
     starts: Vec<usize>,
-    /// Contacts of every cell.
+    /// Number of contacts of every cell.
     counts: Vec<usize>,
     /// Local coordinates.
     places: [Vec<SiteLanes>; 2],
@@ -32,7 +32,7 @@ pub struct PackedCells {
     numbers: Vec<[u32; SITES]>,
 }
 
-/// Weights and targets in the same order.
+/// Weights and targets in the order of [`PackedCells`].
 #[derive(Debug)]
 pub struct PackedRows {
     targets: [Vec<SiteLanes>; 3],
@@ -41,14 +41,13 @@ pub struct PackedRows {
 
 #[derive(Debug)]
 enum LaneWeights {
-    /// Of eight contacts, and of the first 1 to 7 of them, for a cell's last.
+    /// Weights of a full group, and of groups with 1 to 7 contacts, one of which ends a cell.
     Uniform(Box<[[SiteLanes; 4]; SITES]>),
     PerSite(Vec<[SiteLanes; 4]>),
 }
 
 impl PackedCells {
-    /// Contacts of every cell of these knots, their numbers one cell after the other in `order`; `None` above
-    /// [`MAX_MOMENT_DEGREE`].
+    /// Packs the contacts, whose numbers are given cell by cell in `order`; `None` above [`MAX_MOMENT_DEGREE`].
     pub fn new(knots: &[Knots; 2], points: &[[f64; 2]], order: &[u32], cell_starts: &[u32]) -> Option<PackedCells> {
         if knots.iter().any(|k| k.degree() > MAX_MOMENT_DEGREE) {
             return None;
@@ -63,19 +62,19 @@ impl PackedCells {
             *sum += count.div_ceil(SITES);
             Some(*sum)
         }));
-        let eights = starts[counts.len()];
-        let mut places = [vec![[0.0; SITES]; eights], vec![[0.0; SITES]; eights]];
-        let mut numbers = vec![[0; SITES]; eights];
+        let groups = starts[counts.len()];
+        let mut places = [vec![[0.0; SITES]; groups], vec![[0.0; SITES]; groups]];
+        let mut numbers = vec![[0; SITES]; groups];
         for (cell, &start) in starts[..counts.len()].iter().enumerate() {
             let segment = [cell / across, cell % across];
             let [(cx, hx), (cy, hy)] = [0, 1].map(|k| (axes[k].centre[segment[k]], axes[k].inverse_half[segment[k]]));
             let contacts = &order[cell_starts[cell] as usize..cell_starts[cell + 1] as usize];
             for (k, &number) in contacts.iter().enumerate() {
-                let (eight, lane) = (start + k / SITES, k % SITES);
+                let (group, lane) = (start + k / SITES, k % SITES);
                 let [x, y] = points[number as usize];
-                places[0][eight][lane] = (x - cx) * hx;
-                places[1][eight][lane] = (y - cy) * hy;
-                numbers[eight][lane] = number;
+                places[0][group][lane] = (x - cx) * hx;
+                places[1][group][lane] = (y - cy) * hy;
+                numbers[group][lane] = number;
             }
         }
         Some(PackedCells { shape, axes, across, starts, counts, places, numbers })
@@ -91,29 +90,30 @@ impl PackedCells {
 
     /// Weights and targets in the order of the cells.
     pub fn rows(&self, row_weights: &RowWeights, targets: &Targets) -> PackedRows {
-        let eights = self.numbers.len();
+        let groups = self.numbers.len();
         let mut made = PackedRows {
-            targets: [0; 3].map(|_| vec![[0.0; SITES]; eights]),
+            targets: [0; 3].map(|_| vec![[0.0; SITES]; groups]),
             weights: match row_weights {
-                RowWeights::Uniform(m) => LaneWeights::Uniform(Box::new(std::array::from_fn(|filled| {
+                RowWeights::Uniform(uniform) => LaneWeights::Uniform(Box::new(std::array::from_fn(|filled| {
                     let live = if filled == 0 { SITES } else { filled };
-                    [m.z, m.a, m.b, m.d].map(|w| std::array::from_fn(|lane| if lane < live { w } else { 0.0 }))
+                    [uniform.z, uniform.a, uniform.b, uniform.d]
+                        .map(|w| std::array::from_fn(|lane| if lane < live { w } else { 0.0 }))
                 }))),
-                RowWeights::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; eights]),
+                RowWeights::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; groups]),
             },
         };
         for (cell, &start) in self.starts[..self.counts.len()].iter().enumerate() {
             for k in 0..self.counts[cell] {
-                let (eight, lane) = (start + k / SITES, k % SITES);
-                let number = self.numbers[eight][lane] as usize;
+                let (group, lane) = (start + k / SITES, k % SITES);
+                let number = self.numbers[group][lane] as usize;
                 for (column, target) in made.targets.iter_mut().zip(targets[number]) {
-                    column[eight][lane] = target;
+                    column[group][lane] = target;
                 }
                 if let (LaneWeights::PerSite(weights), RowWeights::PerSite(site_weights)) =
                     (&mut made.weights, row_weights)
                 {
-                    let m = site_weights[number];
-                    for (column, weight) in weights[eight].iter_mut().zip([m.z, m.a, m.b, m.d]) {
+                    let w = site_weights[number];
+                    for (column, weight) in weights[group].iter_mut().zip([w.z, w.a, w.b, w.d]) {
                         column[lane] = weight;
                     }
                 }
@@ -122,28 +122,28 @@ impl PackedCells {
         made
     }
 
-    /// Visits all contacts by eights with the values of their basis functions: `visit(first basis functions, sites, b)`.
+    /// Visits all groups of contacts with the values of their basis functions: `visit(first basis functions, sites, b)`.
     pub fn visit(&self, rows: &PackedRows, mut visit: impl FnMut([usize; 2], &CellSites, [&SiteLanes; 3])) {
         let (isa, width) = (Isa::active(), self.shape.degree.map(|d| d + 1));
         let mut basis = vec![[0.0; SITES]; 2 * (width[0] + width[1])];
         for (cell, &count) in self.counts.iter().enumerate() {
             let segment = [cell / self.across, cell % self.across];
             let first = [0, 1].map(|k| self.axes[k].first[segment[k]]);
-            for eight in self.starts[cell]..self.starts[cell + 1] {
+            for group in self.starts[cell]..self.starts[cell + 1] {
                 let (x, y) = basis.split_at_mut(2 * width[0]);
                 let ((x, dx), (y, dy)) = (x.split_at_mut(width[0]), y.split_at_mut(width[1]));
                 for (k, [values, slopes]) in [[&mut *x, &mut *dx], [&mut *y, &mut *dy]].into_iter().enumerate() {
                     let (functions, inverse_half) =
                         (&self.axes[k].values[segment[k]], self.axes[k].inverse_half[segment[k]]);
-                    cell_basis(isa, functions, inverse_half, &self.places[k][eight], values, slopes);
+                    cell_basis(isa, functions, inverse_half, &self.places[k][group], values, slopes);
                 }
-                let is_last = eight + 1 == self.starts[cell + 1];
+                let is_last = group + 1 == self.starts[cell + 1];
                 let weights = match &rows.weights {
                     LaneWeights::Uniform(filled) => &filled[if is_last { count % SITES } else { 0 }],
-                    LaneWeights::PerSite(weights) => &weights[eight],
+                    LaneWeights::PerSite(weights) => &weights[group],
                 };
                 let sites = CellSites { x: [x, dx], y: [y, dy], weights };
-                visit(first, &sites, [0, 1, 2].map(|t| &rows.targets[t][eight]));
+                visit(first, &sites, [0, 1, 2].map(|t| &rows.targets[t][group]));
             }
         }
     }
@@ -181,8 +181,8 @@ impl PackedCells {
             cell_values(isa, &self.surface(segment, c), inverse_half, places, &mut found);
             let (_, numbers) = self.contacts(segment);
             for (k, &number) in numbers.iter().enumerate() {
-                let eight = &found[k / SITES];
-                visit(number as usize, [0, 1, 2].map(|t| eight[t][k % SITES]));
+                let group = &found[k / SITES];
+                visit(number as usize, [0, 1, 2].map(|t| group[t][k % SITES]));
             }
         }
     }
@@ -252,7 +252,7 @@ mod tests {
     use crate::linalg::{SiteWeights, Sites, apply_rows, descent, residuals};
     use crate::observation::ScatteredSites;
 
-    /// Slopes are as large as the segments are many.
+    /// Slopes of basis functions grow with the number of segments.
     fn size_of(segments: [usize; 2]) -> f64 {
         1.0 + segments[0].max(segments[1]) as f64
     }
@@ -267,16 +267,16 @@ mod tests {
             .collect();
         let targets: Targets = (0..count).map(|r| [1.0, 2.0, 3.0].map(|k| (k * r as f64).sin())).collect();
         let sites = ScatteredSites::new(knots, points);
-        let lanes = sites.lanes().unwrap();
-        let rows = lanes.rows(row_weights, &targets);
-        let unknowns = lanes.shape.unknowns();
+        let packed = sites.packed_cells().unwrap();
+        let rows = packed.rows(row_weights, &targets);
+        let unknowns = packed.shape.unknowns();
         let c: Vec<f64> = (0..unknowns).map(|u| (u as f64 * 0.7).cos()).collect();
         for (with_targets, given) in [(true, &targets), (false, &vec![[0.0; 3]; count])] {
             let mut expected = Targets::new();
             residuals(&sites, row_weights, given, &c, &mut expected);
             let squares =
                 expected.iter().fold([0.0, 0.0], |s, r| [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]]);
-            let found = lanes.squares(&rows, with_targets, &c);
+            let found = packed.squares(&rows, with_targets, &c);
             for block in 0..2 {
                 assert!((found[block] - squares[block]).abs() <= 1e-13 * squares[block], "{found:?} {squares:?}");
             }
@@ -284,7 +284,7 @@ mod tests {
         let plain = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
         let (mut visited, mut expected) = (0, Targets::new());
         apply_rows(&sites, &RowWeights::Uniform(plain), &c, &mut expected);
-        lanes.values(&c, |number, found| {
+        packed.values(&c, |number, found| {
             let size = size_of(segments);
             (0..3).for_each(|k| assert!((found[k] - expected[number][k]).abs() < 1e-14 * size, "{k} {found:?}"));
             visited += 1;
@@ -293,20 +293,23 @@ mod tests {
         let mut expected = Vec::new();
         sites.visit(|s| expected.push((s.first, s.index, [s.x, s.dx, s.y, s.dy].concat())));
         let mut next = expected.iter();
-        lanes.visit(&rows, |first, eight, b| {
-            let basis: Vec<&SiteLanes> = eight.x.iter().chain(&eight.y).flat_map(|rows| rows.iter()).collect();
-            // lanes without a site have no weight
-            for l in (0..SITES).filter(|l| eight.weights[0][*l] != 0.0) {
+        packed.visit(&rows, |first, group, b| {
+            let basis: Vec<&SiteLanes> = group.x.iter().chain(&group.y).flat_map(|rows| rows.iter()).collect();
+            // lanes without a site have weight zero
+            for l in (0..SITES).filter(|l| group.weights[0][*l] != 0.0) {
                 let (start, index, values) = next.next().unwrap();
-                let m = row_weights.at(*index);
-                assert_eq!((first, eight.weights.iter().map(|w| w[l]).collect()), (*start, vec![m.z, m.a, m.b, m.d]));
+                let w = row_weights.at(*index);
+                assert_eq!(
+                    (first, group.weights.iter().map(|lanes| lanes[l]).collect()),
+                    (*start, vec![w.z, w.a, w.b, w.d])
+                );
                 assert_eq!(b.map(|b| b[l]), targets[*index]);
                 basis.iter().zip(values).for_each(|(a, b)| assert!((a[l] - b).abs() < 1e-14 * size_of(segments)));
             }
         });
         assert!(next.next().is_none());
         let (mut found, mut expected) = (vec![0.0; unknowns], vec![0.0; unknowns]);
-        lanes.descent(&rows, &c, &mut found);
+        packed.descent(&rows, &c, &mut found);
         descent(&sites, row_weights, &targets, &c, &mut expected);
         let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max);
@@ -328,6 +331,6 @@ mod tests {
             check(degree, segments, 700, &RowWeights::PerSite((0..700).map(varied).collect()));
         }
         let knots = [Knots::uniform(4, 2, 0.0, 1.0).unwrap(), Knots::uniform(3, 2, 0.0, 1.0).unwrap()];
-        assert!(ScatteredSites::new(knots, vec![[0.5, 0.5]]).lanes().is_none());
+        assert!(ScatteredSites::new(knots, vec![[0.5, 0.5]]).packed_cells().is_none());
     }
 }

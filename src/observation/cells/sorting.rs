@@ -1,8 +1,8 @@
-//! Contacts into stripes of one x segment each, and within a stripe into cells: two stable counting sorts.
+//! Sorts contacts into stripes of one x segment each, and within a stripe into cells, by two stable counting sorts.
 //!
-//! The first is done chunk by chunk, each small enough for the second-level cache and none knowing of the others: the
-//! contacts of a stripe are then one run in every chunk, in the order in which they came. The chunks' size is fixed, so
-//! the order does not depend on the number of threads.
+//! The first sort treats chunks independently, each small enough for the second-level cache. The contacts of a stripe are
+//! then one run in every chunk, in their original order. The size of a chunk is fixed, so the order does not depend on
+//! the number of threads.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::bspline::Knots;
 const CHUNK: usize = 1 << 14;
 
 /// Records by stripe, reusable. A record begins with x and y.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Stripes {
     chunks: Vec<Chunk>,
     /// How many of them are in use.
@@ -20,7 +20,7 @@ pub(super) struct Stripes {
 }
 
 /// Up to [`CHUNK`] contacts. Each has its own memory, first touched where it is filled.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Chunk {
     records: Vec<f64>,
     /// Stripe s has the chunk's records `starts[s] .. starts[s + 1]`.
@@ -29,7 +29,7 @@ struct Chunk {
 }
 
 /// What sorting the contacts of one stripe by cells leaves behind, reusable.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct CellOrder {
     /// Records' numbers, cell after cell.
     pub order: Vec<u32>,
@@ -81,7 +81,7 @@ impl Stripes {
         let cells = knots.n_segments();
         into.starts.clear();
         into.starts.resize(cells + 1, 0);
-        // the second half of `order` remembers the cells
+        // the second half of `order` holds the cells
         if into.order.len() < 2 * count {
             into.order.resize(2 * count, 0);
         }
@@ -117,7 +117,7 @@ fn each_chunk(first: usize, chunks: &mut [Chunk], one: &(impl Fn(usize, &mut Chu
         chunks => {
             let half = chunks.len() / 2;
             let (a, b) = chunks.split_at_mut(half);
-            rayon::join(|| each_chunk(first, a, one), || each_chunk(first + half, b, one));
+            crate::threads::join(|| each_chunk(first, a, one), || each_chunk(first + half, b, one));
         }
     }
 }
@@ -150,14 +150,14 @@ impl Chunk {
     }
 }
 
-/// Counts, each one place late, to starts.
+/// Makes starts of counts that are stored one place late.
 fn add_up(counts: &mut [u32]) {
     for k in 1..counts.len() {
         counts[k] += counts[k - 1];
     }
 }
 
-/// Every start has moved to the next one's place: back again.
+/// Undoes the shift of every start by one place.
 fn shift_back(starts: &mut [u32]) {
     let last = starts.len() - 1;
     starts.copy_within(0..last, 1);

@@ -1,4 +1,4 @@
-//! Sums over panels, stripes and cells: the tree of the assembly, each level adding what the one below made.
+//! Sums of the assembly: cells are added to their stripe, stripes to their panel, panels to the matrix.
 
 use super::sorting::CellOrder;
 use super::tables::{Combined, XTables, YTables, squares_of};
@@ -7,7 +7,7 @@ use super::{CellAssembly, CellRows, PackedCells, WEIGHTED};
 use crate::linalg::{RowWeights, StencilMatrix, TensorShape};
 use crate::simd::{BilinearTerm, CellMoments, Isa, MomentPowers, bilinear, moments};
 
-/// Contacts whose local coordinates are formed at once; they stay in the first-level cache.
+/// Contacts whose local coordinates are computed together; they stay in the first-level cache.
 const BATCH: usize = 64;
 
 /// Buffers of one panel.
@@ -20,7 +20,7 @@ pub(super) struct Scratch {
     work: Work,
 }
 
-/// One cell's part of the matrix, and the stripe's tables that lead to it.
+/// One cell's part of the matrix, and the tables of its stripe from which it is computed.
 #[derive(Debug, Default)]
 struct Work {
     combined: Combined,
@@ -40,7 +40,7 @@ impl Default for Scratch {
 }
 
 impl Work {
-    /// Takes in what is the same for all cells of a stripe.
+    /// Prepares what is the same for all cells of a stripe.
     fn start(&mut self, x: &XTables, shape: TensorShape, squares: Option<[f64; 4]>) {
         let width = shape.degree[0] + 1;
         self.block.resize(width * (width + 1) / 2, [0.0; 16]);
@@ -70,7 +70,8 @@ impl CellAssembly {
         self.overlaps = overlaps;
     }
 
-    /// Halves the range until one panel is left; `values` and `right` start at the range's first line of coefficients.
+    /// Sums a range of panels by halving it, on two threads. `values` and `right` start at the range's first line of
+    /// coefficients.
     fn panel_range(
         &self,
         range: std::ops::Range<usize>,
@@ -89,7 +90,7 @@ impl CellAssembly {
         let (values_a, values_b) = values.split_at_mut(unknowns * self.shape.stencil_width());
         let (right_a, right_b) = right.split_at_mut(unknowns);
         let (overlaps_a, overlaps_b) = overlaps.split_at_mut(middle - range.start);
-        rayon::join(
+        crate::threads::join(
             || self.panel_range(range.start..middle, one_stripe, values_a, right_a, overlaps_a),
             || self.panel_range(middle..range.end, one_stripe, values_b, right_b, overlaps_b),
         );
@@ -117,12 +118,12 @@ impl CellAssembly {
         }
     }
 
-    /// One stripe of contacts that are in their cells already.
-    pub(super) fn lane_stripe(
+    /// Sums one stripe of packed cells.
+    pub(super) fn packed_stripe(
         &self,
         stripe: usize,
         row_weights: &RowWeights,
-        lanes: &PackedCells,
+        packed: &PackedCells,
         scratch: &mut Scratch,
         target: &mut Target<'_>,
     ) {
@@ -136,7 +137,7 @@ impl CellAssembly {
         let columns: &mut [[f64; BATCH]] = local.as_chunks_mut::<BATCH>().0;
         let (isa, degree) = (Isa::active(), self.shape.degree[0].max(self.shape.degree[1]));
         for cell in 0..self.knots[1].n_segments() {
-            let ([u, v], numbers) = lanes.contacts([stripe, cell]);
+            let ([u, v], numbers) = packed.contacts([stripe, cell]);
             if numbers.is_empty() {
                 continue;
             }
@@ -191,7 +192,7 @@ impl CellAssembly {
         }
     }
 
-    /// All contacts on the patch's only cell: nothing to sort, nothing to keep.
+    /// Sums all contacts of a patch with a single cell, which need no sorting.
     pub(super) fn sum_one_cell(
         &mut self,
         rows: &impl CellRows,
@@ -220,7 +221,7 @@ impl CellAssembly {
         }
     }
 
-    /// Adds at most [`BATCH`] contacts of one cell to G (for a uniform row weights one with weight 1, else four) and F.
+    /// Adds at most [`BATCH`] contacts of one cell to G (one G with weights 1 if the row weights are uniform, else four) and F.
     #[inline]
     fn add_batch<const RECORD: usize>(
         &self,
@@ -257,7 +258,7 @@ impl CellAssembly {
         }
     }
 
-    /// One cell's moments into the equations.
+    /// Adds one cell's moments to the equations.
     fn add_cell(&self, segment: [usize; 2], sums: &[CellMoments], work: &mut Work, target: &mut Target<'_>) {
         self.add_matrix(segment, sums, work, target);
         self.add_loads(segment, &sums[0], target);

@@ -8,14 +8,14 @@ use crate::bspline::Knots;
 use crate::linalg::{DoubleDouble, SiteWeights};
 
 /// Numbers of one axis, segment by segment.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Axis<T> {
     pub basis: AxisTables,
     pub products: Vec<T>,
 }
 
 /// Products of the basis functions of every segment of one axis, as polynomials of the local coordinate.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct AxisTables {
     pub first: Vec<usize>,
     pub centre: Vec<f64>,
@@ -63,8 +63,8 @@ impl AxisTables {
 }
 
 impl AxisTables {
-    /// The same with every power of the functions themselves to half a unit in the last place: in a visit of the rows an
-    /// error of the tables is the same for all contacts of a cell, and no sum over contacts averages it out.
+    /// The same, with every coefficient of the functions themselves correct to half a unit in the last place. Passes over
+    /// rows need that, because an error in the tables is the same for all contacts of a cell and does not average out.
     pub fn nearest(knots: &Knots) -> AxisTables {
         let mut made = AxisTables::new(knots);
         for segment in 0..knots.n_segments() {
@@ -121,13 +121,13 @@ fn product(a: &[f64; 8], b: &[f64; 8]) -> [f64; 8] {
 }
 
 /// `left[pair]` of one x segment: N N, N'N', N'N, N N' for the pairs (a, k <= a).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct XTables {
     pub kinds: [Vec<[f64; 8]>; 4],
 }
 
 /// `right[power][b (q + 1) + l]` of every y segment: M M, M'M', M M', M'M.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct YTables {
     pub kinds: [[[f64; 16]; 8]; 4],
 }
@@ -168,12 +168,12 @@ impl YTables {
     }
 }
 
-/// Squares that the row weights enter with: `wz^2, a^2, a b, b^2 + d^2`.
+/// The products of weights in the normal matrix: `wz^2, a^2, a b, b^2 + d^2`.
 pub(super) fn squares_of(m: SiteWeights) -> [f64; 4] {
     [m.z * m.z, m.a * m.a, m.a * m.b, m.b * m.b + m.d * m.d]
 }
 
-/// The x tables of one stripe with a uniform row weights taken in.
+/// The x tables of one stripe, multiplied by uniform row weights.
 #[derive(Debug, Default)]
 pub(super) struct Combined {
     pub values: Vec<[f64; 8]>,
@@ -218,7 +218,7 @@ mod tests {
                 for (a, b) in usual.values.iter().flatten().flatten().zip(nearest.values.iter().flatten().flatten()) {
                     assert!((a - b).abs() < 1e-14, "degree {degree}: {a} {b}");
                 }
-                // they sum to one, now to a few roundings of the sum alone
+                // they sum to one, but for the roundings of this sum
                 for functions in &nearest.values {
                     for power in 0..=degree {
                         let sum: f64 = functions.iter().map(|f| f[power]).sum();

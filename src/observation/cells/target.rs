@@ -1,9 +1,9 @@
-//! Where a panel's sums go: its own lines of coefficients, and past their end the overlap with the next panel.
+//! Destination of a panel's sums: its own lines of coefficients, and beyond their end the overlap with the next panel.
 
 use crate::linalg::TensorShape;
 
 /// What a panel adds to the first lines of the next one.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Overlap {
     pub values: Vec<f64>,
     pub right: Vec<f64>,
@@ -27,7 +27,7 @@ impl Target<'_> {
 
     /// Adds a cell's part of the matrix; `block` holds the pairs (a, k <= a) of x functions, each (q + 1)^2 entries.
     pub fn add_block(&mut self, first: [usize; 2], block: &[[f64; 16]]) {
-        // the width as a literal: the rows below are then two or three instructions each
+        // the width is a literal, so that each row below takes two or three instructions
         match self.shape.degree[1] {
             1 => self.add_rows::<2>(first, block),
             2 => self.add_rows::<3>(first, block),
@@ -50,7 +50,7 @@ impl Target<'_> {
                 for b in 0..WIDTH {
                     let start = b * stencil + (a - k) * (2 * WIDTH - 1) + WIDTH - 1 - b;
                     let row = &mut rows[start..start + WIDTH];
-                    // on the diagonal block only the lower half is stored: the rest is never read
+                    // of the diagonal block only the lower half is stored
                     for l in 0..WIDTH {
                         row[l] += entries[b][l];
                     }

@@ -1,7 +1,8 @@
 //! Four lanes of AVX2 with fused multiply-add.
 //!
-//! SAFETY of every block below: the intrinsics need AVX2 and FMA; this type is only named by `dispatch`, whose
-//! function carries both and is only called at a [`super::super::Isa`] that was detected on this machine.
+//! SAFETY of every block below: the intrinsics need AVX2 and FMA. This type has no name outside this folder; kernels are
+//! compiled for it by `dispatch` alone, in a function that carries both and is called only with the proof
+//! ([`super::detected`]) that the processor has them. Loads and stores go through slices cut to their length before.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
@@ -137,7 +138,7 @@ impl Lanes for Avx2 {
     fn shift_left<const BY: u32>(a: __m256i) -> __m256i {
         unsafe { _mm256_sll_epi64(a, _mm_cvtsi64_si128(i64::from(BY))) }
     }
-    /// Upper and lower half words put into the mantissas of 2^84 and 2^52, whose sum is taken off again: exact.
+    /// Exact: the upper and lower halves of each word go into the mantissas of 2^84 and 2^52, whose sum is subtracted.
     #[inline(always)]
     fn from_integer(a: __m256i) -> Avx2 {
         unsafe {

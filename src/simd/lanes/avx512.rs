@@ -1,7 +1,8 @@
 //! Eight lanes of AVX-512.
 //!
-//! SAFETY of every block below: the intrinsics need AVX-512 F and DQ; this type is only named by `dispatch`, whose
-//! function carries both and is only called at a [`super::super::Isa`] that was detected on this machine.
+//! SAFETY of every block below: the intrinsics need AVX-512 F and DQ. This type has no name outside this folder; kernels are
+//! compiled for it by `dispatch` alone, in a function that carries both and is called only with the proof
+//! ([`super::detected`]) that the processor has them. Loads and stores go through slices cut to their length before.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
@@ -13,8 +14,9 @@ use super::words::{Words, quartered};
 #[derive(Clone, Copy)]
 pub(in crate::simd) struct Avx512(__m512d);
 
-/// `e p` with `1/sqrt(x) = y (1 + e p)`: y good to 2^-14, `e = 1 - x y^2` below 2^-13, the series in e to its third
-/// power: 2^-54. `t = x y`. Six operations on the two multipliers where the divider takes 24 cycles for eight roots.
+/// `e p` with `1/sqrt(x) = y (1 + e p)`, for `t = x y`. y is good to 2^-14, so `e = 1 - x y^2` is below 2^-13, and the series
+/// in e up to its third power is good to 2^-54. This takes six operations on the two multipliers, where the divider would
+/// take 24 cycles for eight roots.
 #[inline(always)]
 fn root_correction(y: __m512d, t: __m512d) -> __m512d {
     unsafe {

@@ -2,15 +2,20 @@
 //!
 //! Three sets stand behind it: [`Portable`] (four lanes of plain Rust, the same bits on every machine), and on x86-64
 //! `Avx2` (four lanes with fused multiply-add) and `Avx512` (eight). A kernel is generic over [`Lanes`] and inlined
-//! whole into a function that carries the instruction set; see [`super::dispatch`].
+//! whole into a function that carries the instruction set; see [`super::dispatch`]. The two wide types are private to
+//! this folder: a kernel is compiled for them only through a [`Kind`] that was detected on this machine.
 
 #[cfg(target_arch = "x86_64")]
-pub(super) mod avx2;
+mod avx2;
 #[cfg(target_arch = "x86_64")]
-pub(super) mod avx512;
+mod avx512;
+mod detected;
 mod portable;
 mod words;
 
+#[cfg(target_arch = "x86_64")]
+pub(super) use detected::Detected;
+pub(super) use detected::Kind;
 pub(super) use portable::Portable;
 pub(super) use words::Words;
 
@@ -18,12 +23,12 @@ use std::ops::{Add, Mul, Sub};
 
 /// `N` numbers that go through the same arithmetic.
 ///
-/// Every method is `#[inline(always)]` in every implementation: the code is only correct, and only fast, inside the
-/// function that carries the instruction set.
+/// Every method is `#[inline(always)]` in every implementation, because it is fast only inside the function that carries
+/// the instruction set.
 pub(super) trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// Number of lanes.
     const N: usize;
-    /// One truth value a lane.
+    /// One truth value for each lane.
     type Mask: Copy;
     /// The lanes' bit patterns.
     type Bits: Copy;

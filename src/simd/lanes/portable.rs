@@ -6,7 +6,7 @@ use std::ops::{Add, Mul, Sub};
 use super::Lanes;
 use super::words::PortableWords;
 
-/// Four numbers; compilers make two SSE2 or NEON registers of them.
+/// Four numbers, for which compilers use two SSE2 or NEON registers.
 #[derive(Clone, Copy)]
 pub(in crate::simd) struct Portable([f64; 4]);
 

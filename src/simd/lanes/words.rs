@@ -1,7 +1,7 @@
-//! A row of 32-bit words under one name, for random words: sums, exclusive ors and turns, lane by lane.
+//! A row of 32-bit words, for the random generator: sums, exclusive ors and bit rotations, lane by lane.
 //!
-//! Two rows are the low and the high halves of 64-bit words. Wide registers interleave two rows within quarters of 128
-//! bits only, so the lanes of a row stand in the order that makes the interleaved words ascend:
+//! Two rows are the low and the high halves of 64-bit words. Wide registers can interleave two rows only within parts of
+//! 128 bits, so the lanes of a row are ordered such that the interleaved words ascend:
 //!
 //! ```text
 //! place     0 1 2 3 | 4 5 6 7 | ..        order(4 q + r) = 2 q + r, r < 2;   N/2 + 2 q + r - 2 beyond
@@ -10,8 +10,7 @@
 
 /// `N` words that go through the same arithmetic.
 ///
-/// As with [`super::Lanes`], every method is `#[inline(always)]` and only correct inside the function that carries the
-/// instruction set.
+/// As with [`super::Lanes`], every method is `#[inline(always)]`.
 pub(in crate::simd) trait Words: Copy {
     /// Words in a row, at most 16.
     const N: usize;
@@ -22,16 +21,16 @@ pub(in crate::simd) trait Words: Copy {
     /// Wrapping sum.
     fn plus(self, other: Self) -> Self;
     fn xor(self, other: Self) -> Self;
-    /// `BACK` is 32 - `BY`: constants cannot be computed from one another here.
+    /// Rotates left by `BY` bits. `BACK` must be 32 - `BY`: one constant parameter cannot be computed from another.
     fn rotate_left<const BY: i32, const BACK: i32>(self) -> Self;
-    /// Which of `N` ascending numbers every place holds: `order()[p]`.
+    /// Place p of a row holds number `order()[p]` of `N` ascending ones.
     fn order() -> &'static [u32];
     /// `low | high << 32` of every lane into the first `N` places of `to`, by ascending order; panics when there are
     /// fewer.
     fn store_pairs(low: Self, high: Self, to: &mut [u64]);
 }
 
-/// The order of rows of `N` words whose quarters interleave on their own.
+/// The order for registers of `N` words that interleave within parts of 128 bits.
 pub(super) const fn quartered<const N: usize>() -> [u32; N] {
     let mut order = [0; N];
     let mut place = 0;

@@ -1,0 +1,117 @@
+//! A finished parametric fit and what can be asked of it.
+
+use std::sync::OnceLock;
+
+use super::certificate::ParametricCertificate;
+use super::describe::{ParametricShape, describe};
+use super::fit_data::FitData;
+use crate::contact::Frame;
+use crate::fit::{FitError, FitOptions};
+use crate::shape::UvSupport;
+use crate::surface::Parametric;
+
+/// Noise sds and the weight of fairness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ParametricNoise {
+    /// Sd of the distance to the surface, input units.
+    pub position: f64,
+    /// Sd of the normal per tangent axis, degrees.
+    pub normal_deg: f64,
+    /// lambda of E, patch units.
+    pub fairness: f64,
+    /// Whether any of the three was estimated rather than declared.
+    pub estimated: bool,
+}
+
+/// A fitted parametric surface, from [`fit_parametric`](super::fit_parametric) or [`fit_surface`](super::fit_surface).
+///
+/// ```
+/// use palpate::Contacts;
+/// use palpate::fit::{FitOptions, SurfaceKind};
+/// use palpate::parametric::fit_parametric;
+///
+/// // a half ball of radius 2, touched by five fingers at nine stations
+/// let (mut points, mut normals) = (Vec::new(), Vec::new());
+/// for finger in 0..5 {
+///     for station in 0..9 {
+///         let (a, b) = (f64::from(finger - 2) * 0.3, f64::from(station - 4) * 0.3);
+///         let n = [a.sin() * b.cos(), b.sin(), a.cos() * b.cos()];
+///         points.push(n.map(|v| 2.0 * v));
+///         normals.push(n);
+///     }
+/// }
+/// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+/// let mut options = FitOptions::default();
+/// options.surface = SurfaceKind::Parametric;
+/// options.degree = [3, 3];
+/// let fit = fit_parametric(&contacts, &options)?;
+/// let shape = fit.shape();
+/// assert!(shape.curvedness.mean.is_some_and(|r| (r - 0.5).abs() < 0.02));
+/// assert!(fit.certificate().fold_free);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ParametricFit {
+    pub(super) data: FitData,
+    pub(super) certificate: ParametricCertificate,
+    pub(super) noise: ParametricNoise,
+    pub(super) shape: OnceLock<ParametricShape>,
+}
+
+impl ParametricFit {
+    /// The frame that the fit worked in: the axes of the input, with another origin and unit.
+    pub fn frame(&self) -> &Frame {
+        &self.data.frame
+    }
+
+    /// The options of the fit.
+    pub fn options(&self) -> &FitOptions {
+        &self.data.options
+    }
+
+    /// The surface in patch coordinates.
+    pub fn surface(&self) -> &Parametric {
+        &self.data.surface
+    }
+
+    /// The surface in input units; u and v are lengths in input units too.
+    ///
+    /// # Errors
+    /// Knots that are no longer distinct once they are rounded in input units.
+    pub fn input_surface(&self) -> Result<Parametric, FitError> {
+        Ok(self.data.surface.placed(self.data.frame.origin, self.data.frame.scale)?)
+    }
+
+    /// Where contacts reach in (u, v), input units.
+    pub fn input_support(&self) -> UvSupport {
+        self.data.support.scaled(self.data.frame.scale)
+    }
+
+    /// How far to trust the fit.
+    pub fn certificate(&self) -> &ParametricCertificate {
+        &self.certificate
+    }
+
+    /// Noise sds and the weight of fairness.
+    pub fn noise(&self) -> &ParametricNoise {
+        &self.noise
+    }
+
+    /// (u, v) of the feet of the contacts, input units.
+    pub fn feet(&self) -> Vec<[f64; 2]> {
+        self.data.feet.places.iter().map(|p| p.map(|t| t * self.data.frame.scale)).collect()
+    }
+
+    /// Root mean square distance (input units) and root mean square angle between normals (radians).
+    pub fn rms(&self) -> [f64; 2] {
+        let count = self.data.residuals.len().max(1) as f64;
+        let rms = |k: usize| (self.data.residuals.iter().map(|r| r[k] * r[k]).sum::<f64>() / count).sqrt();
+        [rms(0) * self.data.frame.scale, rms(1)]
+    }
+
+    /// S, R and the rest over the grid of the options, where contacts reach; computed on first access.
+    pub fn shape(&self) -> &ParametricShape {
+        self.shape.get_or_init(|| describe(&self.data))
+    }
+}

@@ -1,0 +1,316 @@
+//! Repeated fits of complete images with slopes: planned once, then fitted frame by frame.
+//!
+//! ```text
+//! C = U ((U' B V) / D) V',   B = N' Wz^2 Z M + N'' Wx^2 Zx M + N' Wy^2 Zy M'     N' transposed along x, M along y
+//! images, pixels_x x pixels_y  ->  half, n x pixels_y  ->  B, n x m  ->  C, n x m (fast diagonalisation)
+//! ```
+//!
+//! R. E. Lynch, J. R. Rice, D. H. Thomas, *Numer. Math.* 6 (1964) 185. No fit after the first allocates memory.
+
+use ndarray::ArrayView2;
+
+use super::error::{PlanError, all_finite, check_weights};
+use crate::bspline::Knots;
+use crate::observation::GridSites;
+use crate::simd::{BandTerm, Isa, contract_rows};
+use crate::solve::FastDiagonalisation;
+
+/// A stream of complete images with slopes under fixed axes, knots and weights.
+///
+/// ```
+/// use ndarray::Array2;
+/// use palpate::spline::{Knots, linspace};
+/// use palpate::plans::ImagePlan;
+///
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let pixels = linspace(-1.0, 1.0, 5);
+/// let mut plan = ImagePlan::new([axis.clone(), axis], &pixels, &pixels, [1.0; 3])?;
+/// // z = x^2 as single-precision pixels, indexed [x, y]
+/// let z = Array2::from_shape_fn((5, 5), |(i, _)| (pixels[i] * pixels[i]) as f32);
+/// let zx = Array2::from_shape_fn((5, 5), |(i, _)| (2.0 * pixels[i]) as f32);
+/// let zy = Array2::zeros((5, 5));
+/// let coefficients = plan.fit_views(z.view(), zx.view(), zy.view())?;
+/// assert!((coefficients[0] - 1.0).abs() < 1e-6 && (coefficients[3] + 1.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ImagePlan {
+    sites: GridSites,
+    /// N, N' and N again along x, times the squared weights of values, x slopes and y slopes.
+    weighted: [Vec<f64>; 3],
+    solver: FastDiagonalisation,
+    /// `B_x' Z` of values with x slopes, and of y slopes: n x pixels in y.
+    half: [Vec<f64>; 2],
+    /// The same transposed.
+    transposed: [Vec<f64>; 2],
+    /// One row of pixels of each image, converted, for images that are not contiguous rows of `f64`.
+    converted: [Vec<f64>; 3],
+    right: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+/// A pixel's number type: `f32` or `f64`.
+pub trait Pixel: Copy + Into<f64> + sealed::Sealed {
+    /// The same numbers without a copy, where they are `f64` already.
+    #[doc(hidden)]
+    fn as_f64(pixels: &[Self]) -> Option<&[f64]>;
+}
+
+impl Pixel for f32 {
+    fn as_f64(_: &[f32]) -> Option<&[f64]> {
+        None
+    }
+}
+
+impl Pixel for f64 {
+    fn as_f64(pixels: &[f64]) -> Option<&[f64]> {
+        Some(pixels)
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+const IMAGES: [&str; 3] = ["z", "zx", "zy"];
+
+impl ImagePlan {
+    /// Plans for pixels at `x` by `y`, both increasing, these knots and the block weights `[wz, wx, wy]`, which multiply
+    /// residuals.
+    ///
+    /// # Errors
+    /// [`PlanError::Axis`] and [`PlanError::Weight`]; an axis with too few pixels for its knots.
+    pub fn new(knots: [Knots; 2], x: &[f64], y: &[f64], weights: [f64; 3]) -> Result<ImagePlan, PlanError> {
+        check_weights(weights)?;
+        check_axis("x", x)?;
+        check_axis("y", y)?;
+        let sites = GridSites::new(knots, x, y);
+        let [ax, ay] = sites.axes();
+        let grams = [ax, ay].map(|axis| [axis.gram(0, None), axis.gram(1, None)]);
+        let [gx, gy] = &grams;
+        let solver = FastDiagonalisation::new([&gx[0], &gx[1]], [&gy[0], &gy[1]], weights)?;
+        let (n, m) = (gx[0].len(), gy[0].len());
+        let half = n * y.len();
+        let scaled = |table: &[f64], w: f64| table.iter().map(|v| v * w * w).collect();
+        let weighted = [scaled(&ax.values, weights[0]), scaled(&ax.slopes, weights[1]), scaled(&ax.values, weights[2])];
+        Ok(ImagePlan {
+            weighted,
+            solver,
+            half: [vec![0.0; half], vec![0.0; half]],
+            transposed: [vec![0.0; half], vec![0.0; half]],
+            converted: std::array::from_fn(|_| vec![0.0; y.len()]),
+            right: vec![0.0; n * m],
+            coefficients: vec![0.0; n * m],
+            sites,
+        })
+    }
+
+    /// Fits one frame and returns the coefficients, n x m, row-major. Heights and slopes are row-major pixels [x, y].
+    ///
+    /// # Errors
+    /// [`PlanError::Length`] for an image that is not as large as the axes say; [`PlanError::Pixel`] for a NaN or
+    /// infinite pixel; [`PlanError::Overflow`].
+    pub fn fit_frame(&mut self, z: &[f64], zx: &[f64], zy: &[f64]) -> Result<&[f64], PlanError> {
+        let [_, along_y] = self.pixels();
+        let expected = self.pixels().iter().product();
+        for (column, image) in IMAGES.into_iter().zip([z, zx, zy]) {
+            if image.len() != expected {
+                return Err(PlanError::Length { column, found: image.len(), expected });
+            }
+        }
+        self.half.iter_mut().for_each(|h| h.fill(0.0));
+        self.contract_x(0, [z, zx, zy]);
+        let is_finite = self.contract_y();
+        if !is_finite {
+            return Err(culprit([z, zx, zy].map(|image| image.iter().copied()), along_y));
+        }
+        Ok(self.solve())
+    }
+
+    /// Fits one frame given as views of `f64` or `f32` pixels, indexed [x, y], in any memory order.
+    ///
+    /// Row-major `f64` views are read where they lie; of others one row at a time is converted.
+    ///
+    /// # Errors
+    /// [`PlanError::Shape`] for an image that is not as large as the axes say; [`PlanError::Pixel`];
+    /// [`PlanError::Overflow`].
+    pub fn fit_views<T: Pixel>(
+        &mut self,
+        z: ArrayView2<'_, T>,
+        zx: ArrayView2<'_, T>,
+        zy: ArrayView2<'_, T>,
+    ) -> Result<&[f64], PlanError> {
+        let (views, expected) = ([z, zx, zy], self.pixels());
+        for (image, view) in IMAGES.into_iter().zip(&views) {
+            let found = [view.nrows(), view.ncols()];
+            if found != expected {
+                return Err(PlanError::Shape { image, found, expected });
+            }
+        }
+        if let [Some(z), Some(zx), Some(zy)] = views.each_ref().map(|view| view.as_slice().and_then(T::as_f64)) {
+            return self.fit_frame(z, zx, zy);
+        }
+        self.half.iter_mut().for_each(|h| h.fill(0.0));
+        let mut rows = std::mem::take(&mut self.converted);
+        for i in 0..expected[0] {
+            for (row, view) in rows.iter_mut().zip(&views) {
+                row.iter_mut().zip(view.row(i)).for_each(|(to, from)| *to = (*from).into());
+            }
+            self.contract_x(i, rows.each_ref().map(|row| &row[..]));
+        }
+        self.converted = rows;
+        if !self.contract_y() {
+            return Err(culprit(views.each_ref().map(|view| view.iter().map(|v| (*v).into())), expected[1]));
+        }
+        Ok(self.solve())
+    }
+
+    /// Pixels in x and in y.
+    fn pixels(&self) -> [usize; 2] {
+        self.sites.axes().each_ref().map(|axis| axis.first.len())
+    }
+
+    /// Adds consecutive rows of the images, the first of them number `from`, to `half`.
+    fn contract_x(&mut self, from: usize, images: [&[f64]; 3]) {
+        let isa = Isa::active();
+        let [ax, ay] = self.sites.axes();
+        let (width, pixels) = (ax.knots.degree() + 1, ay.first.len());
+        let rows = from..from + images[0].len() / pixels;
+        let first = &ax.first[rows.clone()];
+        let [values, slopes, across] =
+            self.weighted.each_ref().map(|table| &table[rows.start * width..rows.end * width]);
+        let term = |values, image| BandTerm { values, image };
+        let along = [term(values, images[0]), term(slopes, images[1])];
+        contract_rows(isa, width, first, &along, pixels, &mut self.half[0]);
+        contract_rows(isa, width, first, &[term(across, images[2])], pixels, &mut self.half[1]);
+    }
+
+    /// From `half` to the right-hand side; whether all of it is finite.
+    fn contract_y(&mut self) -> bool {
+        let [ax, ay] = self.sites.axes();
+        let (n, pixels) = (ax.knots.n_basis(), ay.first.len());
+        for (transposed, half) in self.transposed.iter_mut().zip(&self.half) {
+            transpose(half, n, pixels, transposed);
+        }
+        self.right.fill(0.0);
+        let term = |values, image| BandTerm { values, image };
+        let terms = [term(&ay.values[..], &self.transposed[0][..]), term(&ay.slopes[..], &self.transposed[1][..])];
+        contract_rows(Isa::active(), ay.knots.degree() + 1, &ay.first, &terms, n, &mut self.right);
+        all_finite(&self.right)
+    }
+
+    fn solve(&mut self) -> &[f64] {
+        let [n, m] = self.sites.axes().each_ref().map(|axis| axis.knots.n_basis());
+        transpose(&self.right, m, n, &mut self.coefficients);
+        self.solver.solve(&mut self.coefficients);
+        &self.coefficients
+    }
+}
+
+/// Checks a pixel axis.
+fn check_axis(axis: &'static str, values: &[f64]) -> Result<(), PlanError> {
+    if values.is_empty() {
+        return Err(PlanError::Length { column: axis, found: 0, expected: 1 });
+    }
+    for (index, &value) in values.iter().enumerate() {
+        if !value.is_finite() {
+            return Err(PlanError::Axis { axis, index, value, expected: "a finite number" });
+        }
+        if index > 0 && value <= values[index - 1] {
+            return Err(PlanError::Axis { axis, index, value, expected: "above the entry before it" });
+        }
+    }
+    Ok(())
+}
+
+/// The pixel that made a sum NaN or infinite; `images` are row-major with rows of `along_y` pixels.
+#[cold]
+fn culprit(images: [impl Iterator<Item = f64>; 3], along_y: usize) -> PlanError {
+    for (image, mut pixels) in IMAGES.into_iter().zip(images) {
+        if let Some((k, value)) = pixels.by_ref().enumerate().find(|(_, value)| !value.is_finite()) {
+            return PlanError::Pixel { image, index: [k / along_y, k % along_y], value };
+        }
+    }
+    PlanError::Overflow
+}
+
+/// `out (columns x rows) = from'`, in squares that stay in the first-level cache.
+fn transpose(from: &[f64], rows: usize, columns: usize, out: &mut [f64]) {
+    const SIDE: usize = 8;
+    for i0 in (0..rows).step_by(SIDE) {
+        for j0 in (0..columns).step_by(SIDE) {
+            for j in j0..(j0 + SIDE).min(columns) {
+                for i in i0..(i0 + SIDE).min(rows) {
+                    out[j * rows + i] = from[i * columns + j];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bspline::linspace;
+    use ndarray::Array2;
+
+    fn plan() -> ImagePlan {
+        let knots = [Knots::uniform(3, 4, 0.0, 1.0).unwrap(), Knots::uniform(2, 5, 0.0, 2.0).unwrap()];
+        ImagePlan::new(knots, &linspace(0.0, 1.0, 13), &linspace(0.0, 2.0, 19), [1.0, 0.5, 2.0]).unwrap()
+    }
+
+    fn image(k: f64) -> Array2<f64> {
+        // single-precision numbers, so that both types hold the same image
+        Array2::from_shape_fn((13, 19), |(i, j)| f64::from(((19 * i + j) as f64 * k).sin() as f32))
+    }
+
+    #[test]
+    fn views_of_either_type_and_order_give_the_frame_fit() {
+        let (mut plan, images) = (plan(), [0.37, 0.71, 1.3].map(image));
+        let [z, zx, zy] = &images;
+        let expected =
+            plan.fit_frame(z.as_slice().unwrap(), zx.as_slice().unwrap(), zy.as_slice().unwrap()).unwrap().to_vec();
+        assert_eq!(plan.fit_views(z.view(), zx.view(), zy.view()).unwrap(), expected);
+        let near = |found: &[f64]| found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12);
+        let by_columns = images.each_ref().map(|image| image.t().as_standard_layout().to_owned());
+        let [a, b, c] = by_columns.each_ref().map(|image| image.t());
+        assert!(near(plan.fit_views(a, b, c).unwrap()));
+        let single = images.each_ref().map(|image| image.mapv(|v| v as f32));
+        assert!(near(plan.fit_views(single[0].view(), single[1].view(), single[2].view()).unwrap()));
+    }
+
+    #[test]
+    fn a_faulty_image_is_named_and_the_next_frame_is_clean() {
+        let (mut plan, images) = (plan(), [0.37, 0.71, 1.3].map(image));
+        let [z, zx, zy] = &images;
+        let expected = plan.fit_views(z.view(), zx.view(), zy.view()).unwrap().to_vec();
+        for (k, name) in IMAGES.into_iter().enumerate() {
+            let mut bad = images.clone();
+            bad[k][[4, 7]] = f64::NAN;
+            let [z, zx, zy] = &bad;
+            let found = plan.fit_views(z.view(), zx.view(), zy.view()).map(<[f64]>::to_vec);
+            assert!(matches!(found, Err(PlanError::Pixel { image, index: [4, 7], .. }) if image == name), "{found:?}");
+            let [z, zx, zy] = bad.each_ref().map(|image| image.mapv(|v| v as f32));
+            assert!(matches!(plan.fit_views(z.view(), zx.view(), zy.view()), Err(PlanError::Pixel { .. })));
+        }
+        assert_eq!(plan.fit_views(z.view(), zx.view(), zy.view()).unwrap(), expected);
+        assert!(matches!(plan.fit_frame(&[0.0], &[0.0], &[0.0]), Err(PlanError::Length { column: "z", .. })));
+        let small = Array2::<f64>::zeros((2, 2));
+        let shapes = plan.fit_views(z.view(), small.view(), zy.view());
+        assert!(matches!(shapes, Err(PlanError::Shape { image: "zx", .. })));
+    }
+
+    #[test]
+    fn a_faulty_axis_or_weight_is_refused() {
+        let knots = || [Knots::uniform(2, 1, 0.0, 1.0).unwrap(), Knots::uniform(2, 1, 0.0, 1.0).unwrap()];
+        let good = linspace(0.0, 1.0, 5);
+        for bad in [&[0.0, f64::NAN, 1.0][..], &[0.0, 0.5, 0.5, 1.0], &[1.0, 0.5, 0.0]] {
+            assert!(matches!(ImagePlan::new(knots(), bad, &good, [1.0; 3]), Err(PlanError::Axis { axis: "x", .. })));
+        }
+        assert!(matches!(ImagePlan::new(knots(), &good, &[], [1.0; 3]), Err(PlanError::Length { column: "y", .. })));
+        let weights = [1.0, 1.0, f64::NAN];
+        assert!(matches!(ImagePlan::new(knots(), &good, &good, weights), Err(PlanError::Weight { .. })));
+    }
+}

@@ -1,0 +1,188 @@
+//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. No two
+//! files import each other.
+
+mod files;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+/// Floor of every room; siblings on one floor do not import each other.
+const FLOORS: [(&str, u8); 24] = [
+    ("simd", 0),
+    ("threads", 0),
+    ("vector", 0),
+    ("contact", 1),
+    ("bspline", 1),
+    ("linalg", 1),
+    ("curvature", 1),
+    ("draws", 1),
+    ("scene", 2),
+    ("observation", 2),
+    ("solve", 2),
+    ("surface", 2),
+    ("shape", 3),
+    ("fit", 4),
+    ("parametric", 5),
+    ("plans", 5),
+    ("montecarlo", 6),
+    ("frontier", 6),
+    ("explore", 6),
+    ("cases", 6),
+    ("io", 7),
+    ("report", 8),
+    ("cli", 9),
+    ("main", 10),
+];
+
+/// Every `crate::room` named in a file, `use crate::{a, b}` included; a `mod tests` may look anywhere for its oracle.
+fn rooms_named(source: &str) -> Vec<String> {
+    let file: TokenStream = source.parse().expect("the file parses");
+    let mut found = Vec::new();
+    collect(file, &mut found);
+    found
+}
+
+fn collect(stream: TokenStream, found: &mut Vec<String>) {
+    let tokens: Vec<TokenTree> = stream.into_iter().collect();
+    for (k, token) in tokens.iter().enumerate() {
+        let word = |at: usize, expected: &str| matches!(&tokens[at], TokenTree::Ident(i) if i == expected);
+        let in_tests = k >= 2 && word(k - 2, "mod") && word(k - 1, "tests");
+        if let TokenTree::Group(group) = token
+            && !in_tests
+        {
+            collect(group.stream(), found);
+        }
+        let is_crate = matches!(token, TokenTree::Ident(i) if i == "crate");
+        let colons = |at: usize| matches!(tokens.get(at), Some(TokenTree::Punct(p)) if p.as_char() == ':');
+        if !(is_crate && colons(k + 1) && colons(k + 2)) {
+            continue;
+        }
+        match tokens.get(k + 3) {
+            Some(TokenTree::Ident(room)) => found.push(room.to_string()),
+            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                let mut first = true;
+                for inner in group.stream() {
+                    match inner {
+                        TokenTree::Ident(room) if first => {
+                            found.push(room.to_string());
+                            first = false;
+                        }
+                        TokenTree::Punct(p) if p.as_char() == ',' => first = true,
+                        _ => first = false,
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Imports that do not go strictly downwards.
+fn faults(room: &str, source: &str) -> Vec<String> {
+    let floors: BTreeMap<&str, u8> = FLOORS.into_iter().collect();
+    let Some(own) = floors.get(room) else { return vec![format!("room {room} stands on no floor")] };
+    rooms_named(source)
+        .into_iter()
+        .filter(|other| other != room)
+        .filter_map(|other| match floors.get(other.as_str()) {
+            Some(floor) if floor < own => None,
+            Some(_) => Some(format!("{room} imports {other}, which is not below it")),
+            None => Some(format!("{room} imports crate::{other}, which is no room")),
+        })
+        .collect()
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("src is there") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn imports_go_strictly_downwards() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    assert!(files.len() > 50, "the walk found only {} files", files.len());
+    let mut all = Vec::new();
+    for path in files {
+        let inside = path.strip_prefix(&src).expect("below src");
+        let first = inside.iter().next().expect("a name").to_string_lossy().trim_end_matches(".rs").to_string();
+        if first == "lib" {
+            continue;
+        }
+        let source = std::fs::read_to_string(&path).expect("readable");
+        all.extend(faults(&first, &source).into_iter().map(|fault| format!("{}: {fault}", inside.display())));
+    }
+    assert!(all.is_empty(), "{all:#?}");
+}
+
+#[test]
+fn an_upward_import_is_caught() {
+    let fixture = include_str!("../fixtures/upward_import.rs.txt");
+    assert_eq!(
+        faults("solve", fixture),
+        ["solve imports fit, which is not below it", "solve imports observation, which is not below it"]
+    );
+    assert!(faults("cli", fixture).is_empty());
+    assert_eq!(faults("cellar", "").len(), 1);
+}
+
+#[test]
+fn no_two_files_import_each_other() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut paths = Vec::new();
+    sources(&src, &mut paths);
+    // the binary's own file is a crate apart
+    paths.retain(|path| !path.ends_with("src/main.rs"));
+    paths.sort();
+    let read = |path: &PathBuf| {
+        let inside = path.strip_prefix(&src).expect("below src").to_string_lossy().replace('\\', "/");
+        (inside, std::fs::read_to_string(path).expect("readable"))
+    };
+    let found = files::circles(&paths.iter().map(read).collect::<Vec<_>>());
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn files_that_import_each_other_are_caught() {
+    let fixture = include_str!("../fixtures/file_circle.rs.txt");
+    let sources: Vec<(String, String)> = fixture
+        .split("// file: ")
+        .skip(1)
+        .map(|part| {
+            let (name, text) = part.split_once('\n').expect("a name and a text");
+            (name.trim().to_string(), text.to_string())
+        })
+        .collect();
+    let found = files::circles(&sources);
+    assert_eq!(found, [["ring/driver.rs", "ring/loss.rs"], ["ring/outer.rs", "ring/shared.rs"]]);
+}
+
+#[test]
+fn unsafe_code_stays_in_its_room() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    for path in files {
+        let source = std::fs::read_to_string(&path).expect("readable");
+        let tokens: TokenStream = source.parse().expect("the file parses");
+        let inside = path.strip_prefix(&src).expect("below src");
+        assert!(inside.starts_with("simd") || !has_unsafe(tokens), "{}", inside.display());
+    }
+}
+
+fn has_unsafe(stream: TokenStream) -> bool {
+    stream.into_iter().any(|token| match token {
+        TokenTree::Ident(word) => word == "unsafe",
+        TokenTree::Group(group) => has_unsafe(group.stream()),
+        _ => false,
+    })
+}

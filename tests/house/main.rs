@@ -1,0 +1,5 @@
+//! Tests of the repository itself: which rooms import which, and that documents say what the code does.
+
+mod floors;
+mod public_names;
+mod readme;

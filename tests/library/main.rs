@@ -1,0 +1,15 @@
+//! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
+
+mod hard_cases;
+#[cfg(feature = "cli")]
+mod paper;
+mod parametric;
+mod properties;
+mod robust;
+mod routes;
+mod scene_effects;
+#[cfg(feature = "cli")]
+mod scene_surfaces;
+#[cfg(feature = "cli")]
+mod scene_tip;
+mod threads;

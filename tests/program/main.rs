@@ -1,0 +1,11 @@
+//! Tests of the program and of what it reads and writes: verbs, bad input, file formats, scene files, the JSON schema.
+
+#![cfg(feature = "cli")]
+
+mod cli_bad_input;
+mod cli_verbs;
+mod fuzz_seeds;
+mod npz;
+mod readers;
+mod scene_file;
+mod schema;

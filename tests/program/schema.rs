@@ -1,0 +1,97 @@
+//! `palpate.fit/1`: the committed schema is the generated one, and what the program prints obeys it.
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
+
+/// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the file anew.
+#[test]
+fn the_committed_schema_is_what_the_types_make() {
+    let generated = serde_json::to_string_pretty(&palpate::internals::report::fit_schema()).unwrap() + "\n";
+    if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
+        std::fs::write(FILE, &generated).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(FILE).unwrap(), generated);
+}
+
+/// The few words of JSON Schema that ours uses; a key that the schema does not name is a fault here.
+fn check(at: &str, value: &Value, schema: &Value) {
+    if let Some(constant) = schema.get("const") {
+        assert_eq!(value, constant, "{at}");
+        return;
+    }
+    let kinds: Vec<&str> = match &schema["type"] {
+        Value::Array(list) => list.iter().filter_map(Value::as_str).collect(),
+        one => one.as_str().into_iter().collect(),
+    };
+    let found = match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(n) if n.is_f64() => "number",
+        Value::Number(_) => "integer",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    };
+    assert!(kinds.contains(&found), "{at} is {found}, not {kinds:?}");
+    match value {
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(k, item)| check(&format!("{at}[{k}]"), item, &schema["items"]));
+        }
+        Value::Object(object) => {
+            for key in schema["required"].as_array().unwrap() {
+                assert!(object.contains_key(key.as_str().unwrap()), "{at} lacks {key}");
+            }
+            for (key, item) in object {
+                let schema = schema["properties"].get(key).unwrap_or_else(|| panic!("{at}.{key} is not in the schema"));
+                check(&format!("{at}.{key}"), item, schema);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn what_is_printed_obeys_the_schema() {
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(FILE).unwrap()).unwrap();
+    let lines: [&[&str]; 6] = [
+        &["run", "paper-fig6-r5.7-degree3", "--surface", "auto", "--json"],
+        &["run", "--surface", "parametric", "--sigma", "0.02,2", "--json"],
+        &["run", "--json"],
+        &["run", "paper-plane", "--json"],
+        &["run", "--sigma", "0.01,1", "--json"],
+        &["run", "--sigma", "auto", "--grid", "1", "--json"],
+    ];
+    for line in lines {
+        let output = Command::cargo_bin("palpate").unwrap().args(line).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        check("$", &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+}
+
+/// Every key of the design's section 4, spelt out here once more.
+#[test]
+fn no_promised_key_is_missing() {
+    let schema = palpate::internals::report::fit_schema();
+    let keys = |path: &[&str]| -> Vec<String> {
+        let part = path.iter().fold(&schema, |part, key| &part["properties"][key]);
+        part["properties"].as_object().unwrap().keys().cloned().collect()
+    };
+    let promised: [(&[&str], &str); 7] = [
+        (&[], "schema contacts frame fit shape truth surface seconds"),
+        (&["frame"], "origin axes scale"),
+        (
+            &["fit"],
+            "degree segments weights sigma method reason equations unknowns rank condition backward_error smooth rms notes",
+        ),
+        (&["fit", "sigma"], "z normal_deg slope"),
+        (&["shape"], "grid S R radius class class_probability k1 k2 direction_deg support plane_p"),
+        (&["surface"], "kind degree knots coefficients"),
+        (&["seconds"], "read fit shape total"),
+    ];
+    for (path, names) in promised {
+        let found = keys(path);
+        names.split(' ').for_each(|name| assert!(found.iter().any(|key| key == name), "{path:?} lacks {name}"));
+    }
+}
