@@ -4,7 +4,6 @@
 //! may read a clock: see [`Simulator::run_stage`].
 
 use super::simulate::{Block, Simulator};
-use crate::draws::EffectDraws;
 
 /// One stage of a compiled scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +37,7 @@ impl Simulator {
     /// # Panics
     /// When there is no stage of this number.
     pub fn run_stage(&self, stage: usize, seed: u64, block: &mut Block) {
-        let stage = &self.stages()[stage];
-        stage.apply(block, &EffectDraws::new(seed, stage.name()));
+        self.stages()[stage].apply(block, &self.draws(stage, seed));
     }
 }
 

@@ -78,11 +78,11 @@ pub fn read_scene_with(text: &str, importer: &Importer) -> Result<SceneFile, Sce
         Some(section) => sweep::read(section)?,
         None => return Err(root.missing("sweep", "a scene needs a [sweep] with fingers and stations")),
     };
-    let effects = root.section("effects")?.map_or(Ok(Vec::new()), effects::read)?;
+    let (effects, laws) = root.section("effects")?.map_or(Ok(Default::default()), effects::read)?;
     let fit = fit::read(root.section("fit")?)?;
     let study = root.section("study")?.map_or(Ok(StudyOptions::default()), read_study)?;
     root.finish("key")?;
-    let world = World { surface, sweeps, effects };
+    let world = World { surface, sweeps, effects, laws };
     world.compile()?;
     Ok(SceneFile { name, seed, world, fit, study })
 }
