@@ -48,7 +48,9 @@ pub(crate) use noise::probes::Signs;
 pub use notes::Note;
 pub use objective::equations::{Block, Equations};
 pub use objective::{Declared, NoiseLevels, Rms};
-pub use options::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+pub use options::{
+    FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
+};
 pub use placing::{Observed, Patch};
 
 use std::sync::OnceLock;

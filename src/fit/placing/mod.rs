@@ -6,7 +6,7 @@ pub(super) mod axes;
 
 use crate::bspline::Knots;
 use crate::contact::{Contacts, Frame, Grid, Orientation};
-use crate::fit::{FitError, FitOptions, FrameChoice, Objective, SlopeWeights};
+use crate::fit::{FitError, FitOptions, FrameChoice, Objective, OutsideDomain, SlopeWeights};
 use crate::linalg::{Site, Sites, TensorShape};
 use crate::observation::{GridSites, ScatteredSites};
 
@@ -201,7 +201,7 @@ fn uniform_knots(x: &[f64], y: &[f64], options: &FitOptions) -> Result<[Knots; 2
 }
 
 fn check_inside(contacts: &Contacts, options: &FitOptions) -> Result<(), FitError> {
-    let Some(domain) = options.domain else { return Ok(()) };
+    let Some(domain) = options.domain.filter(|_| options.outside == OutsideDomain::Refuse) else { return Ok(()) };
     for index in 0..contacts.len() {
         let (x, y) = (contacts.x[index], contacts.y[index]);
         if x < domain[0] || x > domain[1] || y < domain[2] || y > domain[3] {

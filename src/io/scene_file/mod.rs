@@ -91,6 +91,7 @@ fn read_study(section: Section) -> Result<StudyOptions, SceneFileError> {
     let mut study = StudyOptions::default();
     if let Some(replicates) = section.count("replicates", 1)? {
         study.replicates = replicates;
+        study.replicates_given = true;
     }
     if let Some(level) = fit::read_level(&section)? {
         study.level = level;

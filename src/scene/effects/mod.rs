@@ -151,6 +151,10 @@ pub trait Stage: std::fmt::Debug + Send + Sync {
     fn smoothness(&self) -> Smoothness {
         Smoothness::Smooth
     }
+    /// Sds of z and of each slope, where that is all the effect is: a study then needs no contacts.
+    fn row_sds(&self) -> Option<[f64; 2]> {
+        None
+    }
     /// Changes a block of replicates in place.
     fn apply(&self, block: &mut Block, draws: &EffectDraws);
 }

@@ -47,6 +47,10 @@ impl Stage for RowNoise {
         true
     }
 
+    fn row_sds(&self) -> Option<[f64; 2]> {
+        Some([self.sigma_z, self.sigma_slope])
+    }
+
     fn apply(&self, block: &mut Block, draws: &EffectDraws) {
         block.for_each_with_normals::<3>(draws, |point, normal, [z, sx, sy]| {
             point[2] += self.sigma_z * z;
