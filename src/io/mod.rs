@@ -17,7 +17,9 @@ mod npy;
 mod npz;
 mod place;
 mod ply;
+mod records;
 pub mod scene_file;
+mod study_file;
 mod surface_file;
 mod write;
 
@@ -32,6 +34,8 @@ pub use atomic::{remove_unfinished, write_atomically};
 pub use error::IoError;
 pub use imported::import_surface;
 pub use place::{Place, Places};
+pub use records::{RecordFormat, Records};
+pub use study_file::{StudyFile, StudyFileError, StudyIdentity, read_study, text_hash, write_study};
 pub use surface_file::{
     AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,
 };

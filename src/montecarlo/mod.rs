@@ -5,6 +5,7 @@
 //! ```
 
 mod attribution;
+mod coverage;
 mod engine;
 mod error;
 mod evaluator;
@@ -27,6 +28,7 @@ mod tally;
 mod whole;
 
 pub use attribution::{Attribution, EffectShare, Share, attribute};
+pub use coverage::{Coverages, Held, coverage};
 pub use engine::{Engine, Path, Values};
 pub use error::StudyError;
 pub use exact_sum::ExactSum;

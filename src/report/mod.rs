@@ -12,6 +12,9 @@ mod parametric;
 mod picture;
 mod points;
 mod schema;
+mod study;
+mod study_picture;
+mod sweep;
 mod table;
 
 pub use document::{
@@ -23,5 +26,11 @@ pub use maps::{write_maps_csv, write_maps_npz};
 pub use parametric::{ParametricPointShape, write_parametric_maps_csv, write_parametric_points_csv};
 pub use picture::{PictureOptions, write_picture};
 pub use points::{PointShape, write_points_csv};
-pub use schema::fit_schema;
+pub use schema::{fit_schema, study_schema};
+pub use study::{
+    EffectPart, LinearDocument, LinearQuantity, NamedQuantities, NamedShares, QuantilePart, QuantityPart, STUDY_SCHEMA,
+    StandardErrors, StudyDocument, SumPart, effect_parts, stopped_words, study_notes, sum_parts, write_study_table,
+};
+pub use study_picture::write_study_picture;
+pub use sweep::{SweepPoint, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub use table::{significant, write_table};

@@ -12,6 +12,7 @@
 //! with line and column.
 
 mod builtin;
+mod coverage_family;
 mod effects;
 mod error;
 mod fit;
@@ -23,7 +24,8 @@ use std::sync::Arc;
 
 use toml::de::DeTable;
 
-pub use builtin::{BuiltinScene, builtin, builtin_scenes};
+pub use builtin::{BuiltinScene, builtin, builtin_scenes, builtin_text, family_members};
+pub use coverage_family::coverage_family;
 pub use error::SceneFileError;
 
 use crate::fit::FitOptions;
