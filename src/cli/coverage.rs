@@ -105,7 +105,8 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
         let mut fit = args.fit.over(read.fit.clone());
         level = args.level.unwrap_or(read.study.level);
         fit.level = level;
-        let args = StudyArgs { replicates: Some(STUDY.max(replicates)), attribution: Some(0), ..args.clone() };
+        let mut args = args.clone();
+        (args.replicates, args.attribution) = (Some(STUDY.max(replicates)), Some(0));
         let plan = Plan::of_scene(&args, &read)?;
         let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
         // whole fits are dear: as many as are asked of, no more

@@ -141,7 +141,8 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     let Some(count) = count else {
         return Err(Failure::Input(format!("--sweep: a grid of more than {MOST_POINTS} points")));
     };
-    let args = StudyArgs { attribution: Some(0), ..args.clone() };
+    let mut args = args.clone();
+    args.attribution = Some(0);
     let bar = Bar::new(&args.output, count as u64, &source.name);
     let mut points = Vec::with_capacity(count);
     let mut level = 0.95;
