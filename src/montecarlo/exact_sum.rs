@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(sum.value(), 0.75);
         let mut tenths = ExactSum::default();
         (0..10_000_000).for_each(|_| tenths.add(-0.1));
-        assert_eq!(tenths.value(), -1_000_000.000_000_000_1_f64.next_up().max(-1_000_000.0));
+        assert_eq!(tenths.value(), -1_000_000.0);
         let mut small = ExactSum::default();
         (0..3).for_each(|_| small.add(5e-324));
         assert_eq!(small.value(), 1.5e-323);

@@ -9,7 +9,7 @@ const SURFACES: [(&str, &str); 8] = [
     ("cylinder", "kind = \"cylinder\"\nradius = 10.0"),
     ("cylinder-45deg", "kind = \"cylinder\"\nradius = 10.0\naxis_deg = 45.0"),
     ("saddle", "kind = \"saddle\"\nradii = [12.0, 12.0]"),
-    ("torus", "kind = \"torus\"\nmajor = 20.0\nminor = 8.0\noffset = [0.0, 18.0, 0.0]"),
+    ("torus", "kind = \"torus\"\nmajor = 20.0\nminor = 8.0"),
     ("bump", "kind = \"gaussian\"\nheight = 2.0\nwidth = 4.0"),
     ("ellipsoid", "kind = \"ellipsoid\"\nsemi_axes = [16.0, 12.0, 9.0]"),
     ("plane", "kind = \"plane\""),
