@@ -93,7 +93,7 @@ pub enum Smoothness {
 ///
 /// ```
 /// use palpate::draws::EffectDraws;
-/// use palpate::scene::{Block, Stage, Surface, Sweep, World, linspace};
+/// use palpate::scene::{Block, Smoothness, Stage, Surface, Sweep, World, linspace};
 /// use palpate::scene::surface::{Body, Sphere};
 /// use rand_distr::{Distribution, Gumbel};
 ///
@@ -114,7 +114,14 @@ pub enum Smoothness {
 ///     fn keeps_sites(&self) -> bool {
 ///         true
 ///     }
+///     fn smoothness(&self) -> Smoothness {
+///         // no derivative by numbers that are the generator's own
+///         Smoothness::Jumps
+///     }
 ///     fn apply(&self, block: &mut Block, draws: &EffectDraws) {
+///         if draws.is_scripted() {
+///             return;
+///         }
 ///         for contact in 0..block.contacts() {
 ///             for lane in 0..block.lanes() {
 ///                 // any generator of `rand`, any law of `rand_distr`; this one is the same however a study is split
