@@ -12,7 +12,7 @@ use super::failure::Failure;
 use super::output::print;
 use super::progress::Bar;
 use super::scene::{self, Source};
-use super::study::{Plan, StudyArgs};
+use super::study_plan::{Plan, StudyArgs};
 
 /// Replicates that are fitted when nothing else is said.
 const REPLICATES: u64 = 2000;

@@ -9,7 +9,8 @@ use crate::montecarlo::{Stopped, StudyError};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
-use super::study::{Plan, StudyArgs, part, source_of, tell};
+use super::study::{part, source_of, tell};
+use super::study_plan::{Plan, StudyArgs};
 
 /// Arguments of `palpate merge`.
 #[derive(Args)]

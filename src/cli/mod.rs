@@ -20,6 +20,7 @@ mod scenes;
 mod show;
 mod simulate;
 mod study;
+mod study_plan;
 mod sweep;
 mod values;
 
@@ -49,7 +50,7 @@ enum Verb {
     /// Fit a surface to contacts or a grid and describe its shape
     Fit(fit::FitArgs),
     /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
-    Study(Box<study::StudyArgs>),
+    Study(Box<study_plan::StudyArgs>),
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
     /// List the built-in scenes, or print one as TOML

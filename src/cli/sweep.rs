@@ -12,7 +12,7 @@ use super::failure::Failure;
 use super::output::print;
 use super::progress::Bar;
 use super::scene::Source;
-use super::study::{Plan, StudyArgs};
+use super::study_plan::{Plan, StudyArgs};
 
 /// Most points of a grid.
 const MOST_POINTS: usize = 100_000;

@@ -4,8 +4,6 @@
 use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
 use crate::montecarlo::{Path, StoppingRule};
 
-use super::study::Way;
-
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
 const MAX_COUNT: usize = 100_000;
 
@@ -118,6 +116,13 @@ pub(super) fn range(text: &str) -> Result<[u64; 2], String> {
         (Ok(a), Ok(b)) if a < b => Ok([a, b]),
         _ => Err(wrong()),
     }
+}
+
+/// A way that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    Auto,
+    Only(Path),
 }
 
 /// `auto`, `refit` or `whole`.

@@ -4,6 +4,9 @@
 //! a = n - n_surface      b = (normal of the plane through 13 nearest contacts) - n_surface      (tangential parts)
 //! correlation = sum a.b / sqrt(sum a.a sum b.b)          above 0.3: computed from the positions
 //! ```
+//!
+//! The same must hold of differences between contacts a neighbourhood apart: a shape that the surface leaves unsaid moves
+//! both normals alike without either being computed from the other.
 
 use faer::{Mat, Side};
 
@@ -38,20 +41,55 @@ pub(super) fn derived_from_positions(
         return false;
     }
     let tree = Neighbours::new(points);
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    let (mut whole, mut rough) = (Correlation::default(), Correlation::default());
     for i in sample {
-        let (_, n) = surface.distance_and_normal(points[i]);
-        let Some(local) = plane_normal(&tree, points, points[i]) else { continue };
-        if dot(normals[i], n) < AGAINST {
-            continue;
-        }
-        let local = if dot(local, normals[i]) < 0.0 { scaled(-1.0, local) } else { local };
-        let (a, b) = (reject(minus(normals[i], n), n), reject(minus(local, n), n));
-        if norm(a) < BLUNDER && norm(b) < BLUNDER {
-            (ab, aa, bb) = (ab + dot(a, b), aa + dot(a, a), bb + dot(b, b));
+        let Some((a, b)) = both(&tree, points, normals, surface, i) else { continue };
+        whole.add(a, b);
+        // two contacts a neighbourhood apart share what the surface leaves unsaid, and their difference does not
+        let far = tree.nearest(points[i], NEAREST).last().map(|(_, j)| *j as usize);
+        if let Some((c, d)) = far.and_then(|j| both(&tree, points, normals, surface, j)) {
+            rough.add(minus(a, c), minus(b, d));
         }
     }
-    aa > 0.0 && bb > 0.0 && ab > DERIVED * (aa * bb).sqrt()
+    whole.exceeds(DERIVED) && rough.exceeds(DERIVED)
+}
+
+/// Sums of a correlation between vectors.
+#[derive(Default)]
+struct Correlation {
+    ab: f64,
+    aa: f64,
+    bb: f64,
+}
+
+impl Correlation {
+    fn add(&mut self, a: Vector, b: Vector) {
+        self.ab += dot(a, b);
+        self.aa += dot(a, a);
+        self.bb += dot(b, b);
+    }
+
+    fn exceeds(&self, limit: f64) -> bool {
+        self.aa > 0.0 && self.bb > 0.0 && self.ab > limit * (self.aa * self.bb).sqrt()
+    }
+}
+
+/// Tangential differences of the file's normal and of the neighbourhood's from the surface's; `None` of blunders.
+fn both(
+    tree: &Neighbours,
+    points: &[Vector],
+    normals: &[Vector],
+    surface: &Model,
+    i: usize,
+) -> Option<(Vector, Vector)> {
+    let (_, n) = surface.distance_and_normal(points[i]);
+    if dot(normals[i], n) < AGAINST {
+        return None;
+    }
+    let local = plane_normal(tree, points, points[i])?;
+    let local = if dot(local, normals[i]) < 0.0 { scaled(-1.0, local) } else { local };
+    let (a, b) = (reject(minus(normals[i], n), n), reject(minus(local, n), n));
+    (norm(a) < BLUNDER && norm(b) < BLUNDER).then_some((a, b))
 }
 
 /// Normal of the plane through the nearest contacts.

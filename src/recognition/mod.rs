@@ -30,6 +30,7 @@ mod orientation;
 mod paraboloid;
 mod patch;
 mod posterior;
+mod region;
 mod report;
 mod result;
 mod rows;

@@ -25,15 +25,15 @@ impl NormalNoise {
     pub(super) fn find(rows: &Rows, cells: &Cells, distances: &Mat<f64>) -> Option<NormalNoise> {
         let n = cells.points.len();
         let p = Kind::General.unknowns() - 1;
+        let own = (column_of(Kind::General), 1 + Kind::General.unknowns());
         let mut best: Option<(f64, NormalNoise)> = None;
         for kernel in Kernel::all() {
-            let Some((gram, log_det)) = whitened(rows, cells, distances, kernel) else { continue };
+            let Some((gram, log_det)) = whitened(rows, cells, distances, kernel, own) else { continue };
             // the height h does not move normals: its column, the first, is left out
-            let y = column_of(Kind::General);
-            let Some(jj) = dense::cholesky(&Mat::from_fn(p, p, |i, j| gram[(y + 2 + i, y + 2 + j)])) else { continue };
-            let mut along: Vec<f64> = (0..p).map(|i| gram[(y + 2 + i, y)]).collect();
+            let Some(jj) = dense::cholesky(&Mat::from_fn(p, p, |i, j| gram[(2 + i, 2 + j)])) else { continue };
+            let mut along: Vec<f64> = (0..p).map(|i| gram[(2 + i, 0)]).collect();
             dense::forward(&jj, &mut along);
-            let rss = (gram[(y, y)] - along.iter().map(|v| v * v).sum::<f64>()).max(1e-24);
+            let rss = (gram[(0, 0)] - along.iter().map(|v| v * v).sum::<f64>()).max(1e-24);
             let dof = (2 * n).saturating_sub(p).max(1) as f64;
             let likelihood = -0.5 * (log_det + dense::log_det(&jj) + dof * (rss / dof).ln()) + kernel.log_prior;
             if best.is_none_or(|(largest, _)| likelihood > largest) {
@@ -45,7 +45,7 @@ impl NormalNoise {
 
     /// Gram matrix of the whitened normal rows.
     pub(super) fn gram(&self, rows: &Rows, cells: &Cells, distances: &Mat<f64>) -> Option<Mat<f64>> {
-        let (mut gram, _) = whitened(rows, cells, distances, self.kernel)?;
+        let (mut gram, _) = whitened(rows, cells, distances, self.kernel, (0, rows.columns))?;
         for j in 0..gram.ncols() {
             (0..gram.nrows()).for_each(|i| gram[(i, j)] /= self.variance);
         }
@@ -53,13 +53,19 @@ impl NormalNoise {
     }
 }
 
-/// Gram matrix under `D + rho exp(-r/l)` and the log determinant of both parts' covariance.
-fn whitened(rows: &Rows, cells: &Cells, distances: &Mat<f64>, kernel: Kernel) -> Option<(Mat<f64>, f64)> {
+/// Gram matrix of some columns (first, count) under `D + rho exp(-r/l)` and the log determinant of both parts' covariance.
+fn whitened(
+    rows: &Rows,
+    cells: &Cells,
+    distances: &Mat<f64>,
+    kernel: Kernel,
+    columns: (usize, usize),
+) -> Option<(Mat<f64>, f64)> {
     let halves = rows.normals.as_ref()?;
     let lower = kernel.factor(&cells.normals.as_ref()?.variance, distances)?;
-    let mut sum = Mat::<f64>::zeros(rows.columns, rows.columns);
+    let mut sum = Mat::<f64>::zeros(columns.1, columns.1);
     for half in halves {
-        let mut whitened = half.clone();
+        let mut whitened = half.as_ref().subcols(columns.0, columns.1).to_owned();
         dense::whiten(&lower, whitened.as_mut());
         sum += dense::gram(whitened.as_ref());
     }

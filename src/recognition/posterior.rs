@@ -50,29 +50,38 @@ pub(super) struct Summary {
     pub(super) u: Vec<[f64; 2]>,
 }
 
-/// Means over the supported points of one surface, and S and R at all points.
+/// Means over the region of one surface, and S and R at the points asked for.
 struct Field {
     s: f64,
     r: f64,
     k: [f64; 2],
+    /// Standard deviations of S and R over the region.
+    sd: [f64; 2],
     at: Vec<[f64; 2]>,
 }
 
-/// Points at which surfaces are evaluated, and which of them count in the means.
+/// Points at which surfaces are evaluated.
 pub(super) struct Points<'a> {
+    /// Those that means are taken over.
     pub(super) all: &'a [ChartPoint],
-    pub(super) counted: &'a [usize],
+    /// Those whose own uncertainty is asked for.
+    pub(super) map: &'a [ChartPoint],
 }
 
 impl Points<'_> {
     fn field(&self, state: &State) -> Field {
-        let bent: Vec<[f64; 2]> = self.all.iter().map(|p| state.curvatures(p).unwrap_or([0.0; 2])).collect();
-        let at: Vec<[f64; 2]> =
-            bent.iter().map(|[k1, k2]| [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), curvedness(*k1, *k2)]).collect();
-        let mean = |of: &[[f64; 2]], k: usize| {
-            self.counted.iter().map(|&i| of[i][k]).sum::<f64>() / self.counted.len().max(1) as f64
-        };
-        Field { s: mean(&at, 0), r: mean(&at, 1), k: [mean(&bent, 0), mean(&bent, 1)], at }
+        let shape = |[k1, k2]: [f64; 2]| [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), curvedness(k1, k2)];
+        let bent: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).collect();
+        let shapes: Vec<[f64; 2]> = bent.iter().map(|k| shape(*k)).collect();
+        let mean = |of: &[[f64; 2]], k: usize| of.iter().map(|v| v[k]).sum::<f64>() / of.len().max(1) as f64;
+        let sd = |k: usize| super::weights::standard_deviation(&shapes.iter().map(|v| v[k]).collect::<Vec<_>>());
+        Field {
+            s: mean(&shapes, 0),
+            r: mean(&shapes, 1),
+            k: [mean(&bent, 0), mean(&bent, 1)],
+            sd: [sd(0), sd(1)],
+            at: self.map.iter().map(|p| shape(state.curvatures(p).unwrap_or([0.0; 2]))).collect(),
+        }
     }
 }
 
@@ -162,8 +171,7 @@ pub(super) fn summary(
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
         let u_noise = noise[at].min(u);
         let u_model = (u * u - u_noise * u_noise).max(0.0).sqrt();
-        let values: Vec<f64> = points.counted.iter().map(|&i| own.at[i][at]).collect();
-        let sd = super::weights::standard_deviation(&values);
+        let sd = own.sd[at];
         mean.is_finite().then_some(Estimate { mean, sd, u_noise, u_model, u, interval, level, dof: reported.dof })
     };
     let mean_of = |k: usize| {
@@ -176,7 +184,7 @@ pub(super) fn summary(
         k1: mean_of(0),
         k2: mean_of(1),
         classes: classes(&found),
-        u: pointwise(&found, points.all.len()),
+        u: pointwise(&found, points.map.len()),
     })
 }
 

@@ -12,8 +12,8 @@ use super::model::Kind;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
 use super::posterior::{Points, Summary, likeliest, summary};
+use super::region::Region;
 use super::state::{ChartPoint, State};
-use super::support::Support;
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
@@ -21,8 +21,8 @@ use super::{
     RecognitionOptions, Tried, weighted_rms,
 };
 
-/// Points of the map over which means are taken at most; a larger map is thinned for them.
-const MEANS_OVER: usize = 400;
+/// Points of the map whose uncertainty is drawn; a larger map has their mean everywhere.
+const MAPPED: usize = 400;
 
 /// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
 const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
@@ -58,20 +58,17 @@ impl Findings<'_> {
     /// The whole answer.
     pub(super) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         let tried = self.tried();
-        let hypothesis = tried.first().ok_or_else(|| failed("comparison of hypotheses"))?.hypothesis;
+        let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
         let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
         let (best, _) = own.max_by(|a, b| a.1.total_cmp(b.1)).ok_or_else(|| failed("comparison of hypotheses"))?;
         let state = likeliest(self.evidence, best).ok_or_else(|| failed("likeliest surface"))?;
         let misfit = self.misfit(best, &state)?;
         let scale = self.patch.frame.scale;
-        let (surface, points, supported) = self.points(state, options)?;
-        let counted = counted(&supported);
-        let few = points.len() > MEANS_OVER;
-        let chosen: Vec<ChartPoint> =
-            if few { counted.iter().map(|&i| points[i].clone()).collect() } else { Vec::new() };
-        let every: Vec<usize> = (0..chosen.len()).collect();
-        let over =
-            if few { Points { all: &chosen, counted: &every } } else { Points { all: &points, counted: &counted } };
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
+        let Region { surface, map: points, supported, lattice } =
+            Region::new(self.patch, self.evidence, base, state, options);
+        let over = Points { all: &lattice, map: &points[..points.len().min(MAPPED)] };
         let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
         let map = self.map(&surface, &points, &supported, &found);
@@ -170,33 +167,6 @@ impl Findings<'_> {
         Ok(found)
     }
 
-    /// The reported surface, the points of the map, and whether contacts support them.
-    fn points(
-        &self,
-        state: State,
-        options: &RecognitionOptions,
-    ) -> Result<(RecognisedSurface, Vec<ChartPoint>, Vec<bool>), RecognitionError> {
-        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
-        let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
-        let charts: Vec<[f64; 2]> = self.patch.points.iter().map(|p| base.chart(*p)).collect();
-        let support = Support::new(&self.patch.points, &charts, self.evidence.cells);
-        let [u, v] = [support.range(0), support.range(1)];
-        let displacement = self.evidence.displacement.cloned();
-        let surface = RecognisedSurface { frame: self.patch.frame, u, v, base: base.clone(), displacement, state };
-        let mut points = Vec::with_capacity(options.grid.iter().product());
-        for &a in &crate::bspline::linspace(u[0], u[1], options.grid[0]) {
-            for &b in &crate::bspline::linspace(v[0], v[1], options.grid[1]) {
-                points.push(surface.chart_point(a, b));
-            }
-        }
-        let mut supported: Vec<bool> = points.iter().map(|p| support.holds(p.chart, p.place)).collect();
-        if !supported.contains(&true) {
-            // a map so coarse that none of its points lies inside is averaged as it is
-            supported.fill(true);
-        }
-        Ok((surface, points, supported))
-    }
-
     fn map(
         &self,
         surface: &RecognisedSurface,
@@ -277,13 +247,18 @@ impl Findings<'_> {
     }
 }
 
-/// Supported points, thinned where there are many.
-fn counted(supported: &[bool]) -> Vec<usize> {
-    let all: Vec<usize> = (0..supported.len()).filter(|&i| supported[i]).collect();
-    if supported.len() <= MEANS_OVER || all.len() <= MEANS_OVER {
-        return all;
+/// The hypothesis of largest weight, where general's two references count together; the plane only when it has more than
+/// half of all weight, because the class then is plane too.
+fn reported(tried: &[Tried]) -> Option<Hypothesis> {
+    let weight = |h: Hypothesis| tried.iter().filter(|t| t.hypothesis == h).map(|t| t.weight).sum::<f64>();
+    let general = weight(Hypothesis::General) + weight(Hypothesis::Paraboloid);
+    let eligible = tried.iter().filter(|t| t.hypothesis != Hypothesis::Plane || t.weight > 0.5);
+    let best = eligible.max_by(|a, b| a.weight.total_cmp(&b.weight))?;
+    if best.hypothesis == Hypothesis::Plane || best.weight >= general {
+        return Some(best.hypothesis);
     }
-    (0..MEANS_OVER).map(|k| all[k * (all.len() - 1) / (MEANS_OVER - 1)]).collect()
+    let torus = weight(Hypothesis::General) >= weight(Hypothesis::Paraboloid);
+    Some(if torus { Hypothesis::General } else { Hypothesis::Paraboloid })
 }
 
 fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {

@@ -12,11 +12,11 @@ pub mod effects;
 mod error;
 #[doc(hidden)]
 pub mod explain;
+mod rotation;
 mod simulate;
 pub mod surface;
 mod sweep;
 mod truth;
-mod vector;
 
 pub use crate::draws::{EffectDraws, NoiseLaw};
 pub use batch::ContactBatch;

@@ -1,6 +1,7 @@
 //! What is true of each contact, so that a report can give the error beside the spread.
 
 use super::surface::{Local, Surface, SurfacePoint};
+use crate::vector::{dot, norm};
 
 /// The truth behind contacts: for each of them, what the surface is where it was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +58,7 @@ impl Truth {
         if let Some(nearest) = self.surface.nearest_around(point) {
             // round a torus the line would meet the far side of the ring first
             let off = [0, 1, 2].map(|k| point[k] - nearest.point[k]);
-            let there = super::vector::norm(off) <= reach && super::vector::dot(nearest.local.normal, normal) > 0.0;
+            let there = norm(off) <= reach && dot(nearest.local.normal, normal) > 0.0;
             return there.then_some(nearest.local);
         }
         let along = self.surface.hit(point, normal).filter(|t| t.abs() <= reach)?;

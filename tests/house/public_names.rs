@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// More names than people learn. The four that a first program needs stand at the crate's root as well as in their room and
-/// count once.
-const MOST_NAMES: usize = 110;
+/// The list may not grow beyond this. The aim is 110. What stands between are the names of studies and of recognition,
+/// about forty, and the 45 of the simulated world (14 effects, 12 bodies and their parts). The four names that a first
+/// program needs stand at the crate's root as well as in their room and count once.
+const MOST_NAMES: usize = 155;
 
 /// A walk over the items of one module.
 struct Walk<'a> {
@@ -38,10 +39,10 @@ fn items_of(stream: TokenStream, walk: &Walk, found: &mut Vec<String>) {
                 at += 2;
                 continue;
             }
-            TokenTree::Ident(word) if *word == "pub" && !is_group(tokens.get(at + 1), Delimiter::Parenthesis) => {
-                if !hidden {
-                    item(&tokens[at + 1..], walk, found);
-                }
+            TokenTree::Ident(word)
+                if !hidden && *word == "pub" && !is_group(tokens.get(at + 1), Delimiter::Parenthesis) =>
+            {
+                item(&tokens[at + 1..], walk, found);
             }
             _ => {}
         }

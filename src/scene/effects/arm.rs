@@ -9,7 +9,8 @@
 //! (Y. Nakamura, H. Hanafusa, *J. Dyn. Sys. Meas. Control* 108 (1986) 163) from the last solution, then from a lattice
 //! of starts.
 
-use crate::scene::vector::{Matrix, Vector, along, cross, norm, product, rotated, sin_cos_deg};
+use crate::scene::rotation::{Matrix, product, rotated, sin_cos_deg};
+use crate::vector::{Vector, along, cross, dot, norm};
 
 /// One joint and the link behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,8 +106,7 @@ impl Arm {
             let columns: Vec<Vector> =
                 axes.iter().map(|(origin, axis)| cross(*axis, along(pose.point, -1.0, *origin))).collect();
             let Some(force) = damped(&columns, error, lambda * span * span) else { break };
-            let trial: Vec<f64> =
-                joints.iter().zip(&columns).map(|(q, column)| q + crate::scene::vector::dot(*column, force)).collect();
+            let trial: Vec<f64> = joints.iter().zip(&columns).map(|(q, column)| q + dot(*column, force)).collect();
             let left = norm(along(target, -1.0, self.forward(&trial, None).point));
             if left < miss {
                 (joints, miss) = (trial, left);
@@ -127,7 +127,7 @@ fn damped(columns: &[Vector], error: Vector, lambda: f64) -> Option<Vector> {
         |i: usize, j: usize| columns.iter().map(|c| c[i] * c[j]).sum::<f64>() + if i == j { lambda } else { 0.0 };
     let rows = [0, 1, 2].map(|i| [entry(i, 0), entry(i, 1), entry(i, 2)]);
     let (m, n, o) = (cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1]));
-    let determinant = crate::scene::vector::dot(rows[0], m);
+    let determinant = dot(rows[0], m);
     (determinant != 0.0 && determinant.is_finite())
         .then(|| [0, 1, 2].map(|k| (m[k] * error[0] + n[k] * error[1] + o[k] * error[2]) / determinant))
 }

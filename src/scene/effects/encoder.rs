@@ -17,7 +17,8 @@ use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative};
-use crate::scene::vector::{Vector, along, norm, rotated, rotated_back};
+use crate::scene::rotation::{rotated, rotated_back};
+use crate::vector::{Vector, along, norm};
 
 /// Joints beyond this are no arm (and would exceed an effect's draws per contact).
 const MAX_JOINTS: usize = 32;

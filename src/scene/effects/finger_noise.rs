@@ -15,7 +15,8 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, positive};
-use crate::scene::vector::{tangents, unit};
+use crate::scene::rotation::tangents;
+use crate::vector::unit;
 
 /// Correlated errors along the path of each finger.
 #[derive(Clone, Copy, Debug, PartialEq)]

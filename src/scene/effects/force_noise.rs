@@ -17,7 +17,7 @@ use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative, positive};
-use crate::scene::vector::{norm, scaled};
+use crate::vector::{norm, scaled};
 
 /// Errors of the force sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]

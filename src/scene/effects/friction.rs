@@ -14,7 +14,7 @@ use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
-use crate::scene::vector::{along, dot, norm, scaled, unit};
+use crate::vector::{along, dot, norm, scaled, unit};
 
 /// Sliding friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -16,7 +16,7 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, positive};
-use crate::scene::vector::along;
+use crate::vector::along;
 
 /// Hertz indentation at a force threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]

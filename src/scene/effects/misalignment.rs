@@ -8,7 +8,8 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite};
-use crate::scene::vector::{Matrix, along, rotated, rotation};
+use crate::scene::rotation::{Matrix, rotated, rotation};
+use crate::vector::along;
 
 /// Error of the robot's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -16,7 +16,8 @@ use super::{Context, Smoothness, Stage};
 use crate::draws::{EffectDraws, NoiseLaw};
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
-use crate::scene::vector::{tangents, unit};
+use crate::scene::rotation::tangents;
+use crate::vector::unit;
 
 /// Isotropic errors of the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

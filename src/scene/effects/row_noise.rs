@@ -9,7 +9,7 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
-use crate::scene::vector::unit;
+use crate::vector::unit;
 
 /// Independent errors of z, zx, zy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

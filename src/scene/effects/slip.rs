@@ -10,7 +10,7 @@ use super::{Context, Smoothness, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, probability};
-use crate::scene::vector::along;
+use crate::vector::along;
 
 /// Gross outliers of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

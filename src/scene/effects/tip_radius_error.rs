@@ -10,7 +10,7 @@ use super::{Context, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite};
-use crate::scene::vector::along;
+use crate::vector::along;
 
 /// Error of the calibrated tip radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_slab, widened};
 use crate::scene::error::{SceneError, finite, positive};
-use crate::scene::vector::{Vector, along};
+use crate::vector::{Vector, along};
 
 /// A hill.
 #[derive(Clone, Copy, Debug, PartialEq)]

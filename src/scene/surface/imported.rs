@@ -9,7 +9,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{about_the_patch, first_below};
 use crate::scene::error::SceneError;
-use crate::scene::vector::along;
+use crate::vector::along;
 
 /// A height field that another room supplies.
 pub trait ImportedSurface: std::fmt::Debug + Send + Sync {

@@ -9,7 +9,8 @@
 //! [`crate::curvature`].
 
 use crate::curvature;
-use crate::scene::vector::{Vector, dot, norm, tangents};
+use crate::scene::rotation::tangents;
+use crate::vector::{Vector, dot, norm};
 
 /// Normal and curvatures of a surface at one of its points.
 #[derive(Clone, Copy, Debug, PartialEq)]

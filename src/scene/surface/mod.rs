@@ -45,7 +45,7 @@ pub use torus::Torus;
 pub use union::Union;
 
 use crate::scene::error::SceneError;
-use crate::scene::vector::{Vector, scaled};
+use crate::vector::{Vector, scaled};
 
 /// A body in the world.
 #[derive(Clone, Debug, PartialEq)]

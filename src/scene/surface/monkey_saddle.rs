@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{about_the_patch, first_below};
 use crate::scene::error::{SceneError, positive};
-use crate::scene::vector::{Vector, along};
+use crate::vector::{Vector, along};
 
 /// Three valleys and three ridges.
 #[derive(Clone, Copy, Debug, PartialEq)]

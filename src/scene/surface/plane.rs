@@ -4,7 +4,8 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
 use crate::scene::error::SceneError;
-use crate::scene::vector::{UP, Vector};
+use crate::scene::rotation::UP;
+use crate::vector::Vector;
 
 const QUADRIC: Quadric = Quadric { alpha: 0.0, beta: 0.0, gamma: 0.0 };
 

@@ -3,7 +3,8 @@
 //! `axis_deg` rotates the body about its own z axis before anything else (a cylinder's generators from +x towards +y).
 //! When rx = ry = 0 the body stands upright: its closed-form height is used with an exact plane rotation.
 
-use crate::scene::vector::{Matrix, Vector, product, rotated, rotated_back, rotation};
+use crate::scene::rotation::{Matrix, product, rotated, rotated_back, rotation};
+use crate::vector::Vector;
 
 /// Rotation and offset of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@
 //! radius: the sagitta keeps all its digits at r = 1e9.
 
 use super::local::Local;
-use crate::scene::vector::{Vector, dot};
+use crate::vector::{Vector, dot};
 
 /// `F = z + (alpha x^2 + beta y^2 + gamma z^2)/2`.
 #[derive(Clone, Copy, Debug, PartialEq)]

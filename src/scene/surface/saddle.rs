@@ -4,7 +4,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
 use crate::scene::error::{SceneError, all_not_zero};
-use crate::scene::vector::Vector;
+use crate::vector::Vector;
 
 /// A pass between two hills.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
 use crate::scene::error::{SceneError, positive};
-use crate::scene::vector::Vector;
+use crate::vector::Vector;
 
 /// A ball.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_ball};
 use crate::scene::error::{SceneError, all_positive};
-use crate::scene::vector::{Vector, along};
+use crate::vector::{Vector, along};
 
 /// Between a ball, a pillow and a box.
 #[derive(Clone, Copy, Debug, PartialEq)]

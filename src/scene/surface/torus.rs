@@ -11,7 +11,7 @@ use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_ball};
 use crate::scene::error::{SceneError, positive};
-use crate::scene::vector::{Vector, along, unit};
+use crate::vector::{Vector, along, unit};
 
 /// A ring.
 #[derive(Clone, Copy, Debug, PartialEq)]

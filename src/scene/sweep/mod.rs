@@ -15,7 +15,7 @@ mod tip;
 use super::SceneError;
 use super::error::{finite, not_negative};
 use super::surface::{Surface, SurfacePoint};
-use super::vector::sin_cos_deg;
+use crate::scene::rotation::sin_cos_deg;
 
 /// How the fingers of a sweep come to the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,8 +8,8 @@
 //! then solves the stationary condition (linear on spheres, cylinders and planes) to rounding. A ball that rests on an
 //! edge without a normal has no contact here.
 
+use crate::scene::rotation::sin_cos_deg;
 use crate::scene::surface::{Surface, SurfacePoint};
-use crate::scene::vector::sin_cos_deg;
 
 /// Lattice of starting points: rings x directions. Bodies with features narrower than rho/8 need more.
 const RINGS: usize = 8;

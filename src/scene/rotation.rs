@@ -1,6 +1,6 @@
-//! Three-vectors and rotations, as much as the simulated world needs.
+//! Rotations and tangent frames, as much of them as the simulated world needs.
 
-pub(crate) use crate::vector::{Vector, along, cross, dot, norm, scaled, unit};
+use crate::vector::{Vector, dot};
 
 pub(crate) type Matrix = [[f64; 3]; 3];
 
@@ -17,6 +17,7 @@ pub(crate) fn tangents(n: Vector) -> (Vector, Vector) {
     ([1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]], [b, sign + n[1] * n[1] * a, -n[1]])
 }
 
+/// The matrix times `v`.
 #[inline]
 pub(crate) fn rotated(m: &Matrix, v: Vector) -> Vector {
     [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
@@ -28,6 +29,7 @@ pub(crate) fn rotated_back(m: &Matrix, v: Vector) -> Vector {
     [0, 1, 2].map(|k| m[0][k] * v[0] + m[1][k] * v[1] + m[2][k] * v[2])
 }
 
+/// The product of two matrices.
 pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     a.map(|row| rotated_back(b, row))
 }
@@ -64,6 +66,7 @@ pub(crate) fn rotation(degrees: Vector) -> Matrix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::{cross, unit};
 
     #[test]
     fn quarter_turns_are_exact() {
