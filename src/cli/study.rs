@@ -176,7 +176,9 @@ pub(super) fn tell(
     {
         shown.stopped = stopped_words(stopped).into();
     }
-    if plan.identity.replicates != document.replicates && document.range != [0, plan.identity.replicates] {
+    // a tolerance or a budget ends a run before its last replicate, and says so itself
+    let is_part = document.stopped == Stopped::Replicates.name() && document.range != [0, plan.identity.replicates];
+    if is_part {
         shown.notes.push(format!("replicates {} to {} alone", document.range[0], document.range[1]));
     }
     print(&mut |out| write_study_table(&shown, out))

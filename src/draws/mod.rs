@@ -66,6 +66,12 @@ impl EffectDraws {
         self.law
     }
 
+    /// The numbers are a script and not random: an effect at rest, or its derivative. An effect that takes its numbers from
+    /// [`EffectDraws::generator`] does nothing then.
+    pub fn is_scripted(&self) -> bool {
+        self.source.is_some()
+    }
+
     /// The generator of one contact in one replicate, for an effect of the caller's own: whatever `rand` and
     /// `rand_distr` can do with it, up to 512 draws of 64 bits, is as repeatable as the built-in effects.
     pub fn generator(&self, contact: u64, replicate: u64) -> ChaCha8Rng {

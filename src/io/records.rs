@@ -9,6 +9,7 @@
 //! disk gives its last group for its footer. The few hundred lines of Parquet that plain columns need are written here
 //! (`apache/parquet-format`, Thrift compact protocol): the reference crate takes longer to build than all of this one.
 
+use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ mod parquet;
 
 use parquet::RowGroups;
 
+/// Lines written at once: what a full disk can cost at most.
+const LINES: usize = 1 << 12;
 /// Rows of a Parquet group.
 const GROUP: usize = 1 << 16;
 
@@ -127,18 +130,7 @@ impl Records {
     pub fn append(&mut self, values: &Values) -> Result<(), IoError> {
         let count = values.columns.first().map_or(0, Vec::len);
         match &mut self.kind {
-            Kind::Csv => {
-                let mut text = String::with_capacity(count * 24 * (values.columns.len() + 1));
-                for k in 0..count {
-                    use std::fmt::Write as _;
-                    let _ = write!(text, "{}", values.first + k as u64);
-                    values.columns.iter().for_each(|column| {
-                        let _ = write!(text, ",{}", column[k]);
-                    });
-                    text.push('\n');
-                }
-                self.put(text.as_bytes(), count as u64)
-            }
+            Kind::Csv => self.put_lines(values, count),
             Kind::Parquet(waiting) => {
                 waiting.replicates.extend((0..count as i64).map(|k| values.first as i64 + k));
                 waiting.columns.iter_mut().zip(&values.columns).for_each(|(own, more)| own.extend_from_slice(more));
@@ -148,6 +140,24 @@ impl Records {
                 Ok(())
             }
         }
+    }
+
+    fn put_lines(&mut self, values: &Values, count: usize) -> Result<(), IoError> {
+        let mut text = String::new();
+        for from in (0..count).step_by(LINES) {
+            text.clear();
+            let to = (from + LINES).min(count);
+            for k in from..to {
+                // writing to a string cannot fail
+                let _ = write!(text, "{}", values.first + k as u64);
+                values.columns.iter().for_each(|column| {
+                    let _ = write!(text, ",{}", column[k]);
+                });
+                text.push('\n');
+            }
+            self.put(text.as_bytes(), (to - from) as u64)?;
+        }
+        Ok(())
     }
 
     fn waiting_rows(&self) -> usize {

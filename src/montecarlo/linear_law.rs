@@ -98,7 +98,8 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
         }
         let (lo, hi) = ((nominal - k * sd).max(floor), (nominal + k * sd).min(ceiling));
         law.parts[q] = LinearPart { sd: Some(sd), lo: Some(lo), hi: Some(hi) };
-        match compare(monte_carlo.get(q), [lo, hi], sd) {
+        // the law itself knows of no bounds, and is judged as it is
+        match compare(monte_carlo.get(q), [nominal - k * sd, nominal + k * sd], sd) {
             Ok(()) => law.valid_parts[q] = complete,
             Err(why) => reasons.push(format!("{name}: {why}")),
         }

@@ -194,3 +194,34 @@ fn what_cannot_be_is_refused() {
     let forced = Engine::new(moving, &slopes(2, 4), &[], Some(Path::FixedSites)).unwrap_err().to_string();
     assert!(forced.contains("position_noise moves sites"), "{forced}");
 }
+
+/// A thousand random cuts of one run into parts, each joined to the same bits.
+#[test]
+fn a_thousand_random_splits_merge_to_the_same_bits() {
+    const REPLICATES: u64 = 600;
+    let options = StudyOptions { replicates: REPLICATES, replicates_given: true, ..StudyOptions::default() };
+    let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+    let study = Study::new(simulator, &slopes(2, 4), options, 1).unwrap();
+    let run = |from, to| study.run(study.start(from), to, &mut |_| true).unwrap().0;
+    let whole = run(0, REPLICATES);
+    let of = |state: &palpate::montecarlo::StudyState| {
+        let tallies = state.tallies.iter();
+        let numbers: Vec<_> =
+            tallies.map(|t| (t.mean(), t.sd(), t.ranked().symmetric(0.95), t.ranked().shortest(0.95))).collect();
+        (numbers, state.classes)
+    };
+    let expected = of(&whole);
+    let mut state = 1997_u64;
+    let mut random = move |below: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    for _ in 0..1000 {
+        let a = 1 + random(REPLICATES - 2);
+        let b = a + 1 + random(REPLICATES - a - 1);
+        let mut parts = run(0, a);
+        parts.merge(&run(a, b)).unwrap();
+        parts.merge(&run(b, REPLICATES)).unwrap();
+        assert_eq!(of(&parts), expected, "0:{a}:{b}:{REPLICATES}");
+    }
+}

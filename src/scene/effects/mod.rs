@@ -97,7 +97,7 @@ pub enum Smoothness {
 /// [`Simulator::with_stage`](crate::scene::Simulator::with_stage):
 ///
 /// ```
-/// use palpate::scene::{ContactBatch, EffectDraws, Stage, Surface, Sweep, World};
+/// use palpate::scene::{ContactBatch, EffectDraws, Smoothness, Stage, Surface, Sweep, World};
 /// use palpate::scene::surface::{Body, Sphere};
 /// use palpate::spline::linspace;
 /// use rand_distr::{Distribution, Gumbel};
@@ -119,7 +119,14 @@ pub enum Smoothness {
 ///     fn keeps_sites(&self) -> bool {
 ///         true
 ///     }
+///     fn smoothness(&self) -> Smoothness {
+///         // no derivative by numbers that are the generator's own
+///         Smoothness::Jumps
+///     }
 ///     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+///         if draws.is_scripted() {
+///             return;
+///         }
 ///         for contact in 0..batch.contacts() {
 ///             for replicate in 0..batch.replicates() {
 ///                 // any generator of `rand`, any law of `rand_distr`; this one is the same however a study is split
