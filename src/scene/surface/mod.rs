@@ -33,6 +33,7 @@ pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
 pub use gaussian::GaussianBump;
 pub use imported::ImportedSurface;
+#[doc(hidden)]
 pub use local::Local;
 pub use monkey_saddle::MonkeySaddle;
 pub use paraboloid::Paraboloid;
@@ -59,6 +60,7 @@ pub struct Surface {
 }
 
 /// A point of a surface with all that is true there.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// The point, input units.
