@@ -35,6 +35,7 @@ pub mod montecarlo;
 mod observation;
 pub mod parametric;
 pub mod plans;
+pub mod recognition;
 #[cfg(feature = "cli")]
 mod report;
 pub mod scene;

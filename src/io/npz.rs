@@ -194,8 +194,8 @@ pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: impl Write +
         npz.add(column.name(), &[values.len()], values.iter().copied())?;
     }
     if let Some(remark) = remark {
-        let name = super::remark::array_name(remark);
-        npz.add(&name, &[contacts.len()], std::iter::repeat_n(1.0, contacts.len()))?;
+        let ones = std::iter::repeat_n(1.0, contacts.len());
+        npz.add(&super::remark::array_name(remark), &[contacts.len()], ones)?;
     }
     npz.finish().map(drop)
 }

@@ -11,6 +11,7 @@
 mod batch;
 pub mod effects;
 mod error;
+#[doc(hidden)]
 pub mod explain;
 mod rotation;
 mod simulate;
@@ -23,9 +24,9 @@ pub use batch::ContactBatch;
 pub use effects::Effect;
 pub use error::SceneError;
 pub use simulate::Simulator;
+pub use surface::Surface;
 #[doc(hidden)]
 pub use surface::SurfacePoint;
-pub use surface::{Body, Surface};
 #[doc(hidden)]
 pub use sweep::{MAX_TOUCHES, Site, linspace};
 pub use sweep::{Sweep, SweepPath};

@@ -1,19 +1,14 @@
-//! ChaCha with 8 rounds, sixteen blocks at a time, one block a lane.
+//! ChaCha with 8 rounds, sixteen blocks at a time, one block in each lane.
 //!
 //! ```text
 //! state = constants (4) | key (8) | block number (2) | stream (2)         32-bit words
 //! quarter round: a += b; d = (d ^ a) <<< 16;  c += d; b = (b ^ c) <<< 12;  a += b; d = (d ^ a) <<< 8;  c += d; b = (b ^ c) <<< 7
 //! ```
 //!
-//! The words are those of `rand_chacha::ChaCha8Rng` with the same key, stream and position, which the tests hold.
-//! Rows of words by intrinsics: from plain arrays a compiler makes the rounds well and the interleaving of the halves by
-//! gathers, which took three quarters of the time.
+//! The words are those of `rand_chacha::ChaCha8Rng` with the same key, stream and position, as the test shows.
+//! Rows of words go through intrinsics because compilers make good code of the rounds from plain arrays, but interleave the
+//! halves by gathers, which took three quarters of the time.
 //! D. J. Bernstein, *ChaCha, a variant of Salsa20*, 2008.
-
-#[cfg(test)]
-use rand_chacha::ChaCha8Rng;
-#[cfg(test)]
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::lanes::{Lanes, Words};
 use super::{Isa, dispatch};
@@ -96,26 +91,28 @@ pub fn chacha8(isa: Isa, key: &[u32; 8], stream: u64, first_block: u64, out: &mu
     dispatch!(isa, generic [](key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]));
 }
 
-/// The safe twin: `rand_chacha`, one block after the other.
-#[cfg(test)]
-pub fn chacha8_twin(key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]) {
-    let mut bytes = [0; 32];
-    for (four, word) in bytes.chunks_exact_mut(4).zip(key) {
-        four.copy_from_slice(&word.to_le_bytes());
-    }
-    let mut generator = ChaCha8Rng::from_seed(bytes);
-    generator.set_stream(stream);
-    generator.set_word_pos(u128::from(first_block) * 16);
-    for l in 0..BLOCKS {
-        for words in out.iter_mut() {
-            words[l] = generator.next_u64();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
     use super::*;
+
+    /// The safe twin: `rand_chacha`, one block after the other.
+    fn chacha8_twin(key: &[u32; 8], stream: u64, first_block: u64, out: &mut [[u64; BLOCKS]; WORDS]) {
+        let mut bytes = [0; 32];
+        for (four, word) in bytes.chunks_exact_mut(4).zip(key) {
+            four.copy_from_slice(&word.to_le_bytes());
+        }
+        let mut generator = ChaCha8Rng::from_seed(bytes);
+        generator.set_stream(stream);
+        generator.set_word_pos(u128::from(first_block) * 16);
+        for l in 0..BLOCKS {
+            for words in out.iter_mut() {
+                words[l] = generator.next_u64();
+            }
+        }
+    }
 
     #[test]
     fn the_same_words_as_rand_chacha() {

@@ -119,12 +119,13 @@ fn generic<V: Lanes>(words: [&[u64]; 2], first: &mut [f64], second: Option<&mut 
     }
 }
 
-/// `first[i], second[i]` from `words[0][i], words[1][i]`: two independent gaussians, or only the first.
+/// `first[i], second[i]` from `words[0][i], words[1][i]`: two independent gaussians, or only the
+/// first. Fits take [`gaussian_triples`]; this is the same arithmetic on any number of words, to test its distribution.
 ///
 /// # Panics
 /// When `first.len()` is no multiple of 8 or another array is shorter.
 #[cfg(test)]
-pub fn gaussians(isa: Isa, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
+fn gaussians(isa: Isa, words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>) {
     dispatch!(isa, generic [](words: [&[u64]; 2], first: &mut [f64], second: Option<&mut [f64]>));
 }
 
@@ -162,14 +163,14 @@ fn triples<V: Lanes>(words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS
 }
 
 /// Three gaussians for each half of every block, `out[k][16 half + block]`: the first three of the four that
-/// [`gaussians`] makes of the half's words.
+/// Box and Muller's formula makes of the half's words.
 pub fn gaussian_triples(isa: Isa, words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]) {
     dispatch!(isa, triples [](words: &[[u64; BLOCKS]; WORDS], out: &mut [[f64; 2 * BLOCKS]; 3]));
 }
 
 /// The safe twin: the library's `ln`, `sin` and `cos`, one pair at a time.
 #[cfg(test)]
-pub fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64]) {
+fn box_muller_pairs(words: [&[u64]; 2], first: &mut [f64], second: &mut [f64]) {
     for i in 0..first.len() {
         let u = (words[0][i] >> 11) as f64 * 2.0_f64.powi(-53) + 2.0_f64.powi(-54);
         let r = (-2.0 * u.ln()).sqrt();

@@ -62,7 +62,7 @@ pub fn gram_rows(isa: Isa, stride: usize, rows: &[f64], out: &mut [f64]) {
 
 /// The safe twin: plain loops.
 #[cfg(test)]
-pub fn gram_rows_twin(stride: usize, rows: &[f64], out: &mut [f64]) {
+fn gram_rows_twin(stride: usize, rows: &[f64], out: &mut [f64]) {
     for row in rows.chunks_exact(stride) {
         for i in 0..stride {
             for j in 0..=i {

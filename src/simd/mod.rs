@@ -3,13 +3,12 @@
 //!
 //! | kernel | formula |
 //! |---|---|
-//! | [`shape_maps`] | S and R from the five derivatives of a height field |
-//! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points |
+//! | [`curvature_row`], [`derivative_row`] | all derivatives of a tensor spline along one row of a grid of points; S and R |
 //! | [`patch_maps`] | the same over a small grid on one segment, all rows in one call |
 //! | [`factor_columns`], [`factor_dense`], [`invert_columns`] | Cholesky of 9, 16 or 25 unknowns, and of a few hundred; the inverse |
 //! | [`combine_rows`], [`gram_rows`] | rows J of one cell from its jets, and `J' J` |
 //! | [`moments`] | `sum_r w_r u_r^a v_r^b`, from which a cell's part of the normal matrix follows |
-//! | [`gaussians`], [`gaussian_triples`], [`chacha8`] | gaussians from addressed random words |
+//! | [`gaussian_triples`], [`chacha8`] | gaussians from addressed random words |
 //! | [`cell_curves`], [`shape_gradients`] | derivatives of S and R at eight points by a cell's coefficients |
 //! | [`products_pass`], [`last_pass`], [`columns_pass`], [`norms_pass`] | residuals, sizes of their terms and `E'r` over eight sites of a cell |
 //! | [`cell_basis`], [`cell_products`], [`cell_squares`], [`cell_values`] | `E'(b - E c)`, `|b - E c|^2` and S, S_x, S_y over the sites of a cell, from its polynomial |
@@ -71,8 +70,6 @@ pub use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
 pub use replicate_lanes::{GridTables, REPLICATES, add_draws, mean_shapes};
 pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
-#[cfg(test)]
-pub use shape_maps::shape_maps_twin;
 pub use site_passes::{add_lanes, columns_pass, last_pass, norms_pass, products_pass};
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `isa`.
@@ -126,9 +123,9 @@ macro_rules! by_width {
 }
 use by_width;
 
-/// Distance of two numbers in units of the last place of `expected`; for tests and accuracy tables.
+/// Distance of two numbers in units of the last place of `expected`.
 #[cfg(test)]
-pub fn ulps(value: f64, expected: f64) -> f64 {
+fn ulps(value: f64, expected: f64) -> f64 {
     if value == expected || (value.is_nan() && expected.is_nan()) {
         return 0.0;
     }

@@ -246,7 +246,7 @@ pub fn moments(
 
 /// The safe twin: powers by `powi`, one moment at a time.
 #[cfg(test)]
-pub fn moments_twin(
+fn moments_twin(
     degree: usize,
     local: [&[f64]; 2],
     weight: Option<&[f64]>,

@@ -131,7 +131,8 @@ fn of_width<const W: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Twins, shape_maps_twin};
+    use super::super::Twins;
+    use super::super::shape_maps::shape_maps_twin;
     use super::*;
 
     /// Twin: every derivative as a double sum, then the textbook's shape operator.

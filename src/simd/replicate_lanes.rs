@@ -224,7 +224,8 @@ fn of_width<const W: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Twins, shape_maps_twin};
+    use super::super::Twins;
+    use super::super::shape_maps::shape_maps_twin;
     use super::*;
 
     fn value(a: usize, b: usize) -> f64 {

@@ -16,8 +16,8 @@ use super::lanes::Lanes;
 #[cfg(test)]
 use super::{Isa, dispatch};
 
-/// Points of a batch in this kernel: 32 sets of eight lanes keep the divider busy, and the three arrays take 6 KiB of a
-/// first-level cache of 32 KiB. Callers with few points use shorter batches, because every batch is first zeroed.
+/// Points of a batch in the test: 32 sets of eight lanes, as in most kernels. Kernels with few points use shorter batches,
+/// because every batch is first zeroed.
 #[cfg(test)]
 const BATCH: usize = 256;
 
@@ -132,18 +132,19 @@ fn generic<V: Lanes>([p, q, e, f, g]: [&[f64]; 5], shape_index: &mut [f64], curv
     }
 }
 
-/// S and R at every point from `[S_x, S_y, S_xx, S_xy, S_yy]`, arrays of one length; S is NaN where the surface is flat.
+/// S and R at every point from `[S_x, S_y, S_xx, S_xy, S_yy]`, arrays of one length; S is NaN where the surface is flat. It
+/// is the kernel that tests the steps of [`ShapeBatch`], which the kernels over grids share.
 ///
 /// # Panics
 /// When an array is shorter than `shape_index`.
 #[cfg(test)]
-pub fn shape_maps(isa: Isa, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+fn shape_maps(isa: Isa, derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     dispatch!(isa, generic [](derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]));
 }
 
 /// The safe twin: the textbook's shape operator with divisions, `hypot` and the library's `atan2`, one point at a time.
 #[cfg(test)]
-pub fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
+pub(super) fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64], curvedness: &mut [f64]) {
     for i in 0..shape_index.len() {
         let [p, q, e, f, g] = derivatives.map(|d| d[i]);
         let v = 1.0 + p * p;

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// The list may not grow beyond this. The aim was 110; the 45 names of the simulated world (14 effects, 12 bodies and what
-/// they are made of) are what stands between.
-const MOST_NAMES: usize = 135;
+/// More names than people learn. The four that a first program needs stand at the crate's root as well as in their room and
+/// count once.
+const MOST_NAMES: usize = 110;
 
 /// A walk over the items of one module.
 struct Walk<'a> {
@@ -131,7 +131,11 @@ fn the_public_names_are_those_of_the_list() {
         missing.is_empty() && gone.is_empty(),
         "not in public_names.txt: {missing:#?}\nno longer public: {gone:#?}"
     );
-    assert!(found.len() <= MOST_NAMES, "{} public names are more than {MOST_NAMES}", found.len());
+    let is_again = |name: &&String| {
+        ["Fit", "FitOptions", "fit_contacts", "fit_grid"].iter().any(|n| **name == format!("palpate::fit::{n}"))
+    };
+    let count = found.len() - found.iter().filter(is_again).count();
+    assert!(count <= MOST_NAMES, "{count} public names are more than {MOST_NAMES}");
     assert!(!found.iter().any(|name| name.ends_with('*')), "a glob makes names public that nobody listed");
 }
 

@@ -31,6 +31,7 @@ pub(in crate::simd) trait Words: Copy {
 }
 
 /// The order for registers of `N` words that interleave within parts of 128 bits.
+#[cfg(target_arch = "x86_64")]
 pub(super) const fn quartered<const N: usize>() -> [u32; N] {
     let mut order = [0; N];
     let mut place = 0;

@@ -1,0 +1,111 @@
+//! Whether a file's normals are measurements, or were computed from its positions and carry no news.
+//!
+//! ```text
+//! a = n - n_surface      b = (normal of the plane through 13 nearest contacts) - n_surface      (tangential parts)
+//! correlation = sum a.b / sqrt(sum a.a sum b.b)          above 0.3: computed from the positions
+//! ```
+//!
+//! The same must hold of differences between contacts a neighbourhood apart: a shape that the surface leaves unsaid moves
+//! both normals alike without either being computed from the other.
+
+use faer::{Mat, Side};
+
+use crate::vector::{Vector, dot, minus, norm, reject, scaled};
+
+use super::model::Model;
+use super::neighbours::Neighbours;
+
+/// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
+const DENSE: usize = 200;
+
+/// Contacts in the plane through a neighbourhood, its own included.
+const NEAREST: usize = 13;
+
+/// Correlation above which normals were computed from positions. Scans have 0.7 to 0.9, measured normals below 0.3.
+const DERIVED: f64 = 0.3;
+
+/// A difference as large as this is a blunder, and left out.
+const BLUNDER: f64 = 0.5;
+
+/// Cosine below which a normal contradicts the surface: 60 degrees off.
+pub(super) const AGAINST: f64 = 0.5;
+
+/// Whether the normals of these contacts follow from the positions.
+pub(super) fn derived_from_positions(
+    points: &[Vector],
+    normals: &[Vector],
+    surface: &Model,
+    sample: impl Iterator<Item = usize>,
+) -> bool {
+    if points.len() <= DENSE {
+        return false;
+    }
+    let tree = Neighbours::new(points);
+    let (mut whole, mut rough) = (Correlation::default(), Correlation::default());
+    for i in sample {
+        let Some((a, b)) = both(&tree, points, normals, surface, i) else { continue };
+        whole.add(a, b);
+        // two contacts a neighbourhood apart share what the surface leaves unsaid, and their difference does not
+        let far = tree.nearest(points[i], NEAREST).last().map(|(_, j)| *j as usize);
+        if let Some((c, d)) = far.and_then(|j| both(&tree, points, normals, surface, j)) {
+            rough.add(minus(a, c), minus(b, d));
+        }
+    }
+    whole.exceeds(DERIVED) && rough.exceeds(DERIVED)
+}
+
+/// Sums of a correlation between vectors.
+#[derive(Default)]
+struct Correlation {
+    ab: f64,
+    aa: f64,
+    bb: f64,
+}
+
+impl Correlation {
+    fn add(&mut self, a: Vector, b: Vector) {
+        self.ab += dot(a, b);
+        self.aa += dot(a, a);
+        self.bb += dot(b, b);
+    }
+
+    fn exceeds(&self, limit: f64) -> bool {
+        self.aa > 0.0 && self.bb > 0.0 && self.ab > limit * (self.aa * self.bb).sqrt()
+    }
+}
+
+/// Tangential differences of the file's normal and of the neighbourhood's from the surface's; `None` of blunders.
+fn both(
+    tree: &Neighbours,
+    points: &[Vector],
+    normals: &[Vector],
+    surface: &Model,
+    i: usize,
+) -> Option<(Vector, Vector)> {
+    let (_, n) = surface.distance_and_normal(points[i]);
+    if dot(normals[i], n) < AGAINST {
+        return None;
+    }
+    let local = plane_normal(tree, points, points[i])?;
+    let local = if dot(local, normals[i]) < 0.0 { scaled(-1.0, local) } else { local };
+    let (a, b) = (reject(minus(normals[i], n), n), reject(minus(local, n), n));
+    (norm(a) < BLUNDER && norm(b) < BLUNDER).then_some((a, b))
+}
+
+/// Normal of the plane through the nearest contacts.
+fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
+    let near = tree.nearest(place, NEAREST);
+    let mut mean = [0.0; 3];
+    for (_, i) in &near {
+        (0..3).for_each(|k| mean[k] += points[*i as usize][k] / near.len() as f64);
+    }
+    let mut covariance = Mat::<f64>::zeros(3, 3);
+    for (_, i) in &near {
+        let d = minus(points[*i as usize], mean);
+        for r in 0..3 {
+            (0..=r).for_each(|c| covariance[(r, c)] += d[r] * d[c]);
+        }
+    }
+    let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
+    Some([0, 1, 2].map(|r| eigen.U()[(r, 0)]))
+}

@@ -1,0 +1,78 @@
+//! Small dense algebra: Cholesky factors, triangular solves, log determinants, on one thread.
+//!
+//! ```text
+//! A = L L'        log det A = 2 sum log l_ii        whitened columns L^-1 B
+//! ```
+
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, MatMut, MatRef, Par, Side};
+
+/// Lower Cholesky factor; `None` where the matrix is not positive definite.
+pub(super) fn cholesky(a: &Mat<f64>) -> Option<Mat<f64>> {
+    let factor = a.llt(Side::Lower).ok()?;
+    Some(factor.L().to_owned())
+}
+
+/// `log det (L L')`.
+pub(super) fn log_det(lower: &Mat<f64>) -> f64 {
+    2.0 * (0..lower.nrows()).map(|i| lower[(i, i)].ln()).sum::<f64>()
+}
+
+/// `B <- L^-1 B`.
+pub(super) fn whiten(lower: &Mat<f64>, b: MatMut<'_, f64>) {
+    solve_lower_triangular_in_place(lower.as_ref(), b, Par::Seq);
+}
+
+/// `A' A`.
+pub(super) fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
+    a.transpose() * a
+}
+
+/// `(L L')^-1 b`.
+pub(super) fn solve(lower: &Mat<f64>, b: &mut [f64]) {
+    forward(lower, b);
+    backward(lower, b);
+}
+
+/// `L^-1 b`.
+pub(super) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
+    for i in 0..b.len() {
+        let dot: f64 = (0..i).map(|j| lower[(i, j)] * b[j]).sum();
+        b[i] = (b[i] - dot) / lower[(i, i)];
+    }
+}
+
+/// `L'^-1 b`: gaussians of unit variance made gaussians of covariance `(L L')^-1`.
+pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
+    for i in (0..b.len()).rev() {
+        let dot: f64 = (i + 1..b.len()).map(|j| lower[(j, i)] * b[j]).sum();
+        b[i] = (b[i] - dot) / lower[(i, i)];
+    }
+}
+
+/// Solves the leading `p` equations of a symmetric system given by its lower triangle; `None` unless positive definite.
+pub(super) fn solve_small(mut a: [[f64; 6]; 6], mut b: [f64; 6], p: usize) -> Option<[f64; 6]> {
+    for i in 0..p {
+        for j in 0..=i {
+            let mut value = a[i][j];
+            (0..j).for_each(|k| value -= a[i][k] * a[j][k]);
+            if i == j {
+                if value.is_nan() || value <= 0.0 {
+                    return None;
+                }
+                a[i][i] = value.sqrt();
+            } else {
+                a[i][j] = value / a[j][j];
+            }
+        }
+    }
+    for i in 0..p {
+        (0..i).for_each(|j| b[i] -= a[i][j] * b[j]);
+        b[i] /= a[i][i];
+    }
+    for i in (0..p).rev() {
+        (i + 1..p).for_each(|j| b[i] -= a[j][i] * b[j]);
+        b[i] /= a[i][i];
+    }
+    Some(b)
+}

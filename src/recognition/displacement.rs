@@ -1,0 +1,223 @@
+//! A smooth displacement f along the normal of the general surface: what two constant curvatures leave unsaid.
+//!
+//! ```text
+//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 3 x 3 segments over the chart, 49 coefficients
+//! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
+//! ```
+//!
+//! Surfaces of second degree have no penalty; the curvatures span them already, so they are taken out: the columns are the
+//! eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement of prior size has mean square 1.
+
+use faer::{Mat, Side};
+
+use crate::bspline::{Knots, gram};
+use crate::vector::along;
+
+use super::cells::Cells;
+use super::constant_curvature::{ConstantCurvature, Jet};
+
+const DEGREE: usize = 4;
+const SEGMENTS: usize = 3;
+const WIDTH: usize = DEGREE + 1;
+
+/// Order of the derivatives that are penalised.
+const ORDER: usize = 3;
+
+/// Cells needed: with fewer, f is all prior.
+const FEWEST: usize = 16;
+
+/// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives swell, and with them the intervals.
+const POLE: f64 = 0.5;
+
+/// Margin of the chart's box, relative to its width.
+const MARGIN: f64 = 0.02;
+
+/// Columns of the displacement over the cells, and what makes coefficients of them.
+#[derive(Clone, Debug)]
+pub(super) struct Displacement {
+    knots: [Knots; 2],
+    /// 49 x columns.
+    to_coefficients: Mat<f64>,
+    /// Rows of the distances.
+    pub(super) positions: Mat<f64>,
+    /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
+    pub(super) normals: Option<Mat<f64>>,
+}
+
+impl Displacement {
+    /// The displacement over the cells of a general surface, where the data and the chart allow one.
+    pub(super) fn new(surface: &ConstantCurvature, cells: &Cells) -> Option<Displacement> {
+        let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
+        if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+            return None;
+        }
+        let knots = [knots_over(&charts, 0)?, knots_over(&charts, 1)?];
+        let mut to_coefficients = penalised_columns(&knots)?;
+        let mut positions = product(&knots, &charts, &to_coefficients, |row| row[0]);
+        let size = (square_sum(&positions) / charts.len() as f64).sqrt();
+        scale(&mut to_coefficients, 1.0 / size);
+        scale(&mut positions, -1.0 / size);
+        let made = Displacement { knots, to_coefficients, positions, normals: None };
+        let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
+        Some(Displacement { normals, ..made })
+    }
+
+    /// Number of columns.
+    pub(super) fn columns(&self) -> usize {
+        self.to_coefficients.ncols()
+    }
+
+    /// Derivatives of f along both tangents of every cell.
+    fn normal_rows(&self, surface: &ConstantCurvature, cells: &Cells, charts: &[[f64; 2]]) -> Mat<f64> {
+        let step = 1e-4;
+        let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |row| row[k]));
+        let n = charts.len();
+        let mut rows = Mat::<f64>::zeros(2 * n, self.columns());
+        for side in 0..2 {
+            for (i, p) in cells.points.iter().enumerate() {
+                let tangent = cells.tangents[side][i];
+                let ahead = surface.chart(along(*p, step, tangent));
+                let behind = surface.chart(along(*p, -step, tangent));
+                let [du, dv] = [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step));
+                for j in 0..self.columns() {
+                    rows[(side * n + i, j)] = du * slopes[0][(i, j)] + dv * slopes[1][(i, j)];
+                }
+            }
+        }
+        rows
+    }
+
+    /// Coefficients of columns' weights.
+    pub(super) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
+        (0..self.to_coefficients.nrows())
+            .map(|i| weights.iter().enumerate().map(|(j, w)| self.to_coefficients[(i, j)] * w).sum())
+            .collect()
+    }
+
+    /// What an evaluation at a chart point needs, so that many displacements can be evaluated there.
+    pub(super) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
+        JetRow::new(&self.knots, [u, v])
+    }
+}
+
+/// The 25 basis functions at one chart point with their derivatives.
+#[derive(Clone, Debug)]
+pub(super) struct JetRow {
+    first: [usize; 2],
+    values: [[[f64; WIDTH]; 3]; 2],
+    across: usize,
+}
+
+impl JetRow {
+    fn new(knots: &[Knots; 2], place: [f64; 2]) -> JetRow {
+        let mut made = JetRow { first: [0; 2], values: [[[0.0; WIDTH]; 3]; 2], across: knots[1].n_basis() };
+        for side in 0..2 {
+            // outside of the box the displacement keeps its value at the edge: nothing supports it there
+            let [lo, hi] = ends(&knots[side]);
+            let mut flat = [0.0; 3 * WIDTH];
+            made.first[side] = knots[side].derivatives(place[side].clamp(lo, hi), 2, &mut flat);
+            for k in 0..3 {
+                made.values[side][k].copy_from_slice(&flat[k * WIDTH..(k + 1) * WIDTH]);
+            }
+        }
+        made
+    }
+
+    /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
+    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
+        let mut out = [0.0; 6];
+        let [us, vs] = &self.values;
+        for a in 0..WIDTH {
+            let start = (self.first[0] + a) * self.across + self.first[1];
+            let row = &coefficients[start..start + WIDTH];
+            let along_v = [0, 1, 2].map(|k| row.iter().zip(&vs[k]).map(|(c, b)| c * b).sum::<f64>());
+            out[0] += us[0][a] * along_v[0];
+            out[1] += us[1][a] * along_v[0];
+            out[2] += us[0][a] * along_v[1];
+            out[3] += us[2][a] * along_v[0];
+            out[4] += us[1][a] * along_v[1];
+            out[5] += us[0][a] * along_v[2];
+        }
+        out
+    }
+}
+
+/// A jet in axes turned by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
+pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
+    let [f, fu, fv, fuu, fuv, fvv] = *jet;
+    [
+        f,
+        c * fu + s * fv,
+        c * fv - s * fu,
+        c * c * fuu + 2.0 * c * s * fuv + s * s * fvv,
+        (c * c - s * s) * fuv + c * s * (fvv - fuu),
+        s * s * fuu - 2.0 * c * s * fuv + c * c * fvv,
+    ]
+}
+
+fn ends(knots: &Knots) -> [f64; 2] {
+    let t = knots.as_slice();
+    [t[0], t[t.len() - 1]]
+}
+
+fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
+    let lo = charts.iter().map(|c| c[side]).fold(f64::INFINITY, f64::min);
+    let hi = charts.iter().map(|c| c[side]).fold(f64::NEG_INFINITY, f64::max);
+    let margin = MARGIN * (hi - lo);
+    Knots::uniform(DEGREE, SEGMENTS, lo - margin, hi + margin).ok()
+}
+
+/// Rows of one of the jet's numbers, times the columns' coefficients.
+fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(Jet) -> f64) -> Mat<f64> {
+    let count = columns.nrows();
+    let mut basis = Mat::<f64>::zeros(charts.len(), count);
+    let mut unit = vec![0.0; count];
+    for (i, chart) in charts.iter().enumerate() {
+        let row = JetRow::new(knots, *chart);
+        for a in 0..WIDTH {
+            for b in 0..WIDTH {
+                let at = (row.first[0] + a) * row.across + row.first[1] + b;
+                unit[at] = 1.0;
+                basis[(i, at)] = pick(row.jet(&unit));
+                unit[at] = 0.0;
+            }
+        }
+    }
+    basis * columns
+}
+
+/// Eigenvectors of the penalty with positive eigenvalues, divided by the roots of those.
+fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
+    let [nu, nv] = [0, 1].map(|side| knots[side].n_basis());
+    let full = |side: usize, order: usize| {
+        let bands = gram(&knots[side], order);
+        move |i: usize, j: usize| {
+            let (i, j) = (i.max(j), i.min(j));
+            bands[i].get(i - j).copied().unwrap_or(0.0)
+        }
+    };
+    let mut penalty = Mat::<f64>::zeros(nu * nv, nu * nv);
+    for (k, binomial) in [1.0, 3.0, 3.0, 1.0].into_iter().enumerate() {
+        let (u, v) = (full(0, k), full(1, ORDER - k));
+        for i in 0..nu * nv {
+            for j in 0..=i {
+                penalty[(i, j)] += binomial * u(i / nv, j / nv) * v(i % nv, j % nv);
+            }
+        }
+    }
+    let eigen = penalty.self_adjoint_eigen(Side::Lower).ok()?;
+    let count = nu * nv;
+    let largest = eigen.S()[count - 1];
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).collect();
+    Some(Mat::from_fn(count, kept.len(), |i, j| eigen.U()[(i, kept[j])] / eigen.S()[kept[j]].sqrt()))
+}
+
+fn square_sum(m: &Mat<f64>) -> f64 {
+    (0..m.ncols()).map(|j| (0..m.nrows()).map(|i| m[(i, j)] * m[(i, j)]).sum::<f64>()).sum()
+}
+
+fn scale(m: &mut Mat<f64>, by: f64) {
+    for j in 0..m.ncols() {
+        (0..m.nrows()).for_each(|i| m[(i, j)] *= by);
+    }
+}

@@ -1,0 +1,303 @@
+//! How probable every hypothesis is: its marginal likelihood under every covariance, in closed form.
+//!
+//! ```text
+//! whitened y, J, Z;  Z with prior identity is eliminated:  G = I + Z'Z,  H = J'J - J'Z G^-1 Z'J,  x = -H^-1 (J'y - J'Z G^-1 Z'y)
+//! log ev = -(log det Sigma + log det G + RSS + log det(H/2 pi))/2 + log prior(node) + log prior(shape)
+//! p(R) = (2/pi)/(1 + R^2)    sphere p(R)/2    cylinder p(R)/(2 sqrt2 pi |k|)    general p(R)/(2 pi^2 R max(|k1 - k2|, its sd))
+//! ```
+//!
+//! S and direction are uniform a priori and R half-Cauchy in units of the patch's size, so that no class is favoured.
+
+use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
+
+use faer::Mat;
+
+use crate::threads;
+
+use super::cells::Cells;
+use super::dense;
+use super::displacement::Displacement;
+use super::model::{Kind, Model};
+use super::noise::{Kernel, Limit};
+use super::normal_noise::NormalNoise;
+use super::rows::{Rows, column_of, first_of_displacement};
+
+/// Variances of the displacement relative to that of a cell's position, in powers of ten.
+const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
+
+/// Degrees of freedom below which the positions alone do not tell their own noise, and the normals help.
+const FEW: usize = 3;
+
+/// One hypothesis under one covariance.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) kind: Kind,
+    /// Number of its kernel.
+    pub(super) kernel: usize,
+    pub(super) ratio: f64,
+    pub(super) length: f64,
+    /// Variance of the displacement over that of a position; 0 without displacement.
+    pub(super) g: f64,
+    /// Variance of an average cell's independent error.
+    pub(super) variance: f64,
+    pub(super) log_evidence: f64,
+    /// Step from the fitted model, in the evidence's coordinates.
+    pub(super) x: Vec<f64>,
+    /// Lower factor of the precision of x.
+    pub(super) precision: Mat<f64>,
+    pub(super) dof: f64,
+}
+
+impl Node {
+    pub(super) fn tau(&self) -> f64 {
+        (self.variance * self.ratio).sqrt()
+    }
+}
+
+/// Everything that the evidence is computed from.
+pub(super) struct Evidence<'a> {
+    pub(super) cells: &'a Cells,
+    pub(super) models: &'a [Model],
+    pub(super) displacement: Option<&'a Displacement>,
+    pub(super) kernels: Vec<Kernel>,
+    /// Gram matrix of the whitened position rows under every kernel, and the log determinant of its covariance.
+    grams: Vec<Option<(Mat<f64>, f64)>>,
+    /// Gram matrix of the whitened normal rows.
+    normals: Option<Mat<f64>>,
+    limit: Limit,
+}
+
+impl<'a> Evidence<'a> {
+    pub(super) fn new(
+        cells: &'a Cells,
+        models: &'a [Model],
+        displacement: Option<&'a Displacement>,
+        rows: &Rows,
+        normals: Option<&NormalNoise>,
+        distances: &Mat<f64>,
+        limit: Limit,
+    ) -> Evidence<'a> {
+        let kernels = Kernel::all();
+        let grams = threads::map(kernels.len(), 1, |k| {
+            let lower = kernels[k].factor(&cells.variance, distances)?;
+            let mut whitened = rows.positions.clone();
+            dense::whiten(&lower, whitened.as_mut());
+            Some((dense::gram(whitened.as_ref()), dense::log_det(&lower)))
+        });
+        let normals = normals.and_then(|noise| noise.gram(rows, cells, distances));
+        Evidence { cells, models, displacement, kernels, grams, normals, limit }
+    }
+
+    /// All nodes that the data and the limit of shared errors allow.
+    pub(super) fn nodes(&self) -> Vec<Node> {
+        let of_kernel = |k: usize| -> Vec<Node> {
+            let Some((gram, log_det)) = &self.grams[k] else { return Vec::new() };
+            let mut nodes = Vec::new();
+            for model in self.models {
+                nodes.extend(self.node(model, k, gram, *log_det, 0.0));
+                if model.kind() == Kind::General && self.displacement.is_some() {
+                    nodes.extend(POWERS.filter_map(|power| self.node(model, k, gram, *log_det, 10_f64.powi(power))));
+                }
+            }
+            nodes
+        };
+        threads::map(self.kernels.len(), 1, of_kernel).into_iter().flatten().collect()
+    }
+
+    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, g: f64) -> Option<Node> {
+        let (kind, kernel) = (model.kind(), self.kernels[k]);
+        let (n, p) = (self.cells.points.len(), kind.unknowns());
+        if self.normals.is_none() && n < p + FEW {
+            return None;
+        }
+        let variance = self.variance(kind, gram, g)?.max(1e-18);
+        let tau = (variance * kernel.ratio).sqrt();
+        let size = self.limit.log_prior(tau)?;
+        let system = self.system(kind, gram, variance, g)?;
+        let x = system.solution();
+        let rss = system.yy + x.iter().zip(&system.jy).map(|(x, b)| x * b).sum::<f64>();
+        let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
+        let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + rss + log_det_h);
+        let log_evidence =
+            likelihood + kernel.log_prior + size + self.share(kind, g) + shape_prior(model, &x, &system.lower);
+        let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
+        log_evidence.is_finite().then_some(Node {
+            kind,
+            kernel: k,
+            ratio: kernel.ratio,
+            length: kernel.length,
+            g,
+            variance,
+            log_evidence,
+            x,
+            precision: system.lower,
+            dof: (rows.saturating_sub(p)).max(1) as f64,
+        })
+    }
+
+    /// Log of the share that a node has of its hypothesis' prior: half of general's is displaced, and what is not is
+    /// split between its two references.
+    fn share(&self, kind: Kind, g: f64) -> f64 {
+        let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
+        match kind {
+            Kind::General if g > 0.0 => -displaced - (POWERS.count() as f64).ln(),
+            Kind::General | Kind::Paraboloid => -displaced - LN_2,
+            _ => 0.0,
+        }
+    }
+
+    /// Variance of an average cell's independent error, restricted maximum likelihood.
+    fn variance(&self, kind: Kind, gram: &Mat<f64>, g: f64) -> Option<f64> {
+        let (n, p) = (self.cells.points.len(), kind.unknowns());
+        if n < p + FEW {
+            return self.joint_variance(kind, gram);
+        }
+        let (y, z) = (column_of(kind), first_of_displacement());
+        let jj = dense::cholesky(&Mat::from_fn(p, p, |i, j| gram[(y + 1 + i, y + 1 + j)]))?;
+        let columns = if g > 0.0 { gram.ncols() - z } else { 0 };
+        let source = |c: usize| if c == 0 { y } else { z + c - 1 };
+        let mut along = Mat::from_fn(p, 1 + columns, |i, c| gram[(y + 1 + i, source(c))]);
+        dense::whiten(&jj, along.as_mut());
+        let taken = dense::gram(along.as_ref());
+        let left = |a: usize, b: usize| gram[(source(a), source(b))] - taken[(a, b)];
+        let rss = left(0, 0).max(1e-30);
+        if g == 0.0 {
+            return Some(rss / (n - p) as f64);
+        }
+        let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let inner = dense::cholesky(&Mat::from_fn(columns, columns, |i, j| unit(i, j) + g * left(1 + i, 1 + j)))?;
+        let mut c: Vec<f64> = (0..columns).map(|i| left(0, 1 + i)).collect();
+        dense::forward(&inner, &mut c);
+        let explained = g * c.iter().map(|v| v * v).sum::<f64>();
+        Some((rss - explained).max(1e-12 * rss) / (n - p) as f64)
+    }
+
+    /// The same where positions are too few for themselves: the fixed point of `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with
+    /// x from positions and normals together.
+    fn joint_variance(&self, kind: Kind, gram: &Mat<f64>) -> Option<f64> {
+        let (y, p) = (column_of(kind), kind.unknowns());
+        let mut variance = 1e-4;
+        for _ in 0..30 {
+            let system = self.system(kind, gram, variance, 0.0)?;
+            let x = system.solution();
+            let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
+            let mut rss = 0.0;
+            for i in 0..=p {
+                (0..=p).for_each(|j| rss += full(i) * full(j) * gram[(y + i, y + j)]);
+            }
+            let mut along = Mat::from_fn(p, p, |i, j| gram[(y + 1 + i, y + 1 + j)] / variance);
+            dense::whiten(&system.lower, along.as_mut());
+            let mut across = along.transpose().to_owned();
+            dense::whiten(&system.lower, across.as_mut());
+            let taken: f64 = (0..p).map(|i| across[(i, i)]).sum();
+            let next = rss.max(1e-30) / (self.cells.points.len() as f64 - taken).max(0.5);
+            if (next - variance).abs() < 1e-6 * variance {
+                break;
+            }
+            variance = next;
+        }
+        Some(variance)
+    }
+
+    /// The normal equations of positions and normals together, with the displacement eliminated.
+    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, g: f64) -> Option<System> {
+        let (y, p, z) = (column_of(kind), kind.unknowns(), first_of_displacement());
+        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
+        let mut h = Mat::from_fn(p, p, |i, j| at(y + 1 + i, y + 1 + j));
+        let mut jy: Vec<f64> = (0..p).map(|i| at(y + 1 + i, y)).collect();
+        let (mut yy, mut log_det) = (at(y, y), 0.0);
+        if g > 0.0 {
+            let (count, root) = (gram.ncols() - z, (g * variance).sqrt());
+            let inner = dense::cholesky(&self.displacement_precision(gram, variance, g))?;
+            let mut along = Mat::from_fn(count, 1 + p, |i, c| root * at(z + i, y + c));
+            dense::whiten(&inner, along.as_mut());
+            let taken = dense::gram(along.as_ref());
+            yy -= taken[(0, 0)];
+            for i in 0..p {
+                jy[i] -= taken[(1 + i, 0)];
+                (0..p).for_each(|j| h[(i, j)] -= taken[(1 + i, 1 + j)]);
+            }
+            log_det = dense::log_det(&inner);
+        }
+        Some(System { lower: dense::cholesky(&h)?, jy, yy, log_det })
+    }
+
+    /// `I + Z'Z` of the displacement's whitened, scaled columns.
+    fn displacement_precision(&self, gram: &Mat<f64>, variance: f64, g: f64) -> Mat<f64> {
+        let z = first_of_displacement();
+        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
+        let count = gram.ncols() - z;
+        Mat::from_fn(count, count, |i, j| f64::from(u8::from(i == j)) + g * variance * at(z + i, z + j))
+    }
+
+    /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its precision.
+    /// The displacement's columns are scaled to unit prior variance.
+    pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
+        let (gram, _) = self.grams[node.kernel].as_ref()?;
+        let (y, p, z) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
+        let count = gram.ncols() - z;
+        let root = (node.g * node.variance).sqrt();
+        let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, root) };
+        let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
+        let precision = Mat::from_fn(p + count, p + count, |i, j| {
+            let ((a, sa), (b, sb)) = (source(i), source(j));
+            sa * sb * at(a, b) + f64::from(u8::from(i == j && i >= p))
+        });
+        let lower = dense::cholesky(&precision)?;
+        let mut mean: Vec<f64> = (0..p + count).map(|i| -source(i).1 * at(source(i).0, y)).collect();
+        dense::solve(&lower, &mut mean);
+        Some((mean, lower))
+    }
+}
+
+/// Normal equations of a model's parameters.
+struct System {
+    lower: Mat<f64>,
+    jy: Vec<f64>,
+    yy: f64,
+    log_det: f64,
+}
+
+impl System {
+    fn solution(&self) -> Vec<f64> {
+        let mut x: Vec<f64> = self.jy.iter().map(|v| -v).collect();
+        dense::solve(&self.lower, &mut x);
+        x
+    }
+}
+
+/// Both curvatures of a model moved by x, the larger first.
+pub(super) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
+    let theta = model.theta();
+    let (a, c, b) = match model.kind() {
+        Kind::Plane => return [0.0; 2],
+        Kind::Sphere => return [theta[3] + x[3]; 2],
+        Kind::Cylinder => (theta[3] + x[3], 0.0, 0.0),
+        Kind::General => (theta[3] + x[3], theta[4] + x[4], x[5]),
+        Kind::Paraboloid => (theta[3] + x[3], theta[4] + x[4], theta[5] + x[5]),
+    };
+    let (mean, half) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+    [mean + half, mean - half]
+}
+
+/// Log density of the shape's parameters in the evidence's coordinates.
+fn shape_prior(model: &Model, x: &[f64], lower: &Mat<f64>) -> f64 {
+    let [k1, k2] = curvatures(model, x);
+    let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt().max(1e-6);
+    let density = FRAC_2_PI / (1.0 + r * r);
+    match model.kind() {
+        Kind::Plane => 0.0,
+        Kind::Sphere => (0.5 * density).ln(),
+        Kind::Cylinder => (0.5 * density / (SQRT_2 * PI)).ln() - (k1 - k2).abs().max(1e-6).ln(),
+        Kind::General | Kind::Paraboloid => {
+            // sd of k1 - k2 = |(A - C, 2 B)|
+            let mut sd = 0.0;
+            for direction in [[0.0, 0.0, 0.0, 1.0, -1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 2.0]] {
+                let mut along = direction;
+                dense::forward(lower, &mut along);
+                sd += along.iter().map(|v| v * v).sum::<f64>();
+            }
+            (density / (2.0 * PI * PI * r)).ln() - (k1 - k2).max(sd.sqrt()).ln()
+        }
+    }
+}

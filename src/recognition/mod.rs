@@ -1,0 +1,128 @@
+//! Which shape the contacts show, told nothing else: plane, sphere, cylinder or neither, with S, R and how far they go.
+//!
+//! ```text
+//! theta = (h, a, b, k1, k2, phi)        one surface of constant curvatures; plane, cylinder, sphere are k = 0, k2 = 0, k1 = k2
+//! d(theta; P) = f(P) + e                signed distance = displacement + error
+//! cov e = s^2 (D + rho exp(-r/l))       neighbours share errors, so many contacts may count as few
+//! P(hypothesis | contacts) ~ integral of likelihood and prior over theta, f, s, rho, l
+//! ```
+//!
+//! S and R are means over the region that contacts support, weighted by those probabilities. Turning, moving, scaling or
+//! shuffling the contacts changes nothing but the coordinates of the answer.
+
+mod believable_normals;
+mod cells;
+mod constant_curvature;
+mod dense;
+mod descent;
+mod displacement;
+mod error;
+mod evidence;
+mod frame;
+mod input;
+mod misfit;
+mod model;
+mod neighbours;
+mod noise;
+mod normal_noise;
+mod options;
+mod orientation;
+mod paraboloid;
+mod patch;
+mod posterior;
+mod region;
+mod report;
+mod result;
+mod rows;
+mod start;
+mod state;
+mod support;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod weights;
+
+pub use error::RecognitionError;
+pub use options::RecognitionOptions;
+pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub use surface::RecognisedSurface;
+
+use crate::contact::{Contacts, Grid};
+
+use displacement::Displacement;
+use evidence::Evidence;
+use input::Given;
+use model::{Kind, Model};
+use noise::Limit;
+use normal_noise::NormalNoise;
+use patch::Patch;
+use rows::Rows;
+
+/// Recognises the shape that contacts show.
+///
+/// # Errors
+/// When the contacts are faulty, too few, on one line, or not one sheet.
+pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+    input::check_options(options)?;
+    recognise_given(Given::from_contacts(contacts, options)?, options)
+}
+
+/// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
+///
+/// # Errors
+/// As [`recognise`].
+pub fn recognise_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+    input::check_options(options)?;
+    let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
+    recognise_given(Given::from_grid(grid, options)?, &upward)
+}
+
+/// The steps, top to bottom.
+fn recognise_given(given: Given, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+    let patch = Patch::new(given, options)?;
+    let cells = patch.cells();
+    let models = patch.fitted(&cells);
+    let relief = relief(&cells, &models);
+    let displacement = match models.iter().find(|m| m.kind() == Kind::General) {
+        Some(Model::Constant(_, surface)) => Displacement::new(surface, &cells),
+        _ => None,
+    };
+    let rows = Rows::new(&cells, &models, displacement.as_ref());
+    let distances = noise::distances_between(&cells);
+    let normal_noise = NormalNoise::find(&rows, &cells, &distances);
+    let limit = Limit::new(&patch.points, &patch.distances, relief);
+    let evidence =
+        Evidence::new(&cells, &models, displacement.as_ref(), &rows, normal_noise.as_ref(), &distances, limit);
+    let nodes = evidence.nodes();
+    let misfit = |kind: Kind| {
+        let distance = |m: &Model| weighted_rms(&cells, m);
+        models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
+    };
+    let weights = weights::weigh(&evidence, &rows, &nodes, relief, misfit);
+    report::Findings {
+        patch: &patch,
+        evidence: &evidence,
+        nodes: &nodes,
+        weights: &weights,
+        relief,
+        normal_noise,
+        distances: &distances,
+    }
+    .recognition(options)
+}
+
+/// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
+fn relief(cells: &cells::Cells, models: &[Model]) -> f64 {
+    /// A fiftieth of the patch's size.
+    const FLAT: f64 = 0.02;
+    let of = |kind: Kind| models.iter().find(|m| m.kind() == kind);
+    let (Some(plane), Some(general)) = (of(Kind::Plane), of(Kind::General)) else { return FLAT };
+    let heights: Vec<f64> = cells.points.iter().map(|p| plane.distance(*p) - general.distance(*p)).collect();
+    weights::standard_deviation(&heights).hypot(FLAT)
+}
+
+fn weighted_rms(cells: &cells::Cells, model: &Model) -> f64 {
+    let weighted: Vec<f64> =
+        cells.points.iter().zip(&cells.weights).map(|(p, w)| w.sqrt() * model.distance(*p)).collect();
+    weights::standard_deviation(&weighted)
+}

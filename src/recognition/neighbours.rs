@@ -1,0 +1,130 @@
+//! Nearest neighbours by a k-d tree: points halved by the median of their widest direction until few are left.
+//!
+//! ```text
+//! build O(n log n)       one query O(log n) on average: a half is skipped when its plane lies beyond the k-th neighbour
+//! ```
+//!
+//! J. L. Bentley, *Commun. ACM* 18 (1975) 509. Equal distances are ordered by the point's number, so answers do not depend
+//! on how the tree happens to be cut.
+
+use crate::vector::{Vector, dot, minus};
+
+/// Points in a leaf: below this a scan is faster than another cut.
+const LEAF: usize = 12;
+
+/// A tree over points that it does not own.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbours<'a> {
+    points: &'a [Vector],
+    /// Numbers of the points, halves next to each other.
+    order: Vec<u32>,
+    /// Axis and place of every cut, in the order in which the halves are visited.
+    cuts: Vec<(u8, f64)>,
+}
+
+/// A neighbour: squared distance and number.
+type Near = (f64, u32);
+
+impl<'a> Neighbours<'a> {
+    pub(super) fn new(points: &'a [Vector]) -> Neighbours<'a> {
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        let depth_of = |mut count: usize| {
+            let mut depth = 0;
+            while count > LEAF {
+                count = count.div_ceil(2);
+                depth += 1;
+            }
+            depth
+        };
+        let mut cuts = vec![(0, 0.0); (1 << depth_of(points.len())) - 1];
+        cut(points, &mut order, 0, &mut cuts);
+        Neighbours { points, order, cuts }
+    }
+
+    /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
+    pub(super) fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
+        let mut found = Vec::with_capacity(k + 1);
+        self.visit(place, k, 0, 0, self.order.len(), &mut found);
+        found
+    }
+
+    /// Distance from point `number` to the nearest other point, and that point.
+    pub(super) fn nearest_other(&self, number: usize) -> Option<(f64, usize)> {
+        let found = self.nearest(self.points[number], 2);
+        found.iter().find(|(_, other)| *other as usize != number).map(|(d, other)| (d.sqrt(), *other as usize))
+    }
+
+    fn visit(&self, place: Vector, k: usize, node: usize, lo: usize, hi: usize, found: &mut Vec<Near>) {
+        if node >= self.cuts.len() {
+            for &number in &self.order[lo..hi] {
+                let offset = minus(self.points[number as usize], place);
+                keep(found, k, (dot(offset, offset), number));
+            }
+            return;
+        }
+        let (axis, at) = self.cuts[node];
+        let middle = lo + (hi - lo).div_ceil(2);
+        let beyond = place[usize::from(axis)] - at;
+        let halves = [(2 * node + 1, lo, middle), (2 * node + 2, middle, hi)];
+        let (near, far) = if beyond <= 0.0 { (halves[0], halves[1]) } else { (halves[1], halves[0]) };
+        self.visit(place, k, near.0, near.1, near.2, found);
+        if found.len() < k || found.last().is_none_or(|last| beyond * beyond <= last.0) {
+            self.visit(place, k, far.0, far.1, far.2, found);
+        }
+    }
+}
+
+fn keep(found: &mut Vec<Near>, k: usize, new: Near) {
+    if found.len() == k && found.last().is_some_and(|last| new >= *last) {
+        return;
+    }
+    let at = found.partition_point(|old| *old < new);
+    found.insert(at, new);
+    found.truncate(k);
+}
+
+fn cut(points: &[Vector], order: &mut [u32], node: usize, cuts: &mut [(u8, f64)]) {
+    if node >= cuts.len() {
+        return;
+    }
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &number in order.iter() {
+        let p = points[number as usize];
+        (0..3).for_each(|i| (lo[i], hi[i]) = (lo[i].min(p[i]), hi[i].max(p[i])));
+    }
+    let width = minus(hi, lo);
+    let axis = if width[0] >= width[1] && width[0] >= width[2] { 0 } else { 1 + usize::from(width[2] > width[1]) };
+    let middle = order.len().div_ceil(2);
+    if middle >= order.len() {
+        return;
+    }
+    let key = |number: &u32| points[*number as usize][axis];
+    order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
+    cuts[node] = (axis as u8, key(&order[middle]));
+    let (left, right) = order.split_at_mut(middle);
+    cut(points, left, 2 * node + 1, cuts);
+    cut(points, right, 2 * node + 2, cuts);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_finds_what_a_scan_finds() {
+        for count in [1, 2, 13, 100, 997] {
+            let points: Vec<Vector> = (0..count)
+                .map(|i| [(i as f64 * 0.37).sin(), (i as f64 * 1.71).cos(), ((i % 7) as f64 * 0.1)])
+                .collect();
+            let tree = Neighbours::new(&points);
+            for place in points.iter().step_by(11).chain([&[2.0, 0.0, -1.0]]) {
+                let mut all: Vec<Near> = (0..count as u32)
+                    .map(|i| (dot(minus(points[i as usize], *place), minus(points[i as usize], *place)), i))
+                    .collect();
+                all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                all.truncate(9);
+                assert_eq!(tree.nearest(*place, 9), all);
+            }
+        }
+    }
+}

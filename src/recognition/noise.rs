@@ -1,0 +1,98 @@
+//! The covariance of errors: independent ones, and ones that neighbours share.
+//!
+//! ```text
+//! Sigma = s^2 (D + rho exp(-r_ij/l))       r in space;  rho in {0} u 10^{-1..4},  l in {0.12, 0.3, 0.75, 2}
+//! prior: half on rho = 0, the rest shared equally;   times exp(-(tau/limit)^2/2),  tau = s sqrt(rho)
+//! limit = max(0.1 relief, 2 e),  e = 1.4826 median |d_i - d_nearest| / sqrt 2
+//! ```
+//!
+//! The exponential kernel of distance is the rough one on purpose: a smooth kernel of long range swallows the shape itself.
+//! An error as large as the relief would explain anything, so tau is limited.
+
+use faer::Mat;
+
+use crate::vector::{Vector, minus, norm};
+
+use super::cells::Cells;
+use super::dense;
+use super::descent::median;
+use super::neighbours::Neighbours;
+use super::start::thinned;
+
+const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
+const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
+
+/// Share of the relief that a sensor may err by.
+const OF_RELIEF: f64 = 0.1;
+
+/// Multiple of the differences between nearest contacts that a sensor may err by.
+const OF_DIFFERENCES: f64 = 2.0;
+
+/// Errors larger than this multiple of the limit are not considered.
+const CUT: f64 = 1.5;
+
+/// Contacts whose nearest neighbours are looked up.
+const SAMPLE: usize = 4000;
+
+/// One node of the grid over rho and l.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kernel {
+    pub(super) ratio: f64,
+    /// Length of correlation; of no meaning when the ratio is 0.
+    pub(super) length: f64,
+    /// Log of its prior probability.
+    pub(super) log_prior: f64,
+}
+
+impl Kernel {
+    /// The whole grid, the node without correlation first.
+    pub(super) fn all() -> Vec<Kernel> {
+        let share = (2.0 * (RATIOS.len() * LENGTHS.len()) as f64).ln();
+        let white = Kernel { ratio: 0.0, length: 1.0, log_prior: -std::f64::consts::LN_2 };
+        let others = LENGTHS.iter().flat_map(|&length| RATIOS.map(|ratio| Kernel { ratio, length, log_prior: -share }));
+        std::iter::once(white).chain(others).collect()
+    }
+
+    /// Lower factor of `diag(variance) + rho exp(-r/l)`.
+    pub(super) fn factor(&self, variance: &[f64], distances: &Mat<f64>) -> Option<Mat<f64>> {
+        let n = variance.len();
+        if self.ratio == 0.0 {
+            return Some(Mat::from_fn(n, n, |i, j| if i == j { variance[i].sqrt() } else { 0.0 }));
+        }
+        dense::cholesky(&Mat::from_fn(n, n, |i, j| {
+            let shared = self.ratio * (-distances[(i, j)] / self.length).exp();
+            if i == j { shared + variance[i] } else { shared }
+        }))
+    }
+}
+
+/// Distances in space between the cells.
+pub(super) fn distances_between(cells: &Cells) -> Mat<f64> {
+    let p = &cells.points;
+    Mat::from_fn(p.len(), p.len(), |i, j| norm(minus(p[i], p[j])))
+}
+
+/// How large a shared error may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limit {
+    pub(super) limit: f64,
+}
+
+impl Limit {
+    /// From the relief and the differences of residuals between nearest contacts.
+    pub(super) fn new(points: &[Vector], residuals: &[f64], relief: f64) -> Limit {
+        let tree = Neighbours::new(points);
+        let differences = thinned(points, SAMPLE)
+            .into_iter()
+            .filter_map(|i| tree.nearest_other(i).map(|(_, j)| (residuals[i] - residuals[j]).abs()))
+            .collect();
+        let nearest = 1.4826 * median(differences) / std::f64::consts::SQRT_2;
+        Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
+    }
+
+    /// Log of the prior of a shared error's size; `None` where it is out of the question.
+    pub(super) fn log_prior(&self, tau: f64) -> Option<f64> {
+        let size = tau / self.limit;
+        (size <= CUT).then_some(-0.5 * size * size)
+    }
+}

@@ -1,0 +1,165 @@
+//! The contacts in the frame of the patch, without what does not belong to the surface.
+
+use crate::contact::Frame;
+use crate::vector::{Vector, dot, minus, norm, scaled};
+
+use super::believable_normals::{AGAINST, derived_from_positions};
+use super::cells::{Cells, cells};
+use super::descent::plain;
+use super::frame::{mean_of, patch_frame};
+use super::input::Given;
+use super::model::{Kind, Model};
+use super::orientation::{Oriented, oriented};
+use super::start::{Start, start};
+use super::{Dropped, NormalsUse, RecognitionError, RecognitionOptions};
+
+/// Mean unit normals shorter than this go around more than half a body: half a cylinder has 0.64, half a ball 0.5.
+const ALL_AROUND: f64 = 0.3;
+
+/// Share of outliers above which the contacts are several things, not one with a few errors.
+const TOO_MANY_OUTLIERS: f64 = 0.25;
+
+/// Contacts that belong to the surface, in the frame of the patch, with the robust fit.
+pub(super) struct Patch {
+    pub(super) frame: Frame,
+    pub(super) points: Vec<Vector>,
+    /// Signed distances from the robust general surface.
+    pub(super) distances: Vec<f64>,
+    /// Measured minus model normals where they are used.
+    errors: Option<Vec<Option<Vector>>>,
+    start: Start,
+    pub(super) dropped: Dropped,
+    pub(super) normals: NormalsUse,
+    pub(super) notes: Vec<String>,
+}
+
+impl Patch {
+    pub(super) fn new(given: Given, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
+        let mut notes = Vec::new();
+        let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
+        let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };
+        let mut normals = None;
+        if let Some(raw) = given.normals {
+            let found = oriented(&given.points, raw, options.viewpoint);
+            dropped.normals_of_length_zero = found.of_length_zero;
+            (state, normals) = accepted(found, &mut dropped, &mut notes)?;
+        }
+        let frame = patch_frame(&given.points, normals.as_deref(), options)?;
+        if normals.is_none() && options.up.is_none() && options.viewpoint.is_none() {
+            notes.push("the sign of S takes +z for the free side: name a viewpoint where it is not".to_string());
+        }
+        let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
+        let normals: Option<Vec<Vector>> = normals.map(|n| n.iter().map(|n| frame.rotate(*n)).collect());
+        let start = start(&points);
+        dropped.outliers = start.belongs.iter().filter(|b| !**b).count();
+        let outliers = dropped.outliers as f64 / points.len() as f64;
+        if outliers > TOO_MANY_OUTLIERS {
+            let misfit =
+                100.0 * start.distances.iter().map(|d| d * d).sum::<f64>().sqrt() / (points.len() as f64).sqrt();
+            return Err(RecognitionError::NotOneSheet { misfit, outliers: 100.0 * outliers });
+        }
+        let surface_normals: Vec<Vector> = points.iter().map(|p| start.general.distance_and_normal(*p).1).collect();
+        let length = norm(mean_of(&surface_normals));
+        if length < ALL_AROUND {
+            return Err(RecognitionError::AllAround { mean_length: length });
+        }
+        let mut errors = None;
+        if let Some(normals) = normals {
+            (state, errors) = judged(&points, &normals, &surface_normals, &start, &mut dropped);
+        }
+        let kept = |i: &usize| start.belongs[*i];
+        let chosen: Vec<usize> = (0..points.len()).filter(kept).collect();
+        Ok(Patch {
+            frame,
+            distances: chosen.iter().map(|&i| start.distances[i]).collect(),
+            errors: errors.map(|e| chosen.iter().map(|&i| e[i]).collect()),
+            points: chosen.iter().map(|&i| points[i]).collect(),
+            start,
+            dropped,
+            normals: state,
+            notes,
+        })
+    }
+
+    /// Averaged contacts.
+    pub(super) fn cells(&self) -> Cells {
+        cells(&self.points, &self.start.general, self.errors.as_deref())
+    }
+
+    /// All models refitted to the cells, each from its likeliest starts.
+    pub(super) fn fitted(&self, cells: &Cells) -> Vec<Model> {
+        let general = self.start.general.theta();
+        let [h, a, b, k1, k2, phi] = general;
+        let across = phi + std::f64::consts::FRAC_PI_2;
+        let mean = 0.5 * (k1 + k2);
+        let cylinder = if k1.abs() > k2.abs() { [h, a, b, k1, 0.0, phi] } else { [h, a, b, k2, 0.0, across] };
+        // the height quadric of the same surface: its normal at the middle is tilted by the vector (a, b)
+        let (c, s) = (phi.cos(), phi.sin());
+        let (xx, yy, xy) = (k1 * c * c + k2 * s * s, k1 * s * s + k2 * c * c, (k1 - k2) * c * s);
+        let starts: [(Kind, Vec<[f64; 6]>); 5] = [
+            (Kind::Plane, vec![general]),
+            (Kind::Sphere, vec![self.start.sphere.theta(), [h, a, b, mean, mean, 0.0]]),
+            (Kind::Cylinder, vec![self.start.cylinder.theta(), cylinder]),
+            (Kind::General, vec![general, [h, a, b, k2, k1, across]]),
+            (Kind::Paraboloid, vec![[h, -b, a, xx, yy, xy]]),
+        ];
+        let best = |(kind, starts): (Kind, Vec<[f64; 6]>)| {
+            let fits = starts.into_iter().map(|theta| plain(&cells.points, &cells.weights, kind, theta));
+            fits.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(model, _)| model)
+        };
+        starts.into_iter().filter_map(best).collect()
+    }
+
+    /// Contacts averaged into cells, normals used, on average in a cell; for the noise of single ones.
+    pub(super) fn normals_per_cell(&self, cells: usize) -> f64 {
+        let used = self.errors.as_ref().map_or(0, |e| e.iter().filter(|e| e.is_some()).count());
+        used as f64 / cells as f64
+    }
+}
+
+/// Oriented normals if they are normals of a surface at all.
+fn accepted(
+    found: Oriented,
+    dropped: &mut Dropped,
+    notes: &mut Vec<String>,
+) -> Result<(NormalsUse, Option<Vec<Vector>>), RecognitionError> {
+    if !found.consistent {
+        notes.push("the normals contradict their neighbours everywhere and are not used".to_string());
+        return Ok((NormalsUse::Contradicting, None));
+    }
+    let length = norm(mean_of(&found.normals));
+    if found.of_length_zero < found.normals.len() && length < ALL_AROUND {
+        return Err(RecognitionError::AllAround { mean_length: length });
+    }
+    notes.extend(found.note());
+    dropped.normals_flipped = found.flipped;
+    if 2 * found.of_length_zero > found.normals.len() {
+        notes.push("most normals have length zero; only positions are used".to_string());
+        let known = (found.of_length_zero < found.normals.len()).then_some(found.normals);
+        return Ok((NormalsUse::Contradicting, known));
+    }
+    Ok((NormalsUse::Believed, Some(found.normals)))
+}
+
+/// Whether the normals are used, and their errors if so.
+fn judged(
+    points: &[Vector],
+    normals: &[Vector],
+    surface: &[Vector],
+    start: &Start,
+    dropped: &mut Dropped,
+) -> (NormalsUse, Option<Vec<Option<Vector>>>) {
+    let agrees = |i: usize| dot(normals[i], surface[i]) > AGAINST;
+    let known = normals.iter().filter(|n| **n != [0.0; 3]).count();
+    let agreeing = (0..normals.len()).filter(|&i| agrees(i)).count();
+    dropped.normals_against = known - agreeing;
+    if 2 * agreeing < normals.len() {
+        return (NormalsUse::Contradicting, None);
+    }
+    let sample = start.sample.iter().copied().filter(|&i| start.belongs[i] && agrees(i));
+    if derived_from_positions(points, normals, &start.general, sample) {
+        return (NormalsUse::DerivedFromPositions, None);
+    }
+    let error = |i: usize| agrees(i).then(|| minus(normals[i], scaled(1.0, surface[i])));
+    (NormalsUse::Believed, Some((0..normals.len()).map(error).collect()))
+}

@@ -1,0 +1,262 @@
+//! S and R with their intervals: weighted means of the likeliest surfaces, and quantiles of surfaces drawn at random.
+//!
+//! ```text
+//! mean S = sum w_node (mean over supported points of S(x^))              R alike
+//! draws  x ~ x^ + L'^-1 N(0, 1) sqrt(nu/chi2_nu),   H = L L'             displacement and parameters drawn together
+//! interval = quantiles of the draws under v      u = half of it / z      u_noise^2 = variance without shared errors
+//! ```
+//!
+//! Curvatures are drawn as a Hessian, so |S| <= 1 is kept and the interval reaches +-1 when a sphere is possible.
+
+use statrs::function::erf;
+
+use crate::curvature::{ShapeClass, curvedness, shape_index};
+use crate::draws::EffectDraws;
+use crate::threads;
+
+use super::dense;
+use super::evidence::{Evidence, Node};
+use super::model::Kind;
+use super::state::{ChartPoint, State};
+use super::weights::Weights;
+use super::{Estimate, RecognitionOptions};
+
+/// Draws in all.
+const DRAWS: f64 = 400.0;
+
+/// Draws of a node at least, so that its own spread is known.
+const FEWEST: usize = 4;
+
+/// Weights below which a node is left out.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// Draws for the uncertainty without shared errors.
+const NOISE_DRAWS: usize = 100;
+
+/// Numbers drawn at once by the generator at most.
+const AT_ONCE: usize = 64;
+
+/// What the draws tell.
+#[derive(Clone, Debug)]
+pub(super) struct Summary {
+    /// `None` when only planes have weight.
+    pub(super) shape_index: Option<Estimate>,
+    pub(super) curvedness: Estimate,
+    pub(super) k1: f64,
+    pub(super) k2: f64,
+    /// Shares of the classes, plane included, in the order of [`ShapeClass::CURVED`] and then plane.
+    pub(super) classes: Vec<(ShapeClass, f64)>,
+    /// Standard uncertainty of S and of R at every point asked for.
+    pub(super) u: Vec<[f64; 2]>,
+}
+
+/// Means over the region of one surface, and S and R at the points asked for.
+struct Field {
+    s: f64,
+    r: f64,
+    k: [f64; 2],
+    /// Standard deviations of S and R over the region.
+    sd: [f64; 2],
+    at: Vec<[f64; 2]>,
+}
+
+/// Points at which surfaces are evaluated.
+pub(super) struct Points<'a> {
+    /// Those that means are taken over.
+    pub(super) all: &'a [ChartPoint],
+    /// Those whose own uncertainty is asked for.
+    pub(super) map: &'a [ChartPoint],
+}
+
+impl Points<'_> {
+    fn field(&self, state: &State) -> Field {
+        let shape = |[k1, k2]: [f64; 2]| [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), curvedness(k1, k2)];
+        let bent: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).collect();
+        let shapes: Vec<[f64; 2]> = bent.iter().map(|k| shape(*k)).collect();
+        let mean = |of: &[[f64; 2]], k: usize| of.iter().map(|v| v[k]).sum::<f64>() / of.len().max(1) as f64;
+        let sd = |k: usize| super::weights::standard_deviation(&shapes.iter().map(|v| v[k]).collect::<Vec<_>>());
+        Field {
+            s: mean(&shapes, 0),
+            r: mean(&shapes, 1),
+            k: [mean(&bent, 0), mean(&bent, 1)],
+            sd: [sd(0), sd(1)],
+            at: self.map.iter().map(|p| shape(state.curvatures(p).unwrap_or([0.0; 2]))).collect(),
+        }
+    }
+}
+
+/// The likeliest surface of a node.
+pub(super) fn likeliest(evidence: &Evidence, node: &Node) -> Option<State> {
+    let model = evidence.models.iter().find(|m| m.kind() == node.kind)?;
+    if node.g == 0.0 {
+        return Some(State::new(model, &node.x, None));
+    }
+    let (mean, _) = evidence.joint_posterior(node)?;
+    displaced(evidence, node, &mean)
+}
+
+fn displaced(evidence: &Evidence, node: &Node, joint: &[f64]) -> Option<State> {
+    let model = evidence.models.iter().find(|m| m.kind() == node.kind)?;
+    let root = (node.g * node.variance).sqrt();
+    let (x, z) = joint.split_at(node.kind.unknowns());
+    let weights: Vec<f64> = z.iter().map(|w| w * root).collect();
+    Some(State::new(model, x, Some(evidence.displacement?.coefficients(&weights))))
+}
+
+/// Surfaces drawn from a node's posterior.
+fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u64) -> Vec<State> {
+    let Some(model) = evidence.models.iter().find(|m| m.kind() == node.kind) else { return Vec::new() };
+    let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
+    let (mean, lower) = match &joint {
+        Some((mean, lower)) => (mean, lower),
+        None => (&node.x, &node.precision),
+    };
+    let draws = EffectDraws::new(seed, "recognition");
+    let mut numbers = vec![0.0; mean.len() + 1];
+    let one = |k: usize| {
+        for (block, part) in numbers.chunks_mut(AT_ONCE).enumerate() {
+            draws.gaussians((number * 8 + block) as u64, k as u64, part.len(), part);
+        }
+        let (steps, last) = numbers.split_at_mut(mean.len());
+        dense::backward(lower, steps);
+        let stretch = student(node.dof, last[0]);
+        let x: Vec<f64> = mean.iter().zip(steps.iter()).map(|(m, s)| m + stretch * s).collect();
+        if joint.is_some() { displaced(evidence, node, &x) } else { Some(State::new(model, &x, None)) }
+    };
+    (0..count).filter_map(one).collect()
+}
+
+/// `sqrt(nu/chi2_nu)` from a gaussian by the cube root that E. B. Wilson and M. M. Hilferty (1931) found nearly gaussian.
+fn student(nu: f64, gaussian: f64) -> f64 {
+    let part = 2.0 / (9.0 * nu);
+    (1.0 - part + gaussian * part.sqrt()).max(0.1).powf(-1.5)
+}
+
+/// Everything drawn for one node.
+struct Drawn {
+    kind: Kind,
+    /// Weights of the node in estimate and interval.
+    weights: [f64; 2],
+    likeliest: Field,
+    draws: Vec<Field>,
+}
+
+/// Estimates, intervals and class shares.
+pub(super) fn summary(
+    evidence: &Evidence,
+    nodes: &[Node],
+    weights: &Weights,
+    reported: &Node,
+    points: &Points,
+    options: &RecognitionOptions,
+) -> Option<Summary> {
+    let used: Vec<usize> =
+        (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
+    let found = threads::map(used.len(), 1, |k| {
+        let (i, node) = (used[k], &nodes[used[k]]);
+        let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
+        let draws = drawn(evidence, node, i, count, options.seed).iter().map(|s| points.field(s)).collect();
+        let likeliest = points.field(&likeliest(evidence, node)?);
+        Some(Drawn { kind: node.kind, weights: [weights.estimate[i], weights.interval[i]], likeliest, draws })
+    });
+    let found: Vec<Drawn> = found.into_iter().flatten().collect();
+    let noise = noise_alone(evidence, nodes, reported, points, options.seed);
+    let own = points.field(&likeliest(evidence, reported)?);
+    let level = options.level;
+    let estimate = |pick: fn(&Field) -> f64, at: usize, curved: bool| {
+        let chosen: Vec<&Drawn> = found.iter().filter(|d| !(curved && d.kind == Kind::Plane)).collect();
+        let sum: f64 = chosen.iter().map(|d| d.weights[0]).sum();
+        let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
+        let interval = quantiles(&chosen, pick, level)?;
+        let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
+        let u_noise = noise[at].min(u);
+        let u_model = (u * u - u_noise * u_noise).max(0.0).sqrt();
+        let sd = own.sd[at];
+        mean.is_finite().then_some(Estimate { mean, sd, u_noise, u_model, u, interval, level, dof: reported.dof })
+    };
+    let mean_of = |k: usize| {
+        let sum: f64 = found.iter().map(|d| d.weights[0]).sum();
+        found.iter().map(|d| d.weights[0] * d.likeliest.k[k]).sum::<f64>() / sum
+    };
+    Some(Summary {
+        shape_index: estimate(|f| f.s, 0, true),
+        curvedness: estimate(|f| f.r, 1, false)?,
+        k1: mean_of(0),
+        k2: mean_of(1),
+        classes: classes(&found),
+        u: pointwise(&found, points.map.len()),
+    })
+}
+
+/// Standard deviations of mean S and mean R of the reported hypothesis were errors independent.
+fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Points, seed: u64) -> [f64; 2] {
+    let alike =
+        |n: &&(usize, &Node)| n.1.kind == reported.kind && (n.1.g > 0.0) == (reported.g > 0.0) && n.1.ratio == 0.0;
+    let numbered: Vec<(usize, &Node)> = nodes.iter().enumerate().collect();
+    let best = numbered.iter().filter(alike).max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence));
+    let Some((i, node)) = best else { return [0.0; 2] };
+    let fields: Vec<Field> =
+        drawn(evidence, node, *i, NOISE_DRAWS, seed).iter().map(|state| points.field(state)).collect();
+    let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
+    [sd(|f| f.s), sd(|f| f.r)]
+}
+
+/// Both quantiles of the draws under the interval's weights.
+fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64) -> Option<[f64; 2]> {
+    let mut values: Vec<(f64, f64)> = Vec::new();
+    for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
+        let share = drawn.weights[1] / drawn.draws.len() as f64;
+        values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
+    }
+    values.retain(|(value, share)| value.is_finite() && *share > 0.0);
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let sum: f64 = values.iter().map(|v| v.1).sum();
+    let at = |share: f64| {
+        let mut below = 0.0;
+        let reached = |(_, share_here): &&(f64, f64)| {
+            below += share_here;
+            below >= share * sum
+        };
+        values.iter().find(reached).or(values.last()).map(|v| v.0)
+    };
+    Some([at(0.5 * (1.0 - level))?, at(0.5 * (1.0 + level))?])
+}
+
+fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
+    let mut out: Vec<(ShapeClass, f64)> =
+        ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, 0.0)).collect();
+    let mut add = |class: ShapeClass, share: f64| {
+        out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);
+    };
+    for drawn in found {
+        if drawn.kind == Kind::Plane {
+            add(ShapeClass::Plane, drawn.weights[0]);
+            continue;
+        }
+        let share = drawn.weights[0] / drawn.draws.len().max(1) as f64;
+        drawn.draws.iter().for_each(|field| add(ShapeClass::of_shape_index(field.s), share));
+    }
+    let sum: f64 = out.iter().map(|c| c.1).sum();
+    out.iter_mut().for_each(|c| c.1 /= sum);
+    out.retain(|c| c.1 > 0.0);
+    out.sort_by(|a, b| b.1.total_cmp(&a.1));
+    out
+}
+
+/// Standard deviations of S and R at every point over all draws.
+fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 2]> {
+    let sd = |i: usize, k: usize| {
+        let (mut all, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        // about the first value, so that the squares do not cancel
+        let about = found.first().map_or(0.0, |d| d.likeliest.at[i][k]);
+        for drawn in found.iter().filter(|d| k == 1 || d.kind != Kind::Plane) {
+            let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
+            for field in &drawn.draws {
+                let value = field.at[i][k] - about;
+                (all, sum, squares) = (all + share, sum + share * value, squares + share * value * value);
+            }
+        }
+        if all > 0.0 { (squares / all - (sum / all).powi(2)).max(0.0).sqrt() } else { 0.0 }
+    };
+    (0..points).map(|i| [sd(i, 0), sd(i, 1)]).collect()
+}

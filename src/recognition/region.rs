@@ -1,0 +1,68 @@
+//! The part of the chart that the answer is about: the map's points, and the lattice that means are taken over.
+//!
+//! ```text
+//! map      nu x nv points from edge to edge of the box of the contacts' chart positions
+//! lattice  midpoints of 12 x 12 equal cells of that box, those supported: their mean is a mean over the area
+//! ```
+//!
+//! The map's outermost points lie on the edges of the box, and where those are bent they lie outside of the contacts.
+
+use crate::bspline::linspace;
+
+use super::RecognitionOptions;
+use super::constant_curvature::ConstantCurvature;
+use super::displacement::Displacement;
+use super::evidence::Evidence;
+use super::patch::Patch;
+use super::state::{ChartPoint, State};
+use super::support::Support;
+use super::surface::RecognisedSurface;
+
+/// Cells of the lattice each way.
+const LATTICE: usize = 12;
+
+/// The reported surface with its points.
+pub(super) struct Region {
+    pub(super) surface: RecognisedSurface,
+    pub(super) map: Vec<ChartPoint>,
+    /// Whether contacts support a point of the map.
+    pub(super) supported: Vec<bool>,
+    pub(super) lattice: Vec<ChartPoint>,
+}
+
+impl Region {
+    pub(super) fn new(
+        patch: &Patch,
+        evidence: &Evidence,
+        base: &ConstantCurvature,
+        state: State,
+        options: &RecognitionOptions,
+    ) -> Region {
+        let charts: Vec<[f64; 2]> = patch.points.iter().map(|p| base.chart(*p)).collect();
+        let support = Support::new(&patch.points, &charts, evidence.cells);
+        let [u, v] = [support.range(0), support.range(1)];
+        let displacement: Option<Displacement> = evidence.displacement.cloned();
+        let surface = RecognisedSurface { frame: patch.frame, u, v, base: base.clone(), displacement, state };
+        let holds = |p: &ChartPoint| support.holds(p.chart, p.place);
+        let [along_u, along_v] = [linspace(u[0], u[1], options.grid[0]), linspace(v[0], v[1], options.grid[1])];
+        let map = product(&surface, &along_u, &along_v);
+        let mut supported: Vec<bool> = map.iter().map(holds).collect();
+        if !supported.contains(&true) {
+            // a map so coarse that none of its points lies inside is shown as it is
+            supported.fill(true);
+        }
+        let all = product(&surface, &midpoints(u), &midpoints(v));
+        let held: Vec<ChartPoint> = all.iter().filter(|p| holds(p)).cloned().collect();
+        let lattice = if held.is_empty() { all } else { held };
+        Region { surface, map, supported, lattice }
+    }
+}
+
+fn midpoints([lo, hi]: [f64; 2]) -> Vec<f64> {
+    (0..LATTICE).map(|i| lo + (hi - lo) * (i as f64 + 0.5) / LATTICE as f64).collect()
+}
+
+/// Chart points of the product of two axes, the second running fastest.
+fn product(surface: &RecognisedSurface, u: &[f64], v: &[f64]) -> Vec<ChartPoint> {
+    u.iter().flat_map(|&a| v.iter().map(move |&b| (a, b))).map(|(a, b)| surface.chart_point(a, b)).collect()
+}

@@ -1,0 +1,280 @@
+//! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
+
+use faer::Mat;
+
+use crate::curvature::{ShapeClass, curvedness, shape_index};
+use crate::shape::radius_of;
+
+use super::dense;
+use super::evidence::{Evidence, Node, curvatures};
+use super::misfit::{self, misfit};
+use super::model::Kind;
+use super::normal_noise::NormalNoise;
+use super::patch::Patch;
+use super::posterior::{Points, Summary, likeliest, summary};
+use super::region::Region;
+use super::state::{ChartPoint, State};
+use super::surface::chart_point;
+use super::weights::{Weights, total};
+use super::{
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
+    RecognitionOptions, Tried, weighted_rms,
+};
+
+/// Points of the map whose uncertainty is drawn; a larger map has their mean everywhere.
+const MAPPED: usize = 400;
+
+/// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
+const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
+
+/// Everything that was found, in the frame of the patch.
+pub(super) struct Findings<'a> {
+    pub(super) patch: &'a Patch,
+    pub(super) evidence: &'a Evidence<'a>,
+    pub(super) nodes: &'a [Node],
+    pub(super) weights: &'a Weights,
+    pub(super) relief: f64,
+    pub(super) normal_noise: Option<NormalNoise>,
+    pub(super) distances: &'a Mat<f64>,
+}
+
+/// Hypothesis of a node.
+fn hypothesis_of(node: &Node) -> Hypothesis {
+    match node.kind {
+        Kind::Plane => Hypothesis::Plane,
+        Kind::Sphere => Hypothesis::Sphere,
+        Kind::Cylinder => Hypothesis::Cylinder,
+        Kind::General if node.g > 0.0 => Hypothesis::Displaced,
+        Kind::General => Hypothesis::General,
+        Kind::Paraboloid => Hypothesis::Paraboloid,
+    }
+}
+
+fn failed(step: &'static str) -> RecognitionError {
+    RecognitionError::Arithmetic { step, what: "no hypothesis could be computed" }
+}
+
+impl Findings<'_> {
+    /// The whole answer.
+    pub(super) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+        let tried = self.tried();
+        let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
+        let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
+        let (best, _) = own.max_by(|a, b| a.1.total_cmp(b.1)).ok_or_else(|| failed("comparison of hypotheses"))?;
+        let state = likeliest(self.evidence, best).ok_or_else(|| failed("likeliest surface"))?;
+        let misfit = self.misfit(best, &state)?;
+        let scale = self.patch.frame.scale;
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
+        let Region { surface, map: points, supported, lattice } =
+            Region::new(self.patch, self.evidence, base, state, options);
+        let over = Points { all: &lattice, map: &points[..points.len().min(MAPPED)] };
+        let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
+            .ok_or_else(|| failed("averaging"))?;
+        let map = self.map(&surface, &points, &supported, &found);
+        let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
+        let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
+        let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
+        let curvedness = scaled_estimate(found.curvedness, scale);
+        let [k1, k2] = [found.k1 / scale, found.k2 / scale];
+        let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
+        let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
+        Ok(Recognition {
+            hypothesis,
+            class,
+            class_probability: found.classes.clone(),
+            shape_index: shape,
+            curvedness,
+            k1,
+            k2,
+            radius: radius_of(class, curvedness.mean),
+            radii: radii(class, k1, k2),
+            radius_interval: bounds[0].zip(bounds[1]).map(|(lo, hi)| [lo, hi]),
+            direction: if directed { self.direction(&surface) } else { None },
+            plane_probability,
+            frame: self.patch.frame,
+            support: (supported.iter().filter(|s| **s).count(), points.len()),
+            map,
+            grid: options.grid,
+            surface,
+            dropped: self.patch.dropped,
+            normals: self.patch.normals,
+            noise: self.noise(best),
+            tried,
+            effective_contacts: self.effective_contacts(best),
+            contacts: self.patch.points.len(),
+            notes: self.notes(&misfit, class),
+            misfit,
+        })
+    }
+
+    /// All hypotheses that have a node, likeliest first.
+    fn tried(&self) -> Vec<Tried> {
+        let scale = self.patch.frame.scale;
+        let mut out: Vec<Tried> = Hypothesis::ALL
+            .into_iter()
+            .filter_map(|hypothesis| {
+                let own = |n: &Node| hypothesis_of(n) == hypothesis;
+                let best =
+                    self.nodes.iter().filter(|n| own(n)).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+                let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
+                let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);
+                let weight = total(&self.weights.estimate, self.nodes, own);
+                Some(Tried { hypothesis, weight, k1, k2, rms: scale * weighted_rms(self.evidence.cells, model) })
+            })
+            .collect();
+        out.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        out
+    }
+
+    /// Residuals of the reported surface at the cells.
+    fn residuals(&self, best: &Node, state: &State) -> Vec<f64> {
+        let cells = &self.evidence.cells.points;
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        cells
+            .iter()
+            .map(|p| {
+                let d = state.model().distance(*p);
+                match (base, self.evidence.displacement) {
+                    (Some(super::Model::Constant(_, base)), Some(displacement)) if best.g > 0.0 => {
+                        d - state.at(&chart_point(base, Some(displacement), base.chart(*p))).displacement
+                    }
+                    _ => d,
+                }
+            })
+            .collect()
+    }
+
+    fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {
+        let residuals = self.residuals(best, state);
+        let weights = &self.evidence.cells.weights;
+        let weighted: Vec<f64> = residuals.iter().zip(weights).map(|(d, w)| w.sqrt() * d).collect();
+        let size = super::weights::standard_deviation(&weighted);
+        let outliers =
+            100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
+        let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);
+        let certain = best.g > 0.0 && self.weights.displaced > 0.95;
+        let findings = misfit::Findings {
+            of_relief: size / self.relief,
+            correlated,
+            tau: best.tau() / self.relief,
+            displacement: certain.then_some(self.weights.size),
+        };
+        let found = misfit(self.evidence.cells, &residuals, &findings);
+        if size > UNEXPLAINED[0] * self.relief && size > UNEXPLAINED[1] && found.p < 0.01 {
+            return Err(RecognitionError::NotOneSheet { misfit: 100.0 * size / self.relief, outliers });
+        }
+        Ok(found)
+    }
+
+    fn map(
+        &self,
+        surface: &RecognisedSurface,
+        points: &[ChartPoint],
+        supported: &[bool],
+        found: &Summary,
+    ) -> Vec<MapPoint> {
+        let scale = self.patch.frame.scale;
+        let mean_u = |k: usize| found.u.iter().map(|u| u[k]).sum::<f64>() / found.u.len().max(1) as f64;
+        let typical = [mean_u(0), mean_u(1)];
+        let one = |(i, point): (usize, &ChartPoint)| {
+            let bent = surface.state.at(point);
+            let u = if found.u.len() == points.len() { found.u[i] } else { typical };
+            MapPoint {
+                position: self.patch.frame.to_input(bent.place),
+                normal: self.patch.frame.rotate_back(bent.normal),
+                shape_index: shape_index(bent.k1 + bent.k2, bent.k1 - bent.k2),
+                curvedness: curvedness(bent.k1, bent.k2) / scale,
+                k1: bent.k1 / scale,
+                k2: bent.k2 / scale,
+                supported: supported[i],
+                u_shape_index: u[0],
+                u_curvedness: u[1] / scale,
+            }
+        };
+        points.iter().enumerate().map(one).collect()
+    }
+
+    /// Direction of k1 in the middle of the cells, input axes.
+    fn direction(&self, surface: &RecognisedSurface) -> Option<[f64; 3]> {
+        let [u, v] = [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]));
+        let direction = surface.state.at(&surface.chart_point(u, v)).direction?;
+        Some(self.patch.frame.rotate_back(direction))
+    }
+
+    fn noise(&self, best: &Node) -> NoiseFound {
+        let cells = self.evidence.cells;
+        let scale = self.patch.frame.scale;
+        let per_cell = self.patch.points.len() as f64 / cells.points.len() as f64;
+        let per_normal = self.patch.normals_per_cell(cells.points.len());
+        NoiseFound {
+            sd_z: scale * (best.variance * per_cell).sqrt(),
+            sd_correlated: scale * best.tau(),
+            correlation_length: (best.ratio > 0.0).then_some(scale * best.length),
+            sd_normal_deg: self.normal_noise.map(|n| (n.variance * per_normal).sqrt().to_degrees()),
+        }
+    }
+
+    /// `(total variance of one contact) 1' Sigma^-1 1`.
+    fn effective_contacts(&self, best: &Node) -> f64 {
+        let cells = self.evidence.cells;
+        let Some(lower) = self.evidence.kernels[best.kernel].factor(&cells.variance, self.distances) else {
+            return 0.0;
+        };
+        let mut ones = vec![1.0; cells.points.len()];
+        dense::forward(&lower, &mut ones);
+        let per_cell = self.patch.points.len() as f64 / cells.points.len() as f64;
+        (per_cell + best.ratio) * ones.iter().map(|v| v * v).sum::<f64>()
+    }
+
+    fn notes(&self, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
+        let mut notes = self.patch.notes.clone();
+        if self.weights.displacement_is_error() {
+            notes.push(format!(
+                "a departure of {:.1} % of the relief is read as an error of the sensor, not as shape",
+                100.0 * self.weights.size
+            ));
+        }
+        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class != ShapeClass::Plane {
+            notes.push(
+                "the misfit is as large as the shape itself: the class describes only its coarsest part".to_string(),
+            );
+        }
+        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class == ShapeClass::Plane {
+            notes.push("what is not flat here is a pattern that none of the shapes describes".to_string());
+        }
+        notes
+    }
+}
+
+/// The hypothesis of largest weight, where general's two references count together; the plane only when it has more than
+/// half of all weight, because the class then is plane too.
+fn reported(tried: &[Tried]) -> Option<Hypothesis> {
+    let weight = |h: Hypothesis| tried.iter().filter(|t| t.hypothesis == h).map(|t| t.weight).sum::<f64>();
+    let general = weight(Hypothesis::General) + weight(Hypothesis::Paraboloid);
+    let eligible = tried.iter().filter(|t| t.hypothesis != Hypothesis::Plane || t.weight > 0.5);
+    let best = eligible.max_by(|a, b| a.weight.total_cmp(&b.weight))?;
+    if best.hypothesis == Hypothesis::Plane || best.weight >= general {
+        return Some(best.hypothesis);
+    }
+    let torus = weight(Hypothesis::General) >= weight(Hypothesis::Paraboloid);
+    Some(if torus { Hypothesis::General } else { Hypothesis::Paraboloid })
+}
+
+fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {
+    Estimate {
+        mean: e.mean / scale,
+        sd: e.sd / scale,
+        u_noise: e.u_noise / scale,
+        u_model: e.u_model / scale,
+        u: e.u / scale,
+        interval: e.interval.map(|v| v / scale),
+        ..e
+    }
+}
+
+/// Radii of dome and trough, the smaller first.
+fn radii(class: ShapeClass, k1: f64, k2: f64) -> Option<[f64; 2]> {
+    let (large, small) = (k1.abs().max(k2.abs()), k1.abs().min(k2.abs()));
+    matches!(class, ShapeClass::Dome | ShapeClass::Trough).then(|| [1.0 / large, 1.0 / small])
+}

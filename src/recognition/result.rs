@@ -1,0 +1,244 @@
+//! What a recognition gives back: the class with its probability, S and R with intervals, the map, and what was set aside.
+
+use crate::contact::Frame;
+use crate::curvature::ShapeClass;
+
+use super::surface::RecognisedSurface;
+
+/// The kinds of surface that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Hypothesis {
+    /// No curvature.
+    Plane,
+    /// Both curvatures equal.
+    Sphere,
+    /// One curvature zero.
+    Cylinder,
+    /// Two constant curvatures: a patch of a torus.
+    General,
+    /// A height field of second degree over the mean tangent plane.
+    Paraboloid,
+    /// Two constant curvatures and a smooth displacement along the normal.
+    Displaced,
+}
+
+impl Hypothesis {
+    /// All hypotheses, in the order in which they are tried.
+    pub const ALL: [Hypothesis; 6] = [
+        Hypothesis::Plane,
+        Hypothesis::Sphere,
+        Hypothesis::Cylinder,
+        Hypothesis::General,
+        Hypothesis::Paraboloid,
+        Hypothesis::Displaced,
+    ];
+
+    /// The word used in every output.
+    pub fn name(self) -> &'static str {
+        match self {
+            Hypothesis::Plane => "plane",
+            Hypothesis::Sphere => "sphere",
+            Hypothesis::Cylinder => "cylinder",
+            Hypothesis::General => "general",
+            Hypothesis::Paraboloid => "paraboloid",
+            Hypothesis::Displaced => "general with displacement",
+        }
+    }
+}
+
+impl std::fmt::Display for Hypothesis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A quantity averaged over the patch, with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Estimate {
+    /// Mean over the supported points of the map.
+    pub mean: f64,
+    /// Standard deviation over the patch: variation, not uncertainty.
+    pub sd: f64,
+    /// Standard uncertainty from independent noise, were the reported hypothesis certain.
+    pub u_noise: f64,
+    /// What correlated errors and doubt about the hypothesis add.
+    pub u_model: f64,
+    /// Standard uncertainty in all, `u^2 = u_noise^2 + u_model^2`.
+    pub u: f64,
+    /// Both ends of the interval of level `level`.
+    pub interval: [f64; 2],
+    /// Level of the interval.
+    pub level: f64,
+    /// Degrees of freedom of the residuals under the reported hypothesis.
+    pub dof: f64,
+}
+
+/// What the normals were good for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum NormalsUse {
+    /// They are measurements of their own, and used as data.
+    Believed,
+    /// They were computed from the positions, and only tell the free side.
+    DerivedFromPositions,
+    /// Too many of them contradict the surface; only positions are used.
+    Contradicting,
+    /// There are none.
+    Absent,
+    /// The caller asked not to use them.
+    Ignored,
+}
+
+impl NormalsUse {
+    /// The words used in every output.
+    pub fn name(self) -> &'static str {
+        match self {
+            NormalsUse::Believed => "used",
+            NormalsUse::DerivedFromPositions => "derived from the positions, not used",
+            NormalsUse::Contradicting => "contradicting the positions, not used",
+            NormalsUse::Absent => "absent",
+            NormalsUse::Ignored => "ignored",
+        }
+    }
+}
+
+/// Contacts and normals that were set aside or changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Dropped {
+    /// Contacts too far off the surface to belong to it.
+    pub outliers: usize,
+    /// Missing pixels of a grid.
+    pub missing: usize,
+    /// Normals of length zero.
+    pub normals_of_length_zero: usize,
+    /// Normals more than 60 degrees off the surface's.
+    pub normals_against: usize,
+    /// Normals that were reversed to agree with their neighbours.
+    pub normals_flipped: usize,
+}
+
+/// What the residuals tell of the sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NoiseFound {
+    /// Sd of independent errors of a single contact's position across the surface, input units.
+    pub sd_z: f64,
+    /// Sd of the errors that neighbouring contacts share, input units.
+    pub sd_correlated: f64,
+    /// Distance over which those errors fade by a factor e, input units; `None` without such errors.
+    pub correlation_length: Option<f64>,
+    /// Sd of a normal's two tangential components, degrees; `None` where normals are not used.
+    pub sd_normal_deg: Option<f64>,
+}
+
+/// One hypothesis that was tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tried {
+    /// Which one.
+    pub hypothesis: Hypothesis,
+    /// Its posterior probability.
+    pub weight: f64,
+    /// Larger curvature of its fit, 1/length of the input.
+    pub k1: f64,
+    /// Smaller curvature of its fit.
+    pub k2: f64,
+    /// Root mean square distance of the averaged contacts, input units.
+    pub rms: f64,
+}
+
+/// Whether the residuals still hold a pattern.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Misfit {
+    /// Correlation of residuals at neighbouring places, -1 to 1.
+    pub neighbour_correlation: f64,
+    /// Probability of such a correlation, or a larger one, among independent residuals.
+    pub p: f64,
+    /// Root mean square misfit in percent of the relief.
+    pub percent_of_relief: f64,
+    /// One sentence.
+    pub words: String,
+}
+
+/// One point of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MapPoint {
+    /// Point of the recognised surface, input coordinates.
+    pub position: [f64; 3],
+    /// Unit normal on the free side, input axes.
+    pub normal: [f64; 3],
+    /// Shape index; `None` on a plane.
+    pub shape_index: Option<f64>,
+    /// Curvedness, 1/length of the input.
+    pub curvedness: f64,
+    /// Larger curvature.
+    pub k1: f64,
+    /// Smaller curvature.
+    pub k2: f64,
+    /// Whether contacts support the surface here.
+    pub supported: bool,
+    /// Standard uncertainty of the shape index.
+    pub u_shape_index: f64,
+    /// Standard uncertainty of the curvedness.
+    pub u_curvedness: f64,
+}
+
+/// The answer of [`recognise`](super::recognise).
+#[derive(Clone, Debug)]
+pub struct Recognition {
+    /// The hypothesis of largest weight.
+    pub hypothesis: Hypothesis,
+    /// Class of the mean shape index, or plane.
+    pub class: ShapeClass,
+    /// Probability of every class, likeliest first, those of probability zero left out.
+    pub class_probability: Vec<(ShapeClass, f64)>,
+    /// Shape index; `None` on a plane.
+    pub shape_index: Option<Estimate>,
+    /// Curvedness, 1/length of the input.
+    pub curvedness: Estimate,
+    /// Mean larger curvature.
+    pub k1: f64,
+    /// Mean smaller curvature.
+    pub k2: f64,
+    /// Radius of cap, cup, ridge and rut.
+    pub radius: Option<f64>,
+    /// Radii of the two curvatures of dome and trough, the smaller radius first.
+    pub radii: Option<[f64; 2]>,
+    /// Interval of `radius`, at the level of the estimates.
+    pub radius_interval: Option<[f64; 2]>,
+    /// Unit direction of `k1` in the middle of the patch, input axes; `None` for plane and sphere.
+    pub direction: Option<[f64; 3]>,
+    /// Posterior probability of the plane.
+    pub plane_probability: f64,
+    /// Frame of the patch: its third axis points to the free side.
+    pub frame: Frame,
+    /// Points of the map that contacts support, and all of them.
+    pub support: (usize, usize),
+    /// The map, row after row: the second direction of the chart runs fastest.
+    pub map: Vec<MapPoint>,
+    /// Points of the map in the two directions.
+    pub grid: [usize; 2],
+    /// The recognised surface, for sampling it elsewhere.
+    pub surface: RecognisedSurface,
+    /// What was set aside.
+    pub dropped: Dropped,
+    /// What the normals were good for.
+    pub normals: NormalsUse,
+    /// What the residuals tell of the sensor.
+    pub noise: NoiseFound,
+    /// All hypotheses with their weights, likeliest first.
+    pub tried: Vec<Tried>,
+    /// Whether the residuals still hold a pattern.
+    pub misfit: Misfit,
+    /// Number of independent contacts that would tell the mean height as well as these do.
+    pub effective_contacts: f64,
+    /// Number of contacts that were used.
+    pub contacts: usize,
+    /// What a user should know, in whole sentences.
+    pub notes: Vec<String>,
+}

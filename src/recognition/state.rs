@@ -1,0 +1,149 @@
+//! One surface of one hypothesis, fixed in all its parameters: where it lies and how it bends at points of the chart.
+//!
+//! ```text
+//! Hessian coordinates (A, C, B)  ->  k1, k2 = mean +- |((A - C)/2, B)|, turned by atan2(2 B, A - C)/2, at most 45 degrees
+//! ```
+
+use crate::curvature::{Principal, principal_curvatures};
+use crate::vector::{Vector, along};
+
+use super::constant_curvature::{ConstantCurvature, Jet, derivatives};
+use super::displacement::{JetRow, turned};
+use super::model::{Kind, Model};
+
+/// A point of the chart of the general surface.
+#[derive(Clone, Debug)]
+pub(super) struct ChartPoint {
+    pub(super) chart: [f64; 2],
+    /// Its place on the general surface, patch coordinates.
+    pub(super) place: Vector,
+    /// What the displacement needs there.
+    pub(super) row: Option<JetRow>,
+}
+
+/// One surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct State {
+    model: Model,
+    /// Cosine and sine of the turn of the axes against the chart's.
+    turn: [f64; 2],
+    /// Coefficients of the displacement.
+    coefficients: Option<Vec<f64>>,
+}
+
+/// A surface at one point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bent {
+    pub(super) place: Vector,
+    pub(super) normal: Vector,
+    pub(super) k1: f64,
+    pub(super) k2: f64,
+    /// Direction of k1, patch axes; `None` where it is undefined.
+    pub(super) direction: Option<Vector>,
+    /// Displacement along the normal.
+    pub(super) displacement: f64,
+}
+
+impl State {
+    /// A model moved by x, in the evidence's coordinates.
+    pub(super) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
+        let (kind, theta) = (model.kind(), model.theta());
+        let mut moved = theta;
+        (0..3).for_each(|i| moved[i] += x[i]);
+        let mut turn = [1.0, 0.0];
+        match kind {
+            Kind::Plane => {}
+            Kind::Sphere => (moved[3], moved[4]) = (theta[3] + x[3], theta[3] + x[3]),
+            Kind::Cylinder => {
+                moved[3] += x[3];
+                // d phi = B / k
+                moved[5] += if theta[3].abs() > 1e-6 { (x[4] / theta[3]).clamp(-0.5, 0.5) } else { 0.0 };
+            }
+            Kind::Paraboloid => (3..6).for_each(|i| moved[i] += x[i]),
+            Kind::General => {
+                let (a, c, b) = (theta[3] + x[3], theta[4] + x[4], x[5]);
+                let half = 0.5 * (a - c);
+                // the turn of at most 45 degrees keeps the order of the curvatures, and with it the chart's axes
+                let angle = 0.5 * (b / half).atan();
+                let angle = if angle.is_finite() { angle } else { 0.0 };
+                let gap = if half >= 0.0 { half.hypot(b) } else { -half.hypot(b) };
+                (moved[3], moved[4], moved[5]) = (0.5 * (a + c) + gap, 0.5 * (a + c) - gap, theta[5] + angle);
+                turn = [angle.cos(), angle.sin()];
+            }
+        }
+        State { model: Model::new(kind, moved), turn, coefficients }
+    }
+
+    pub(super) fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The displacement at a chart point.
+    fn jet(&self, at: &ChartPoint) -> Jet {
+        match (&self.coefficients, &at.row) {
+            (Some(coefficients), Some(row)) => row.jet(coefficients),
+            _ => [0.0; 6],
+        }
+    }
+
+    /// Larger and smaller curvature at a chart point; `None` where the chart folds.
+    pub(super) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
+        match &self.model {
+            Model::Constant(Kind::General, _) | Model::Paraboloid(_) => self.principal(at).map(|p| [p.k1, p.k2]),
+            Model::Constant(_, surface) => {
+                let [_, _, _, k1, k2, _] = surface.theta;
+                Some([k1.max(k2), k1.min(k2)])
+            }
+        }
+    }
+
+    fn principal(&self, at: &ChartPoint) -> Option<Principal> {
+        match &self.model {
+            Model::Paraboloid(surface) => principal_curvatures(&surface.derivatives(at.place[0], at.place[1])),
+            Model::Constant(_, surface) => {
+                let [_, _, _, k1, k2, _] = surface.theta;
+                let [c, s] = self.turn;
+                principal_curvatures(&derivatives(k1, k2, self.turned_chart(at), &turned(&self.jet(at), c, s)))
+            }
+        }
+    }
+
+    fn turned_chart(&self, at: &ChartPoint) -> [f64; 2] {
+        let ([u, v], [c, s]) = (at.chart, self.turn);
+        [c * u + s * v, c * v - s * u]
+    }
+
+    /// Everything at a chart point.
+    pub(super) fn at(&self, at: &ChartPoint) -> Bent {
+        let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
+        let displacement = self.jet(at)[0];
+        let [k1, k2] = curvatures;
+        let bent = |place, normal, direction| Bent { place, normal, k1, k2, direction, displacement };
+        match &self.model {
+            Model::Paraboloid(surface) => {
+                let [x, y, _] = at.place;
+                let place = [x, y, surface.height(x, y)[0]];
+                bent(place, surface.distance_and_normal(place).1, self.principal(at).map(|p| p.direction1))
+            }
+            Model::Constant(Kind::General, surface) => {
+                let [u, v] = self.turned_chart(at);
+                let place = surface.point(u, v, displacement);
+                let principal = self.principal(at);
+                let normal = principal.map_or([0.0, 0.0, 1.0], |p| p.normal);
+                bent(place, surface.from_axes(normal), principal.map(|p| surface.from_axes(p.direction1)))
+            }
+            Model::Constant(kind, surface) => {
+                let (d, normal) = surface.distance_and_normal(at.place);
+                let place = along(at.place, -d, normal);
+                bent(place, normal, (*kind == Kind::Cylinder).then(|| axis_of_k1(surface, place)))
+            }
+        }
+    }
+}
+
+/// Direction of the larger curvature of a cylinder.
+fn axis_of_k1(surface: &ConstantCurvature, place: Vector) -> Vector {
+    let k = surface.theta[3];
+    let local = principal_curvatures(&derivatives(k, 0.0, surface.chart(place), &[0.0; 6]));
+    surface.from_axes(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
+}

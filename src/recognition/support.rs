@@ -1,0 +1,117 @@
+//! Where contacts support the surface: inside their outline and near enough to one of them.
+//!
+//! ```text
+//! inside the convex hull of the contacts' chart positions (the outline counts), and
+//! nearest contact within max(3 x 95 % quantile of nearest-neighbour distances, 1.1 x widest gap between cells)
+//! ```
+//!
+//! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the lanes of
+//! a few fingers are far apart, and what lies between two of them is still the touched surface.
+
+use crate::vector::{Vector, dot, minus, norm};
+
+use super::cells::Cells;
+use super::descent::median;
+use super::neighbours::Neighbours;
+use super::start::thinned;
+
+/// Contacts whose nearest neighbours are looked up.
+const SAMPLE: usize = 4000;
+
+/// The region that contacts support.
+pub(super) struct Support<'a> {
+    hull: Vec<[f64; 2]>,
+    tree: Neighbours<'a>,
+    reach: f64,
+    tolerance: f64,
+}
+
+impl<'a> Support<'a> {
+    /// Of contacts with their chart positions.
+    pub(super) fn new(points: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+        let tree = Neighbours::new(points);
+        let sample = thinned(points, SAMPLE);
+        let mut nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+        nearest.sort_unstable_by(f64::total_cmp);
+        let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
+        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.points));
+        Support { hull: hull(charts), tree, reach, tolerance: 1e-9 }
+    }
+
+    /// Range of the chart that the contacts cover.
+    pub(super) fn range(&self, side: usize) -> [f64; 2] {
+        let lo = self.hull.iter().map(|p| p[side]).fold(f64::INFINITY, f64::min);
+        let hi = self.hull.iter().map(|p| p[side]).fold(f64::NEG_INFINITY, f64::max);
+        [lo, hi]
+    }
+
+    /// Whether a chart position, at this place of the surface, is supported.
+    pub(super) fn holds(&self, chart: [f64; 2], place: Vector) -> bool {
+        let inside = (0..self.hull.len()).all(|i| {
+            let (a, b) = (self.hull[i], self.hull[(i + 1) % self.hull.len()]);
+            turn(a, b, chart) >= -self.tolerance
+        });
+        inside && self.tree.nearest(place, 1).first().is_some_and(|(squared, _)| squared.sqrt() <= self.reach)
+    }
+}
+
+/// Twice the area of a triangle, positive to the left.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Convex hull, to the left around (A. M. Andrew, 1979).
+fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut sorted = points.to_vec();
+    sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    sorted.dedup();
+    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut lower = chain(&mut sorted.iter().copied());
+    lower.extend(chain(&mut sorted.iter().rev().copied()));
+    lower
+}
+
+/// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge.
+fn widest_gap(points: &[Vector]) -> f64 {
+    let n = points.len();
+    let mut nearest = vec![f64::INFINITY; n];
+    let mut inside = vec![false; n];
+    let mut edges = Vec::with_capacity(n);
+    let mut now = 0;
+    for _ in 1..n {
+        inside[now] = true;
+        for i in 0..n {
+            let offset = minus(points[i], points[now]);
+            nearest[i] = nearest[i].min(dot(offset, offset));
+        }
+        let outside = (0..n).filter(|&i| !inside[i]);
+        let Some(next) = outside.min_by(|&i, &j| nearest[i].total_cmp(&nearest[j])) else { break };
+        edges.push(norm([nearest[next].sqrt(), 0.0, 0.0]));
+        now = next;
+    }
+    let largest = edges.iter().copied().fold(0.0, f64::max);
+    largest.min(4.0 * median(edges))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_keeps_corners_and_the_gap_is_that_between_lanes() {
+        let lattice: Vec<[f64; 2]> = (0..25).map(|i| [(i % 5) as f64, (i / 5) as f64]).collect();
+        assert_eq!(hull(&lattice), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        let lanes: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
+        assert_eq!(widest_gap(&lanes), 3.0);
+    }
+}

@@ -1,0 +1,47 @@
+//! The recognised surface as a map `Q(u, v)` into space, over a rectangle of its chart.
+//!
+//! ```text
+//! general, displaced   Q(u, v) = point at arc lengths (u, v), moved by f(u, v) along the normal
+//! all others           Q(u, v) = foot, on the reported surface, of the general surface's point
+//! ```
+
+use crate::contact::Frame;
+
+use super::constant_curvature::ConstantCurvature;
+use super::displacement::Displacement;
+use super::state::{ChartPoint, State};
+
+/// A surface of two constant curvatures, its displacement or a paraboloid, in the input's coordinates.
+#[derive(Clone, Debug)]
+pub struct RecognisedSurface {
+    /// Frame in which the surface is written.
+    pub frame: Frame,
+    /// Range of the first chart coordinate that the contacts cover, in units of the frame's length.
+    pub u: [f64; 2],
+    /// Range of the second chart coordinate.
+    pub v: [f64; 2],
+    pub(super) base: ConstantCurvature,
+    pub(super) displacement: Option<Displacement>,
+    pub(super) state: State,
+}
+
+impl RecognisedSurface {
+    /// Point and unit normal at chart coordinates, in the input's coordinates.
+    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+        let bent = self.state.at(&self.chart_point(u, v));
+        (self.frame.to_input(bent.place), self.frame.rotate_back(bent.normal))
+    }
+
+    pub(super) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {
+        chart_point(&self.base, self.displacement.as_ref(), [u, v])
+    }
+}
+
+/// A chart point of the general surface with what the displacement needs there.
+pub(super) fn chart_point(
+    base: &ConstantCurvature,
+    displacement: Option<&Displacement>,
+    chart: [f64; 2],
+) -> ChartPoint {
+    ChartPoint { chart, place: base.point(chart[0], chart[1], 0.0), row: displacement.map(|d| d.at(chart)) }
+}

@@ -1,0 +1,213 @@
+//! What a recognition answers on simulated patches.
+
+use crate::contact::{Contacts, Grid, Orientation};
+use crate::curvature::ShapeClass;
+use crate::draws::EffectDraws;
+use crate::vector::{Vector, cross, dot, unit};
+
+use super::*;
+
+/// Uniform and gaussian numbers of one seed.
+struct Numbers(EffectDraws);
+
+impl Numbers {
+    fn new(seed: u64) -> Numbers {
+        Numbers(EffectDraws::new(seed, "recognition tests"))
+    }
+
+    fn uniforms(&self, contact: usize) -> [f64; 2] {
+        let mut out = [0.0; 2];
+        self.0.uniforms(contact as u64, 0, 2, &mut out);
+        out.map(|v| 2.0 * v - 1.0)
+    }
+
+    fn gaussian(&self, contact: usize) -> f64 {
+        let mut out = [0.0];
+        self.0.gaussians(contact as u64, 9, 1, &mut out);
+        out[0]
+    }
+}
+
+/// Contacts at random places of a square of half width 4, height noise `sd`.
+fn patch(height: impl Fn(f64, f64) -> f64, count: usize, sd: f64, seed: u64) -> Vec<Vector> {
+    let numbers = Numbers::new(seed);
+    (0..count)
+        .map(|i| {
+            let [x, y] = numbers.uniforms(i).map(|v| 4.0 * v);
+            [x, y, height(x, y) + sd * numbers.gaussian(i)]
+        })
+        .collect()
+}
+
+fn sphere(x: f64, y: f64) -> f64 {
+    (100.0 - x * x - y * y).sqrt() - 10.0
+}
+
+fn cylinder(x: f64, y: f64) -> f64 {
+    let across = 0.8 * x - 0.6 * y;
+    (100.0 - across * across).sqrt() - 10.0
+}
+
+fn recognised(points: &[Vector]) -> Recognition {
+    recognise(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap()
+}
+
+#[test]
+fn sphere_cylinder_saddle_and_plane_are_named_right() {
+    let found = recognised(&patch(sphere, 60, 0.02, 1));
+    assert_eq!((found.class, found.hypothesis), (ShapeClass::Cap, Hypothesis::Sphere));
+    assert!((found.radius.unwrap() - 10.0).abs() < 0.4 && found.class_probability[0].1 > 0.9);
+    let found = recognised(&patch(cylinder, 60, 0.02, 2));
+    assert_eq!((found.class, found.hypothesis), (ShapeClass::Ridge, Hypothesis::Cylinder));
+    assert!((found.radius.unwrap() - 10.0).abs() < 0.5);
+    // the larger curvature of a ridge is zero, along its axis
+    assert!(dot(found.direction.unwrap(), [0.6, 0.8, 0.0]).abs() > 0.99);
+    let found = recognised(&patch(|x, y| (x * x - y * y) / 20.0, 60, 0.02, 3));
+    assert_eq!(found.class, ShapeClass::Saddle);
+    let interval = found.shape_index.unwrap().interval;
+    assert!(interval[0] < 0.02 && interval[1] > -0.02);
+    let found = recognised(&patch(|x, y| 0.2 * x - 0.1 * y, 60, 0.02, 4));
+    assert_eq!((found.class, found.shape_index.is_none(), found.radius), (ShapeClass::Plane, true, None));
+    assert!(found.plane_probability > 0.5);
+}
+
+#[test]
+fn turning_scaling_and_shuffling_change_nothing_but_coordinates() {
+    let points = patch(|x, y| 0.05 * x * x - 0.02 * y * y + 0.01 * x * y, 60, 0.01, 5);
+    let normals: Vec<Vector> =
+        points.iter().map(|[x, y, _]| unit([-0.1 * x - 0.01 * y, 0.04 * y - 0.01 * x, 1.0])).collect();
+    let of = |points: &[Vector], normals: &[Vector]| {
+        let contacts = Contacts::from_points(points).with_normal_vectors(normals);
+        recognise(&contacts, &RecognitionOptions::default()).unwrap()
+    };
+    let first = of(&points, &normals);
+    let (s, r) = (first.shape_index.unwrap().mean, first.curvedness.mean);
+    let e1 = unit([1.0, 2.0, -0.5]);
+    let e2 = unit(cross([0.3, 0.1, 1.0], e1));
+    let e3 = cross(e1, e2);
+    let turn = |v: &Vector| [dot(*v, e1), dot(*v, e2), dot(*v, e3)];
+    let moved: Vec<Vector> = points.iter().map(|p| turn(p).map(|v| 1000.0 * v + 5e4)).collect();
+    let turned = of(&moved, &normals.iter().map(turn).collect::<Vec<_>>());
+    assert!(
+        (turned.shape_index.unwrap().mean - s).abs() < 1e-3 && (turned.curvedness.mean * 1000.0 / r - 1.0).abs() < 1e-3
+    );
+    let back = |v: &Vec<Vector>| v.iter().rev().copied().collect::<Vec<Vector>>();
+    let shuffled = of(&back(&points), &back(&normals));
+    assert_eq!((shuffled.shape_index, shuffled.curvedness), (first.shape_index, first.curvedness));
+}
+
+#[test]
+fn shared_errors_widen_the_interval_and_count_as_few_contacts() {
+    let numbers = Numbers::new(6);
+    let rough = |sd: f64| -> Vec<Vector> {
+        // errors that are constant over tiles of width 1 are shared by neighbours
+        let shared = |x: f64, y: f64| sd * numbers.gaussian(1000 + ((x + 5.0) as usize) * 10 + (y + 5.0) as usize);
+        patch(sphere, 150, 0.01, 7).iter().map(|&[x, y, z]| [x, y, z + shared(x, y)]).collect()
+    };
+    let (white, shared) = (recognised(&rough(0.0)), recognised(&rough(0.05)));
+    assert!(shared.curvedness.u > 2.0 * white.curvedness.u);
+    assert!(white.effective_contacts > 100.0 && shared.effective_contacts < 0.7 * white.effective_contacts);
+    assert!(shared.noise.sd_correlated > 0.01);
+}
+
+#[test]
+fn outliers_and_faulty_normals_are_set_aside_and_counted() {
+    let mut points = patch(sphere, 80, 0.01, 8);
+    let mut normals: Vec<Vector> = points.iter().map(|[x, y, z]| unit([*x, *y, z + 10.0])).collect();
+    points[5][2] += 3.0;
+    points[17][2] -= 2.0;
+    normals[30] = [0.0; 3];
+    normals[31] = normals[31].map(|v| -v);
+    let found =
+        recognise(&Contacts::from_points(&points).with_normal_vectors(&normals), &RecognitionOptions::default())
+            .unwrap();
+    assert_eq!(
+        (found.dropped.outliers, found.dropped.normals_of_length_zero, found.dropped.normals_flipped),
+        (2, 1, 1)
+    );
+    assert_eq!((found.class, found.normals), (ShapeClass::Cap, NormalsUse::Believed));
+    assert!((found.radius.unwrap() - 10.0).abs() < 0.3);
+}
+
+#[test]
+fn half_a_ball_and_half_a_cylinder_come_within_three_percent() {
+    let numbers = Numbers::new(9);
+    let ball: Vec<Vector> = (0..150)
+        .map(|i| {
+            let [a, z] = numbers.uniforms(i);
+            let (z, across) = (z.abs(), (1.0 - z * z).sqrt());
+            let angle = a * std::f64::consts::PI;
+            [across * angle.cos(), across * angle.sin(), z].map(|v| v * (3.0 + 0.005 * numbers.gaussian(i)))
+        })
+        .collect();
+    let found = recognised(&ball);
+    assert_eq!(found.class, ShapeClass::Cap);
+    assert!((found.radius.unwrap() / 3.0 - 1.0).abs() < 0.03);
+    let can: Vec<Vector> = (0..150)
+        .map(|i| {
+            let [a, y] = numbers.uniforms(i);
+            let (angle, r) = (a * std::f64::consts::FRAC_PI_2, 3.0 + 0.005 * numbers.gaussian(i));
+            [r * angle.sin(), 4.0 * y, r * angle.cos()]
+        })
+        .collect();
+    let found = recognised(&can);
+    assert_eq!(found.class, ShapeClass::Ridge);
+    assert!((found.radius.unwrap() / 3.0 - 1.0).abs() < 0.03);
+}
+
+#[test]
+fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
+    let axis: Vec<f64> = (0..12).map(|i| i as f64 * 0.6 - 3.3).collect();
+    let mut z = ndarray::Array2::from_shape_fn((12, 12), |(i, j)| sphere(axis[i], axis[j]));
+    z[[3, 4]] = f64::NAN;
+    let found = recognise_grid(&Grid::new(axis.clone(), axis, z), &RecognitionOptions::default()).unwrap();
+    assert_eq!((found.class, found.dropped.missing, found.contacts), (ShapeClass::Cap, 1, 143));
+    assert_eq!((found.map.len(), found.support.1), (64, 64));
+    for point in found.map.iter().filter(|p| p.supported) {
+        let [x, y, z] = point.position;
+        assert!((z - sphere(x, y)).abs() < 1e-6 && dot(point.normal, unit([x, y, z + 10.0])) > 1.0 - 1e-9);
+    }
+}
+
+#[test]
+fn what_is_no_patch_is_refused_with_a_reason() {
+    let refused =
+        |points: &[Vector]| recognise(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap_err();
+    let few = refused(&patch(sphere, 8, 0.0, 1));
+    assert_eq!(few, RecognitionError::TooFew { found: 8, needed: 9, kind: "without" });
+    let line: Vec<Vector> = (0..20).map(|i| [i as f64, 2.0 * i as f64, 1.0]).collect();
+    assert!(matches!(refused(&line), RecognitionError::Collinear { .. }));
+    let waves = patch(|x, _| (2.0 * x).sin(), 400, 0.01, 2);
+    assert!(matches!(refused(&waves), RecognitionError::NotOneSheet { .. }));
+    let ball: Vec<Vector> = (0..200)
+        .map(|i| {
+            unit([
+                Numbers::new(3).gaussian(3 * i),
+                Numbers::new(3).gaussian(3 * i + 1),
+                Numbers::new(3).gaussian(3 * i + 2),
+            ])
+        })
+        .collect();
+    let closed = recognise(&Contacts::from_points(&ball).with_normal_vectors(&ball), &RecognitionOptions::default());
+    assert!(matches!(closed, Err(RecognitionError::AllAround { .. })));
+    let nan = Contacts { orientation: Orientation::None, ..Contacts::from_points(&[[f64::NAN, 0.0, 0.0]; 12]) };
+    assert!(matches!(recognise(&nan, &RecognitionOptions::default()), Err(RecognitionError::Contact(_))));
+}
+
+#[test]
+fn few_touches_with_normals_are_enough_for_a_class() {
+    for count in [4, 5, 6, 9] {
+        let points: Vec<Vector> = (0..count)
+            .map(|i| {
+                let angle = i as f64 * 2.4;
+                let reach = 3.0 * ((i + 1) as f64 / count as f64).sqrt();
+                let (x, y) = (reach * angle.cos(), reach * angle.sin());
+                [x, y, sphere(x, y)]
+            })
+            .collect();
+        let normals: Vec<Vector> = points.iter().map(|[x, y, z]| unit([*x, *y, z + 10.0])).collect();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = recognise(&contacts, &RecognitionOptions::default()).unwrap();
+        assert_eq!(found.class, ShapeClass::Cap, "{count} touches");
+    }
+}

@@ -1,0 +1,179 @@
+//! What the evidence makes of the hypotheses: weights of the estimate, and weights of the interval.
+//!
+//! ```text
+//! w ~ exp(log evidence)                                   the estimate
+//! v = w, but general and displaced never below 0.1        the interval: no shape is ever exactly a cylinder
+//! 1/40 < rms f / relief < 1/8: f is read as the sensor's systematic error, and no part of the shape
+//! ```
+//!
+//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape; above 1/8 no
+//! sensor errs so much. Exact quadrics leave at most 0.020, other shapes at least 0.185.
+
+use faer::Mat;
+
+use super::dense;
+use super::evidence::{Evidence, Node};
+use super::model::Kind;
+use super::rows::{Rows, column_of, first_of_displacement};
+
+/// Sizes of f, relative to the relief, that are read as the sensor's error.
+const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
+
+/// Least share of general and of displaced in the interval.
+const DOUBT: f64 = 0.1;
+
+/// Least share of either reference within general's part of the interval, when neither misfits the more.
+const REFERENCE: f64 = 0.25;
+
+/// Factor of misfit within which the two references count as equally good.
+const AS_GOOD: f64 = 1.5;
+
+/// Factor of misfit within which a simple shape cannot be excluded when the misfit is the sensor's.
+const SIMPLE: f64 = 2.0;
+
+/// Weights of all nodes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Weights {
+    /// Of the estimate.
+    pub(super) estimate: Vec<f64>,
+    /// Of the interval.
+    pub(super) interval: Vec<f64>,
+    /// Posterior probability of a displacement.
+    pub(super) displaced: f64,
+    /// Its root mean square relative to the relief; 0 when it was not looked at.
+    pub(super) size: f64,
+}
+
+impl Weights {
+    /// Whether the displacement is the sensor's error rather than shape.
+    pub(super) fn displacement_is_error(&self) -> bool {
+        SENSOR[0] < self.size && self.size < SENSOR[1]
+    }
+}
+
+/// Group of a node in the interval: simple, general, displaced.
+fn group(node: &Node) -> usize {
+    match node.kind {
+        Kind::General if node.g > 0.0 => 2,
+        Kind::General | Kind::Paraboloid => 1,
+        _ => 0,
+    }
+}
+
+/// Weighs the nodes; `misfit` is the root mean square distance of a kind's fit.
+pub(super) fn weigh(
+    evidence: &Evidence,
+    rows: &Rows,
+    nodes: &[Node],
+    relief: f64,
+    misfit: impl Fn(Kind) -> f64,
+) -> Weights {
+    let mut estimate = shares(nodes, |_| true);
+    let displaced = total(&estimate, nodes, |n| n.g > 0.0);
+    let mut weights = Weights { displaced, ..Weights::default() };
+    if displaced > 0.05 {
+        weights.size = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0) / relief;
+    }
+    if weights.displacement_is_error() {
+        estimate = shares(nodes, |n| n.g == 0.0);
+    }
+    weights.interval = with_doubt(nodes, &estimate, &misfit);
+    if weights.displacement_is_error() && displaced > 0.5 {
+        for kind in [Kind::Sphere, Kind::Cylinder] {
+            let here = |n: &Node| n.kind == kind;
+            if misfit(kind) <= SIMPLE * misfit(Kind::General) && total(&weights.interval, nodes, here) < DOUBT {
+                raise(&mut weights.interval, nodes, here, |_| true, DOUBT);
+            }
+        }
+    }
+    weights.estimate = estimate;
+    weights
+}
+
+/// Shares in proportion to the evidence among the nodes chosen, 0 elsewhere; all 0 when none is chosen.
+fn shares(nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> Vec<f64> {
+    let largest = nodes.iter().filter(|n| chosen(n)).map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let mut out: Vec<f64> =
+        nodes.iter().map(|n| if chosen(n) { (n.log_evidence - largest).exp() } else { 0.0 }).collect();
+    let sum: f64 = out.iter().sum();
+    if sum > 0.0 {
+        out.iter_mut().for_each(|w| *w /= sum);
+    }
+    out
+}
+
+/// Sum of the weights of the nodes chosen.
+pub(super) fn total(weights: &[f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> f64 {
+    weights.iter().zip(nodes).filter(|(_, n)| chosen(n)).map(|(w, _)| w).sum()
+}
+
+/// Gives the nodes chosen the share `to` of what the nodes `within` have, in proportion to their evidence.
+fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, within: impl Fn(&Node) -> bool, to: f64) {
+    let all = total(weights, nodes, &within);
+    let others = all - total(weights, nodes, &chosen);
+    let fresh = shares(nodes, &chosen);
+    if fresh.iter().sum::<f64>() == 0.0 {
+        return;
+    }
+    for ((w, node), fresh) in weights.iter_mut().zip(nodes).zip(fresh) {
+        if chosen(node) {
+            *w = to * all * fresh;
+        } else if within(node) && others > 0.0 {
+            *w *= (1.0 - to) * all / others;
+        }
+    }
+}
+
+fn with_doubt(nodes: &[Node], estimate: &[f64], misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
+    let sums = [0, 1, 2].map(|j| total(estimate, nodes, |n| group(n) == j));
+    let general = if sums[2] < 0.5 { sums[1].max(DOUBT) } else { sums[1] };
+    let displaced = sums[2].max(DOUBT);
+    let simple = if sums[0] > 0.0 { (1.0 - general - displaced).max(0.0) } else { 0.0 };
+    let wanted = [simple, general, displaced];
+    let mut out = vec![0.0; nodes.len()];
+    let mut all = 0.0;
+    for (j, wanted) in wanted.into_iter().enumerate() {
+        for (out, fresh) in out.iter_mut().zip(shares(nodes, |n| group(n) == j)) {
+            *out += wanted * fresh;
+            all += wanted * fresh;
+        }
+    }
+    if all > 0.0 {
+        out.iter_mut().for_each(|v| *v /= all);
+    }
+    let (torus, paraboloid) = (misfit(Kind::General), misfit(Kind::Paraboloid));
+    for (kind, own, other) in [(Kind::General, torus, paraboloid), (Kind::Paraboloid, paraboloid, torus)] {
+        let here = |n: &Node| group(n) == 1 && n.kind == kind;
+        let within = |n: &Node| group(n) == 1;
+        if own <= AS_GOOD * other && total(&out, nodes, here) < REFERENCE * total(&out, nodes, within) {
+            raise(&mut out, nodes, here, within, REFERENCE);
+        }
+    }
+    out
+}
+
+/// Root mean square of the likeliest displacement over the cells, without what the general surface could take up.
+fn displacement_size(evidence: &Evidence, rows: &Rows, nodes: &[Node], weights: &[f64]) -> Option<f64> {
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.g > 0.0);
+    let (node, _) = displaced.max_by(|a, b| a.1.total_cmp(b.1))?;
+    let (mean, _) = evidence.joint_posterior(node)?;
+    let (p, z, y) = (node.kind.unknowns(), first_of_displacement(), column_of(node.kind));
+    let root = (node.g * node.variance).sqrt();
+    let n = rows.positions.nrows();
+    let mut f: Vec<f64> = (0..n)
+        .map(|i| root * mean[p..].iter().enumerate().map(|(j, w)| rows.positions[(i, z + j)] * w).sum::<f64>())
+        .collect();
+    let column = |i: usize, j: usize| rows.positions[(i, y + 1 + j)];
+    let normal = Mat::from_fn(p, p, |a, b| (0..n).map(|i| column(i, a) * column(i, b)).sum());
+    let mut along: Vec<f64> = (0..p).map(|a| (0..n).map(|i| column(i, a) * f[i]).sum()).collect();
+    dense::solve(&dense::cholesky(&normal)?, &mut along);
+    (0..n).for_each(|i| f[i] -= (0..p).map(|a| column(i, a) * along[a]).sum::<f64>());
+    Some(standard_deviation(&f))
+}
+
+/// Population standard deviation.
+pub(super) fn standard_deviation(values: &[f64]) -> f64 {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
+}
