@@ -126,7 +126,7 @@ fn every_bad_csv_says_where_and_what() {
         ("x,y,z,nx,ny,nz,zx,zy\n1,2,3,0,0,1,0,0\n", &["both normals", "slopes"]),
         ("x,y,z\n1,2,3\n1,abc,3\n", &["line 3", "column y", "\"abc\"", "not a number"]),
         ("x,y,z\n1,2,\n", &["line 2", "column z", "\"\""]),
-        ("x,y,z\n# c\n1,nan,3\n", &["line 3", "column y", "NaN", "--skip-invalid"]),
+        ("x,y,z\n# c\n1,nan,3\n", &["line 3", "column y", "NaN", "skip_invalid"]),
         ("x,y,z\n1,2,-inf\n", &["line 2", "column z", "-inf"]),
         ("x,y,z\n1,2,3\n1,2\n", &["line 3", "2 fields", "3"]),
         ("x,y,z,nx,ny,nz\n1,2,3,0,0,0\n", &["line 2", "normal", "zero"]),
