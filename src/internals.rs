@@ -32,7 +32,7 @@ pub mod io {
     /// Scene files.
     pub mod scene_file {
         pub use crate::io::scene_file::{
-            SceneFile, SceneFileError, builtin, builtin_scenes, read_scene, read_scene_with,
+            SceneFile, SceneFileError, builtin, builtin_scenes, family_members, read_scene, read_scene_with,
         };
     }
 }
@@ -62,7 +62,7 @@ pub mod parametric {
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::fit_schema;
+    pub use crate::report::{fit_schema, study_schema};
 }
 
 /// The simulated world.

@@ -4,10 +4,10 @@
 //! fixed order. Without the feature the pieces are done one after another, and neither rayon nor faer's threads are built.
 
 #[cfg(feature = "threads")]
-pub(crate) use several::{any, each, join, map, try_map};
+pub(crate) use several::{any, each, join, map, map_with, try_map};
 
 #[cfg(not(feature = "threads"))]
-pub(crate) use one::{any, each, join, map, try_map};
+pub(crate) use one::{any, each, join, map, map_with, try_map};
 
 #[cfg(feature = "threads")]
 mod several {
@@ -18,6 +18,16 @@ mod several {
     /// `f(0), f(1), ...`; a thread takes at least `piece` of them at a time.
     pub(crate) fn map<T: Send>(count: usize, piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
         (0..count).into_par_iter().with_min_len(piece).map(&f).collect()
+    }
+
+    /// `f(memory, 0), f(memory, 1), ...`, each with memory that `start` makes and that is used again.
+    pub(crate) fn map_with<M, T: Send>(
+        count: usize,
+        piece: usize,
+        start: impl Fn() -> M + Sync + Send,
+        f: impl Fn(&mut M, usize) -> T + Sync + Send,
+    ) -> Vec<T> {
+        (0..count).into_par_iter().with_min_len(piece).map_init(start, f).collect()
     }
 
     /// `f(0), f(1), ...`, or `None` where one of them is.
@@ -45,6 +55,16 @@ mod one {
 
     pub(crate) fn map<T: Send>(count: usize, _piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
         (0..count).map(f).collect()
+    }
+
+    pub(crate) fn map_with<M, T: Send>(
+        count: usize,
+        _piece: usize,
+        start: impl Fn() -> M + Sync + Send,
+        f: impl Fn(&mut M, usize) -> T + Sync + Send,
+    ) -> Vec<T> {
+        let mut memory = start();
+        (0..count).map(|k| f(&mut memory, k)).collect()
     }
 
     pub(crate) fn try_map<T: Send>(count: usize, f: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {

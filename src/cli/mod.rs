@@ -1,21 +1,27 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | merge PART... | scenes [NAME] | show SURFACE [--at POINTS]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod coverage;
 mod describe;
 mod failure;
 mod fit;
+mod merge;
 mod options;
 mod output;
+mod progress;
 mod run;
 mod scene;
 mod scenes;
 mod show;
 mod simulate;
+mod study;
+mod study_plan;
+mod sweep;
 mod values;
 
 use std::process::ExitCode;
@@ -43,6 +49,10 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Fit a surface to contacts or a grid and describe its shape
     Fit(fit::FitArgs),
+    /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
+    Study(Box<study_plan::StudyArgs>),
+    /// Join parts of a study made with --range to the bits of one run
+    Merge(merge::MergeArgs),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points
@@ -71,6 +81,8 @@ pub fn main() -> ExitCode {
         Verb::Run(args) => run::run(&args),
         Verb::Simulate(args) => simulate::simulate(&args),
         Verb::Fit(args) => fit::fit(&args),
+        Verb::Study(args) => study::study(&args),
+        Verb::Merge(args) => merge::merge(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
     };

@@ -1,8 +1,8 @@
 //! A scene by its built-in name, from a file, or from standard input.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::io::scene_file::{SceneFile, builtin, builtin_scenes, read_scene_with};
+use crate::io::scene_file::{SceneFile, SceneFileError, builtin, builtin_text, read_scene_with};
 use crate::io::{import_surface, read_bytes};
 
 use super::failure::Failure;
@@ -10,11 +10,42 @@ use super::failure::Failure;
 /// The scene that `run` takes when none is named.
 pub(super) const DEFAULT: &str = "paper-cylinder";
 
+/// A scene as text, with where its imported surfaces are looked for.
+pub(super) struct Source {
+    /// Built-in name or file.
+    pub(super) name: String,
+    /// TOML.
+    pub(super) text: String,
+    folder: PathBuf,
+}
+
+impl Source {
+    /// The text of a scene that stood in the file `name`.
+    pub(super) fn of_text(name: &str, text: String) -> Source {
+        // - has no folder: its surfaces are looked for where palpate was started
+        let folder = Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf();
+        Source { name: name.into(), text, folder }
+    }
+
+    /// The same scene written otherwise.
+    pub(super) fn with_text(&self, text: String) -> Source {
+        Source { name: self.name.clone(), text, folder: self.folder.clone() }
+    }
+
+    /// The scene it describes.
+    pub(super) fn read(&self) -> Result<SceneFile, SceneFileError> {
+        let mut read = read_scene_with(&self.text, &|name| import_surface(&self.folder, name))?;
+        if read.name.is_empty() {
+            read.name.clone_from(&self.name);
+        }
+        Ok(read)
+    }
+}
+
 /// Built-in names come first; a file of such a name is meant by `./name`.
-pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
-    let wrong = |e: crate::io::scene_file::SceneFileError| Failure::Input(e.to_string());
-    if builtin_scenes().iter().any(|known| known.name == scene) {
-        return builtin(scene).map_err(wrong);
+pub(super) fn source(scene: &str) -> Result<Source, Failure> {
+    if let Some(known) = builtin_text(scene) {
+        return Ok(Source { name: scene.into(), text: known.into_owned(), folder: PathBuf::new() });
     }
     if scene != "-" && !Path::new(scene).exists() {
         let nearest = builtin(scene).err().map_or(String::new(), |e| e.to_string());
@@ -22,12 +53,11 @@ pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
     }
     let (file, bytes) = read_bytes(Path::new(scene))?;
     let text = String::from_utf8(bytes).map_err(|_| Failure::Input(format!("{file}: not UTF-8 text, so no TOML")))?;
-    // - has no folder: its surfaces are looked for where palpate was started
-    let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
-    let mut read = read_scene_with(&text, &|name| import_surface(folder, name))
-        .map_err(|e| Failure::Input(format!("{file}: {e}")))?;
-    if read.name.is_empty() {
-        read.name = file;
-    }
-    Ok(read)
+    Ok(Source { name: file, ..Source::of_text(scene, text) })
+}
+
+/// The scene of this name or file.
+pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
+    let source = source(scene)?;
+    source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use crate::io::scene_file::{BuiltinScene, builtin, builtin_scenes};
+use crate::io::scene_file::{BuiltinScene, builtin, builtin_scenes, family_members};
 use crate::report::write_json;
 
 use super::failure::Failure;
@@ -35,6 +35,9 @@ struct ScenesDocument<'a> {
 
 pub(super) fn scenes(args: &ScenesArgs) -> Result<(), Failure> {
     let mut found = builtin_scenes();
+    if args.name.is_some() {
+        found.extend(family_members());
+    }
     if let Some(name) = &args.name {
         found.retain(|scene| scene.name == *name);
         if found.is_empty() {

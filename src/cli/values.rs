@@ -2,6 +2,7 @@
 //! words are those of [`crate::fit`]'s options, which read themselves.)
 
 use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
+use crate::montecarlo::{Path, StoppingRule};
 
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
 const MAX_COUNT: usize = 100_000;
@@ -68,6 +69,72 @@ pub(super) fn inset(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A count of replicates, as 10000 or 1e9.
+pub(super) fn replicates(text: &str) -> Result<u64, String> {
+    let wrong = || "a whole number from 1 to 2^40, such as 10000 or 1e9".to_string();
+    let count = match text.parse::<u64>() {
+        Ok(count) => count,
+        Err(_) => match text.parse::<f64>() {
+            Ok(v) if v.fract() == 0.0 && (1.0..=1e12).contains(&v) => v as u64,
+            _ => return Err(wrong()),
+        },
+    };
+    if (1..=1 << 40).contains(&count) { Ok(count) } else { Err(wrong()) }
+}
+
+/// A probability between 0 and 1, both excluded.
+pub(super) fn level(text: &str) -> Result<f64, String> {
+    match numbers::<1>(text) {
+        Some([level]) if level > 0.0 && level < 1.0 => Ok(level),
+        _ => Err("a probability between 0 and 1, such as 0.95".into()),
+    }
+}
+
+/// `stein` or `adaptive`.
+pub(super) fn rule(text: &str) -> Result<StoppingRule, String> {
+    match text {
+        "stein" => Ok(StoppingRule::Stein),
+        "adaptive" => Ok(StoppingRule::Adaptive),
+        _ => Err("stein or adaptive".into()),
+    }
+}
+
+/// A time greater than zero.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    match numbers::<1>(text) {
+        Some([seconds]) if seconds > 0.0 => Ok(seconds),
+        _ => Err("a number of seconds greater than 0".into()),
+    }
+}
+
+/// `A:B` with A < B.
+pub(super) fn range(text: &str) -> Result<[u64; 2], String> {
+    let wrong = || "A:B with A < B, such as 0:5000".to_string();
+    let (a, b) = text.split_once(':').ok_or_else(wrong)?;
+    let count = |text: &str| if text == "0" { Ok(0) } else { replicates(text) };
+    match (count(a), count(b)) {
+        (Ok(a), Ok(b)) if a < b => Ok([a, b]),
+        _ => Err(wrong()),
+    }
+}
+
+/// A way that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    Auto,
+    Only(Path),
+}
+
+/// `auto`, `refit` or `whole`.
+pub(super) fn way(text: &str) -> Result<Way, String> {
+    match text {
+        "auto" => Ok(Way::Auto),
+        "refit" => Ok(Way::Only(Path::Refit)),
+        "whole" => Ok(Way::Only(Path::Whole)),
+        _ => Err("auto, refit or whole".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,6 +165,23 @@ mod tests {
         for wrong in ["1", "0,5", "1,0", "-1,5", "a,b", "1,5,5"] {
             assert!(sigma(wrong).unwrap_err().to_string().contains("Z,DEG"), "{wrong}");
         }
+    }
+
+    #[test]
+    fn studies_have_sound_numbers() {
+        assert_eq!(replicates("1e9"), Ok(1_000_000_000));
+        assert_eq!(replicates("12"), Ok(12));
+        for wrong in ["0", "-1", "1.5", "1e20", "nan", "many"] {
+            assert!(replicates(wrong).unwrap_err().contains("1e9"), "{wrong}");
+        }
+        assert_eq!(range("0:5000"), Ok([0, 5000]));
+        for wrong in ["5", "5:5", "7:3", "a:b", "-1:4"] {
+            assert!(range(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["0", "1", "95%", "nan", "-0.5"] {
+            assert!(level(wrong).is_err(), "{wrong}");
+        }
+        assert!(seconds("0").is_err() && seconds("0.5").is_ok());
     }
 
     #[test]

@@ -12,11 +12,15 @@
 //! (1958) 610.
 
 mod gaussian;
+mod law;
+
+use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 pub use gaussian::{box_muller, uniform_open};
+pub use law::{DrawSource, NoiseLaw};
 
 /// Words (u64) drawn from the generator at once: enough for the vector loop, and few enough (512 bytes) that clearing
 /// the buffer costs a single replicate little.
@@ -26,6 +30,10 @@ const CHUNK: usize = 64;
 #[derive(Clone, Debug)]
 pub struct EffectDraws {
     key: [u8; 32],
+    /// Added to every replicate's number: other draws of the same effect.
+    later: u64,
+    law: NoiseLaw,
+    source: Option<Arc<dyn DrawSource>>,
 }
 
 impl EffectDraws {
@@ -35,7 +43,33 @@ impl EffectDraws {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&fnv1a(name.as_bytes()).to_le_bytes());
-        EffectDraws { key }
+        EffectDraws { key, later: 0, law: NoiseLaw::Normal, source: None }
+    }
+
+    /// The same effect's draws under a law of this shape.
+    pub fn with_law(self, law: NoiseLaw) -> EffectDraws {
+        EffectDraws { law, ..self }
+    }
+
+    /// The draws of the replicates that lie `replicates` further on.
+    pub fn later(self, replicates: u64) -> EffectDraws {
+        EffectDraws { later: self.later.wrapping_add(replicates), ..self }
+    }
+
+    /// All numbers from `source` instead.
+    pub fn from_source(source: Arc<dyn DrawSource>) -> EffectDraws {
+        EffectDraws { key: [0; 32], later: 0, law: NoiseLaw::Normal, source: Some(source) }
+    }
+
+    /// The shape of the errors; [`NoiseLaw::Normal`] unless another was asked for.
+    pub fn law(&self) -> NoiseLaw {
+        self.law
+    }
+
+    /// The generator of one contact in one replicate, for an effect of the caller's own: whatever `rand` and
+    /// `rand_distr` can do with it, up to 512 draws of 64 bits, is as repeatable as the built-in effects.
+    pub fn generator(&self, contact: u64, replicate: u64) -> ChaCha8Rng {
+        self.at(contact, u128::from(replicate.wrapping_add(self.later)) << law::SLOT_BITS)
     }
 
     /// The generator's key, for kernels that run many blocks of it at once.
@@ -51,6 +85,12 @@ impl EffectDraws {
     /// # Panics
     /// When `per` exceeds 64.
     pub fn gaussians(&self, contact: u64, first_replicate: u64, per: usize, out: &mut [f64]) {
+        if let Some(source) = &self.source {
+            return source.gaussians(contact, first_replicate, per, out);
+        }
+        if self.law != NoiseLaw::Normal {
+            return self.shaped(contact, first_replicate, per, out, |v| v);
+        }
         self.fill(contact, first_replicate, per, out, box_muller);
     }
 
@@ -59,11 +99,28 @@ impl EffectDraws {
     /// # Panics
     /// When `per` exceeds 64.
     pub fn uniforms(&self, contact: u64, first_replicate: u64, per: usize, out: &mut [f64]) {
+        if let Some(source) = &self.source {
+            return source.uniforms(contact, first_replicate, per, out);
+        }
+        if self.law != NoiseLaw::Normal {
+            // the mean and sd of the uniform law, in another shape
+            return self.shaped(contact, first_replicate, per, out, |v| 0.5 + law::UNIFORM_SD * v);
+        }
         self.fill(contact, first_replicate, per, out, |words, values| {
             for (value, word) in values.iter_mut().zip(words) {
                 *value = uniform_open(*word);
             }
         });
+    }
+
+    fn shaped(&self, contact: u64, first: u64, per: usize, out: &mut [f64], map: impl Fn(f64) -> f64) {
+        if per == 0 {
+            return;
+        }
+        for (b, values) in out.chunks_exact_mut(per).enumerate() {
+            let mut generator = self.generator(contact, first.wrapping_add(b as u64));
+            values.iter_mut().for_each(|value| *value = map(self.law.sample(&mut generator)));
+        }
     }
 
     fn fill(
@@ -80,7 +137,7 @@ impl EffectDraws {
         // slots are even, because gaussians come in pairs
         let slot = per.next_multiple_of(2);
         let replicates = out.len() / per;
-        let mut generator = self.at(contact, u128::from(first_replicate) * slot as u128 * 2);
+        let mut generator = self.at(contact, u128::from(first_replicate.wrapping_add(self.later)) * slot as u128 * 2);
         assert!(slot <= CHUNK, "an effect draws at most {CHUNK} numbers per contact");
         let at_once = CHUNK / slot;
         let mut words = [0_u64; CHUNK];
@@ -126,6 +183,54 @@ mod tests {
                 assert_eq!(part, whole[first * per..(first + count) * per]);
             }
         }
+    }
+
+    /// Mean 0 and sd 1 for every law, any split, and other replicates further on.
+    #[test]
+    fn laws_are_standardised_and_addressed() {
+        let laws = [NoiseLaw::Uniform, NoiseLaw::StudentT { dof: 5.0 }, NoiseLaw::Laplace, NoiseLaw::Triangular];
+        for law in laws {
+            let draws = EffectDraws::new(5, "shaped").with_law(law);
+            let mut whole = vec![0.0; 200_000];
+            draws.gaussians(3, 0, 2, &mut whole);
+            let mean = whole.iter().sum::<f64>() / 2e5;
+            let variance = whole.iter().map(|v| v * v).sum::<f64>() / 2e5;
+            assert!(mean.abs() < 0.015 && (variance - 1.0).abs() < 0.05, "{law}: {mean} {variance}");
+            let mut part = vec![0.0; 60];
+            draws.clone().later(500).gaussians(3, 77, 2, &mut part);
+            assert_eq!(part, whole[2 * 577..2 * 607], "{law}");
+        }
+    }
+
+    /// Draws of ranges of replicates that are far apart, and of neighbours, do not correlate; nor do contacts or effects.
+    #[test]
+    fn ranges_do_not_correlate() {
+        const COUNT: usize = 1 << 16;
+        let column = |name: &str, contact: u64, first: u64| {
+            let mut out = vec![0.0; COUNT];
+            EffectDraws::new(9, name).gaussians(contact, first, 1, &mut out);
+            out
+        };
+        let reference = column("a", 7, 0);
+        let n = COUNT as u64;
+        let others = [
+            column("a", 7, n),
+            column("a", 7, 2 * n),
+            column("a", 7, 1 << 32),
+            column("a", 7, (1 << 40) + 1),
+            column("a", 8, 0),
+            column("b", 7, 0),
+        ];
+        for (k, other) in others.iter().enumerate() {
+            let dot: f64 = reference.iter().zip(other).map(|(a, b)| a * b).sum();
+            let squares: f64 = reference.iter().zip(other).map(|(a, b)| (a * a - 1.0) * (b * b - 1.0)).sum();
+            let root = (COUNT as f64).sqrt();
+            assert!((dot / root).abs() < 5.0 && (squares / root / 2.0).abs() < 5.0, "{k}: {dot} {squares}");
+        }
+        // an overlap would lower the variance of the mean over ranges: 64 of them against 1/length
+        let means = (0..64).map(|k| column("a", 1, k * n).iter().sum::<f64>() / (COUNT as f64).sqrt());
+        let variance: f64 = means.map(|m| m * m).sum::<f64>() / 64.0;
+        assert!((0.5..1.7).contains(&variance), "{variance}");
     }
 
     #[test]

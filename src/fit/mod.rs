@@ -54,7 +54,8 @@ pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
 pub use options::{
-    FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind, UnknownWord,
+    FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
+    UnknownWord,
 };
 #[doc(hidden)]
 pub use placing::patch::Patch;

@@ -121,6 +121,17 @@ pub enum SurfaceKind {
     Auto,
 }
 
+/// What becomes of contacts outside a given domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum OutsideDomain {
+    /// They are refused.
+    #[default]
+    Refuse,
+    /// The end polynomial is evaluated there, as a study does whose noise carries contacts over the edge.
+    Extend,
+}
+
 /// Everything that decides a fit, with the design's defaults.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
@@ -137,6 +148,8 @@ pub struct FitOptions {
     pub knots: Option<[Vec<f64>; 2]>,
     /// `[x0, x1, y0, y1]`, input units. Default: bounding box of the contacts.
     pub domain: Option<[f64; 4]>,
+    /// Contacts outside a given domain. Default: refused.
+    pub outside: OutsideDomain,
     /// What is minimised.
     pub objective: Objective,
     /// How it is solved.
@@ -164,6 +177,7 @@ impl Default for FitOptions {
             segments: [1, 1],
             knots: None,
             domain: None,
+            outside: OutsideDomain::default(),
             objective: Objective::default(),
             method: Method::default(),
             smooth: Smooth::default(),

@@ -18,8 +18,10 @@ mod npz;
 mod npz_writer;
 mod place;
 mod ply;
+mod records;
 mod remark;
 pub mod scene_file;
+mod study_file;
 mod surface_file;
 mod write;
 
@@ -35,6 +37,8 @@ pub use error::IoError;
 pub use imported::import_surface;
 pub(crate) use npz_writer::NpzWriter;
 pub use place::{Place, Places};
+pub use records::{RecordFormat, Records};
+pub use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
 pub use surface_file::{
     AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,
 };

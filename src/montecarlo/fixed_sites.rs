@@ -154,7 +154,7 @@ impl FixedSites {
     }
 }
 
-fn tables(knots: &[Knots; 2], points: [&[f64]; 2]) -> GridTables {
+pub(super) fn tables(knots: &[Knots; 2], points: [&[f64]; 2]) -> GridTables {
     let mut made = GridTables { first_x: Vec::new(), x: Default::default(), y: pieces_of(&knots[1], points[1]) };
     for &value in points[0] {
         let row = knots[0].basis(value);

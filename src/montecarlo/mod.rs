@@ -1,9 +1,64 @@
 //! Repeated fits with simulated noise: intervals of S and R over replicates of a scene.
+//!
+//! ```text
+//! scene -> Engine (fixed sites | refit | whole fits) -> values of every replicate -> Tally -> Summary
+//! ```
 
+mod attribution;
+mod coverage;
+mod engine;
+mod error;
+mod evaluator;
+mod exact_sum;
 mod fixed_sites;
+mod histogram;
+mod linear_law;
+mod linear_rows;
 mod options;
+mod order;
+mod problem;
+mod quantity;
+mod refit;
+mod rest;
+mod state;
+mod stopping;
+mod study;
+mod summary;
+mod tally;
+mod whole;
 
+#[doc(hidden)]
+pub use attribution::attribute;
+pub use attribution::{Attribution, EffectShare, Share};
+#[doc(hidden)]
+pub use coverage::{Coverages, Held, coverage};
+#[doc(hidden)]
+pub use engine::Engine;
+pub use engine::{Path, Values};
+pub use error::StudyError;
+#[doc(hidden)]
+pub use exact_sum::ExactSum;
 pub use fixed_sites::FixedSites;
 #[doc(hidden)]
 pub use fixed_sites::ROW_NOISE;
-pub use options::StudyOptions;
+#[doc(hidden)]
+pub use histogram::{Bins, Histogram};
+#[doc(hidden)]
+pub use linear_law::linear_law;
+pub use linear_law::{LinearLaw, LinearPart};
+pub use options::{StoppingRule, StudyOptions, Tolerance};
+pub use order::Coverage;
+#[doc(hidden)]
+pub use order::{Counted, Ranked, Sorted};
+pub use quantity::{PointQuantity, Quantity};
+#[doc(hidden)]
+pub use state::BatchEstimate;
+pub use state::StudyState;
+#[doc(hidden)]
+pub use stopping::{batch_estimate, batch_size, batches_wanted, numerical_tolerance};
+pub use study::{Progress, Stopped, Study, StudyResult};
+pub use summary::{ClassShares, Summary};
+#[doc(hidden)]
+pub use summary::{class_shares, summarise};
+#[doc(hidden)]
+pub use tally::{OtherBins, Store, Tally};

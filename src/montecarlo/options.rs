@@ -1,17 +1,113 @@
-//! Options of a study: the `[study]` section of a scene file.
+//! Options of a study: the `[study]` section of a scene file, and what the command line may say.
 
-/// Number of replicates of a study and confidence level of its intervals.
+use super::engine::Path;
+use super::error::StudyError;
+use super::quantity::Quantity;
+
+/// Most replicates whose values are all kept (64 MB for S and R); beyond, they are counted in bins.
+pub const KEPT: u64 = 1 << 22;
+/// Replicates of the pilot that says where the bins stand.
+pub const PILOT: usize = 1 << 14;
+/// Most replicates of one study: beyond, the replicates that attribution draws would be met.
+pub const MOST: u64 = 1 << 40;
+/// Replicates allowed when a tolerance decides and nothing else is said.
+pub const ALLOWED: u64 = 1 << 32;
+
+/// How many significant digits both ends of the intervals shall have, and by which rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tolerance {
+    /// Significant digits of the standard uncertainty, 1 to 4.
+    pub digits: u32,
+    /// The rule.
+    pub rule: StoppingRule,
+}
+
+/// When a study has its digits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum StoppingRule {
+    /// Two stages (C. Stein 1945; G. Wuebbeler et al., *Metrologia* 47 (2010) 317): batches of the first say how many
+    /// more are needed.
+    #[default]
+    Stein,
+    /// After every batch, when twice the standard deviation of the batches' means is below the tolerance (JCGM 101:2008,
+    /// 7.9.4). It stops too early now and then: it looks until it likes what it sees.
+    Adaptive,
+}
+
+/// How often a study repeats, what its intervals cover, and when it stops.
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StudyOptions {
-    /// Replicates. Default 10,000.
+    /// Replicates; the most there may be where a tolerance is given. Default 10,000.
     pub replicates: u64,
+    /// Whether `replicates` was said by somebody: a tolerance without a word takes what it needs.
+    pub replicates_given: bool,
     /// Confidence level of the intervals, in (0, 1). Default 0.95.
     pub level: f64,
+    /// Significant digits wanted.
+    pub tolerance: Option<Tolerance>,
+    /// Quantities beside S and R.
+    pub quantities: Vec<Quantity>,
+    /// Quantiles beside the intervals' ends, each in (0, 1).
+    pub quantiles: Vec<f64>,
+    /// The way, where one is forced.
+    pub path: Option<Path>,
 }
 
 impl Default for StudyOptions {
     fn default() -> StudyOptions {
-        StudyOptions { replicates: 10_000, level: 0.95 }
+        StudyOptions {
+            replicates: 10_000,
+            replicates_given: false,
+            level: 0.95,
+            tolerance: None,
+            quantities: Vec::new(),
+            quantiles: Vec::new(),
+            path: None,
+        }
+    }
+}
+
+impl StudyOptions {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`StudyError::Option`] with what would be right.
+    pub fn check(&self) -> Result<(), StudyError> {
+        let fault = |option, value: String, expected: &str| {
+            Err(StudyError::Option { option, value, expected: expected.into() })
+        };
+        if self.replicates == 0 || self.replicates > MOST {
+            return fault("replicates", self.replicates.to_string(), "a whole number from 1 to 2^40");
+        }
+        if !(self.level > 0.0 && self.level < 1.0) {
+            return fault("level", self.level.to_string(), "a probability between 0 and 1, such as 0.95");
+        }
+        if let Some(wrong) = self.quantiles.iter().find(|q| !(**q > 0.0 && **q < 1.0)) {
+            return fault("quantile", wrong.to_string(), "probabilities between 0 and 1, such as 0.05,0.5");
+        }
+        match self.tolerance {
+            Some(Tolerance { digits, .. }) if !(1..=4).contains(&digits) => {
+                fault("tolerance", digits.to_string(), "1 to 4 significant digits")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The most replicates there may be: what decides whether values are kept or counted.
+    pub fn most(&self) -> u64 {
+        match self.tolerance {
+            Some(_) if !self.replicates_given => ALLOWED,
+            _ => self.replicates,
+        }
+    }
+}
+
+impl Tolerance {
+    /// The rule wants to see every batch, not only those of a first stage.
+    pub fn looks_on(self) -> bool {
+        self.rule == StoppingRule::Adaptive
     }
 }

@@ -6,6 +6,7 @@
 use serde_json::{Map, Value, json};
 
 use super::document::*;
+use super::study::{STUDY_SCHEMA, empty_study, full_study};
 use crate::curvature::ShapeClass;
 use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
 
@@ -19,6 +20,17 @@ pub fn fit_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = FIT_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": FIT_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.study/1`.
+pub fn study_schema() -> Value {
+    let samples: Vec<Value> =
+        [full_study(), empty_study()].iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = STUDY_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": STUDY_SCHEMA });
     schema
 }
 

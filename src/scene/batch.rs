@@ -63,7 +63,7 @@ impl ContactBatch {
     }
 
     /// Marks a reading as lost.
-    pub(crate) fn lose(&mut self, reading: usize) {
+    pub fn lose(&mut self, reading: usize) {
         if self.lost.is_empty() {
             self.lost.resize(self.points.len(), false);
         }
@@ -72,7 +72,7 @@ impl ContactBatch {
 
     /// Calls `change(point, normal, draws)` for every reading, with `N` gaussians of its own.
     #[inline]
-    pub(crate) fn for_each_with_gaussians<const N: usize>(
+    pub fn for_each_with_gaussians<const N: usize>(
         &mut self,
         draws: &EffectDraws,
         change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),
@@ -82,7 +82,7 @@ impl ContactBatch {
 
     /// Calls `change(point, normal, draws)` for every reading, with `N` uniforms in (0, 1) of its own.
     #[inline]
-    pub(crate) fn for_each_with_uniforms<const N: usize>(
+    pub fn for_each_with_uniforms<const N: usize>(
         &mut self,
         draws: &EffectDraws,
         change: impl FnMut(&mut [f64; 3], &mut [f64; 3], [f64; N]),

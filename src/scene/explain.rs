@@ -5,7 +5,6 @@
 
 use super::batch::ContactBatch;
 use super::simulate::Simulator;
-use crate::draws::EffectDraws;
 
 /// One stage of a compiled scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +38,7 @@ impl Simulator {
     /// # Panics
     /// When there is no stage of this number.
     pub fn run_stage(&self, stage: usize, seed: u64, batch: &mut ContactBatch) {
-        let stage = &self.stages()[stage];
-        stage.apply(batch, &EffectDraws::new(seed, stage.draws_name()));
+        self.stages()[stage].apply(batch, &self.draws(stage, seed));
     }
 }
 

@@ -19,9 +19,9 @@ pub mod surface;
 mod sweep;
 mod truth;
 
-#[doc(hidden)]
+pub use crate::draws::{EffectDraws, NoiseLaw};
 pub use batch::ContactBatch;
-pub use effects::Effect;
+pub use effects::{Effect, Smoothness, Stage};
 pub use error::SceneError;
 pub use simulate::Simulator;
 pub use surface::Surface;
@@ -41,17 +41,25 @@ pub struct World {
     pub sweeps: Vec<Sweep>,
     /// What comes between, in any order; each at most once.
     pub effects: Vec<Effect>,
+    /// Effects whose errors have another shape than the normal one, by name.
+    pub laws: Vec<(&'static str, NoiseLaw)>,
 }
 
 impl World {
     /// A world without effects.
     pub fn new(surface: Surface, sweep: Sweep) -> World {
-        World { surface, sweeps: vec![sweep], effects: Vec::new() }
+        World { surface, sweeps: vec![sweep], effects: Vec::new(), laws: Vec::new() }
     }
 
     /// The same world with one more effect.
     pub fn with(mut self, effect: impl Into<Effect>) -> World {
         self.effects.push(effect.into());
+        self
+    }
+
+    /// The same world in which the effect of this name errs by another law.
+    pub fn with_law(mut self, effect: &'static str, law: NoiseLaw) -> World {
+        self.laws.push((effect, law));
         self
     }
 }

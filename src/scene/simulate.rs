@@ -8,13 +8,13 @@
 //! effects has no stages. Replicates are made one at a time or as a [`ContactBatch`], with the same bits.
 
 use super::batch::ContactBatch;
-use super::effects::{Context, Effect, Stage};
+use super::effects::{Context, Effect, Smoothness, Stage};
 use super::surface::{Surface, SurfacePoint};
 use super::sweep::{Site, Sweep, SweepPath, Touched};
 use super::truth::Truth;
 use super::{SceneError, World};
 use crate::contact::Contacts;
-use crate::draws::EffectDraws;
+use crate::draws::{EffectDraws, NoiseLaw};
 
 /// A world ready to be simulated: everything is checked, the touched points are found, the stages are prepared.
 #[derive(Debug)]
@@ -23,6 +23,8 @@ pub struct Simulator {
     sweeps: Vec<Sweep>,
     touched: Touched,
     stages: Vec<Box<dyn Stage>>,
+    /// The law of each stage's errors.
+    laws: Vec<NoiseLaw>,
 }
 
 impl World {
@@ -44,7 +46,34 @@ impl World {
         // only an effect asks where a tip came from; a scene without one does not pay for the answer
         let sites = if self.effects.is_empty() { Vec::new() } else { sites(&self.sweeps, &touched) };
         let stages = self.prepare(&sites)?;
-        Ok(Simulator { surface: self.surface.clone(), sweeps: self.sweeps.clone(), touched, stages })
+        let laws = self.laws_of(&stages)?;
+        Ok(Simulator { surface: self.surface.clone(), sweeps: self.sweeps.clone(), touched, stages, laws })
+    }
+
+    fn laws_of(&self, stages: &[Box<dyn Stage>]) -> Result<Vec<NoiseLaw>, SceneError> {
+        let mut laws = vec![NoiseLaw::Normal; stages.len()];
+        for (name, law) in &self.laws {
+            let clash = |why: &str| SceneError::Clash {
+                first: format!("effects.{name}.distribution = {law}"),
+                second: format!("effects.{name}"),
+                why: why.into(),
+            };
+            if !law.is_sound() {
+                return Err(clash("more than 2 degrees of freedom are needed for an sd"));
+            }
+            if !self.effects.iter().any(|effect| effect.name() == *name) {
+                return Err(clash("that effect is not in the scene"));
+            }
+            let Some(k) = stages.iter().position(|stage| stage.name() == *name) else { continue };
+            if *law != NoiseLaw::Normal && stages[k].draws_per_contact() == 0 {
+                return Err(clash("that effect has nothing random"));
+            }
+            if *law != NoiseLaw::Normal && stages[k].smoothness() == Smoothness::Jumps {
+                return Err(clash("what happens with a probability has no shape"));
+            }
+            laws[k] = *law;
+        }
+        Ok(laws)
     }
 
     fn prepare(&self, sites: &[Site]) -> Result<Vec<Box<dyn Stage>>, SceneError> {
@@ -113,10 +142,41 @@ impl Simulator {
 
     /// Replicates `first .. first + replicates` at once, into a batch whose memory is used again.
     pub fn simulate_batch(&self, seed: u64, first_replicate: u64, replicates: usize, batch: &mut ContactBatch) {
+        self.simulate_batch_from(&|stage| self.draws(stage, seed), first_replicate, replicates, batch);
+    }
+
+    /// The same with each stage's random numbers from wherever `draws(stage)` says.
+    pub fn simulate_batch_from(
+        &self,
+        draws: &dyn Fn(usize) -> EffectDraws,
+        first_replicate: u64,
+        replicates: usize,
+        batch: &mut ContactBatch,
+    ) {
         self.unchanged_batch(first_replicate, replicates, batch);
-        for stage in &self.stages {
-            stage.apply(batch, &EffectDraws::new(seed, stage.draws_name()));
+        for (number, stage) in self.stages.iter().enumerate() {
+            stage.apply(batch, &draws(number));
         }
+    }
+
+    /// The addressed random numbers of one stage, under its law.
+    ///
+    /// # Panics
+    /// When there is no stage of this number.
+    pub fn draws(&self, stage: usize, seed: u64) -> EffectDraws {
+        EffectDraws::new(seed, self.stages[stage].draws_name()).with_law(self.laws[stage])
+    }
+
+    /// The law of each stage's errors, in the order they are applied.
+    pub fn laws(&self) -> &[NoiseLaw] {
+        &self.laws
+    }
+
+    /// The same with an effect of the caller's own behind all others.
+    pub fn with_stage(mut self, stage: impl Stage + 'static) -> Simulator {
+        self.stages.push(Box::new(stage));
+        self.laws.push(NoiseLaw::Normal);
+        self
     }
 
     /// The same replicates before any stage, for a caller who runs stages one by one.
@@ -186,7 +246,8 @@ impl Simulator {
         (self.touched.reachable, self.touched.total)
     }
 
-    pub(crate) fn stages(&self) -> &[Box<dyn Stage>] {
+    /// The stages that are compiled in, in the order they are applied.
+    pub fn stages(&self) -> &[Box<dyn Stage>] {
         &self.stages
     }
 }

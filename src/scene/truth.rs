@@ -31,6 +31,21 @@ impl Truth {
         self.surface.at(x, y)
     }
 
+    /// Mean S and R of the true surface over the given (x, y); `None` where it has none.
+    pub(crate) fn mean_over(&self, at: impl IntoIterator<Item = [f64; 2]>) -> [Option<f64>; 2] {
+        let (mut s, mut s_count, mut r, mut r_count) = (0.0, 0.0, 0.0, 0.0);
+        for [x, y] in at {
+            let Some(found) = self.at(x, y) else { continue };
+            r += found.local.curvedness();
+            r_count += 1.0;
+            if let Some(shape_index) = found.local.shape_index() {
+                s += shape_index;
+                s_count += 1.0;
+            }
+        }
+        [(s_count > 0.0).then(|| s / s_count), (r_count > 0.0).then(|| r / r_count)]
+    }
+
     /// The true surface where a line through `point` along `normal` meets it (cylinder, torus: its nearest point), if
     /// within half of the touched extent.
     pub fn near(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Local> {

@@ -263,18 +263,6 @@ fn batch_end(row: &RowPieces, run: usize, from: usize) -> usize {
     row.ends[run..].iter().copied().take_while(|end| *end <= most).last().unwrap_or(most)
 }
 
-#[inline(always)]
-fn prepare<V: Lanes>(row: &RowPieces, q: usize, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch) {
-    // degrees are nearly always equal, and then a width that the compiler knows keeps the weights in registers
-    let width = basis[0].len();
-    if width == q + 1 {
-        curves_of::<V>(basis, q + 1, rows, row.n_basis, &mut scratch.curves);
-    } else {
-        curves_of::<V>(basis, width, rows, row.n_basis, &mut scratch.curves);
-    }
-    pieces_of::<V>(row, q, &scratch.curves, &mut scratch.gathered, &mut scratch.pieces);
-}
-
 /// Runs `$body` with `$q` a literal for the usual degrees, so that the loops over powers unroll.
 macro_rules! with_degree {
     ($degree:expr, $q:ident => $body:expr) => {
@@ -296,6 +284,13 @@ macro_rules! with_degree {
     };
 }
 
+/// L_d over the m basis functions in y, with a width that the compiler knows for the usual degrees, which keeps the weights
+/// in registers.
+#[inline(always)]
+fn curves<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch) {
+    with_degree!(basis[0].len() - 1, p => curves_of::<V>(basis, p + 1, rows, row.n_basis, &mut scratch.curves));
+}
+
 #[inline(always)]
 fn shape<V: Lanes>(
     row: &RowPieces,
@@ -306,8 +301,9 @@ fn shape<V: Lanes>(
     curvedness: &mut [f64],
 ) {
     let n = row.len();
+    curves::<V>(row, basis, rows, scratch);
     with_degree!(row.degree, q => {
-        prepare::<V>(row, q, basis, rows, scratch);
+        pieces_of::<V>(row, q, &scratch.curves, &mut scratch.gathered, &mut scratch.pieces);
         let mut batch = ShapeBatch::<BATCH>::new();
         let (mut from, mut run) = (0, 0);
         while from < n {
@@ -325,8 +321,9 @@ fn shape<V: Lanes>(
 fn derive<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch, out: [&mut [f64]; 6]) {
     let n = row.len();
     let stride = n + 8;
+    curves::<V>(row, basis, rows, scratch);
     with_degree!(row.degree, q => {
-        prepare::<V>(row, q, basis, rows, scratch);
+        pieces_of::<V>(row, q, &scratch.curves, &mut scratch.gathered, &mut scratch.pieces);
         walk::<V>(row, q, &scratch.pieces, 0..n, 0, |i, all| {
             for (k, value) in all.into_iter().enumerate() {
                 value.store(&mut scratch.out[k * stride + i..]);

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// More names than people learn. The four that a first program needs stand at the crate's root as well as in their room and
-/// count once.
-const MOST_NAMES: usize = 110;
+/// The list may not grow beyond this. The aim is 110. What stands between are the names of studies and of recognition,
+/// about forty, and the 45 of the simulated world (14 effects, 12 bodies and their parts). The four names that a first
+/// program needs stand at the crate's root as well as in their room and count once.
+const MOST_NAMES: usize = 155;
 
 /// A walk over the items of one module.
 struct Walk<'a> {

@@ -1,5 +1,6 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
+mod guide;
 mod hard_cases;
 #[cfg(feature = "cli")]
 mod paper;
@@ -12,4 +13,5 @@ mod scene_effects;
 mod scene_surfaces;
 #[cfg(feature = "cli")]
 mod scene_tip;
+mod study;
 mod threads;

@@ -126,7 +126,8 @@ fn table_2_model_part() {
 #[test]
 fn cholesky_and_qr_agree_on_every_built_in_scene_without_effects() {
     let mut worst = 0.0_f64;
-    for scene in palpate::internals::io::scene_file::builtin_scenes() {
+    use palpate::internals::io::scene_file::{builtin_scenes, family_members};
+    for scene in builtin_scenes().into_iter().chain(family_members()) {
         // surfaces in space have no height field to compare
         if palpate::internals::io::scene_file::builtin(&scene.name).unwrap().fit.surface
             == palpate::fit::SurfaceKind::Parametric

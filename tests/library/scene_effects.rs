@@ -531,7 +531,7 @@ fn one_of_each() -> Vec<Effect> {
 fn patch(effects: Vec<Effect>) -> World {
     let cylinder = Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 90.0);
     let sweep = Sweep { tip_radius: 0.5, repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
-    World { surface: cylinder, sweeps: vec![sweep], effects }
+    World { effects, ..World::new(cylinder, sweep) }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 
 mod cli_bad_input;
+mod cli_study;
 mod cli_verbs;
 mod fuzz_seeds;
 mod npz;

@@ -10,7 +10,8 @@ use proptest::prelude::*;
 use super::npz::NpzWriter;
 
 fn read(file: &str, bytes: &[u8]) -> Result<Reading, String> {
-    read_input_bytes(file, bytes, &ReadOptions::default()).map_err(|e| e.to_string())
+    // what the library says, and the options that it names as remedies; the command line makes flags of them
+    read_input_bytes(file, bytes, &ReadOptions::default()).map_err(|e| format!("{e} {:?}", e.remedies()))
 }
 
 fn read_skipping(file: &str, bytes: &[u8]) -> Result<Reading, String> {

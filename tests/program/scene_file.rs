@@ -2,7 +2,7 @@
 
 use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-use palpate::internals::io::scene_file::{SceneFileError, builtin, builtin_scenes, read_scene};
+use palpate::internals::io::scene_file::{SceneFileError, builtin, builtin_scenes, family_members, read_scene};
 use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Effect;
 
@@ -137,7 +137,9 @@ fn second_sweep_inherits_and_turns() {
 fn a_scene_by_a_wrong_name_names_the_nearest() {
     let message = builtin("paper-cylindre").err().unwrap().to_string();
     assert!(message.contains("did you mean `paper-cylinder`?"), "{message}");
-    assert!(builtin_scenes().len() > 100);
+    assert!(builtin_scenes().len() + family_members().len() > 100);
+    let message = builtin("paper-fig4-r6-11deg").err().unwrap().to_string();
+    assert!(message.contains("did you mean `paper-fig4-r6-"), "{message}");
 }
 
 #[test]
@@ -198,7 +200,7 @@ fn sweeps_that_go_around_say_what_they_cannot() {
 
 #[test]
 fn every_built_in_scene_runs() {
-    for listed in builtin_scenes() {
+    for listed in builtin_scenes().into_iter().chain(family_members()) {
         let scene = builtin(&listed.name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
         let (fit, _) = fit_surface(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));

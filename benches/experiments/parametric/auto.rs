@@ -1,14 +1,14 @@
 //! Every paper scene under `auto`: which kind it chose, and the errors of both kinds against the truth.
 
 use palpate::fit::{FitOptions, SurfaceKind};
-use palpate::internals::io::scene_file::{builtin, builtin_scenes};
+use palpate::internals::io::scene_file::{builtin, builtin_scenes, family_members};
 use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Truth;
 
 pub fn print() {
     println!("\npaper scenes under auto: rms error of S and of R (relative) over each kind's own grid");
     println!("{:<34} {:<11} {:<22} {:<22} why", "scene", "chosen", "height", "parametric");
-    for scene in builtin_scenes() {
+    for scene in builtin_scenes().into_iter().chain(family_members()) {
         let Ok(file) = builtin(&scene.name) else { continue };
         let Ok(world) = file.world.compile() else { continue };
         let (contacts, truth) = world.simulate(file.seed, 0);

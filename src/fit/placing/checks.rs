@@ -1,14 +1,14 @@
 //! What a height field asks of the places of its contacts: inside the given domain, and not all on one line.
 
 use crate::contact::Contacts;
-use crate::fit::{FitError, FitOptions};
+use crate::fit::{FitError, FitOptions, OutsideDomain};
 
 /// The first contact outside a given domain, as an error.
 ///
 /// # Errors
 /// [`FitError::Outside`].
 pub fn check_inside(contacts: &Contacts, options: &FitOptions) -> Result<(), FitError> {
-    let Some(domain) = options.domain else { return Ok(()) };
+    let Some(domain) = options.domain.filter(|_| options.outside == OutsideDomain::Refuse) else { return Ok(()) };
     for index in 0..contacts.len() {
         let (x, y) = (contacts.x[index], contacts.y[index]);
         if x < domain[0] || x > domain[1] || y < domain[2] || y > domain[3] {

@@ -1,7 +1,7 @@
 //! The scenes that ship with the crate: files of `src/io/scenes/`, and the paper's families of simulations.
 //!
-//! The paper's Figures 4 to 6 sweep radius, angle, degree and weights; one function writes each case as the same TOML
-//! a user would. Patch and grid as recovered in the project's notes: fingers at x = -4, 0, 4, nine stations from -4 to
+//! The paper's Figures 4 to 6 sweep radius, angle, degree and weights: three families, each listed as one scene, of
+//! which every member has a name of its own; one function writes each case as the same TOML a user would. Patch and grid as recovered in the project's notes: fingers at x = -4, 0, 4, nine stations from -4 to
 //! 4, a 4 x 4 grid over the whole patch.
 
 use std::borrow::Cow;
@@ -44,7 +44,7 @@ const FILES: &[(&str, &str)] = files![
 /// Radii of the paper's Figures 5 and 6: the range 5.7 to 1000.
 const RADII: [f64; 9] = [5.7, 6.0, 8.0, 10.0, 20.0, 50.0, 100.0, 300.0, 1000.0];
 
-/// All built-in scenes; the first is the default of `palpate run`.
+/// The scenes that `palpate scenes` lists, a family by its name; the first is the default of `palpate run`.
 pub fn builtin_scenes() -> Vec<BuiltinScene> {
     let mut scenes: Vec<BuiltinScene> = FILES
         .iter()
@@ -53,6 +53,38 @@ pub fn builtin_scenes() -> Vec<BuiltinScene> {
             BuiltinScene { name: (*name).into(), line: line.into(), toml: Cow::Borrowed(toml) }
         })
         .collect();
+    scenes.extend(families());
+    scenes
+}
+
+/// One scene a family, named as the family is: what `--sweep` starts from.
+fn families() -> [BuiltinScene; 3] {
+    let family = |name: &str, line: &str, member: BuiltinScene| {
+        let toml = member.toml.replace(&member.name, name).replace(&member.line, line);
+        BuiltinScene { name: name.into(), line: line.into(), toml: Cow::Owned(toml) }
+    };
+    [
+        family(
+            "paper-fig4",
+            "Figure 4: cylinders turned, 42 members as paper-fig4-r6-10deg[-position]",
+            figure4(10.0, 45, "tangent"),
+        ),
+        family(
+            "paper-fig5",
+            "Figure 5: cylinders at 45 degrees, 36 members as paper-fig5-r8-degree4[-position]",
+            figure5_6(5, "cylinder", 10.0, 2, "tangent"),
+        ),
+        family(
+            "paper-fig6",
+            "Figure 6: spheres, 54 members as paper-fig6-r8-degree3[-position]",
+            figure5_6(6, "sphere", 10.0, 2, "tangent"),
+        ),
+    ]
+}
+
+/// The 132 members of the three families.
+pub fn family_members() -> Vec<BuiltinScene> {
+    let mut scenes = Vec::new();
     for weights in ["tangent", "position"] {
         for radius in [6.0, 10.0, 20.0] {
             for angle in [0, 10, 30, 45, 60, 80, 90] {
@@ -70,16 +102,23 @@ pub fn builtin_scenes() -> Vec<BuiltinScene> {
     scenes
 }
 
+/// The TOML of a built-in scene, family or member.
+pub fn builtin_text(name: &str) -> Option<Cow<'static, str>> {
+    let of = |scenes: Vec<BuiltinScene>| scenes.into_iter().find(|scene| scene.name == name).map(|scene| scene.toml);
+    of(builtin_scenes()).or_else(|| if name.starts_with("paper-fig") { of(family_members()) } else { None })
+}
+
 /// The scene of this name, read.
 ///
 /// # Errors
 /// When there is none: the nearest name. (That each one reads is tested.)
 pub fn builtin(name: &str) -> Result<SceneFile, SceneFileError> {
-    let scenes = builtin_scenes();
-    match scenes.iter().find(|scene| scene.name == name) {
-        Some(scene) => read_scene(&scene.toml),
+    match builtin_text(name) {
+        Some(toml) => read_scene(&toml),
         None => {
-            let nearest = nearest(name, scenes.iter().map(|scene| scene.name.as_str()));
+            let known: Vec<String> =
+                builtin_scenes().into_iter().chain(family_members()).map(|scene| scene.name).collect();
+            let nearest = nearest(name, known.iter().map(String::as_str));
             Err(SceneFileError::NoSuchScene { name: name.into(), nearest })
         }
     }
@@ -119,7 +158,9 @@ mod tests {
 
     #[test]
     fn every_scene_reads_simulates_and_has_a_line_of_its_own() {
-        let scenes = builtin_scenes();
+        let listed = builtin_scenes();
+        assert!(listed.len() <= 24, "the list fits on one screen");
+        let scenes: Vec<BuiltinScene> = listed.into_iter().chain(family_members()).collect();
         assert_eq!(scenes[0].name, "paper-cylinder");
         for (i, scene) in scenes.iter().enumerate() {
             assert!(!scene.line.is_empty() && !scene.line.contains('='.to_string().repeat(2).as_str()));

@@ -2,6 +2,7 @@
 
 use super::SceneFileError;
 use super::section::{Section, as_array, as_number};
+use crate::draws::NoiseLaw;
 use crate::scene::Effect;
 use crate::scene::effects::*;
 use toml::de::DeValue;
@@ -27,16 +28,42 @@ const READERS: &[(&str, Reader)] = &[
     ("row_noise", row_noise),
 ];
 
-pub(super) fn read(section: Section) -> Result<Vec<Effect>, SceneFileError> {
-    let mut effects = Vec::new();
+/// Effects, and the laws of those whose errors are not normal.
+pub(super) type Effects = (Vec<Effect>, Vec<(&'static str, NoiseLaw)>);
+
+pub(super) fn read(section: Section) -> Result<Effects, SceneFileError> {
+    let (mut effects, mut laws) = (Vec::new(), Vec::new());
     for (name, reader) in READERS {
         if let Some(own) = section.section(name)? {
             effects.push(reader(&own)?);
+            if let Some(law) = law(&own)? {
+                laws.push((*name, law));
+            }
             own.finish("key")?;
         }
     }
     section.finish("effect")?;
-    Ok(effects)
+    Ok((effects, laws))
+}
+
+/// `distribution`, and `dof` where it is Student's.
+fn law(section: &Section) -> Result<Option<NoiseLaw>, SceneFileError> {
+    let Some((word, value)) = section.word("distribution")? else { return Ok(None) };
+    let law = match word {
+        "normal" => NoiseLaw::Normal,
+        "uniform" => NoiseLaw::Uniform,
+        "laplace" => NoiseLaw::Laplace,
+        "triangular" => NoiseLaw::Triangular,
+        "student_t" => {
+            let dof = section.number_or("dof", 5.0)?;
+            if let (Some(value), false) = (section.get("dof"), dof > 2.0 && dof.is_finite()) {
+                return Err(section.value_error("dof", value, "more than 2 degrees of freedom are needed for an sd"));
+            }
+            NoiseLaw::StudentT { dof }
+        }
+        other => return Err(section.unknown_word("distribution", value, other, &NoiseLaw::NAMES)),
+    };
+    Ok(Some(law))
 }
 
 fn tip_radius_error(section: &Section) -> Result<Effect, SceneFileError> {

@@ -12,6 +12,7 @@
 //! with line and column.
 
 mod builtin;
+mod coverage_family;
 mod effects;
 mod error;
 mod fit;
@@ -23,7 +24,8 @@ use std::sync::Arc;
 
 use toml::de::DeTable;
 
-pub use builtin::{BuiltinScene, builtin, builtin_scenes};
+pub use builtin::{BuiltinScene, builtin, builtin_scenes, builtin_text, family_members};
+pub use coverage_family::coverage_family;
 pub use error::SceneFileError;
 
 use crate::fit::FitOptions;
@@ -78,11 +80,11 @@ pub fn read_scene_with(text: &str, importer: &Importer) -> Result<SceneFile, Sce
         Some(section) => sweep::read(section)?,
         None => return Err(root.missing("sweep", "a scene needs a [sweep] with fingers and stations")),
     };
-    let effects = root.section("effects")?.map_or(Ok(Vec::new()), effects::read)?;
+    let (effects, laws) = root.section("effects")?.map_or(Ok(Default::default()), effects::read)?;
     let fit = fit::read(root.section("fit")?)?;
     let study = root.section("study")?.map_or(Ok(StudyOptions::default()), read_study)?;
     root.finish("key")?;
-    let world = World { surface, sweeps, effects };
+    let world = World { surface, sweeps, effects, laws };
     world.compile()?;
     Ok(SceneFile { name, seed, world, fit, study })
 }
@@ -91,6 +93,7 @@ fn read_study(section: Section) -> Result<StudyOptions, SceneFileError> {
     let mut study = StudyOptions::default();
     if let Some(replicates) = section.count("replicates", 1)? {
         study.replicates = replicates;
+        study.replicates_given = true;
     }
     if let Some(level) = fit::read_level(&section)? {
         study.level = level;

@@ -4,7 +4,7 @@
 //! contacts' draws do not move. It changes the set of sites, so a study cannot keep its factor.
 //! Leaves out: losses in runs.
 
-use super::{Context, Stage};
+use super::{Context, Smoothness, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, probability};
@@ -42,6 +42,14 @@ impl Stage for Dropout {
 
     fn keeps_sites(&self) -> bool {
         false
+    }
+
+    fn rest(&self) -> f64 {
+        1.0
+    }
+
+    fn smoothness(&self) -> Smoothness {
+        Smoothness::Jumps
     }
 
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {

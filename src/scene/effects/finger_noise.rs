@@ -106,7 +106,7 @@ impl Stage for Prepared {
 }
 
 /// The normal rotated by the angle |e| towards e in its tangent plane.
-fn bent(normal: [f64; 3], e: [f64; 2]) -> [f64; 3] {
+pub(super) fn bent(normal: [f64; 3], e: [f64; 2]) -> [f64; 3] {
     let size = e[0].hypot(e[1]);
     if size == 0.0 {
         return normal;

@@ -80,8 +80,65 @@ pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3
     *normal = sensed;
 }
 
-/// One prepared effect: constants worked out, ready for blocks of replicates.
-pub(crate) trait Stage: std::fmt::Debug + Send + Sync {
+/// How an effect depends on its random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothness {
+    /// Smoothly in each of them.
+    Smooth,
+    /// Two uniforms are the size and the direction of a tilt.
+    Polar,
+    /// By jumps: something happens or does not.
+    Jumps,
+}
+
+/// One prepared effect: constants worked out, ready for batches of replicates.
+///
+/// An effect of the caller's own is a stage too, put behind the built-in ones with
+/// [`Simulator::with_stage`](crate::scene::Simulator::with_stage):
+///
+/// ```
+/// use palpate::scene::{ContactBatch, EffectDraws, Stage, Surface, Sweep, World};
+/// use palpate::scene::surface::{Body, Sphere};
+/// use palpate::spline::linspace;
+/// use rand_distr::{Distribution, Gumbel};
+///
+/// /// Readings that come out too high, now and then by much.
+/// #[derive(Debug)]
+/// struct Drops(Gumbel<f64>);
+///
+/// impl Stage for Drops {
+///     fn name(&self) -> &'static str {
+///         "drops"
+///     }
+///     fn changes(&self) -> String {
+///         "z by a Gumbel law".into()
+///     }
+///     fn draws_per_contact(&self) -> usize {
+///         1
+///     }
+///     fn keeps_sites(&self) -> bool {
+///         true
+///     }
+///     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+///         for contact in 0..batch.contacts() {
+///             for replicate in 0..batch.replicates() {
+///                 // any generator of `rand`, any law of `rand_distr`; this one is the same however a study is split
+///                 let mut generator = draws.generator(contact as u64, batch.first_replicate() + replicate as u64);
+///                 let reading = contact * batch.replicates() + replicate;
+///                 batch.points[reading][2] += self.0.sample(&mut generator);
+///             }
+///         }
+///     }
+/// }
+///
+/// let sweep = Sweep::new(vec![-1.0, 0.0, 1.0], linspace(-1.0, 1.0, 9));
+/// let world = World::new(Surface::new(Body::Sphere(Sphere { radius: 5.0 }), 0.0), sweep);
+/// let simulator = world.compile()?.with_stage(Drops(Gumbel::new(0.0, 0.01).unwrap()));
+/// let (contacts, _) = simulator.simulate(1997, 0);
+/// assert!(contacts.z.iter().zip(&simulator.noise_free().z).all(|(drawn, true_z)| drawn != true_z));
+/// # Ok::<(), palpate::scene::SceneError>(())
+/// ```
+pub trait Stage: std::fmt::Debug + Send + Sync {
     /// Name as in a scene file.
     fn name(&self) -> &'static str;
     /// Name that the random numbers of this stage are addressed by.
@@ -94,6 +151,19 @@ pub(crate) trait Stage: std::fmt::Debug + Send + Sync {
     fn draws_per_contact(&self) -> usize;
     /// Whether it leaves x and y of every contact as they are, so that a study can keep its factor.
     fn keeps_sites(&self) -> bool;
+    /// The uniform number at which the effect does what it does on average, or nothing: 1/2 for errors that go both
+    /// ways, 1 for what happens with a probability.
+    fn rest(&self) -> f64 {
+        0.5
+    }
+    /// How a derivative by this effect's random numbers is taken.
+    fn smoothness(&self) -> Smoothness {
+        Smoothness::Smooth
+    }
+    /// Sds of z and of each slope, where that is all the effect is: a study then needs no contacts.
+    fn row_sds(&self) -> Option<[f64; 2]> {
+        None
+    }
     /// Changes a batch of replicates in place.
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws);
 }

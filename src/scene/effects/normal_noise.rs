@@ -11,8 +11,9 @@
 //! out: errors that differ along and across the sweep, and the shift of the contact that a wrong normal implies
 //! (`force_noise` has it).
 
-use super::{Context, Stage};
-use crate::draws::EffectDraws;
+use super::finger_noise::bent;
+use super::{Context, Smoothness, Stage};
+use crate::draws::{EffectDraws, NoiseLaw};
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
 use crate::scene::rotation::tangents;
@@ -59,7 +60,23 @@ impl Stage for Prepared {
         true
     }
 
+    fn rest(&self) -> f64 {
+        1.0
+    }
+
+    fn smoothness(&self) -> Smoothness {
+        Smoothness::Polar
+    }
+
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
+        if draws.law() != NoiseLaw::Normal {
+            // another law: the angle's two parts along the tangents, each of this sd
+            let angle = self.sigma_deg.to_radians();
+            batch.for_each_with_gaussians::<2>(draws, |_, normal, [a, b]| {
+                *normal = bent(*normal, [angle * a, angle * b]);
+            });
+            return;
+        }
         let far = (-2.0 * self.kappa).exp();
         batch.for_each_with_uniforms::<2>(draws, |_, normal, [height, azimuth]| {
             let fall = (-(height + (1.0 - height) * far).ln() / self.kappa).clamp(0.0, 2.0);

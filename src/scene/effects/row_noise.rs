@@ -47,6 +47,10 @@ impl Stage for RowNoise {
         true
     }
 
+    fn row_sds(&self) -> Option<[f64; 2]> {
+        Some([self.sigma_z, self.sigma_slope])
+    }
+
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
         batch.for_each_with_gaussians::<3>(draws, |point, normal, [z, sx, sy]| {
             point[2] += self.sigma_z * z;

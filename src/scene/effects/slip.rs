@@ -6,7 +6,7 @@
 //! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Leaves out: slips that last over
 //! several stations, and normals lost with the grip.
 
-use super::{Context, Stage};
+use super::{Context, Smoothness, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, probability};
@@ -46,6 +46,14 @@ impl Stage for Slip {
 
     fn keeps_sites(&self) -> bool {
         false
+    }
+
+    fn rest(&self) -> f64 {
+        1.0
+    }
+
+    fn smoothness(&self) -> Smoothness {
+        Smoothness::Jumps
     }
 
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {

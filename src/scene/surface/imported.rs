@@ -16,6 +16,12 @@ pub trait ImportedSurface: std::fmt::Debug + Send + Sync {
     /// Where it came from; appears in every output.
     fn label(&self) -> &str;
 
+    /// Whether it is itself a fit, of the same kind as what will be fitted to it. A formula of the caller's own is none:
+    /// contacts on it are no inverse crime.
+    fn is_fit(&self) -> bool {
+        true
+    }
+
     /// `[h, h_x, h_y, h_xx, h_xy, h_yy]` at a point, input units; `None` outside its domain.
     fn jet(&self, x: f64, y: f64) -> Option<[f64; 6]>;
 }

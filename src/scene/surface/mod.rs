@@ -167,7 +167,7 @@ impl Surface {
     /// The label of an imported surface, here or in a union: scenes with one are an inverse crime and say so.
     pub fn inverse_crime(&self) -> Option<&str> {
         match &self.body {
-            Body::Imported(surface) => Some(surface.label()),
+            Body::Imported(surface) if surface.is_fit() => Some(surface.label()),
             Body::Union(union) => union.parts.iter().find_map(Surface::inverse_crime),
             _ => None,
         }

@@ -1,0 +1,157 @@
+//! Does the interval that a fit prints hold the truth as often as it says?
+//!
+//! ```text
+//! for each replicate: simulate, fit as `palpate fit` would, ask       inside/asked with its binomial interval
+//! linear        the interval that the fit prints (delta method)
+//! Monte Carlo   [y - (q_hi - y0), y - (q_lo - y0)]     y the fit's value; y0 and the quantiles q the study's of this scene
+//! ```
+//!
+//! The Monte Carlo's interval carries the errors of the study to the fit at hand. Neither kind knows of the error of the
+//! model itself: where a spline is no sphere, both miss, and the bias beside the noise says why. C. J. Clopper, E. S.
+//! Pearson, *Biometrika* 26 (1934) 404.
+
+use statrs::distribution::{Beta, ContinuousCDF};
+
+use super::study::Study;
+use super::summary::Summary;
+use crate::curvature::ShapeClass;
+use crate::fit::{Fit, FitOptions};
+use crate::parametric::{FittedSurface, fit_surface};
+use crate::scene::Truth;
+use crate::shape::{Interval, compare_with_truth};
+
+/// How often one kind of interval of one quantity held the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// Intervals that held it.
+    pub inside: u64,
+    /// Intervals that were printed where there is a truth.
+    pub asked: u64,
+    /// 95 % binomial interval of the share; `None` where nothing was asked.
+    pub interval: Option<Interval>,
+}
+
+impl Held {
+    fn new(inside: u64, asked: u64) -> Held {
+        Held { inside, asked, interval: (asked > 0).then(|| clopper_pearson(inside, asked)) }
+    }
+
+    /// Share of the intervals that held the truth.
+    pub fn share(&self) -> Option<f64> {
+        (self.asked > 0).then(|| self.inside as f64 / self.asked as f64)
+    }
+}
+
+/// The coverage of one scene's intervals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverages {
+    /// Replicates that were fitted.
+    pub fitted: u64,
+    /// Replicates whose fit failed.
+    pub failed: u64,
+    /// Fits that could not be told from a plane, and print no interval of S.
+    pub planes: u64,
+    /// Of the linear intervals of S and of R.
+    pub linear: [Held; 2],
+    /// Of the Monte Carlo's.
+    pub monte_carlo: [Held; 2],
+    /// (noise-free value - truth)/sd of S and of R: how far the model's own error stands out of the noise.
+    pub bias: [Option<f64>; 2],
+    /// Median u that the fit states over the sd of its values, for S and R.
+    pub u_ratio: [Option<f64>; 2],
+}
+
+/// Of `n` trials `k` came true: the shares that are not refuted at 5 %.
+fn clopper_pearson(k: u64, n: u64) -> Interval {
+    let (k, n) = (k as f64, n as f64);
+    let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |law| law.inverse_cdf(p));
+    let lo = if k == 0.0 { 0.0 } else { quantile(k, n - k + 1.0, 0.025) };
+    let hi = if k == n { 1.0 } else { quantile(k + 1.0, n - k, 0.975) };
+    Interval { lo, hi }
+}
+
+/// One fit: truth, value, stated interval and u of S and of R.
+#[derive(Clone, Copy, Debug, Default)]
+struct Asked {
+    truth: [Option<f64>; 2],
+    value: [Option<f64>; 2],
+    interval: [Option<Interval>; 2],
+    u: [Option<f64>; 2],
+    plane: bool,
+}
+
+/// Fits `replicates` replicates of the study's scene with `options` as they stand, no domain held.
+pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries: &[Summary]) -> Coverages {
+    let simulator = study.engine().simulator();
+    let seed = study.seed();
+    let fits: Vec<Option<Asked>> = crate::threads::map(replicates as usize, 1, |b| {
+        let (contacts, truth) = simulator.simulate(seed, b as u64);
+        match fit_surface(&contacts, options).ok()?.0 {
+            FittedSurface::Height(fit) => Some(asked(&fit, &truth)),
+            FittedSurface::Parametric(_) => None,
+        }
+    });
+    let fitted: Vec<Asked> = fits.iter().flatten().copied().collect();
+    let held = |q: usize, interval: &dyn Fn(&Asked) -> Option<Interval>| {
+        let pairs = fitted.iter().filter_map(|fit| Some((fit.truth[q]?, interval(fit)?)));
+        let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, i)| {
+            (inside + u64::from(i.lo <= truth && truth <= i.hi), asked + 1)
+        });
+        Held::new(inside, asked)
+    };
+    let both = [0, 1];
+    Coverages {
+        fitted: fitted.len() as u64,
+        failed: replicates - fitted.len() as u64,
+        planes: fitted.iter().filter(|fit| fit.plane).count() as u64,
+        linear: both.map(|q| held(q, &|fit| fit.interval[q])),
+        monte_carlo: both.map(|q| held(q, &|fit| carried(summaries.get(q)?, fit.value[q]?, q))),
+        bias: both.map(|q| {
+            let summary = summaries.get(q)?;
+            let sd = summary.sd.filter(|sd| *sd > 0.0)?;
+            Some((summary.nominal? - summary.truth?) / sd)
+        }),
+        u_ratio: both.map(|q| {
+            let mut stated: Vec<f64> = fitted.iter().filter_map(|fit| fit.u[q]).collect();
+            stated.sort_unstable_by(f64::total_cmp);
+            let sd = summaries.get(q)?.sd.filter(|sd| *sd > 0.0)?;
+            Some(stated.get(stated.len() / 2)? / sd)
+        }),
+    }
+}
+
+/// The study's errors about the value of one fit.
+fn carried(summary: &Summary, value: f64, quantity: usize) -> Option<Interval> {
+    let (ends, nominal) = (summary.symmetric?.interval, summary.nominal?);
+    let (floor, ceiling) = if quantity == 0 { (-1.0, 1.0) } else { (0.0, f64::INFINITY) };
+    Some(Interval { lo: (value - (ends.hi - nominal)).max(floor), hi: (value - (ends.lo - nominal)).min(ceiling) })
+}
+
+fn asked(fit: &Fit, truth: &Truth) -> Asked {
+    let shape = fit.shape();
+    let compared = compare_with_truth(&shape.maps, |[x, y, _]| {
+        let local = truth.at(x, y)?.local;
+        Some((local.shape_index(), local.curvedness()))
+    });
+    let statistics = [&shape.shape_index, &shape.curvedness];
+    Asked {
+        truth: [compared.shape_index, compared.curvedness],
+        value: statistics.map(|s| s.mean),
+        interval: statistics.map(|s| s.interval),
+        u: statistics.map(|s| s.u),
+        plane: shape.class == ShapeClass::Plane,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn binomial_intervals_are_the_published_ones() {
+        // Clopper and Pearson's example: 4 of 30
+        let i = clopper_pearson(4, 30);
+        assert!((i.lo - 0.0376).abs() < 5e-4 && (i.hi - 0.3072).abs() < 5e-4, "{i:?}");
+        assert_eq!((clopper_pearson(0, 10).lo, clopper_pearson(10, 10).hi), (0.0, 1.0));
+    }
+}

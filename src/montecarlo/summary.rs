@@ -1,0 +1,95 @@
+//! What a study says: means, intervals, class shares, each with how far it is converged.
+
+use super::order::{Coverage, Ranked};
+use super::state::StudyState;
+use super::tally::{Store, Tally};
+use crate::curvature::ShapeClass;
+
+/// One quantity over the replicates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Mean; `None` where the quantity was defined in no replicate.
+    pub mean: Option<f64>,
+    /// Sample sd.
+    pub sd: Option<f64>,
+    /// Mean less truth.
+    pub bias: Option<f64>,
+    /// The truth.
+    pub truth: Option<f64>,
+    /// The value without noise.
+    pub nominal: Option<f64>,
+    /// Probabilistically symmetric interval.
+    pub symmetric: Option<Coverage>,
+    /// Shortest interval.
+    pub shortest: Option<Coverage>,
+    /// Standard error of the mean.
+    pub standard_error: Option<f64>,
+    /// Quantiles asked for: share, value, standard error.
+    pub quantiles: Vec<[f64; 3]>,
+    /// Replicates in which it was undefined.
+    pub undefined: u64,
+    /// Width of the bins that the values lie in at the interval's ends; 0 where all values are kept.
+    pub resolution: f64,
+}
+
+/// Shares of the classes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClassShares {
+    /// Share of each curved class among all replicates, in the order of S.
+    pub shares: Vec<(ShapeClass, f64)>,
+    /// Share of replicates without a class: S undefined, or the fit failed.
+    pub none: f64,
+    /// The class whose share reaches the level; `None`: no class does, and none is named.
+    pub verdict: Option<ShapeClass>,
+}
+
+/// Summarises a tally.
+pub fn summarise(tally: &Tally, level: f64, quantiles: &[f64], truth: Option<f64>, nominal: f64) -> Summary {
+    let ranked = tally.ranked();
+    let mean = tally.mean();
+    let sd = tally.sd();
+    let symmetric = ranked.symmetric(level);
+    Summary {
+        mean,
+        sd,
+        bias: mean.zip(truth).map(|(mean, truth)| mean - truth),
+        truth,
+        nominal: Some(nominal).filter(|v| v.is_finite()),
+        symmetric,
+        shortest: ranked.shortest(level),
+        standard_error: sd.map(|sd| sd / (tally.count as f64).sqrt()),
+        quantiles: quantiles.iter().filter_map(|share| quantile(&ranked, *share)).collect(),
+        undefined: tally.undefined,
+        resolution: resolution(tally, symmetric),
+    }
+}
+
+fn quantile(ranked: &Ranked<'_>, share: f64) -> Option<[f64; 3]> {
+    let value = ranked.quantile(share)?;
+    Some([share, value, ranked.standard_error(share * ranked.len() as f64 + 0.5)])
+}
+
+fn resolution(tally: &Tally, coverage: Option<Coverage>) -> f64 {
+    let (Store::Counts(histogram), Some(coverage)) = (&tally.store, coverage) else { return 0.0 };
+    let width = |value: f64| {
+        let [lo, hi] = histogram.bins.ends(histogram.bins.bin(value));
+        hi - lo
+    };
+    width(coverage.interval.lo).max(width(coverage.interval.hi))
+}
+
+/// Shares of the classes at this level.
+pub fn class_shares(state: &StudyState, level: f64) -> ClassShares {
+    let total = state.done() as f64;
+    if total == 0.0 {
+        return ClassShares::default();
+    }
+    let shares: Vec<(ShapeClass, f64)> = ShapeClass::CURVED
+        .into_iter()
+        .zip(&state.classes)
+        .map(|(class, count)| (class, *count as f64 / total))
+        .collect();
+    let verdict = shares.iter().find(|(_, share)| *share >= level).map(|(class, _)| *class);
+    let none = (state.done() - state.classes.iter().sum::<u64>()) as f64 / total;
+    ClassShares { shares, none, verdict }
+}

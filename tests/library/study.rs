@@ -1,0 +1,196 @@
+//! Studies through the library: the ways to S and R agree, splits and threads change no bit, stopping and shares hold.
+
+use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
+use palpate::montecarlo::{Engine, Path, Quantity, Store, Study, StudyOptions};
+use palpate::scene::effects::{Dropout, FingerNoise, NormalNoise, PositionNoise, RowNoise};
+use palpate::scene::surface::{Body, Cylinder, Surface};
+use palpate::scene::{NoiseLaw, Simulator, Sweep, World};
+use palpate::spline::linspace;
+
+fn world() -> World {
+    let surface = Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 30.0);
+    World::new(surface, Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9)))
+}
+
+fn slopes(degree: usize, grid: usize) -> FitOptions {
+    FitOptions {
+        degree: [degree; 2],
+        grid: [grid; 2],
+        objective: Objective::Slopes(SlopeWeights::Tangent),
+        ..FitOptions::default()
+    }
+}
+
+fn engine(simulator: Simulator, options: &FitOptions, only: Option<Path>) -> Engine {
+    Engine::new(simulator, options, &[], only).unwrap()
+}
+
+/// Every way that can be had for a scene, against whole fits, replicate by replicate.
+#[test]
+fn the_ways_agree_where_they_overlap() {
+    let still = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 });
+    let mixed = world()
+        .with(PositionNoise::Sigma([0.0, 0.0, 0.02]))
+        .with(NormalNoise { sigma_deg: 2.0 })
+        .with(FingerNoise { sigma: [0.0, 0.0, 0.01], sigma_deg: 1.0, length: 2.0 });
+    // sites leave the domain that stands still
+    let moving = world().with(PositionNoise::Sigma([0.1; 3])).with(NormalNoise { sigma_deg: 2.0 });
+    let losing = world().with(Dropout { probability: 0.1 }).with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 });
+    for (world, path) in
+        [(&still, Path::FixedSites), (&mixed, Path::FixedSites), (&moving, Path::Refit), (&losing, Path::Refit)]
+    {
+        for degree in [2, 3, 4, 1] {
+            let options = slopes(degree, 4);
+            let own = engine(world.compile().unwrap(), &options, None);
+            assert_eq!(own.path(), path, "{}", own.why());
+            let whole = engine(world.compile().unwrap(), &options, Some(Path::Whole));
+            let (found, expected) = (own.values(3, 10, 40), whole.values(3, 10, 40));
+            assert!(expected.failed.is_empty(), "{:?}", expected.failed);
+            for (found, expected) in found.columns.iter().zip(&expected.columns) {
+                for (a, b) in found.iter().zip(expected) {
+                    assert!((a - b).abs() < 1e-10, "{path} degree {degree}: {a} {b}");
+                }
+            }
+            if path == Path::FixedSites && degree < 4 {
+                let refit = engine(world.compile().unwrap(), &options, Some(Path::Refit)).values(3, 10, 40);
+                assert!(refit.columns[0].iter().zip(&found.columns[0]).all(|(a, b)| (a - b).abs() < 1e-10));
+            }
+        }
+    }
+}
+
+#[test]
+fn linearised_normal_rows_are_named_and_close_at_small_noise() {
+    let world = world().with(PositionNoise::Sigma([0.0, 0.0, 1e-4])).with(NormalNoise { sigma_deg: 0.01 });
+    let objective = Objective::Normals(NormalSigma::Known { z: 1e-4, normal_deg: 0.01 });
+    let options = FitOptions { objective, ..slopes(3, 4) };
+    let own = engine(world.compile().unwrap(), &options, None);
+    assert_eq!(own.path(), Path::Linearised);
+    assert!(own.why().contains("linearised at the nominal surface"));
+    let whole = engine(world.compile().unwrap(), &options, Some(Path::Whole));
+    let (found, expected) = (own.values(3, 0, 20).columns, whole.values(3, 0, 20).columns);
+    for q in 0..2 {
+        let spread = expected[q].iter().map(|v| (v - expected[q][0]).abs()).fold(0.0, f64::max);
+        assert!(found[q].iter().zip(&expected[q]).all(|(a, b)| (a - b).abs() < 0.02 * spread), "{q}: {spread}");
+    }
+}
+
+#[test]
+fn any_split_on_any_number_of_threads_gives_the_same_bits() {
+    let options = slopes(2, 4);
+    for world in [
+        world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }),
+        world().with(PositionNoise::Sigma([0.05; 3])).with_law("position_noise", NoiseLaw::StudentT { dof: 4.0 }),
+    ] {
+        let engine = engine(world.compile().unwrap(), &options, None);
+        let whole = engine.values(5, 0, 300).columns;
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        for (first, count) in [(0, 300), (31, 2), (64, 32), (33, 200), (299, 1)] {
+            let part = one.install(|| engine.values(5, first as u64, count)).columns;
+            for (part, whole) in part.iter().zip(&whole) {
+                assert_eq!(part, &whole[first..first + count]);
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_merge_to_the_bits_of_one_run() {
+    for most in [20_000, 1 << 23] {
+        let options = StudyOptions { replicates: most, replicates_given: true, ..StudyOptions::default() };
+        let simulator = || world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+        let study = Study::new(simulator(), &slopes(2, 4), options, 1).unwrap();
+        let run = |from, to| study.run(study.start(from), to, &mut |_| true).unwrap().0;
+        let whole = run(0, 20_000);
+        assert_eq!(matches!(whole.tallies[0].store, Store::Values(_)), most == 20_000);
+        let mut parts = run(0, 7);
+        for (from, to) in [(7, 4100), (4100, 4101), (4101, 20_000)] {
+            parts.merge(&run(from, to)).unwrap();
+        }
+        assert_eq!(study.result(&parts, 0), study.result(&whole, 0));
+    }
+}
+
+/// Shares of two effects: first-order shares add up, totals are no smaller, the same bits twice, and off means 0.
+#[test]
+fn shares_add_up_and_repeat() {
+    let world = world()
+        .with(palpate::scene::effects::Friction { mu: 0.1, sigma: 0.0 })
+        .with(PositionNoise::Sigma([0.01; 3]))
+        .with(NormalNoise { sigma_deg: 2.0 });
+    let study = Study::new(world.compile().unwrap(), &slopes(2, 4), StudyOptions::default(), 1).unwrap();
+    let state = study.run(study.start(0), 2000, &mut |_| true).unwrap().0;
+    let result = study.result(&state, 2000);
+    let shares = result.attribution.clone().unwrap();
+    assert_eq!(shares.effects.len(), 3);
+    assert_eq!(shares.effects[0].first[0].share, Some(0.0));
+    for q in 0..2 {
+        let sum = shares.sum[q];
+        let interval = sum.interval.unwrap();
+        assert!(interval.lo <= 1.0 && interval.hi >= 0.9, "{q}: {sum:?}");
+        for effect in &shares.effects {
+            let (first, total) = (effect.first[q].share.unwrap(), effect.total[q].share.unwrap());
+            assert!((0.0..=1.0).contains(&first) && total > first - 0.1, "{effect:?}");
+        }
+    }
+    assert_eq!(study.result(&state, 2000), result);
+}
+
+/// Small noise: the linear law's sds are those of the Monte Carlo, and it is called valid.
+#[test]
+fn the_linear_law_holds_at_small_noise_and_not_on_a_ball() {
+    let small = [PositionNoise::Sigma([1e-4; 3]).into(), palpate::scene::Effect::from(NormalNoise { sigma_deg: 0.02 })];
+    let on = |body: Body| {
+        let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
+        let mut world = World::new(Surface::new(body, 20.0), sweep);
+        world.effects = small.to_vec();
+        let options = StudyOptions { replicates: 40_000, ..StudyOptions::default() };
+        let study = Study::new(world.compile().unwrap(), &slopes(4, 4), options, 1).unwrap();
+        let state = study.run(study.start(0), 40_000, &mut |_| true).unwrap().0;
+        study.result(&state, 0)
+    };
+    let saddle = on(Body::Saddle(palpate::scene::surface::Saddle { radii: [12.0, 12.0] }));
+    for q in 0..2 {
+        let ratio = saddle.linear.parts[q].sd.unwrap() / saddle.quantities[q].sd.unwrap();
+        assert!((ratio - 1.0).abs() < 0.012, "{q}: {ratio}");
+    }
+    assert!(saddle.linear.valid(), "{}", saddle.linear.why);
+    let ball = on(Body::Sphere(palpate::scene::surface::Sphere { radius: 10.0 }));
+    assert!(!ball.linear.valid_parts[0], "{}", ball.linear.why);
+    let plane = on(Body::Plane);
+    assert!(!plane.linear.valid(), "{}", plane.linear.why);
+}
+
+#[test]
+fn quantities_on_request_are_those_of_the_fit() {
+    let world = world().with(RowNoise { sigma_z: 0.002, sigma_slope: 0.005 });
+    let asked: Vec<Quantity> =
+        ["k1", "k2", "radius", "direction", "S@1,2", "R@0,0", "k2@-1,3"].iter().map(|q| q.parse().unwrap()).collect();
+    let of = |path| Engine::new(world.compile().unwrap(), &slopes(2, 4), &asked, path).unwrap().values(1, 0, 5).columns;
+    let (fixed, whole) = (of(None), of(Some(Path::Whole)));
+    assert_eq!(fixed.len(), 9);
+    for (q, (fixed, whole)) in fixed.iter().zip(&whole).enumerate() {
+        for (a, b) in fixed.iter().zip(whole) {
+            // directions are axes: 0 and 180 are one
+            let gap = if q == 5 { (a - b + 90.0).rem_euclid(180.0) - 90.0 } else { a - b };
+            assert!(gap.abs() < 1e-8, "{q}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let study = |options: StudyOptions| {
+        let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.0 }).compile().unwrap();
+        Study::new(simulator, &slopes(2, 4), options, 1).map(|_| ()).unwrap_err().to_string()
+    };
+    let none = StudyOptions::default();
+    assert!(study(StudyOptions { replicates: 0, ..none.clone() }).contains("replicates is 0"));
+    for level in [0.0, 1.0, f64::NAN, -0.5] {
+        assert!(study(StudyOptions { level, ..none.clone() }).contains("level is"), "{level}");
+    }
+    assert!(study(StudyOptions { quantiles: vec![1.5], ..none.clone() }).contains("quantile is 1.5"));
+    let moving = world().with(PositionNoise::Sigma([0.1; 3])).compile().unwrap();
+    let forced = Engine::new(moving, &slopes(2, 4), &[], Some(Path::FixedSites)).unwrap_err().to_string();
+    assert!(forced.contains("position_noise moves sites"), "{forced}");
+}
