@@ -78,7 +78,7 @@ impl Problem {
         self.matrix.for_each_lower(|row, column, position| {
             entries.push(Triplet::new(row.max(column), row.min(column), self.matrix.values()[position]));
         });
-        Ok(SparseColMat::try_new_from_triplets(self.unknowns(), self.unknowns(), &entries).map_err(words)?)
+        SparseColMat::try_new_from_triplets(self.unknowns(), self.unknowns(), &entries).map_err(words)
     }
 
     /// The rows E.
@@ -86,7 +86,7 @@ impl Problem {
         let csr = to_csr(&self.sites, &self.row_weights);
         let entries: Vec<_> =
             csr.triplet_iter().map(|(row, column, value)| Triplet::new(row, column, *value)).collect();
-        Ok(SparseColMat::try_new_from_triplets(csr.nrows(), csr.ncols(), &entries).map_err(words)?)
+        SparseColMat::try_new_from_triplets(csr.nrows(), csr.ncols(), &entries).map_err(words)
     }
 
     fn cholesky_ways(&self) -> Result<Vec<Way<'_>>, Fault> {

@@ -128,7 +128,7 @@ pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
 /// Reads contacts or a grid from bytes; the format is recognised by the first of them.
 ///
 /// # Errors
-/// [`IoError`], as [`read_input`].
+/// Every error of reading a file, with its place.
 pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         return npz::read(file, bytes, options);

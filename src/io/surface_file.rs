@@ -216,7 +216,7 @@ pub fn read_surface(path: &Path) -> Result<Saved, IoError> {
 /// Reads a saved surface from bytes.
 ///
 /// # Errors
-/// [`IoError::Surface`].
+/// Every fault of the document, with its place.
 pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
     let wrong = |what: String| IoError::Surface { file: file.into(), what };
     let document: Document = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;

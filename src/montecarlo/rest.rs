@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::draws::DrawSource;
-use crate::scene::{Simulator, Smoothness, Stage};
+use crate::scene::{Simulator, Smoothness};
 
 /// Standard deviation of a uniform law on (0, 1).
 const UNIFORM_SD: f64 = 0.288_675_134_594_812_9;
@@ -20,8 +20,8 @@ pub struct AtRest {
 impl AtRest {
     /// The rest of every stage of a simulator.
     pub fn shared(simulator: &Simulator) -> Vec<Arc<dyn DrawSource>> {
-        let of = |stage: &Box<dyn Stage>| Arc::new(AtRest { uniform: stage.rest() }) as Arc<dyn DrawSource>;
-        simulator.stages().iter().map(of).collect()
+        let at_rest = |uniform: f64| Arc::new(AtRest { uniform }) as Arc<dyn DrawSource>;
+        simulator.stages().iter().map(|stage| at_rest(stage.rest())).collect()
     }
 }
 
@@ -54,7 +54,7 @@ impl Poked {
     fn at(&self, contact: u64, b: u64) -> Option<(usize, f64)> {
         let number = b / 2;
         let per = self.per as u64;
-        let sign = if b % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if b.is_multiple_of(2) { 1.0 } else { -1.0 };
         (number / per == contact).then_some(((number % per) as usize, sign))
     }
 }

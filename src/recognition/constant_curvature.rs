@@ -126,7 +126,7 @@ impl ConstantCurvature {
     }
 
     /// A direction in the chart's axes (u, v, normal) at the origin of the chart, in the axes of X.
-    pub(super) fn from_axes(&self, direction: Vector) -> Vector {
+    pub(super) fn rotate_back(&self, direction: Vector) -> Vector {
         transposed(&self.axes, direction)
     }
 }

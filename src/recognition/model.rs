@@ -74,6 +74,8 @@ impl Kind {
 }
 
 /// A fitted surface of one kind.
+// a handful of models exist at a time, and a box would cost an indirection at every distance
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Model {
     Constant(Kind, ConstantCurvature),

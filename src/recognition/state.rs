@@ -130,7 +130,7 @@ impl State {
                 let place = surface.point(u, v, displacement);
                 let principal = self.principal(at);
                 let normal = principal.map_or([0.0, 0.0, 1.0], |p| p.normal);
-                bent(place, surface.from_axes(normal), principal.map(|p| surface.from_axes(p.direction1)))
+                bent(place, surface.rotate_back(normal), principal.map(|p| surface.rotate_back(p.direction1)))
             }
             Model::Constant(kind, surface) => {
                 let (d, normal) = surface.distance_and_normal(at.place);
@@ -145,5 +145,5 @@ impl State {
 fn axis_of_k1(surface: &ConstantCurvature, place: Vector) -> Vector {
     let k = surface.theta[3];
     let local = principal_curvatures(&derivatives(k, 0.0, surface.chart(place), &[0.0; 6]));
-    surface.from_axes(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
+    surface.rotate_back(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
 }

@@ -15,7 +15,6 @@ mod maps;
 mod parametric_maps;
 mod plane;
 mod summary;
-#[cfg(feature = "cli")]
 mod truth;
 mod uv_support;
 
@@ -26,6 +25,5 @@ pub use maps::{ShapeMaps, shape_maps};
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};
-#[cfg(feature = "cli")]
 pub use truth::compare_with_truth;
 pub use uv_support::UvSupport;

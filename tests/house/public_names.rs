@@ -39,10 +39,10 @@ fn items_of(stream: TokenStream, walk: &Walk, found: &mut Vec<String>) {
                 at += 2;
                 continue;
             }
-            TokenTree::Ident(word) if *word == "pub" && !is_group(tokens.get(at + 1), Delimiter::Parenthesis) => {
-                if !hidden {
-                    item(&tokens[at + 1..], walk, found);
-                }
+            TokenTree::Ident(word)
+                if !hidden && *word == "pub" && !is_group(tokens.get(at + 1), Delimiter::Parenthesis) =>
+            {
+                item(&tokens[at + 1..], walk, found);
             }
             _ => {}
         }

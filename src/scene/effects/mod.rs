@@ -11,7 +11,7 @@
 //! ```
 //!
 //! An effect whose strengths are all zero does not become a stage, so it costs and changes nothing. Each effect has
-//! random numbers of its own (see [`crate::draws`]), addressed by seed, replicate, the effect's name and the contact.
+//! random numbers of its own (see `src/draws`), addressed by seed, replicate, the effect's name and the contact.
 //!
 //! A new effect is a file beside these, a line in the table at the end of this file, and a reader in
 //! `io/scene_file/effects.rs`.
