@@ -1,4 +1,4 @@
-//! A crowd in one ten-thousandth of the patch, and a few contacts elsewhere.
+//! Many contacts within one ten-thousandth of the patch, and a few elsewhere.
 
 use super::HardCase;
 use super::inputs::{Lcg, equal, linspace, options, sites, sphere, with_heights, with_slopes};

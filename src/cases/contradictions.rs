@@ -1,4 +1,4 @@
-//! Orientations that contradict each other or the heights: a compromise with large residuals, never a crash.
+//! Orientations that contradict each other or the heights. The answer is a compromise with large residuals.
 
 use super::HardCase;
 use super::inputs::{Lcg, equal, normal_rows, options, sphere, sweep, with_heights};

@@ -1,4 +1,4 @@
-//! The makings of the cases: sites, analytic surfaces in IEEE `+ - * / sqrt`, and a documented generator.
+//! What the cases are made of: sites, analytic surfaces in IEEE `+ - * / sqrt`, and a documented generator.
 //!
 //! ```text
 //! state <- state * 6364136223846793005 + 1442695040888963407  (mod 2^64),   uniform = (state >> 11) / 2^53
@@ -121,7 +121,7 @@ pub(super) fn tangent() -> Objective {
     Objective::Slopes(SlopeWeights::Tangent)
 }
 
-/// Normal rows with known levels.
+/// Normal rows with known standard deviations.
 pub(super) fn normal_rows(z: f64, normal_deg: f64) -> Objective {
     Objective::Normals(NormalSigma::Known { z, normal_deg })
 }

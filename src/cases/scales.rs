@@ -1,4 +1,5 @@
-//! Far, tiny, huge and thin patches: the answer of the unscaled problem as far as the data's own rounding allows.
+//! Patches that are far from the origin, tiny, huge or thin. The answer is that of the unscaled problem, as far as the
+//! rounding of the data allows.
 
 use super::HardCase;
 use super::inputs::{FULL, Lcg, equal, normal_rows, options, sphere, sweep, tangent, with_normals, with_slopes};

@@ -1,4 +1,5 @@
-//! Weights 1e12 apart, between blocks and between contacts: each is another problem, not the same one scaled.
+//! Weights that differ by 1e12, between heights and slopes and between contacts. Each case has a solution of its own; it is
+//! not one problem scaled.
 
 use super::HardCase;
 use super::inputs::{Lcg, equal, explicit, options, sphere, sweep, with_slopes};

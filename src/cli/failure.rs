@@ -44,17 +44,50 @@ impl From<IoError> for Failure {
     }
 }
 
-/// A message of the library, and the flags of this command line for the options that it names as remedies.
-pub(super) fn with_flags(message: String, remedies: &[(&str, &str)]) -> String {
-    let flag = |(option, value): &(&str, &str)| {
+/// A message of the library, in which the options that it proposes are written as flags of this command line.
+pub(super) fn with_flags(mut message: String, remedies: &[(&str, &str)]) -> String {
+    for (option, value) in remedies {
         let flag = format!("--{}", option.replace('_', "-"));
-        if value.is_empty() { flag } else { format!("{flag} {value}") }
-    };
-    let flags: Vec<String> = remedies.iter().map(flag).collect();
-    if flags.is_empty() { message } else { format!("{message}; try {}", flags.join(" or ")) }
+        let (proposed, flag) = match *value {
+            "" => (option.to_string(), flag),
+            value => (format!("{option} = {value}"), format!("{flag} {value}")),
+        };
+        // the last place: what stands before may be the user's own text
+        if let Some(at) = message.rfind(&proposed) {
+            message.replace_range(at..at + proposed.len(), &flag);
+        }
+    }
+    message
 }
 
 /// An error of a fit, with the flags that may help.
 pub(super) fn fit_message(error: &FitError) -> String {
     with_flags(error.to_string(), error.remedies())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn proposed_options_become_flags_and_file_names_stay() {
+        let error = IoError::ZeroNormal { file: "skip_invalid.csv".into(), place: crate::io::Place::Line(2) };
+        let message = with_flags(error.to_string(), error.remedies());
+        assert!(
+            message.starts_with("skip_invalid.csv, line 2") && message.ends_with("(or --skip-invalid)"),
+            "{message}"
+        );
+        let every = [
+            FitError::NormalDown { index: 0, nz: -1.0 },
+            FitError::Steep { index: 0, nz: 0.0 },
+            FitError::Inward { contacts: 9 },
+            FitError::Rank { rank: 1, unknowns: 9 },
+            FitError::Runaway { bending: 9.0, most: 2.5 },
+        ];
+        for error in every {
+            let (own, typed) = (error.to_string(), fit_message(&error));
+            assert!(!own.contains("--"), "{own}");
+            assert_eq!(typed.matches("--").count(), error.remedies().len(), "{typed}");
+        }
+    }
 }

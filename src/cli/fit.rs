@@ -20,7 +20,7 @@ use super::options::{FitFlags, OutputFlags};
 pub(super) struct FitArgs {
     /// CSV, NPZ or PLY; - for standard input
     input: PathBuf,
-    /// Count rows with missing or non-finite numbers out instead of refusing the file
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
     skip_invalid: bool,
     /// Normals point into the body: reverse them all

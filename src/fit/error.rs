@@ -70,7 +70,7 @@ pub enum FitError {
     },
     /// A normal that a height field cannot have.
     #[error(
-        "the normal of contact {index} has nz = {nz}: a height field over x, y needs nz > 0 (nz = 0 only with the option sigma); frame = auto rotates the patch so that they point up"
+        "the normal of contact {index} has nz = {nz}: a height field over x, y needs nz > 0 (nz = 0 only in normal rows, the option sigma); try frame = auto"
     )]
     NormalDown {
         /// Contact, counted from 0.
@@ -80,7 +80,7 @@ pub enum FitError {
     },
     /// A normal too flat for a slope row.
     #[error(
-        "the normal of contact {index} has nz = {nz}, so its slope is not finite: use normal rows (the option sigma), which need no slope"
+        "the normal of contact {index} has nz = {nz}, so its slope is not finite: use normal rows (sigma = auto, or known standard deviations)"
     )]
     Steep {
         /// Contact, counted from 0.
@@ -90,7 +90,7 @@ pub enum FitError {
     },
     /// Every normal points down, into the body.
     #[error(
-        "all {contacts} normals point down (nz < 0), as if into the body: reverse them (flip_normals) if they point inward, or take frame = auto if the surface really faces down"
+        "all {contacts} normals point down (nz < 0), as if into the body: give flip_normals if they point inward, or frame = auto if the surface really faces down"
     )]
     Inward {
         /// Number of contacts.
@@ -123,7 +123,7 @@ pub enum FitError {
     },
     /// The data determine too little of the surface even for a reduced answer.
     #[error(
-        "the certificate's rank failed: {rank} of {unknowns} unknowns are determined and the rest do not lie in gaps; lower degree or segments, or use the option smooth"
+        "the certificate's rank failed: {rank} of {unknowns} unknowns are determined and the rest do not lie in gaps; lower degree or segments, or use smooth = auto"
     )]
     Rank {
         /// Numerical rank.
@@ -173,7 +173,7 @@ pub enum FitError {
     },
     /// The surface bends more between neighbouring contacts than their normals differ: it oscillates between them.
     #[error(
-        "the surface bends {bending:.1} times as much as neighbouring contacts felt, {most} at most is believed: take fewer segments, a lower degree or a larger value of the option smooth"
+        "the surface bends {bending:.1} times as much as neighbouring contacts felt, {most} at most is believed: take fewer segments, a lower degree or a larger smooth"
     )]
     Runaway {
         /// Largest curvature over what was felt there.
@@ -198,7 +198,8 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// Options that may help: each with a value, or with an empty one where the option is a switch or any value will do.
+    /// Options that the message proposes, each with the proposed value: `option = value` stands in the message, or the
+    /// option alone where the value is empty. A program with option names of its own can put those in their place.
     pub fn remedies(&self) -> &'static [(&'static str, &'static str)] {
         match self {
             FitError::NormalDown { .. } => &[("frame", "auto")],

@@ -1,6 +1,6 @@
 //! Outputs appear whole or not at all: written beside the target under another name, then renamed.
 //!
-//! A process ended by Ctrl-C calls [`remove_unfinished`] first, so that it leaves neither half a file nor its scaffold.
+//! A process ended by Ctrl-C calls [`remove_unfinished`] first, so that it leaves neither half a file nor a temporary one.
 
 use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
@@ -56,21 +56,21 @@ fn by_rename(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Resul
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let scaffold = {
+    let temporary = {
         let mut unfinished = unfinished();
-        let scaffold = builder.tempfile_in(directory)?;
-        unfinished.insert(scaffold.path().to_path_buf());
-        scaffold
+        let temporary = builder.tempfile_in(directory)?;
+        unfinished.insert(temporary.path().to_path_buf());
+        temporary
     };
-    let name = scaffold.path().to_path_buf();
-    let mut out = BufWriter::new(scaffold);
+    let name = temporary.path().to_path_buf();
+    let mut out = BufWriter::new(temporary);
     let outcome = fill(&mut out).and_then(|()| out.into_inner().map_err(|e| e.into_error()));
     let mut unfinished = unfinished();
     unfinished.remove(&name);
     outcome?.persist(path).map(drop).map_err(|e| e.error)
 }
 
-/// Removes every scaffold and hinders new ones for good: the caller is about to end the process.
+/// Removes every temporary file and prevents new ones: the caller is about to end the process.
 pub fn remove_unfinished() {
     let mut unfinished = unfinished();
     for path in std::mem::take(&mut *unfinished) {

@@ -101,7 +101,7 @@ pub enum IoError {
         expected: usize,
     },
     /// A field is no number.
-    #[error("{file}, {place}, column {column}: {text:?} is not a number; write one such as -0.25")]
+    #[error("{file}, {place}, column {column}: {text:?} is not a number; write one such as -0.25 (or skip_invalid)")]
     NotANumber {
         /// Name of the input.
         file: String,
@@ -113,7 +113,7 @@ pub enum IoError {
         text: String,
     },
     /// A field is NaN or infinite.
-    #[error("{file}, {place}, column {column}: {value} is not finite")]
+    #[error("{file}, {place}, column {column}: {value} is not finite (skip_invalid leaves such rows out)")]
     NotFinite {
         /// Name of the input.
         file: String,
@@ -125,7 +125,7 @@ pub enum IoError {
         value: f64,
     },
     /// A normal without direction.
-    #[error("{file}, {place}: the normal (nx,ny,nz) is zero; any other length will do")]
+    #[error("{file}, {place}: the normal (nx,ny,nz) is zero; any other length will do (or skip_invalid)")]
     ZeroNormal {
         /// Name of the input.
         file: String,
@@ -217,7 +217,7 @@ pub enum IoError {
 }
 
 impl IoError {
-    /// Options of reading that may help.
+    /// Options of reading that the message proposes, as [`crate::fit::FitError::remedies`] has them.
     pub fn remedies(&self) -> &'static [(&'static str, &'static str)] {
         match self {
             IoError::NotANumber { .. } | IoError::NotFinite { .. } | IoError::ZeroNormal { .. } => {

@@ -5,8 +5,8 @@
 //! NPZ with 1-D x (n), y (m) and 2-D z (n x m)      [zx, zy] [wz, wx, wy], NaN = missing                   -> Grid
 //! ```
 //!
-//! The format is told by the first bytes, not by the name, so that a pipe works like a file. A header's promises are
-//! checked against the bytes that are there before memory is asked for.
+//! The format is recognised by the first bytes, not by the name, so that a pipe works like a file. What a header says of
+//! the size of the data is checked against the bytes that are there before memory is asked for.
 
 mod atomic;
 mod columns;
@@ -47,7 +47,7 @@ pub use write::{ContactFormat, write_contacts};
 /// How contacts are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// Count rows with missing or non-finite numbers out instead of refusing the file.
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file.
     pub skip_invalid: bool,
 }
 
@@ -125,7 +125,7 @@ pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     }
 }
 
-/// Reads contacts or a grid from bytes; the format is told by the first of them.
+/// Reads contacts or a grid from bytes; the format is recognised by the first of them.
 ///
 /// # Errors
 /// Every error of reading a file, with its place.

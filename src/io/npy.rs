@@ -1,4 +1,4 @@
-//! One array of an NPZ: the `.npy` header read by hand, so that no promise of it is believed before it is checked.
+//! One array of an NPZ. The `.npy` header is read here, so that the size it announces is checked before it is believed.
 //!
 //! ```text
 //! \x93NUMPY  major minor  header length (u16 | u32, little endian)  {'descr': '<f4', 'fortran_order': False, 'shape': (616, 514), }  data

@@ -1,4 +1,4 @@
-//! The table for people: what it is, how sure, and whether the numbers can be trusted, in a dozen lines.
+//! The table for people: what the surface is, how sure that is, and how far to trust the numbers, in a dozen lines.
 
 use std::fmt::Write as _;
 use std::io::Write;

@@ -1,6 +1,7 @@
-//! What is wrong with a world, with the numbers that clash; everything is checked before anything is simulated.
+//! What is wrong with a world, with the numbers that contradict each other. Everything is checked before anything is
+//! simulated.
 
-/// A world that cannot be.
+/// A world that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {

@@ -1,7 +1,7 @@
 //! What a compiled scene consists of, stage by stage.
 //!
-//! Stages that a scene does not name are not listed, because they do not exist. Time is measured by the caller, who
-//! may read a clock: see [`Simulator::run_stage`].
+//! Only effects that the scene names become stages. Time is measured by the caller, because this room reads no clock: see
+//! [`Simulator::run_stage`].
 
 use super::batch::ContactBatch;
 use super::simulate::Simulator;
@@ -15,7 +15,7 @@ pub struct StageLine {
     pub changes: String,
     /// Random numbers per contact.
     pub draws_per_contact: usize,
-    /// It leaves x and y alone.
+    /// Whether it leaves x and y as they are.
     pub keeps_sites: bool,
 }
 

@@ -4,8 +4,9 @@
 //! World { surface, sweeps, effects }  --compile-->  Simulator  --(seed, replicate)-->  (Contacts, Truth)
 //! ```
 //!
-//! Nothing here knows splines, so a fit is never tested on its own kind (an imported surface is the exception, and
-//! labelled). Compiling checks everything; what a world does not name is not there: no draw, no branch.
+//! Nothing here knows splines, so a fit is not tested on surfaces of its own kind. (An imported surface is the exception,
+//! and every output says so.) Compiling a world checks all of it. An effect that a world does not name costs nothing: it
+//! draws no random numbers and is not even asked about.
 
 mod batch;
 pub mod effects;

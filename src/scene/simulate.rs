@@ -4,9 +4,8 @@
 //! contacts(seed, replicate) = stage_k( ... stage_1(touched points) ... )
 //! ```
 //!
-//! The touched points are found once; a replicate copies them and runs the stages. With no stage there is no draw and
-//! no branch. Replicates are made one at a time or as a [`ContactBatch`], contact-major, so that each contact's draws are one
-//! run of the generator; the bits are the same.
+//! The touched points are found once. A replicate copies them and lets every stage change the copy; a scene without
+//! effects has no stages. Replicates are made one at a time or as a [`ContactBatch`], with the same bits.
 
 use super::batch::ContactBatch;
 use super::effects::{Context, Effect, Smoothness, Stage};
@@ -17,7 +16,7 @@ use super::{SceneError, World};
 use crate::contact::Contacts;
 use crate::draws::{EffectDraws, NoiseLaw};
 
-/// A world ready to be simulated: everything checked, touched points found, stages prepared.
+/// A world ready to be simulated: everything is checked, the touched points are found, the stages are prepared.
 #[derive(Debug)]
 pub struct Simulator {
     surface: Surface,
@@ -130,8 +129,8 @@ impl Simulator {
         self.contacts_of(&batch, 0)
     }
 
-    /// The same for a caller who wants one replicate only: the touched points become the truth instead of being
-    /// copied, so that a scene without effects costs what its surface costs.
+    /// As [`Simulator::simulate`], for a caller who wants one replicate only: the touched points become the truth instead
+    /// of being copied, so a scene without effects costs no more than finding its points.
     pub fn into_contacts(self, seed: u64, replicate: u64) -> (Contacts, Truth) {
         if !self.stages.is_empty() {
             return self.simulate(seed, replicate);
@@ -232,7 +231,7 @@ impl Simulator {
         patch
     }
 
-    /// No stage moves x or y: every replicate has the same sites, and a study can keep its factor.
+    /// Whether no stage moves x or y. Then every replicate has the same sites, and a study can keep its factor.
     pub fn keeps_sites(&self) -> bool {
         self.stages.iter().all(|stage| stage.keeps_sites())
     }

@@ -14,6 +14,7 @@ use crate::vector::{Vector, along, cross, dot, norm};
 
 /// One joint and the link behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Link {
     /// Length along the link's x axis, input units.
     pub a: f64,
@@ -27,6 +28,7 @@ pub struct Link {
 
 /// Joints from the base to the tip's centre.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arm {
     /// Where the base stands, upright, input units.
     pub base: [f64; 3],

@@ -11,6 +11,7 @@ use crate::scene::error::{SceneError, probability};
 
 /// Lost readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dropout {
     /// How often.
     pub probability: f64,

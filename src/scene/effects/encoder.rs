@@ -25,6 +25,7 @@ const MAX_JOINTS: usize = 32;
 
 /// Encoder quantisation and noise.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Encoder {
     /// Step of every encoder, degrees.
     pub resolution_deg: f64,

@@ -20,6 +20,7 @@ use crate::vector::unit;
 
 /// Correlated errors along the path of each finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FingerNoise {
     /// Sd of the position along x, y, z, input units.
     pub sigma: [f64; 3],

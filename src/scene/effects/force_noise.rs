@@ -21,6 +21,7 @@ use crate::vector::{norm, scaled};
 
 /// Errors of the force sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceNoise {
     /// Sd per axis.
     pub sigma: f64,

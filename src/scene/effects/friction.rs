@@ -18,6 +18,7 @@ use crate::vector::{along, dot, norm, scaled, unit};
 
 /// Sliding friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Friction {
     /// Coefficient of friction.
     pub mu: f64,

@@ -20,6 +20,7 @@ use crate::vector::along;
 
 /// Hertz indentation at a force threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Indentation {
     /// Contact modulus E*, force per length squared.
     pub modulus: f64,

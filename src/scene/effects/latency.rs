@@ -20,6 +20,7 @@ use crate::scene::sweep::{Site, contact};
 
 /// Positions that lag behind forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Latency {
     /// Mean lag along the path, input units.
     pub distance: f64,

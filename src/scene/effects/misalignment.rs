@@ -13,6 +13,7 @@ use crate::vector::along;
 
 /// Error of the robot's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Misalignment {
     /// Angles about x, y, z, degrees.
     pub rotation_deg: [f64; 3],

@@ -187,6 +187,7 @@ macro_rules! effects {
     ($($(#[$doc:meta])* $kind:ident => $name:literal, $sweeps:ident;)*) => {
         /// Every effect, in physical order.
         #[derive(Clone, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
         pub enum Effect {
             $($(#[$doc])* $kind($kind),)*
         }

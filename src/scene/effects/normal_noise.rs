@@ -21,6 +21,7 @@ use crate::vector::unit;
 
 /// Isotropic errors of the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NormalNoise {
     /// Sd per tangent axis, degrees.
     pub sigma_deg: f64,

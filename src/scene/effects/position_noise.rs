@@ -12,6 +12,7 @@ use crate::scene::error::{SceneError, finite, not_negative};
 
 /// Position errors, per axis or correlated between axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum PositionNoise {
     /// Sd along x, y, z, input units.
     Sigma([f64; 3]),

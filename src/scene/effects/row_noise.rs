@@ -13,6 +13,7 @@ use crate::vector::unit;
 
 /// Independent errors of z, zx, zy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RowNoise {
     /// Sd of z, input units.
     pub sigma_z: f64,

@@ -14,6 +14,7 @@ use crate::vector::along;
 
 /// Gross outliers of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Slip {
     /// How often.
     pub probability: f64,

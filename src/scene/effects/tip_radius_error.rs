@@ -14,6 +14,7 @@ use crate::vector::along;
 
 /// Error of the calibrated tip radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TipRadiusError {
     /// Believed minus true radius, input units.
     pub error: f64,

@@ -1,7 +1,7 @@
 //! A surface from elsewhere, `z = h(x, y)`: a fit of real contacts, say.
 //!
-//! Touching a spline to test a spline is an inverse crime: the model error is zero by construction. Whatever is
-//! reported of such a scene says so (see [`super::Surface::inverse_crime`]).
+//! To test a spline on contacts that were made on a spline is an inverse crime: the model error is zero by construction.
+//! Every report of such a scene says so (see [`super::Surface::inverse_crime`]).
 
 use std::sync::Arc;
 

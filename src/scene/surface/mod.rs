@@ -1,4 +1,4 @@
-//! What the fingers meet: a body with its apex at the origin, made convex or concave, then posed.
+//! What the fingers touch: a body with its apex at the origin, seen from outside or from inside, then posed.
 //!
 //! ```text
 //! convex   z = body(x, y)         concave   z = -body(x, y): the same body seen from inside, lowest at the origin

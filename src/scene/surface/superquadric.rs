@@ -15,7 +15,7 @@ use super::ray::{first_below, through_ball};
 use crate::scene::error::{SceneError, all_positive};
 use crate::vector::{Vector, along};
 
-/// Between a ball, a pillow and a box.
+/// A body between a ball, a pillow and a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Superquadric {
     /// Semi-axes a, b, c, input units.

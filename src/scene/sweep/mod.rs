@@ -19,6 +19,7 @@ use crate::scene::rotation::sin_cos_deg;
 
 /// How the fingers of a sweep come to the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum SweepPath {
     /// Down onto it, from above.
     #[default]
@@ -29,6 +30,7 @@ pub enum SweepPath {
 
 /// Fingers, stations and tips of one sweep.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sweep {
     /// Whether the fingers come down onto the surface or go round it.
     pub path: SweepPath,

@@ -4,9 +4,9 @@
 //! maximise  h(P) + sqrt(rho^2 - |P - c|^2)  over |P - c| <= rho;      stationary:  P + rho n_xy(P) = c
 //! ```
 //!
-//! The maximum over the disc is looked for on a polar lattice, so that a ball bridges what it cannot enter; Newton
-//! then solves the stationary condition (linear on spheres, cylinders and planes) to rounding. A ball that rests on an
-//! edge without a normal has no contact here.
+//! The maximum over the disc is first looked for on a polar lattice, because a ball may rest on two places and bridge the
+//! hollow between them. Newton's method then solves the stationary condition to rounding; the condition is linear on
+//! spheres, cylinders and planes. A ball that rests on an edge without a normal has no contact here.
 
 use crate::scene::rotation::sin_cos_deg;
 use crate::scene::surface::{Surface, SurfacePoint};
