@@ -43,6 +43,9 @@ pub struct FitPart {
     /// Which kind of surface it is and why, where that was a question.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chosen: Option<ChosenPart>,
+    /// Whether the residuals still hold a pattern, where it was tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lack_of_fit: Option<LackOfFitPart>,
     /// Certificate of a parametric surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parametric: Option<ParametricPart>,
@@ -89,13 +92,53 @@ pub struct PromisePart {
     pub curvedness: f64,
 }
 
-/// Kind of surface.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// What the program chose, and why.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ChosenPart {
     /// `height` or `parametric`.
     pub surface: String,
     /// Why.
-    pub reason: String,
+    #[serde(default)]
+    pub why: String,
+    /// Degrees of the surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degree: Option<[usize; 2]>,
+    /// Segments of the surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub segments: Option<[usize; 2]>,
+    /// `keep` where the surface stands over the input's x and y, `auto` where its axes come from the data.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
+    /// The simple shape that the contacts show.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hypothesis: Option<String>,
+    /// All that was tried, likeliest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tried: Vec<TriedPart>,
+}
+
+/// One shape that was tried.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct TriedPart {
+    /// Its name.
+    pub name: String,
+    /// Its probability among those tried.
+    pub probability: Option<f64>,
+    /// Larger curvature of its fit.
+    pub k1: Option<f64>,
+    /// Smaller curvature of its fit.
+    pub k2: Option<f64>,
+    /// Root mean square distance of the contacts from it, input units.
+    pub rms: Option<f64>,
+}
+
+/// Whether the residuals still hold a pattern.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct LackOfFitPart {
+    /// Probability of residuals as alike as these among neighbours, were they independent.
+    pub p: Option<f64>,
+    /// One sentence.
+    pub words: String,
 }
 
 /// Certificate of a parametric surface.
@@ -137,6 +180,12 @@ pub struct SigmaPart {
     /// Of the slopes (slope rows).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slope: Option<f64>,
+    /// Of the errors across the surface that neighbouring contacts share, input units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared: Option<f64>,
+    /// Distance over which shared errors fade by a factor e, input units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared_over: Option<f64>,
 }
 
 /// Root mean square residuals, unweighted.
@@ -166,6 +215,12 @@ pub struct ShapePart {
     pub curvedness: MeasurePart,
     /// Radius of spheres and cylinders.
     pub radius: Option<f64>,
+    /// Interval of the radius, at the level of R's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_interval: Option<[f64; 2]>,
+    /// Both radii of dome and trough, the smaller first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii: Option<[f64; 2]>,
     /// One of the nine classes, or plane.
     pub class: Option<String>,
     /// Probability of each class.
@@ -196,6 +251,18 @@ pub struct MeasurePart {
     pub u: Option<f64>,
     /// Interval of the mean at the fit's level.
     pub interval: Option<[f64; 2]>,
+    /// The part of `u` that independent noise explains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub u_noise: Option<f64>,
+    /// The part of `u` that comes from shared errors and from doubt about the kind of surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub u_model: Option<f64>,
+    /// Level of the interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
+    /// Degrees of freedom behind `u`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dof: Option<f64>,
 }
 
 /// Mean and spread over the patch.

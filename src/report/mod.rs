@@ -10,6 +10,7 @@
 mod describe;
 mod describe_height;
 mod describe_parametric;
+mod describe_recognised;
 mod description;
 mod document;
 mod json;
@@ -24,7 +25,7 @@ mod study_picture;
 mod sweep;
 mod table;
 
-pub use describe::{compute_shape, describe_fit, describe_saved, points_at};
+pub use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub use document::{ChosenPart, FitDocument, Seconds};
 pub use json::write_json;
