@@ -13,7 +13,7 @@ use super::point_table::PointTable;
 use super::points::HeightPoints;
 
 /// Computes what a fit computes on first access, so that a caller with a clock can time it.
-pub fn compute_shape(fit: &FittedSurface) {
+pub(crate) fn compute_shape(fit: &FittedSurface) {
     match fit {
         FittedSurface::Height(fit) => {
             let _ = fit.shape();
@@ -29,7 +29,7 @@ pub fn compute_shape(fit: &FittedSurface) {
 ///
 /// # Errors
 /// When the input's own rounding leaves no distinct knots.
-pub fn describe_fit<'a>(
+pub(crate) fn describe_fit<'a>(
     fit: &'a FittedSurface,
     subject: &Subject<'a>,
     seconds: Seconds,
@@ -41,7 +41,7 @@ pub fn describe_fit<'a>(
 }
 
 /// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.
-pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
+pub(crate) fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightDescription::of_saved(surface, saved, document, grid)),
         AnySurface::Parametric(surface, support) => {
@@ -51,7 +51,7 @@ pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> 
 }
 
 /// A saved surface of either kind at given places.
-pub fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
+pub(crate) fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightPoints::of(surface, &saved.frame, places)),
         AnySurface::Parametric(surface, support) => Box::new(ParametricPoints::of(surface, support, places)),

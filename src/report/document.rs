@@ -11,7 +11,7 @@ use crate::io::{SavedFrame, SavedSurface};
 
 /// One fit, described.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FitDocument {
+pub(crate) struct FitDocument {
     /// `palpate.fit/1`.
     pub schema: String,
     /// Number of contacts, or of pixels that hold a measurement.
@@ -33,7 +33,7 @@ pub struct FitDocument {
 
 /// How the surface was found, with the certificate of the numbers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FitPart {
+pub(crate) struct FitPart {
     /// Degrees in x and y.
     pub degree: [usize; 2],
     /// Segments in x and y.
@@ -78,7 +78,7 @@ pub struct FitPart {
 
 /// Decimal digits that agree for certain with the exact solution of the written problem.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct PromisePart {
+pub(crate) struct PromisePart {
     /// Of the coefficients, relative to the largest.
     pub coefficients: f64,
     /// Of S at the worst supported point, absolute.
@@ -91,7 +91,7 @@ pub struct PromisePart {
 
 /// Kind of surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ChosenPart {
+pub(crate) struct ChosenPart {
     /// `height` or `parametric`.
     pub surface: String,
     /// Why.
@@ -100,7 +100,7 @@ pub struct ChosenPart {
 
 /// Certificate of a parametric surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ParametricPart {
+pub(crate) struct ParametricPart {
     /// How the contacts were flattened.
     pub parametrisation: String,
     /// Steps of the descent with corrected parameters.
@@ -128,7 +128,7 @@ pub struct ParametricPart {
 
 /// Standard deviations of the noise.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct SigmaPart {
+pub(crate) struct SigmaPart {
     /// Of z, input units.
     pub z: Option<f64>,
     /// Of the normal per tangent axis, degrees (normal rows).
@@ -141,7 +141,7 @@ pub struct SigmaPart {
 
 /// Root mean square residuals, unweighted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct RmsPart {
+pub(crate) struct RmsPart {
     /// Heights, input units.
     pub z: Option<f64>,
     /// Slopes in x.
@@ -155,7 +155,7 @@ pub struct RmsPart {
 
 /// Shape over the grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ShapePart {
+pub(crate) struct ShapePart {
     /// Points in x and y.
     pub grid: [usize; 2],
     /// Shape index.
@@ -187,7 +187,7 @@ pub struct ShapePart {
 
 /// Mean and spread over the patch, and the uncertainty of the mean.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct MeasurePart {
+pub(crate) struct MeasurePart {
     /// Mean over the patch.
     pub mean: Option<f64>,
     /// Sample sd over the patch: variation, not uncertainty.
@@ -200,7 +200,7 @@ pub struct MeasurePart {
 
 /// Mean and spread over the patch.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct SpreadPart {
+pub(crate) struct SpreadPart {
     /// Mean over the patch.
     pub mean: Option<f64>,
     /// Sample sd over the patch.
@@ -209,7 +209,7 @@ pub struct SpreadPart {
 
 /// Named shares in their own order.
 #[derive(Clone, Debug)]
-pub struct Shares(pub Vec<(String, f64)>);
+pub(crate) struct Shares(pub Vec<(String, f64)>);
 
 impl Serialize for Shares {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -245,7 +245,7 @@ impl<'de> Deserialize<'de> for Shares {
 
 /// The truth over the same points.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct TruthPart {
+pub(crate) struct TruthPart {
     /// Mean true shape index.
     #[serde(rename = "S")]
     pub shape_index: Option<f64>,
@@ -262,7 +262,7 @@ pub struct TruthPart {
 
 /// Wall-clock seconds.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Seconds {
+pub(crate) struct Seconds {
     /// Reading, or simulating, the contacts.
     pub read: f64,
     /// Fitting.
