@@ -16,7 +16,7 @@ use super::points::HeightPoints;
 
 /// What a fit of the contacts answered.
 #[derive(Debug)]
-pub enum Answer {
+pub(crate) enum Answer {
     /// A surface of the kind that was named.
     Fitted(FittedSurface),
     /// What the contacts show, nothing being named.
@@ -24,7 +24,7 @@ pub enum Answer {
 }
 
 /// Computes what a fit computes on first access, so that a caller with a clock can time it.
-pub fn compute_shape(answer: &Answer) {
+pub(crate) fn compute_shape(answer: &Answer) {
     match answer {
         Answer::Fitted(FittedSurface::Height(fit)) => {
             let _ = fit.shape();
@@ -42,7 +42,7 @@ pub fn compute_shape(answer: &Answer) {
 ///
 /// # Errors
 /// When the input's own rounding leaves no distinct knots.
-pub fn describe_fit<'a>(
+pub(crate) fn describe_fit<'a>(
     answer: &'a Answer,
     subject: &Subject<'a>,
     seconds: Seconds,
@@ -57,7 +57,7 @@ pub fn describe_fit<'a>(
 }
 
 /// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.
-pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
+pub(crate) fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightDescription::of_saved(surface, saved, document, grid)),
         AnySurface::Parametric(surface, support) => {
@@ -67,7 +67,7 @@ pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> 
 }
 
 /// A saved surface of either kind at given places.
-pub fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
+pub(crate) fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightPoints::of(surface, &saved.frame, places)),
         AnySurface::Parametric(surface, support) => Box::new(ParametricPoints::of(surface, support, places)),

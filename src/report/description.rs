@@ -23,7 +23,7 @@ pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 const INVERSE_CRIME: &str = "inverse crime";
 
 /// A surface in words, numbers and pictures.
-pub trait Description {
+pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
 
@@ -48,7 +48,7 @@ pub trait Description {
 
 /// What is known of a fit besides the fit itself.
 #[derive(Clone, Debug)]
-pub struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     /// The data.
     pub input: &'a Input,
     /// What is true, in a simulated world.
@@ -61,7 +61,7 @@ pub struct Subject<'a> {
 
 /// Points of the shape grid over which a saved surface is described.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShownGrid {
+pub(crate) struct ShownGrid {
     /// Points per direction.
     pub points: [usize; 2],
     /// Fraction of each side that is cut at every edge.
@@ -71,7 +71,7 @@ pub struct ShownGrid {
 }
 
 /// What every output says of contacts that were made on an imported surface.
-pub fn inverse_crime_remark(truth: &Truth) -> Option<String> {
+pub(crate) fn inverse_crime_remark(truth: &Truth) -> Option<String> {
     let label = truth.inverse_crime()?;
     Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
 }

@@ -12,7 +12,7 @@ const DIGITS: i32 = 4;
 ///
 /// # Errors
 /// What the system says.
-pub fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = Lines::default();
     shape_lines(name, document, &mut lines);
     truth_line(document, &mut lines);
@@ -206,7 +206,7 @@ fn decimals(value: f64, digits: i32) -> usize {
 }
 
 /// `value` with `digits` significant digits, in scientific form where it is very small or very large.
-pub fn significant(value: f64, digits: i32) -> String {
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".into();
     }
