@@ -35,7 +35,11 @@ impl Lines {
 fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
     let shape = &document.shape;
     lines.add("contacts", format!("{} of {name}", document.contacts));
-    let class = shape.class.as_deref().unwrap_or("none: S is undefined here");
+    let class = shape.class.as_deref().unwrap_or(if shape.shape_index.mean.is_some() {
+        "none: see the notes"
+    } else {
+        "none: S is undefined here"
+    });
     let sure = shape.class_probability.as_ref().and_then(|shares| {
         let share = shares.0.iter().find(|(name, _)| name == class)?.1;
         Some(format!("  (probability {share:.3})"))
@@ -138,6 +142,9 @@ fn equation_lines(document: &FitDocument, lines: &mut Lines) {
     }
     if let Some(chosen) = &fit.chosen {
         lines.add("surface", format!("{}: {}", chosen.surface, chosen.why));
+    }
+    if let Some(lack) = &fit.lack_of_fit {
+        lines.add("misfit", lack.words.clone());
     }
     if let Some(part) = &fit.parametric {
         parametric_lines(part, lines);
