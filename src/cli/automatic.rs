@@ -7,7 +7,7 @@
 //! a closed body, many sheets an error that names the way forward
 //! ```
 
-use crate::contact::{Contacts, Grid};
+use crate::contact::{Contacts, Grid, Orientation};
 use crate::fit::{FitError, FitOptions};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
@@ -25,14 +25,22 @@ const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0
 /// A height field with more segments is an answer when it predicts contacts left out to this share of their relief.
 const PREDICTED: f64 = 0.5;
 
-/// Misfit of a simple shape, in percent of its relief, from which on a height field with more segments is tried.
-const PATTERNED: f64 = 25.0;
+/// Misfit of a simple shape, in percent of its relief, from which on a height field with more segments is tried: an
+/// eighth, above which the recognition takes no departure for a sensor's error.
+const PATTERNED: f64 = 12.5;
+
+/// Misfit, in percent of the relief, above which a simple shape is no answer: a quarter is left unsaid, with a pattern.
+const UNSAID: f64 = 25.0;
 
 /// It takes the place of the simple shape when its error is below this share of the simple shape's.
 const BETTER: f64 = 0.5;
 
 /// Share of contacts off the surface that are worth a word: more than a sensor's stray readings.
 const STRAY: f64 = 0.02;
+
+/// What to ask where every normal points down: a scan in camera axes is like that, and so is a file with inward normals.
+const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
+     if the normals point into the body, reverse them by --flip-normals";
 
 /// What there is to say of an input.
 pub(super) struct Found {
@@ -57,7 +65,14 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Input::Grid(grid) => recognise_grid(grid, options),
     };
     match found {
-        Ok(found) => Ok(flexible_instead(input, &found, fit).unwrap_or_else(|| recognised(found))),
+        Ok(found) => {
+            let mut found = match flexible_instead(input, &found, fit) {
+                Some(bent) => bent,
+                None => simple(found)?,
+            };
+            found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
+            Ok(found)
+        }
         Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
         Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
             let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
@@ -76,22 +91,38 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
     }
 }
 
-fn recognised(found: Recognition) -> Found {
+fn all_downward(input: &Input) -> bool {
+    match input {
+        Input::Contacts(Contacts { orientation: Orientation::Normals { nz, .. }, .. }) => nz.iter().all(|nz| *nz < 0.0),
+        _ => false,
+    }
+}
+
+/// Misfit beyond chance.
+const CHANCE: f64 = 0.01;
+
+/// The simple shape, unless it leaves too much unsaid.
+fn simple(found: Recognition) -> Result<Found, Refusal> {
     let mut notes = Vec::new();
     let strays = found.dropped.outliers;
+    if found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE {
+        let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
+        let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
+        return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
+    }
     if strays as f64 > STRAY * (strays + found.contacts) as f64 {
         notes.push(format!(
             "{:.0} % of the contacts belong to something else, a background or another part: {FORWARD}",
             100.0 * strays as f64 / (strays + found.contacts) as f64
         ));
     }
-    Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes }
+    Ok(Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes })
 }
 
 /// A height field with more segments, where the simple shape leaves much unsaid that such a field predicts.
 fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
     let left = found.misfit.percent_of_relief;
-    if left < PATTERNED || found.misfit.p > 0.01 || found.dropped.outliers as f64 > STRAY * found.contacts as f64 {
+    if left < PATTERNED || found.misfit.p > CHANCE {
         return None;
     }
     let contacts = contacts_of(input);
