@@ -15,6 +15,7 @@ use crate::report::{Answer, ChosenPart, Subject};
 use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
+use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
 
@@ -96,25 +97,6 @@ fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
     let recognition =
         RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
     automatic(input, &recognition, &fit)
-}
-
-/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
-pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
-    let (found, reason) = match input {
-        Input::Contacts(contacts) => fit_surface(contacts, options)?,
-        Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
-            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
-        }
-        Input::Grid(grid) => {
-            (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
-        }
-    };
-    let surface = match &found {
-        FittedSurface::Height(_) => SurfaceKind::Height,
-        FittedSurface::Parametric(_) => SurfaceKind::Parametric,
-    };
-    let asked = options.surface != SurfaceKind::Height;
-    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), why: reason, ..ChosenPart::default() })))
 }
 
 /// The error with its file, and its line where it is about one contact.

@@ -12,6 +12,7 @@ mod describe;
 mod failure;
 mod fit;
 mod merge;
+mod named;
 mod options;
 mod output;
 mod preparation;
