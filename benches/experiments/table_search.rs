@@ -17,8 +17,8 @@ use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::scene::linspace;
 use palpate::scene::effects::{Encoder, ForceNoise, Friction, TipRadiusError};
-use palpate::scene::surface::{Body, Cylinder};
-use palpate::scene::{Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Surface};
+use palpate::scene::{Sweep, World};
 use rayon::prelude::*;
 
 const SEED: u64 = 1997;

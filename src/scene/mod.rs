@@ -21,10 +21,11 @@ mod truth;
 
 pub use crate::draws::{EffectDraws, NoiseLaw};
 pub use batch::ContactBatch;
-pub use effects::{Effect, Smoothness, Stage};
+pub use effects::Effect;
+pub(crate) use effects::Smoothness;
 pub use error::SceneError;
 pub use simulate::Simulator;
-pub use surface::Surface;
+pub(crate) use surface::Surface;
 #[doc(hidden)]
 pub use surface::SurfacePoint;
 #[doc(hidden)]

@@ -7,8 +7,8 @@ use palpate::internals::parametric::choose_surface;
 use palpate::internals::scene::linspace;
 use palpate::parametric::{FittedSurface, ParametricFit, fit_parametric, fit_surface};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
+use palpate::scene::{Sweep, World};
 
 mod shapes;
 

@@ -5,8 +5,8 @@ use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind,
 use palpate::internals::scene::linspace;
 use palpate::parametric::{ParametricFit, fit_parametric};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Simulator, Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
+use palpate::scene::{Simulator, Sweep, World};
 
 pub(crate) const SEED: u64 = 1997;
 pub(crate) const SIGMA: f64 = 0.02;
