@@ -9,8 +9,10 @@ use crate::contact::ContactError;
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::report::{ChosenPart, Subject};
+use crate::recognition::RecognitionOptions;
+use crate::report::{Answer, ChosenPart, Subject};
 
+use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
@@ -51,15 +53,31 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     }
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let found = fit_input(&reading.input, &args.fit.over(FitOptions::default()));
-    let found = found.map_err(|error| Failure::Input(placed(&error, &reading)))?;
+    let (found, chosen, remarks) = answer(&reading.input, &args.fit).map_err(|refusal| {
+        Failure::Input(match refusal {
+            Refusal::Fit(error) => placed(&error, &reading),
+            Refusal::Shape(message) => format!("{}: {message}", reading.file),
+        })
+    })?;
     let fitted = clock.elapsed().as_secs_f64();
-    let notes = notes(&reading);
-    let (found, chosen) = found;
+    let mut notes = notes(&reading);
+    notes.extend(remarks);
     let subject = Subject { chosen, input: &reading.input, truth: None, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(&found, &reading.file, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+}
+
+/// The model that was named, or what the contacts show where none was.
+fn answer(input: &Input, flags: &FitFlags) -> Result<Found, Refusal> {
+    let fit = flags.over(FitOptions::default());
+    if flags.names_a_model() {
+        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
+        return Ok((Answer::Fitted(found), chosen, Vec::new()));
+    }
+    fit.check().map_err(Refusal::Fit)?;
+    let recognition = RecognitionOptions::default().with_grid(fit.grid).with_level(fit.level);
+    automatic(input, &recognition, &fit)
 }
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
@@ -78,7 +96,7 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
         FittedSurface::Parametric(_) => SurfaceKind::Parametric,
     };
     let asked = options.surface != SurfaceKind::Height;
-    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), reason })))
+    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), why: reason, ..ChosenPart::default() })))
 }
 
 /// The error with its file, and its line where it is about one contact.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::io::Input;
-use crate::report::{Subject, inverse_crime_remark};
+use crate::report::{Answer, Subject, inverse_crime_remark};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
@@ -51,6 +51,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
+    let found = Answer::Fitted(found);
     let subject = Subject { chosen, input: &input, truth: Some(&truth), notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };

@@ -34,6 +34,7 @@ mod region;
 mod report;
 mod result;
 mod rows;
+mod spline;
 mod start;
 mod state;
 mod support;
@@ -45,6 +46,7 @@ mod weights;
 pub use error::RecognitionError;
 pub use options::RecognitionOptions;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub use spline::RecognisedSpline;
 pub use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};

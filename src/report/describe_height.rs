@@ -139,7 +139,12 @@ fn measured_pixels(grid: &Grid) -> usize {
 
 fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
     let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
-    let sigma = SigmaPart { z: noise.sigma_z, normal_deg: noise.sigma_normal_deg, slope: noise.sigma_slope };
+    let sigma = SigmaPart {
+        z: noise.sigma_z,
+        normal_deg: noise.sigma_normal_deg,
+        slope: noise.sigma_slope,
+        ..SigmaPart::default()
+    };
     let finite = |v: f64| v.is_finite().then_some(v);
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
@@ -165,6 +170,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         refinements: certificate.refinements,
         smooth: fit.smoothing(),
         chosen: subject.chosen.clone(),
+        lack_of_fit: None,
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
         notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
@@ -178,6 +184,8 @@ fn shape_part(fit: &Fit) -> ShapePart {
         shape_index: measure(&shape.shape_index),
         curvedness: measure(&shape.curvedness),
         radius: shape.radius,
+        radius_interval: None,
+        radii: None,
         class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
         class_probability: shares(&shape.class_probability),
         k1: spread_part(shape.k1),

@@ -95,7 +95,7 @@ pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
 
 pub(super) fn measure(statistic: &Statistic) -> MeasurePart {
     let interval = statistic.interval.map(|i| [i.lo, i.hi]);
-    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval }
+    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval, ..MeasurePart::default() }
 }
 
 pub(super) fn spread_part(spread: Spread) -> SpreadPart {
@@ -114,7 +114,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
     let [s, r, k1, k2] = again.spreads;
     let plane = document.shape.class.as_deref() == Some(ShapeClass::Plane.name());
     let class = s.mean.filter(|_| !plane).map(ShapeClass::of_shape_index);
-    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, u: None, interval: None };
+    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, ..MeasurePart::default() };
     let shape = &mut document.shape;
     shape.grid = again.grid;
     shape.shape_index = if plane { MeasurePart::default() } else { measure(s) };
@@ -123,6 +123,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
         shape.class = class.map(|c| c.name().to_string());
     }
     shape.class_probability = None;
+    (shape.radius_interval, shape.radii) = (None, None);
     shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
     shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;

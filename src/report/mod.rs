@@ -10,6 +10,7 @@
 mod describe;
 mod describe_height;
 mod describe_parametric;
+mod describe_recognised;
 mod description;
 mod document;
 mod json;
@@ -24,7 +25,7 @@ mod study_picture;
 mod sweep;
 mod table;
 
-pub(crate) use describe::{compute_shape, describe_fit, describe_saved, points_at};
+pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use document::{ChosenPart, FitDocument, Seconds};
 pub(crate) use json::write_json;
