@@ -135,6 +135,7 @@ pub enum OutsideDomain {
 /// Everything that decides a fit, with the design's defaults.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct FitOptions {
     /// Height field, parametric surface, or whichever the contacts call for. Default: height field.
     pub surface: SurfaceKind,
@@ -231,6 +232,12 @@ impl FitOptions {
     /// With this domain `[x0, x1, y0, y1]`, input units, instead of the contacts' bounding box.
     pub fn with_domain(mut self, domain: [f64; 4]) -> FitOptions {
         self.domain = Some(domain);
+        self
+    }
+
+    /// With this as what becomes of contacts outside the domain.
+    pub fn with_outside(mut self, outside: OutsideDomain) -> FitOptions {
+        self.outside = outside;
         self
     }
 

@@ -53,14 +53,12 @@ pub(crate) fn world(case: &Case, noisy: bool) -> Simulator {
 }
 
 pub(crate) fn options(degree: usize, segments: usize) -> FitOptions {
-    FitOptions {
-        surface: SurfaceKind::Parametric,
-        degree: [degree; 2],
-        segments: [segments; 2],
-        objective: Objective::Normals(NormalSigma::Known { z: SIGMA, normal_deg: SIGMA_NORMAL.to_degrees() }),
-        smooth: Smooth::Lambda(30.0),
-        ..FitOptions::default()
-    }
+    FitOptions::default()
+        .with_surface(SurfaceKind::Parametric)
+        .with_degree(degree)
+        .with_segments(segments, segments)
+        .with_objective(Objective::Normals(NormalSigma::Known { z: SIGMA, normal_deg: SIGMA_NORMAL.to_degrees() }))
+        .with_smooth(Smooth::Lambda(30.0))
 }
 
 /// S, its spread, R r at the contacts' feet.
@@ -100,6 +98,6 @@ pub(crate) fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<Pa
 
 /// The height field of the same degree and objective, as far as one has it.
 pub(crate) fn height(contacts: &Contacts, options: &FitOptions) -> Result<Fit, String> {
-    let options = FitOptions { surface: SurfaceKind::Height, smooth: Smooth::None, ..options.clone() };
+    let options = options.clone().with_surface(SurfaceKind::Height).with_smooth(Smooth::None);
     fit_contacts(contacts, &options).map_err(|e| e.to_string())
 }
