@@ -16,6 +16,7 @@ use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
+use super::preparation::PreparationFlags;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -25,16 +26,23 @@ pub(super) struct FitArgs {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
     skip_invalid: bool,
-    /// Normals point into the body: reverse them all
-    #[arg(long)]
-    flip_normals: bool,
     /// Save the surface and all that is known of it as JSON
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     #[command(flatten)]
+    preparation: PreparationFlags,
+    #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
     output: OutputFlags,
+}
+
+impl FitArgs {
+    /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
+    /// length zero and counts them.
+    fn reading(&self) -> ReadOptions {
+        ReadOptions { skip_invalid: self.skip_invalid, keep_zero_normals: !self.fit.names_a_model() }
+    }
 }
 
 pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
@@ -44,16 +52,11 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     }
     args.output.prepare()?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &ReadOptions { skip_invalid: args.skip_invalid })?;
-    if args.flip_normals {
-        reading.input = match reading.input {
-            Input::Contacts(contacts) => Input::Contacts(contacts.with_flipped_normals()),
-            grid => grid,
-        };
-    }
+    let mut reading = read_input(&args.input, &args.reading())?;
+    let prepared = args.preparation.apply(&mut reading)?;
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let (found, chosen, remarks) = answer(&reading.input, &args.fit).map_err(|refusal| {
+    let found = answer(&reading.input, args).map_err(|refusal| {
         Failure::Input(match refusal {
             Refusal::Fit(error) => placed(&error, &reading),
             Refusal::Shape(message) => format!("{}: {message}", reading.file),
@@ -61,22 +64,37 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     })?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = notes(&reading);
-    notes.extend(remarks);
-    let subject = Subject { chosen, input: &reading.input, truth: None, notes };
+    notes.extend(prepared);
+    notes.extend(found.notes);
+    let subject =
+        Subject { chosen: found.chosen, lack_of_fit: found.lack_of_fit, input: &reading.input, truth: None, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    describe(&found, &reading.file, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+    describe(
+        &found.answer,
+        &reading.file,
+        &subject,
+        &taken,
+        &Destination { output: &args.output, save: args.save.as_ref() },
+    )
 }
 
 /// The model that was named, or what the contacts show where none was.
-fn answer(input: &Input, flags: &FitFlags) -> Result<Found, Refusal> {
-    let fit = flags.over(FitOptions::default());
-    if flags.names_a_model() {
+fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
+    let fit = args.fit.over(FitOptions::default());
+    let viewpoint = args.preparation.viewpoint;
+    if args.fit.names_a_model() {
+        if viewpoint.is_some() && !args.preparation.estimates_normals() {
+            let what =
+                "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
+            return Err(Refusal::Shape(what.into()));
+        }
         let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
-        return Ok((Answer::Fitted(found), chosen, Vec::new()));
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
     }
     fit.check().map_err(Refusal::Fit)?;
-    let recognition = RecognitionOptions::default().with_grid(fit.grid).with_level(fit.level);
+    let recognition =
+        RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
     automatic(input, &recognition, &fit)
 }
 

@@ -14,6 +14,7 @@ mod fit;
 mod merge;
 mod options;
 mod output;
+mod preparation;
 mod progress;
 mod run;
 mod scene;

@@ -52,7 +52,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
     let found = Answer::Fitted(found);
-    let subject = Subject { chosen, input: &input, truth: Some(&truth), notes };
+    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })

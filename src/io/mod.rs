@@ -49,6 +49,8 @@ pub use write::{ContactFormat, write_contacts};
 pub struct ReadOptions {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file.
     pub skip_invalid: bool,
+    /// Read normals of length zero as normals that are not known, instead of refusing the file.
+    pub keep_zero_normals: bool,
 }
 
 /// Scattered contacts or a grid.

@@ -17,7 +17,9 @@ mod dense;
 mod descent;
 mod displacement;
 mod error;
+mod estimated_normals;
 mod evidence;
+mod flexible;
 mod frame;
 mod input;
 mod misfit;
@@ -44,6 +46,8 @@ mod tests;
 mod weights;
 
 pub use error::RecognitionError;
+pub use estimated_normals::estimate_normals;
+pub(crate) use flexible::{Flexible, flexible};
 pub use options::RecognitionOptions;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 pub use spline::RecognisedSpline;

@@ -32,7 +32,7 @@ const SEGMENTS: [usize; 3] = [2, 4, 8];
 const OF_MISFIT: f64 = 1e-3;
 
 /// The same by the patch's size, for contacts without noise.
-const OF_SIZE: f64 = 1e-8;
+const OF_SIZE: f64 = 1e-7;
 
 /// Least third component of the unit normals of a height field: 75 degrees from level.
 const STEEP: f64 = 0.25;

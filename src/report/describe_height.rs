@@ -12,6 +12,7 @@ use crate::surface::HeightField;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
+    take_back_class,
 };
 use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::maps::{write_maps_csv, write_maps_npz};
@@ -40,8 +41,14 @@ impl<'a> HeightDescription<'a> {
         seconds: Seconds,
     ) -> Result<HeightDescription<'a>, FitError> {
         let surface = fit.input_surface()?;
+        let mut document = document(fit, &surface, subject, seconds);
+        if subject.lack_of_fit.is_some() {
+            let maps = &fit.shape().maps;
+            let places = maps.supported.indexed_iter().map(|(at, _)| at);
+            take_back_class(&mut document, places.filter_map(|(i, j)| maps.shape_index_at(i, j)));
+        }
         Ok(HeightDescription {
-            document: document(fit, &surface, subject, seconds),
+            document,
             surface: Cow::Owned(surface),
             maps: Cow::Borrowed(&fit.shape().maps),
             grid: fit.options().grid,
@@ -170,7 +177,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         refinements: certificate.refinements,
         smooth: fit.smoothing(),
         chosen: subject.chosen.clone(),
-        lack_of_fit: None,
+        lack_of_fit: subject.lack_of_fit.clone(),
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
         notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),

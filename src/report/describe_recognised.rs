@@ -15,7 +15,7 @@ use crate::recognition::{Estimate, NormalsUse, RecognisedSpline, RecognisedSurfa
 use crate::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
-use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part};
+use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
@@ -42,7 +42,7 @@ impl<'a> RecognisedDescription<'a> {
         seconds: Seconds,
     ) -> Result<RecognisedDescription<'a>, FitError> {
         let spline = found.spline()?;
-        let document = FitDocument {
+        let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
             contacts: found.contacts + found.dropped.outliers,
             frame: match &spline {
@@ -58,6 +58,8 @@ impl<'a> RecognisedDescription<'a> {
             },
             seconds,
         };
+        let supported = found.map.iter().filter(|p| p.supported);
+        take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
         let contacts = match subject.input {
             Input::Contacts(contacts) => Some(contacts),
             Input::Grid(_) => None,
@@ -156,7 +158,11 @@ fn fit_part(found: &Recognition, spline: &RecognisedSpline, subject: &Subject) -
         segments,
         weights: None,
         chosen: Some(chosen(found, spline, degree, segments)),
-        lack_of_fit: Some(LackOfFitPart { p: Some(found.misfit.p), words: found.misfit.words.clone() }),
+        lack_of_fit: Some(LackOfFitPart {
+            p: Some(found.misfit.p),
+            percent_of_relief: Some(found.misfit.percent_of_relief),
+            words: found.misfit.words.clone(),
+        }),
         parametric: None,
         sigma: Some(SigmaPart {
             z: Some(noise.sd_z),

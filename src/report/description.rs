@@ -13,7 +13,7 @@ use crate::io::Input;
 use crate::scene::Truth;
 use crate::shape::{Spread, radius_of};
 
-use super::document::{ChosenPart, FitDocument, MeasurePart, Shares, SpreadPart};
+use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
 use super::table::significant;
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
@@ -57,6 +57,8 @@ pub(crate) struct Subject<'a> {
     pub notes: Vec<String>,
     /// Kind of surface and why, where that was a question.
     pub chosen: Option<ChosenPart>,
+    /// What the surface leaves unsaid, where that was tested.
+    pub lack_of_fit: Option<LackOfFitPart>,
 }
 
 /// Points of the shape grid over which a saved surface is described.
@@ -86,6 +88,37 @@ pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     let crime = document.fit.notes.iter().any(|note| note.starts_with(INVERSE_CRIME));
     let warning = if crime { format!(" ({INVERSE_CRIME})") } else { String::new() };
     format!("{name}: {class}, S = {}, R = {}{warning}", mean(&shape.shape_index), mean(&shape.curvedness))
+}
+
+/// Share of the patch that the commonest class must have for the class to be said.
+const MOST: f64 = 0.5;
+
+/// Variation of S over the patch from which on its mean may describe no part of it: two classes.
+const VARIED: f64 = 0.25;
+
+/// Where S varies so much that the class of its mean is not the commonest one, or that no class has half of the patch:
+/// the class is taken back and what there is said instead. `shape_index` runs over the supported points of the map.
+pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iterator<Item = f64>) {
+    let shape = &mut document.shape;
+    if !shape.shape_index.sd.is_some_and(|sd| sd > VARIED) {
+        return;
+    }
+    let mut counts: Vec<(ShapeClass, usize)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0)).collect();
+    for s in shape_index {
+        let class = ShapeClass::of_shape_index(s);
+        counts.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, n)| *n += 1);
+    }
+    counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
+    let all = counts.iter().map(|(_, n)| n).sum::<usize>().max(1) as f64;
+    let (commonest, most) = counts[0];
+    if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= MOST * all {
+        return;
+    }
+    let kinds = counts.iter().filter(|(_, n)| *n as f64 >= 0.1 * all);
+    let kinds: Vec<String> = kinds.map(|(c, n)| format!("{} {:.0} %", c.name(), 100.0 * *n as f64 / all)).collect();
+    document.fit.notes.push(format!("several kinds of shape stand side by side, by area: {}", kinds.join(", ")));
+    (shape.class, shape.class_probability, shape.radius, shape.radius_interval) = (None, None, None, None);
+    shape.radii = None;
 }
 
 /// Probabilities of the classes; `None` of a plane.

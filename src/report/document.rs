@@ -137,6 +137,8 @@ pub(crate) struct TriedPart {
 pub(crate) struct LackOfFitPart {
     /// Probability of residuals as alike as these among neighbours, were they independent.
     pub(crate) p: Option<f64>,
+    /// Root mean square misfit of the contacts' local means, in percent of the relief.
+    pub(crate) percent_of_relief: Option<f64>,
     /// One sentence.
     pub(crate) words: String,
 }

@@ -27,7 +27,7 @@ mod table;
 
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub(crate) use document::{ChosenPart, FitDocument, Seconds};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
 pub(crate) use json::write_json;
 pub use schema::{fit_schema, study_schema};
 pub(crate) use study::{

@@ -128,7 +128,7 @@ fn full() -> FitDocument {
                     TriedPart::default(),
                 ],
             }),
-            lack_of_fit: Some(LackOfFitPart { p: Some(0.5), words: "no pattern".into() }),
+            lack_of_fit: Some(LackOfFitPart { p: Some(0.5), percent_of_relief: Some(0.5), words: "no pattern".into() }),
             parametric: None,
             sigma: Some(SigmaPart {
                 z: Some(0.5),

@@ -8,6 +8,10 @@ use super::document::{FitDocument, MeasurePart, ParametricPart};
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
 
+/// Magnitudes that are shown in fixed form.
+const SMALLEST: f64 = 1e-6;
+const LARGEST: f64 = 1e7;
+
 /// Writes the table of one fit; `name` is the scene or the file.
 ///
 /// # Errors
@@ -35,7 +39,11 @@ impl Lines {
 fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
     let shape = &document.shape;
     lines.add("contacts", format!("{} of {name}", document.contacts));
-    let class = shape.class.as_deref().unwrap_or("none: S is undefined here");
+    let class = shape.class.as_deref().unwrap_or(if shape.shape_index.mean.is_some() {
+        "none: see the notes"
+    } else {
+        "none: S is undefined here"
+    });
     let sure = shape.class_probability.as_ref().and_then(|shares| {
         let share = shares.0.iter().find(|(name, _)| name == class)?.1;
         Some(format!("  (probability {share:.3})"))
@@ -139,6 +147,9 @@ fn equation_lines(document: &FitDocument, lines: &mut Lines) {
     if let Some(chosen) = &fit.chosen {
         lines.add("surface", format!("{}: {}", chosen.surface, chosen.why));
     }
+    if let Some(lack) = &fit.lack_of_fit {
+        lines.add("misfit", lack.words.clone());
+    }
     if let Some(part) = &fit.parametric {
         parametric_lines(part, lines);
     }
@@ -179,16 +190,19 @@ fn parametric_lines(part: &ParametricPart, lines: &mut Lines) {
 fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
     let Some(mean) = part.mean else { return "undefined".into() };
     let places = decimals(mean);
-    let mut text = format!("{mean:.places$}");
+    // where fixed form would be all zeros or a row of digits, every number gets an exponent
+    let fixed = mean == 0.0 || (SMALLEST..LARGEST).contains(&mean.abs());
+    let shown = |value: f64| if fixed { format!("{value:.places$}") } else { significant(value, DIGITS) };
+    let mut text = shown(mean);
     if let Some(sd) = part.sd {
-        let _ = write!(text, " +- {sd:.places$} over the patch");
+        let _ = write!(text, " +- {} over the patch", shown(sd));
     }
     if let Some(u) = part.u {
         let _ = write!(text, ",  u = {}", significant(u, 2));
     }
     if let Some([lo, hi]) = part.interval {
         let level = part.level.map_or(String::new(), |level| format!("{} % ", significant(100.0 * level, 2)));
-        let _ = write!(text, ",  {level}[{lo:.places$}, {hi:.places$}]");
+        let _ = write!(text, ",  {level}[{}, {}]", shown(lo), shown(hi));
     }
     if let (Some(noise), Some(model)) = (part.u_noise, part.u_model) {
         let _ = write!(text, "  (noise {}, model {})", significant(noise, 2), significant(model, 2));
