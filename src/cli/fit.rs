@@ -6,11 +6,10 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::contact::ContactError;
-use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
+use crate::fit::{FitError, FitOptions};
 use crate::io::{Input, ReadOptions, Reading, read_input};
-use crate::parametric::{FittedSurface, fit_surface};
 use crate::recognition::RecognitionOptions;
-use crate::report::{Answer, ChosenPart, Subject};
+use crate::report::{Answer, Subject};
 
 use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
