@@ -7,18 +7,19 @@ use clap::Args;
 
 use crate::contact::ContactError;
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
-use crate::io::{Input, ReadOptions, Reading, read_input};
+use crate::io::{Input, Reading, read_input};
 use crate::parametric::{FittedSurface, fit_surface};
 use crate::report::{ChosenPart, Subject};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
+use super::reading::ReadFlags;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
-    /// CSV, NPZ or PLY; - for standard input
+    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
     input: PathBuf,
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
@@ -29,6 +30,8 @@ pub(super) struct FitArgs {
     /// Save the surface and all that is known of it as JSON
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadFlags,
     #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
@@ -42,7 +45,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     }
     args.output.prepare()?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &ReadOptions { skip_invalid: args.skip_invalid })?;
+    let mut reading = read_input(&args.input, &args.reading.options(args.skip_invalid))?;
     if args.flip_normals {
         reading.input = match reading.input {
             Input::Contacts(contacts) => Input::Contacts(contacts.with_flipped_normals()),
@@ -98,7 +101,7 @@ fn placed(error: &FitError, reading: &Reading) -> String {
 }
 
 fn notes(reading: &Reading) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = reading.notes.clone();
     if !reading.ignored.is_empty() {
         notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
     }

@@ -14,6 +14,7 @@ mod merge;
 mod options;
 mod output;
 mod progress;
+mod reading;
 mod run;
 mod scene;
 mod scenes;
