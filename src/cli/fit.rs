@@ -43,7 +43,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    args.output.prepare()?;
+    args.output.prepare(&[&args.input], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
     let mut reading = read_input(&args.input, &args.reading.options(args.skip_invalid))?;
     if args.flip_normals {

@@ -18,6 +18,7 @@ mod depth;
 mod error;
 mod gather;
 mod imported;
+mod limits;
 mod names;
 mod npy;
 mod npz;
@@ -27,10 +28,12 @@ mod ply;
 mod recognise;
 mod records;
 mod remark;
+mod same_file;
 pub mod scene_file;
 mod study_file;
 mod surface_file;
 mod table_form;
+mod together;
 mod unpack;
 mod visible;
 mod write;
@@ -48,13 +51,16 @@ pub use atomic::{remove_unfinished, write_atomically};
 pub use depth::Intrinsics;
 pub use error::IoError;
 pub use imported::import_surface;
+pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
 pub use place::{Place, Places};
 pub use records::{RecordFormat, Records};
+pub(crate) use same_file::same_file;
 pub use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
 pub use surface_file::{
     AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,
 };
+pub use together::Together;
 pub(crate) use visible::visible;
 pub use write::{ContactFormat, write_contacts};
 
