@@ -17,11 +17,12 @@ use super::failure::{Failure, fit_message};
 use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
+use super::reading::ReadFlags;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
-    /// CSV, NPZ or PLY; - for standard input
+    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
     input: PathBuf,
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
@@ -32,6 +33,8 @@ pub(super) struct FitArgs {
     #[command(flatten)]
     preparation: PreparationFlags,
     #[command(flatten)]
+    reading: ReadFlags,
+    #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
     output: OutputFlags,
@@ -40,8 +43,9 @@ pub(super) struct FitArgs {
 impl FitArgs {
     /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
     /// length zero and counts them.
-    fn reading(&self) -> ReadOptions {
-        ReadOptions { skip_invalid: self.skip_invalid, keep_zero_normals: !self.fit.names_a_model() }
+    fn read_options(&self) -> ReadOptions {
+        let keep_zero_normals = !self.fit.names_a_model();
+        ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
     }
 }
 
@@ -50,9 +54,9 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    args.output.prepare()?;
+    args.output.prepare(&[&args.input], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &args.reading())?;
+    let mut reading = read_input(&args.input, &args.read_options())?;
     let prepared = args.preparation.apply(&mut reading)?;
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
@@ -115,7 +119,7 @@ fn placed(error: &FitError, reading: &Reading) -> String {
 }
 
 fn notes(reading: &Reading) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = reading.notes.clone();
     if !reading.ignored.is_empty() {
         notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
     }

@@ -17,6 +17,7 @@ mod options;
 mod output;
 mod preparation;
 mod progress;
+mod reading;
 mod run;
 mod scene;
 mod scenes;
@@ -75,8 +76,9 @@ pub fn main() -> ExitCode {
     if line.portable {
         crate::simd::Isa::force_portable();
     }
-    // without a handler Ctrl-C still ends the process, only less tidily
-    let _ = ctrlc::set_handler(|| {
+    // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
+    // does, wants it ignored: then no handler is set.
+    let _ = ctrlc::try_set_handler(|| {
         crate::io::remove_unfinished();
         std::process::exit(130)
     });

@@ -35,7 +35,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
     let scene = scene::load(&args.scene)?;
-    args.output.prepare()?;
+    args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
