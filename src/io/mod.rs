@@ -48,7 +48,7 @@ use depth::DepthImage;
 use recognise::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
-pub use depth::Intrinsics;
+pub(crate) use depth::Intrinsics;
 pub(crate) use error::IoError;
 pub(crate) use imported::import_surface;
 pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
