@@ -33,7 +33,7 @@ impl OutputFlags {
     pub(super) fn prepare(&self, inputs: &[&Path], outputs: &[PathBuf]) -> Result<(), Failure> {
         let overwrites = |output: &Path| match inputs.iter().find(|input| same_file(input, output)) {
             Some(input) => Err(Failure::Input(format!(
-                "{}: is read as {}, and would be written over; give the output another name",
+                "{}: it is the input {}, which would be written over; give the output another name",
                 output.display(),
                 input.display()
             ))),
