@@ -67,7 +67,7 @@ impl OutputFlags {
         let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
         let written = |name: &&str| files.names().iter().any(|written| written == name);
-        let families = FAMILIES.iter().filter(|names| names.iter().any(|name| written(name)));
+        let families = FAMILIES.iter().filter(|names| names.iter().any(written));
         let stale =
             families.flat_map(|names| names.iter()).find(|name| !written(name) && directory.join(name).exists());
         match stale {

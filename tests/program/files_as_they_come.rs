@@ -184,7 +184,8 @@ fn clouds_without_normals_and_with_counts() {
 fn depth_images_of_every_kind_are_one() {
     let depth = Array2::from_shape_fn((3, 4), |(v, u)| if (v, u) == (1, 2) { 0.0 } else { (100 + 10 * v + u) as f64 });
     let camera = "50,60,1.5,1";
-    let npz = |fill: &dyn Fn(&mut NpzWriter<Cursor<Vec<u8>>>)| {
+    type Fill<'a> = &'a dyn Fn(&mut NpzWriter<Cursor<Vec<u8>>>);
+    let npz = |fill: Fill| {
         let mut writer = NpzWriter::new(Cursor::new(Vec::new()));
         fill(&mut writer);
         writer.finish().unwrap().into_inner()
