@@ -6,13 +6,16 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod automatic;
 mod coverage;
 mod describe;
 mod failure;
 mod fit;
 mod merge;
+mod named;
 mod options;
 mod output;
+mod preparation;
 mod progress;
 mod reading;
 mod run;

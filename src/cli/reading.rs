@@ -15,6 +15,6 @@ pub(super) struct ReadFlags {
 
 impl ReadFlags {
     pub(super) fn options(&self, skip_invalid: bool) -> ReadOptions {
-        ReadOptions { skip_invalid, intrinsics: self.intrinsics }
+        ReadOptions { skip_invalid, intrinsics: self.intrinsics, ..ReadOptions::default() }
     }
 }

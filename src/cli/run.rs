@@ -6,12 +6,13 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::io::Input;
-use crate::report::{Subject, inverse_crime_remark};
+use crate::report::{Answer, Subject, inverse_crime_remark};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
+use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
-use super::{fit, scene};
+use super::scene;
 
 /// Arguments of `palpate run`.
 #[derive(Args)]
@@ -43,7 +44,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
+    let found = fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {
@@ -51,7 +52,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
-    let subject = Subject { chosen, input: &input, truth: Some(&truth), notes };
+    let found = Answer::Fitted(found);
+    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })

@@ -22,7 +22,7 @@ const MOST_HEADER: u64 = 1 << 28;
 
 /// What a study is a function of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StudyIdentity {
+pub(crate) struct StudyIdentity {
     /// Hash of the scene and of all options that touch a number.
     pub scene_hash: String,
     /// Seed.
@@ -40,7 +40,7 @@ impl StudyIdentity {
     ///
     /// # Errors
     /// [`StudyError::Stranger`].
-    pub fn check(&self, other: &StudyIdentity) -> Result<(), StudyError> {
+    pub(crate) fn check(&self, other: &StudyIdentity) -> Result<(), StudyError> {
         let pairs = [
             ("the version of palpate", self.build.clone(), other.build.clone()),
             ("the scene with its options", self.scene_hash.clone(), other.scene_hash.clone()),
@@ -57,7 +57,7 @@ impl StudyIdentity {
 
 /// A state with all that is needed to go on with it, or to join it to others.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StudyFile {
+pub(crate) struct StudyFile {
     /// Which study.
     pub identity: StudyIdentity,
     /// The arguments of `palpate study`, the scene first.
@@ -77,7 +77,7 @@ pub struct StudyFile {
 /// A study file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum StudyFileError {
+pub(crate) enum StudyFileError {
     /// The system said no.
     #[error("{file}: cannot be read: {source}")]
     Read {
@@ -139,7 +139,7 @@ fn fnv1a(bytes: &[u8]) -> u64 {
 }
 
 /// 128 bits that tell texts apart, as 32 hexadecimal digits: FNV-1a forwards and backwards.
-pub fn text_hash(text: &str) -> String {
+pub(crate) fn text_hash(text: &str) -> String {
     let backwards: Vec<u8> = text.bytes().rev().collect();
     format!("{:016x}{:016x}", fnv1a(text.as_bytes()), fnv1a(&backwards))
 }
@@ -148,7 +148,7 @@ pub fn text_hash(text: &str) -> String {
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub fn write_study(path: &Path, file: &StudyFile) -> Result<(), super::IoError> {
+pub(crate) fn write_study(path: &Path, file: &StudyFile) -> Result<(), super::IoError> {
     let bytes = to_bytes(file);
     write_atomically(path, &mut |out| out.write_all(&bytes))
 }
@@ -215,7 +215,7 @@ fn to_bytes(file: &StudyFile) -> Vec<u8> {
 ///
 /// # Errors
 /// Not there, not one of ours, or damaged.
-pub fn read_study(path: &Path) -> Result<StudyFile, StudyFileError> {
+pub(crate) fn read_study(path: &Path) -> Result<StudyFile, StudyFileError> {
     let bytes = std::fs::read(path).map_err(|source| StudyFileError::Read { file: path.to_path_buf(), source })?;
     if !bytes.starts_with(MAGIC) {
         return Err(StudyFileError::Foreign { file: path.to_path_buf() });

@@ -13,7 +13,7 @@ use super::atomic::{hold, release};
 
 /// Files that belong together; dropped without [`Together::publish`], they were never there.
 #[derive(Debug)]
-pub struct Together {
+pub(crate) struct Together {
     directory: PathBuf,
     temporary: Option<TempDir>,
     names: Vec<String>,
@@ -24,7 +24,7 @@ impl Together {
     ///
     /// # Errors
     /// [`IoError::Write`].
-    pub fn new(directory: &Path) -> Result<Together, IoError> {
+    pub(crate) fn new(directory: &Path) -> Result<Together, IoError> {
         let make = || tempfile::Builder::new().prefix(".palpate-").tempdir_in(directory);
         let temporary = hold(make, |made: &TempDir| made.path().to_path_buf());
         let temporary = temporary.map_err(|source| IoError::Write { path: directory.into(), source })?;
@@ -35,7 +35,7 @@ impl Together {
     ///
     /// # Errors
     /// [`IoError::Write`] with the name that the file was to have.
-    pub fn write(
+    pub(crate) fn write(
         &mut self,
         name: &str,
         fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>,
@@ -52,7 +52,7 @@ impl Together {
     }
 
     /// Names of the files that are written.
-    pub fn names(&self) -> &[String] {
+    pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
@@ -60,7 +60,7 @@ impl Together {
     ///
     /// # Errors
     /// [`IoError::Write`]; where a directory stands in the way of one file, none is moved.
-    pub fn publish(mut self) -> Result<(), IoError> {
+    pub(crate) fn publish(mut self) -> Result<(), IoError> {
         let Some(temporary) = self.temporary.take() else { return Ok(()) };
         let targets: Vec<PathBuf> = self.names.iter().map(|name| self.directory.join(name)).collect();
         let moved = match targets.iter().find(|target| target.is_dir()) {

@@ -9,11 +9,11 @@ use super::table::significant;
 use crate::montecarlo::{Attribution, LinearLaw, Share, Stopped, StudyResult, Summary};
 
 /// Schema name.
-pub const STUDY_SCHEMA: &str = "palpate.study/1";
+pub(crate) const STUDY_SCHEMA: &str = "palpate.study/1";
 
 /// Standard errors.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct StandardErrors {
+pub(crate) struct StandardErrors {
     /// Of the mean.
     pub mean: Option<f64>,
     /// Of the lower end.
@@ -26,7 +26,7 @@ pub struct StandardErrors {
 
 /// One quantity.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct QuantityPart {
+pub(crate) struct QuantityPart {
     /// Mean over the replicates.
     pub mean: Option<f64>,
     /// Sample sd.
@@ -55,7 +55,7 @@ pub struct QuantityPart {
 
 /// One quantile.
 #[derive(Clone, Debug, Serialize)]
-pub struct QuantilePart {
+pub(crate) struct QuantilePart {
     /// Share.
     pub share: f64,
     /// Value.
@@ -66,7 +66,7 @@ pub struct QuantilePart {
 
 /// The linear law of one quantity.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct LinearQuantity {
+pub(crate) struct LinearQuantity {
     /// Standard uncertainty.
     pub sd: Option<f64>,
     /// Lower end.
@@ -79,7 +79,7 @@ pub struct LinearQuantity {
 
 /// The linear law.
 #[derive(Clone, Debug, Serialize)]
-pub struct LinearDocument {
+pub(crate) struct LinearDocument {
     /// Of S.
     #[serde(rename = "S")]
     pub shape_index: LinearQuantity,
@@ -95,7 +95,7 @@ pub struct LinearDocument {
 /// One effect's shares of the variance.
 #[derive(Clone, Debug, Default, Serialize)]
 #[allow(non_snake_case, reason = "keys of the document")]
-pub struct EffectPart {
+pub(crate) struct EffectPart {
     /// Its name.
     pub name: String,
     /// First-order share of the variance of S.
@@ -126,7 +126,7 @@ pub struct EffectPart {
 
 /// Shares in the order of S.
 #[derive(Clone, Debug, Default)]
-pub struct NamedShares(pub Vec<(String, f64)>);
+pub(crate) struct NamedShares(pub Vec<(String, f64)>);
 
 impl Serialize for NamedShares {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -136,7 +136,7 @@ impl Serialize for NamedShares {
 
 /// Quantities beside S and R, by name.
 #[derive(Clone, Debug, Default)]
-pub struct NamedQuantities(pub Vec<(String, QuantityPart)>);
+pub(crate) struct NamedQuantities(pub Vec<(String, QuantityPart)>);
 
 impl Serialize for NamedQuantities {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -146,7 +146,7 @@ impl Serialize for NamedQuantities {
 
 /// The whole document.
 #[derive(Clone, Debug, Serialize)]
-pub struct StudyDocument {
+pub(crate) struct StudyDocument {
     /// [`STUDY_SCHEMA`].
     pub schema: &'static str,
     /// Name of the scene.
@@ -205,7 +205,7 @@ pub struct StudyDocument {
 
 /// A sum of shares.
 #[derive(Clone, Debug, Serialize)]
-pub struct SumPart {
+pub(crate) struct SumPart {
     /// Of which quantity.
     pub quantity: String,
     /// The sum.
@@ -264,7 +264,7 @@ fn ends(share: &Share) -> Option<[f64; 2]> {
 }
 
 /// Shares of the effects, those of the scene that are off among them.
-pub fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> {
+pub(crate) fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> {
     let on = attribution.effects.iter().map(|effect| EffectPart {
         name: effect.name.clone(),
         share_S: effect.first[0].share,
@@ -301,13 +301,13 @@ pub fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> 
 }
 
 /// Sums of shares for the document.
-pub fn sum_parts(attribution: &Attribution) -> Vec<SumPart> {
+pub(crate) fn sum_parts(attribution: &Attribution) -> Vec<SumPart> {
     let named = ["S", "R"].into_iter().zip(&attribution.sum);
     named.map(|(name, sum)| SumPart { quantity: name.into(), sum: sum.share, interval: ends(sum) }).collect()
 }
 
 /// Remarks on a result that its numbers alone do not make.
-pub fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str>) -> Vec<String> {
+pub(crate) fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(summary) = result.quantities.first()
         && let (Some(truth), Some(sd), Some(bias)) = (summary.truth, summary.sd, summary.bias)
@@ -326,7 +326,7 @@ pub fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str
 }
 
 /// The word for why a study ended.
-pub fn stopped_words(stopped: Stopped) -> &'static str {
+pub(crate) fn stopped_words(stopped: Stopped) -> &'static str {
     match stopped {
         Stopped::Replicates => "all replicates done",
         Stopped::Tolerance => "the digits asked for are there",
@@ -338,7 +338,7 @@ pub fn stopped_words(stopped: Stopped) -> &'static str {
 ///
 /// # Errors
 /// What the system says.
-pub fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::new();
     let mut line = |label: &str, words: String| {
         let _ = writeln!(text, "{label:<10} {}", words.trim_end());

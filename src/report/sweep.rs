@@ -11,7 +11,7 @@ use super::table::significant;
 
 /// One point of a sweep.
 #[derive(Clone, Debug, Serialize)]
-pub struct SweepPoint {
+pub(crate) struct SweepPoint {
     /// Values of the keys.
     pub at: Vec<f64>,
     /// S.
@@ -28,7 +28,7 @@ pub struct SweepPoint {
 
 impl SweepPoint {
     /// From a study at these values of the keys.
-    pub fn new(at: Vec<f64>, study: &StudyDocument) -> SweepPoint {
+    pub(crate) fn new(at: Vec<f64>, study: &StudyDocument) -> SweepPoint {
         SweepPoint {
             at,
             shape_index: study.shape_index.clone(),
@@ -47,7 +47,7 @@ impl SweepPoint {
 ///
 /// # Errors
 /// What the system says.
-pub fn write_sweep_table(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_sweep_table(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = keys.join("  ");
     let _ = writeln!(
         text,
@@ -85,7 +85,7 @@ pub fn write_sweep_table(keys: &[&str], points: &[SweepPoint], out: &mut dyn Wri
 ///
 /// # Errors
 /// What the system says.
-pub fn write_sweep_csv(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_sweep_csv(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write) -> std::io::Result<()> {
     let classes: Vec<String> =
         points.first().map_or(Vec::new(), |point| point.class.0.iter().map(|(n, _)| n.replace(' ', "_")).collect());
     let of = |name: &str| ["mean", "sd", "bias", "lo", "hi", "truth"].map(|what| format!("{name}_{what}")).join(",");
@@ -107,7 +107,7 @@ pub fn write_sweep_csv(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write
 ///
 /// # Errors
 /// What the system says.
-pub fn write_sweep_picture(
+pub(crate) fn write_sweep_picture(
     title: &str,
     keys: &[&str],
     points: &[SweepPoint],

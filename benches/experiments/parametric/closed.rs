@@ -1,12 +1,11 @@
 //! Sweeps that go round, and the half ball touched to its rim.
 
 use palpate::Contacts;
-use palpate::fit::FitOptions;
 
 use crate::shapes;
 use crate::worlds;
 
-pub fn print() {
+pub(crate) fn print() {
     println!("\nsweeps that go round, sigma declared, lambda 30; S and R over a 16 x 16 grid");
     let ring = shapes::ring_of_bar(5.0, 4, 12);
     tell("bar r = 5, 4 fingers x 12 stations, closed v", &ring, [false, true], |_| (0.5, 0.2 * 0.5_f64.sqrt()));
@@ -27,7 +26,7 @@ pub fn print() {
 fn tell(name: &str, contacts: &Contacts, closed: [bool; 2], truth: impl Fn([f64; 3]) -> (f64, f64)) {
     // closed directions take 12 segments where one is asked for
     let segments = if closed == [false; 2] { 2 } else { 1 };
-    let options = FitOptions { closed, grid: [16, 16], ..worlds::options(3, segments) };
+    let options = worlds::options(3, segments).with_closed(closed).with_grid(16, 16);
     let fit = match worlds::parametric(contacts, &options) {
         Ok(fit) => fit,
         Err(error) => return println!("  {name}: {error}"),

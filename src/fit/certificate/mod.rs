@@ -12,7 +12,8 @@ pub(super) mod guaranteed_digits;
 mod row_passes;
 
 use crate::fit::describe::shape::Shape;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
+use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
 use backward::backward;
 use guaranteed_digits::{GuaranteedDigits, guaranteed_digits};
@@ -45,7 +46,7 @@ pub struct Certificate {
 }
 
 /// The certificate of a solved fit and of the S and R it gives; computes what the fit itself did not need.
-pub fn certify(solved: &Solved, shape: &Shape) -> Certificate {
+pub(super) fn certify(solved: &Solved, shape: &Shape) -> Certificate {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let backward = backward(solved);
     Certificate {

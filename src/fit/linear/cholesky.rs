@@ -1,12 +1,15 @@
 //! Cholesky of `D(E'E)D`, the answer refined from the rows.
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::gaps::solve_with_gaps;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::linalg::StencilMatrix;
 use crate::solve::{Cholesky, SolveError};
 
@@ -15,7 +18,7 @@ use crate::solve::{Cholesky, SolveError};
 const PIVOT_IN_DOUBT: f64 = 1e-4;
 
 /// A factor of the normal matrix, and its condition where a small pivot puts it in doubt.
-pub struct NormalFactor {
+pub(super) struct NormalFactor {
     cholesky: Cholesky,
     /// Condition of the equilibrated rows; `None` where all pivots are well away from zero.
     pub doubtful_condition: Option<f64>,
@@ -37,7 +40,7 @@ impl From<UnfilledGap> for FitError {
 ///
 /// # Errors
 /// Where a pivot is not positive, or the matrix is too large to plan for.
-pub fn factor(matrix: &StencilMatrix, free: &Free) -> Result<NormalFactor, SolveError> {
+pub(super) fn factor(matrix: &StencilMatrix, free: &Free) -> Result<NormalFactor, SolveError> {
     let mut cholesky = Cholesky::plan(matrix.shape())?;
     let masked = free.mask(matrix);
     cholesky.factor(masked.as_ref().unwrap_or(matrix))?;
@@ -51,7 +54,7 @@ impl NormalFactor {
     ///
     /// # Errors
     /// Where the coefficients without data cannot be filled in.
-    pub fn solve(
+    pub(super) fn solve(
         self,
         equations: &Equations,
         free: &Free,
@@ -62,7 +65,7 @@ impl NormalFactor {
         let order = equations.unknowns();
         let mut solution = Solution {
             coefficients: vec![0.0; order],
-            factor: Factor::Cholesky(Box::new(self.cholesky)),
+            factor: Arc::new(self.cholesky),
             method: MethodUsed::Cholesky,
             reasons,
             rank: order - free.len(),

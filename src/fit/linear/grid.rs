@@ -3,12 +3,15 @@
 //! Exact: every pixel measured, one weight per block, slope rows, no roughness. Then `A^-1` needs two small eigenproblems
 //! and four matrix products; elsewhere the same factors, with mean weights, are the preconditioner.
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::refine;
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::fit::placing::sites::DataSites;
 use crate::linalg::{RowWeights, Sites, StencilMatrix};
 use crate::observation::GridSites;
@@ -16,7 +19,7 @@ use crate::solve::{FastDiagonalisation, GridSolver};
 
 /// What the two factors are used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GridMethod {
+pub(super) enum GridMethod {
     /// `kronecker`: they give the answer.
     Direct,
     /// `pcg`: they precondition conjugate gradients.
@@ -27,7 +30,7 @@ pub enum GridMethod {
 ///
 /// # Errors
 /// [`FitError::Method`] where the data or the weights are not what the method needs.
-pub fn solve(
+pub(super) fn solve(
     equations: &Equations,
     matrix: StencilMatrix,
     free: &Free,
@@ -63,7 +66,7 @@ pub fn solve(
     };
     let mut solution = Solution {
         coefficients,
-        factor: Factor::Grid(Box::new(solver)),
+        factor: Arc::new(solver),
         method: used,
         reasons: vec![Reason::Requested, why],
         rank: order,

@@ -15,7 +15,7 @@ use crate::io::gather::reading_of;
 use crate::io::place::{Runs, Unit};
 use crate::io::{IoError, ReadOptions, Reading};
 
-pub use intrinsics::Intrinsics;
+pub(crate) use intrinsics::Intrinsics;
 pub(super) use png::read_png;
 
 /// Stored depths, row by row from the top.

@@ -65,7 +65,7 @@ pub(crate) struct Context<'a> {
 
 impl Context<'_> {
     /// Whether the contact before each contact was made by the same finger.
-    pub fn continues(&self) -> Vec<bool> {
+    pub(crate) fn continues(&self) -> Vec<bool> {
         let same = |i: usize| i > 0 && self.sites[i - 1].finger == self.sites[i].finger;
         (0..self.sites.len()).map(same).collect()
     }
@@ -97,8 +97,9 @@ pub enum Smoothness {
 /// [`Simulator::with_stage`](crate::scene::Simulator::with_stage):
 ///
 /// ```
-/// use palpate::scene::{ContactBatch, EffectDraws, Smoothness, Stage, Surface, Sweep, World};
-/// use palpate::scene::surface::{Body, Sphere};
+/// use palpate::scene::effects::{Smoothness, Stage};
+/// use palpate::scene::surface::{Body, Sphere, Surface};
+/// use palpate::scene::{ContactBatch, EffectDraws, Sweep, World};
 /// use palpate::spline::linspace;
 /// use rand_distr::{Distribution, Gumbel};
 ///

@@ -10,6 +10,7 @@ use crate::vector::Vector;
 
 /// A stretched ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ellipsoid {
     /// Semi-axes along x, y, z, input units.
     pub semi_axes: [f64; 3],

@@ -50,6 +50,7 @@ use crate::vector::{Vector, scaled};
 
 /// A body in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     /// Its shape, apex at the body's origin.
     pub body: Body,

@@ -10,6 +10,7 @@ use crate::vector::Vector;
 
 /// A dish.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Paraboloid {
     /// Radii of curvature at the apex in x and y, input units.
     pub radii: [f64; 2],

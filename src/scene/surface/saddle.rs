@@ -8,6 +8,7 @@ use crate::vector::Vector;
 
 /// A pass between two hills.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Saddle {
     /// Radii of curvature at the origin: of the rise along x, of the fall along y; input units.
     pub radii: [f64; 2],
