@@ -253,3 +253,29 @@ fn what_is_not_understood_is_told_what_it_looks_like() {
         assert!(read(&format!("a.{ending}"), b"").unwrap_err().contains("empty"), "{ending}");
     }
 }
+
+/// A ball before a depth camera bulges towards it: a cap, though its depths make a bowl.
+#[test]
+fn what_a_depth_camera_sees_is_the_free_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let (radius, away) = (50.0, 200.0);
+    let depth = Array2::from_shape_fn((40, 40), |(v, u)| {
+        let [x, y] = [u, v].map(|k| (k as f64 - 19.5) / 120.0);
+        // |d (x, y, 1) - (0, 0, away)| = radius, the nearer root
+        let (a, c) = (x * x + y * y + 1.0, away * away - radius * radius);
+        (away - (away * away - a * c).max(0.0).sqrt()) / a
+    });
+    let mut writer = NpzWriter::new(std::fs::File::create(folder.path().join("d.npz")).unwrap());
+    writer.add_array("depth", &depth).unwrap();
+    writer.finish().unwrap();
+    let output = assert_cmd::Command::cargo_bin("palpate")
+        .unwrap()
+        .current_dir(folder.path())
+        .args(["fit", "d.npz", "--intrinsics", "120,120,19.5,19.5", "--json"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["shape"]["class"], "cap");
+    assert!((document["shape"]["radius"].as_f64().unwrap() - radius).abs() < 0.01 * radius, "{}", document["shape"]);
+}
