@@ -33,6 +33,18 @@ impl Failure {
     }
 }
 
+/// Says what is wrong with the arguments, or helps.
+pub(super) fn print_usage(error: &clap::Error) {
+    let message = error.render().to_string();
+    // help and version go to standard output; whoever would read may have gone
+    let _ = if message.chars().any(|c| c.is_control() && c != '\n') {
+        let shown = message.split('\n').map(visible).collect::<Vec<_>>().join("\n");
+        std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes())
+    } else {
+        error.print()
+    };
+}
+
 /// Errors of writing to standard output.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Failure {

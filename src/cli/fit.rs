@@ -17,7 +17,7 @@ use super::failure::{Failure, fit_message};
 use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
-use super::reading::ReadFlags;
+use super::reading::{ReadFlags, seen_from};
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -60,7 +60,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let prepared = args.preparation.apply(&mut reading)?;
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let found = answer(&reading.input, args).map_err(|refusal| {
+    let found = answer(&reading, args).map_err(|refusal| {
         Failure::Input(match refusal {
             Refusal::Fit(error) => placed(&error, &reading),
             Refusal::Shape(message) => format!("{}: {message}", reading.file),
@@ -84,8 +84,8 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
 }
 
 /// The model that was named, or what the contacts show where none was.
-fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
-    let fit = args.fit.over(FitOptions::default());
+fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
+    let (input, fit) = (&reading.input, args.fit.over(FitOptions::default()));
     let viewpoint = args.preparation.viewpoint;
     if args.fit.names_a_model() {
         if viewpoint.is_some() && !args.preparation.estimates_normals() {
@@ -97,6 +97,7 @@ fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
         return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
     }
     fit.check().map_err(Refusal::Fit)?;
+    let viewpoint = viewpoint.or(seen_from(reading));
     let recognition =
         RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
     automatic(input, &recognition, &fit)

@@ -11,6 +11,7 @@ mod coverage;
 mod describe;
 mod failure;
 mod fit;
+mod gathered;
 mod merge;
 mod named;
 mod options;
@@ -68,8 +69,7 @@ pub fn main() -> ExitCode {
     let line = match Line::try_parse() {
         Ok(line) => line,
         Err(error) => {
-            // help and version go to standard output, and their reader may have gone
-            let _ = error.print();
+            failure::print_usage(&error);
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };

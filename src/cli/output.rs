@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::PoisonError;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
@@ -14,10 +14,6 @@ use super::options::OutputFlags;
 
 /// Fills one output.
 pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>;
-
-/// Files on their way into the output directory; clones share them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Gathered(Arc<Mutex<Option<Together>>>);
 
 /// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
 /// be of two.
@@ -33,7 +29,7 @@ impl OutputFlags {
     pub(super) fn prepare(&self, inputs: &[&Path], outputs: &[PathBuf]) -> Result<(), Failure> {
         let overwrites = |output: &Path| match inputs.iter().find(|input| same_file(input, output)) {
             Some(input) => Err(Failure::Input(format!(
-                "{}: is read as {}, and would be written over; give the output another name",
+                "{}: it is the input {}, which would be written over; give the output another name",
                 output.display(),
                 input.display()
             ))),
@@ -67,7 +63,7 @@ impl OutputFlags {
         let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
         let written = |name: &&str| files.names().iter().any(|written| written == name);
-        let families = FAMILIES.iter().filter(|names| names.iter().any(|name| written(name)));
+        let families = FAMILIES.iter().filter(|names| names.iter().any(written));
         let stale =
             families.flat_map(|names| names.iter()).find(|name| !written(name) && directory.join(name).exists());
         match stale {

@@ -2,7 +2,8 @@
 
 use clap::Args;
 
-use crate::io::{Intrinsics, ReadOptions};
+use crate::contact::Orientation;
+use crate::io::{Input, Intrinsics, ReadOptions, Reading};
 
 /// How the input is read.
 #[derive(Args, Clone, Debug, Default)]
@@ -17,4 +18,11 @@ impl ReadFlags {
     pub(super) fn options(&self, skip_invalid: bool) -> ReadOptions {
         ReadOptions { skip_invalid, intrinsics: self.intrinsics, ..ReadOptions::default() }
     }
+}
+
+/// Where the file says that the sensor stood. Normals say more of the free side than a viewpoint, which many programs write
+/// into every file.
+pub(super) fn seen_from(reading: &Reading) -> Option<[f64; 3]> {
+    let has_normals = |input: &Input| matches!(input, Input::Contacts(c) if c.orientation != Orientation::None);
+    reading.viewpoint.filter(|_| !has_normals(&reading.input))
 }

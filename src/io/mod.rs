@@ -168,8 +168,16 @@ fn ending(file: &str) -> String {
 /// Every error of reading a file, with its place.
 pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let bytes = &unpack::unpacked(file, bytes)?[..];
-    let ending = ending(file);
-    match recognise::recognise(bytes, &ending) {
+    let mut reading = read_form(file, bytes, options)?;
+    // the camera's own place is that of depth images alone
+    if options.intrinsics.is_some() && reading.viewpoint != Some([0.0; 3]) {
+        reading.notes.push("intrinsics were given and not used: this is no depth image".into());
+    }
+    Ok(reading)
+}
+
+fn read_form(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
+    match recognise::recognise(bytes, &ending(file)) {
         Ok(Form::Npz) if !bytes.starts_with(b"PK") => {
             Err(IoError::Zip { file: file.into(), what: "no zip archive".into() })
         }

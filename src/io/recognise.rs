@@ -19,10 +19,9 @@ pub(super) enum Form {
 }
 
 /// First bytes of formats that are not read, and their names.
-const STRANGERS: [(&[u8], &str); 29] = [
+const STRANGERS: [(&[u8], &str); 28] = [
     (b"\xff\xd8\xff", "a JPEG image"),
     (b"GIF8", "a GIF image"),
-    (b"BM", "a BMP image"),
     (b"II*\0", "a TIFF image"),
     (b"MM\0*", "a TIFF image"),
     (b"RIFF", "a sound, a film or a WebP image"),
@@ -64,6 +63,10 @@ pub(super) fn recognise(bytes: &[u8], ending: &str) -> Result<Form, &'static str
     }
     if let Some((_, name)) = STRANGERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(name);
+    }
+    // two letters alone may be the start of a column's name
+    if bytes.starts_with(b"BM") && bytes.get(6..10) == Some(&[0; 4]) {
+        return Err("a BMP image");
     }
     if is_binary_stl(bytes) {
         return Ok(Form::Stl);
@@ -113,7 +116,7 @@ fn by_ending(ending: &str) -> Option<Form> {
 }
 
 /// A binary STL has no magic, but its length follows from its count: 84 bytes and 50 for each triangle.
-fn is_binary_stl(bytes: &[u8]) -> bool {
+pub(super) fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|b| <[u8; 4]>::try_from(b).ok()).map(u32::from_le_bytes);
     count.is_some_and(|n| n > 0 && bytes.len() as u64 == 84 + 50 * u64::from(n))
 }
@@ -159,7 +162,8 @@ mod tests {
 
     #[test]
     fn formats_are_known_by_their_first_bytes() {
-        let cases: [(&[u8], Form); 12] = [
+        let cases: [(&[u8], Form); 13] = [
+            (b"BM,x,y,z\n1,2,3,4\n", Form::Table),
             (b"x,y,z\n", Form::Table),
             (b"", Form::Table),
             (b"# a remark\nx y z\n", Form::Table),

@@ -93,12 +93,19 @@ pub(super) fn is_aside(line: &str) -> bool {
 pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Result<TableForm, IoError> {
     let lines = || text.split('\n').map(str::trim).enumerate();
     let (at, first) = lines().find(|(_, line)| !is_aside(line)).ok_or_else(|| IoError::Empty { file: file.into() })?;
+    /// Longest line of names: room for a hundred thousand columns.
+    const MOST_LINE: usize = 1 << 20;
+    if first.len() > MOST_LINE {
+        return Err(no_header(file, at + 1, first));
+    }
     if let Some(named) = names_in_line(file, first)? {
         return Ok(TableForm { first_row: at + 1, note: None, ..named });
     }
     // a number stands where names should be
     let asides: Vec<&str> = lines().take(at).map(|(_, line)| line).filter(|line| !line.is_empty()).collect();
-    if let Some(form) = asides.iter().rev().find_map(|aside| named_by_aside(file, aside, first)) {
+    /// Comments in which names are looked for, from the last one up.
+    const MOST_ASIDES: usize = 9;
+    if let Some(form) = asides.iter().rev().take(MOST_ASIDES).find_map(|aside| named_by_aside(file, aside, first)) {
         return Ok(TableForm { first_row: at, ..form });
     }
     let is_pts = ending == "pts" && first.parse::<u64>().is_ok();

@@ -93,12 +93,9 @@ impl Model {
     fn corner(&mut self, corner: &str) -> Option<()> {
         let mut parts = corner.split('/');
         let vertex = index(parts.next()?, self.places.len())?;
-        match parts.nth(1).filter(|text| !text.is_empty()) {
-            Some(normal) => {
-                let normal = index(normal, self.normals.len())?;
-                self.pairs.push((vertex, normal));
-            }
-            None => {}
+        if let Some(normal) = parts.nth(1).filter(|text| !text.is_empty()) {
+            let normal = index(normal, self.normals.len())?;
+            self.pairs.push((vertex, normal));
         }
         Some(())
     }

@@ -4,6 +4,7 @@
 
 use crate::io::gather::reading_of;
 use crate::io::place::Unit;
+use crate::io::recognise::is_binary_stl;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::soup::Soup;
@@ -15,7 +16,8 @@ const TRIANGLE: usize = 50;
 /// Contacts from the bytes of an STL file.
 pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let wrong = |what: String| IoError::Form { file: file.into(), form: "STL", what };
-    let is_text = bytes.trim_ascii_start().starts_with(b"solid") && !bytes[..bytes.len().min(1024)].contains(&0);
+    // binary files may begin with the word, too
+    let is_text = bytes.trim_ascii_start().starts_with(b"solid") && !is_binary_stl(bytes);
     let mut soup = Soup::default();
     if is_text {
         read_text(file, bytes, &mut soup)?;

@@ -25,7 +25,7 @@ impl Intrinsics {
     /// Of the matrix `[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]`, or of the four numbers, as arrays in files hold them.
     pub(in crate::io) fn of_array(values: &[f64]) -> Option<Intrinsics> {
         match *values {
-            [fx, skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] if skew == 0.0 => Intrinsics::new(&[fx, fy, cx, cy]),
+            [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] => Intrinsics::new(&[fx, fy, cx, cy]),
             _ => Intrinsics::new(values),
         }
     }
