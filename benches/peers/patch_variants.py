@@ -69,11 +69,14 @@ def compare(program, patch, base, folder):
             write_scaled_grid(path, patch.grid)
         else:
             patch_data.write_contacts(path, points, normals)
-        options = []
-        if normals is None and path.endswith(".csv"):
-            eye = points.mean(axis=0) + FAR * scale * patch.size * up
-            options = ["--viewpoint=" + ",".join(f"{v:.17g}" for v in eye)]
+        eye = points.mean(axis=0) + FAR * scale * patch.size * up
+        options = viewpoint(normals, eye) if path.endswith(".csv") else []
         yield name, change(base, palpate(program, path, *options), scale, name)
+
+
+def viewpoint(normals, eye):
+    """The option that tells the free side of contacts without normals."""
+    return [] if normals is not None else ["--viewpoint=" + ",".join(f"{v:.17g}" for v in eye)]
 
 
 def write_scaled_grid(path, grid):

@@ -1,7 +1,7 @@
 """Real patches with a truth: palpate's default answer beside what others answer, one table from one run.
 
     python benches/peers/patches.py DIR [--palpate PATH] [--variants] [--markdown OUT]
-        [--truth-u KIND=PERCENT ...] [--only WORD] [--peers NAME,... | none]
+        [--crops N] [--truth-u KIND=PERCENT ...] [--only WORD] [--peers NAME,... | none]
 
 DIR holds contact files and a `truth.jsonl`; the README beside this script says what stands in them. palpate gets the
 file and nothing else: `palpate fit FILE --json`. Only the robust fit is told whether the truth is a sphere or a cylinder.
@@ -17,6 +17,7 @@ import statistics
 import sys
 import time
 
+import patch_crops
 import patch_data
 import patch_peers
 import patch_run
@@ -33,6 +34,7 @@ def arguments():
     target = os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target"))
     parser.add_argument("--palpate", default=os.path.join(target, "release", "palpate"))
     parser.add_argument("--variants", action="store_true", help="each patch turned, scaled, shuffled, thinned")
+    parser.add_argument("--crops", type=int, default=0, metavar="N", help="N parts of each size of each patch")
     parser.add_argument("--markdown", metavar="OUT", help="file that takes what is printed")
     parser.add_argument("--truth-u", action="append", default=[], metavar="KIND=PERCENT",
                         help="standard uncertainty of the true radius of all patches of a class")
@@ -201,6 +203,7 @@ def summary(name, judged, out):
         words.append(f"a radius in {len(answered)} of {count}" + (f", median {median(answered)}" if answered else ""))
     if "S" in judged[0]:
         words += [f"R held {of('R')}", f"with the truth's {of(WIDENED)}", f"S held {of('S')}"]
+        words += [f"turned alike {of('turned')}"] if "turned" in judged[0] else []
     elif any(j["R"] is not None for j in judged):
         words.append(f"R held {of('R')}")
     out(f"- {name}: {'; '.join(words)}; slowest {slowest:.2f} s")
@@ -247,6 +250,13 @@ def work(options):
     if options.variants:
         out()
         patch_variants.table(options.palpate, patches, found, out)
+    if options.crops:
+        out()
+        by_share = patch_crops.table(
+            options.palpate, patches, options.crops, lambda crop, found: judge(crop, found, truth_u(crop, by_kind)), out
+        )
+        for share, judged in by_share.items():
+            summary(f"share {share}", judged, out)
     if options.markdown:
         with open(options.markdown, "w") as target:
             target.write("\n".join(out.lines) + "\n")
