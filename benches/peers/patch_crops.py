@@ -78,6 +78,6 @@ def row(share, crop, found, judged, broke):
     S = "-" if found.S is None else f"{found.S:.3f}"
     head = f"| {crop.name} | {share} | {len(crop.points)} | {depth:.2f} | {crop.kind} "
     return (
-        f"{head}| {found.refused or found.kind or 'none'} | {S} | {yes('S')} | {signed(error)} | {signed(told(crop))} "
+        f"{head}| {found.refused or found.kind} | {S} | {yes('S')} | {signed(error)} | {signed(told(crop))} "
         f"| {yes('R')} | {', '.join(broke) or 'same'} |"
     )

@@ -34,12 +34,17 @@ def palpate(program, path, *options, limit=300):
         return Found(time.perf_counter() - start, refused=f"no answer within {limit} s")
     seconds = time.perf_counter() - start
     if run.returncode:
-        words = run.stderr.strip().splitlines() or [f"exit code {run.returncode}"]
-        return Found(seconds, refused=words[0])
+        return Found(seconds, refused=reason(run, path))
     try:
         return found(json.loads(run.stdout), seconds)
     except (ValueError, KeyError) as fault:
         return Found(seconds, refused=f"its JSON was not understood: {fault!r}")
+
+
+def reason(run, path):
+    """The first sentence of an error, without the program's and the file's name; remedies follow in later ones."""
+    lines = run.stderr.strip().splitlines() or [f"exit code {run.returncode}"]
+    return lines[0].removeprefix("palpate: ").removeprefix(f"{path}: ").split(". ")[0]
 
 
 def found(document, seconds):
@@ -48,7 +53,7 @@ def found(document, seconds):
     chosen, lack = fit.get("chosen") or {}, fit.get("lack_of_fit") or {}
     return Found(
         seconds,
-        shape["class"],
+        shape["class"] or "none",
         S.get("mean"),
         pair(S.get("interval")),
         R.get("mean"),
