@@ -16,7 +16,7 @@ use crate::recognition::{
 };
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
-use super::fit::fit_input;
+use super::named::fit_input;
 
 /// What to do with contacts that are no patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
@@ -153,18 +153,17 @@ fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
         k2: Some(t.k2),
         rms: Some(t.rms),
     }));
-    let chosen = ChosenPart {
-        surface: "height".into(),
-        why: format!(
-            "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
+    let why = format!(
+        "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
              out in blocks best (error {unsaid:.1} % of the relief)",
-            segments[0], segments[1]
-        ),
+        segments[0], segments[1]
+    );
+    let chosen = ChosenPart {
         degree: Some(bent.fit.options().degree),
         segments: Some(segments),
         frame: Some(if bent.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
-        hypothesis: None,
         tried,
+        ..ChosenPart::new("height", why)
     };
     let lack = LackOfFitPart {
         p: None,

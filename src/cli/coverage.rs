@@ -1,6 +1,7 @@
 //! `palpate study [SCENE] --coverage`: does each interval that a fit would print hold the truth as often as it says?
 
 use std::io::Write;
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -91,7 +92,7 @@ impl SceneCoverage {
 }
 
 pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Failure> {
-    args.output.prepare()?;
+    args.output.prepare(&scene.iter().map(Path::new).collect::<Vec<_>>(), &[])?;
     let sources: Vec<Source> = match scene {
         Some(name) => vec![scene::source(name)?],
         None => coverage_family().into_iter().map(|(name, text)| Source::of_text(&name, text)).collect(),
@@ -121,6 +122,7 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
     let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
     args.output.file("coverage.json", &mut |out| write_json(&document, out))?;
     args.output.file("coverage.csv", &mut |out| write_csv(&document, out))?;
+    args.output.publish()?;
     if args.output.json {
         return print(&mut |out| write_json(&document, out));
     }
