@@ -31,6 +31,8 @@ struct HeldPart {
 struct QuantityCoverage {
     linear: HeldPart,
     monte_carlo: HeldPart,
+    chosen: HeldPart,
+    chosen_width: Option<f64>,
     bias_over_sd: Option<f64>,
     u_over_sd: Option<f64>,
 }
@@ -42,6 +44,8 @@ struct SceneCoverage {
     fitted: u64,
     failed: u64,
     planes: u64,
+    /// Mean probability given to the reported class, and the share in which it is the true one.
+    class_forecast: Option<[f64; 2]>,
     #[serde(rename = "S")]
     shape_index: QuantityCoverage,
     #[serde(rename = "R")]
@@ -76,6 +80,8 @@ impl SceneCoverage {
         let part = |q: usize| QuantityCoverage {
             linear: HeldPart::new(&found.linear[q]),
             monte_carlo: HeldPart::new(&found.monte_carlo[q]),
+            chosen: HeldPart::new(&found.chosen[q]),
+            chosen_width: found.chosen_width[q],
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
         };
@@ -85,6 +91,7 @@ impl SceneCoverage {
             fitted: found.fitted,
             failed: found.failed,
             planes: found.planes,
+            class_forecast: found.class_forecast,
             shape_index: part(0),
             curvedness: part(1),
         }
