@@ -11,6 +11,7 @@ mod coverage;
 mod describe;
 mod failure;
 mod fit;
+mod gathered;
 mod merge;
 mod named;
 mod options;

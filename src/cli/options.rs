@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
 
-use super::output::Gathered;
+use super::gathered::Gathered;
 use super::values;
 
 /// How the surface is fitted; the same words as in a scene's `[fit]`.

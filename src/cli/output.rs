@@ -2,22 +2,17 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::ProgressBar;
 
-use crate::io::{Together, same_file, visible, write_atomically};
+use crate::io::{same_file, visible, write_atomically};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
 
 /// Fills one output.
 pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>;
-
-/// Files on their way into the output directory; clones share them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Gathered(Arc<Mutex<Option<Together>>>);
 
 /// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
 /// be of two.
@@ -52,20 +47,12 @@ impl OutputFlags {
     /// Writes `name` for the output directory, if one is asked for; [`OutputFlags::publish`] puts it there.
     pub(super) fn file(&self, name: &str, fill: Fill) -> Result<(), Failure> {
         let Some(directory) = &self.out else { return Ok(()) };
-        let mut gathered = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if gathered.is_none() {
-            *gathered = Some(Together::new(directory)?);
-        }
-        match gathered.as_mut() {
-            Some(files) => Ok(files.write(name, fill)?),
-            None => Ok(()),
-        }
+        Ok(self.gathered.write(directory, name, fill)?)
     }
 
     /// Puts all files of this run into the output directory, unless it holds some of another run that would stay.
     pub(super) fn publish(&self) -> Result<(), Failure> {
-        let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
+        let (Some(files), Some(directory)) = (self.gathered.take(), &self.out) else { return Ok(()) };
         let written = |name: &&str| files.names().iter().any(|written| written == name);
         let families = FAMILIES.iter().filter(|names| names.iter().any(written));
         let stale =
