@@ -2,11 +2,12 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::PoisonError;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
 
-use crate::io::{same_file, visible, write_atomically};
+use crate::io::{Together, same_file, visible, write_atomically};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -47,12 +48,20 @@ impl OutputFlags {
     /// Writes `name` for the output directory, if one is asked for; [`OutputFlags::publish`] puts it there.
     pub(super) fn file(&self, name: &str, fill: Fill) -> Result<(), Failure> {
         let Some(directory) = &self.out else { return Ok(()) };
-        Ok(self.gathered.write(directory, name, fill)?)
+        let mut gathered = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if gathered.is_none() {
+            *gathered = Some(Together::new(directory)?);
+        }
+        match gathered.as_mut() {
+            Some(files) => Ok(files.write(name, fill)?),
+            None => Ok(()),
+        }
     }
 
     /// Puts all files of this run into the output directory, unless it holds some of another run that would stay.
     pub(super) fn publish(&self) -> Result<(), Failure> {
-        let (Some(files), Some(directory)) = (self.gathered.take(), &self.out) else { return Ok(()) };
+        let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
         let written = |name: &&str| files.names().iter().any(|written| written == name);
         let families = FAMILIES.iter().filter(|names| names.iter().any(written));
         let stale =
