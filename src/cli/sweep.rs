@@ -76,7 +76,7 @@ fn axis(text: &str) -> Result<Axis, Failure> {
     Ok(Axis { key: key.into(), values })
 }
 
-/// Puts a number where the key says; tables on the way are made.
+/// Puts a number where the key says; tables that the key passes through are made.
 fn put(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let mut home = table;

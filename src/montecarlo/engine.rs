@@ -1,4 +1,4 @@
-//! The way from a replicate's number to its S and R, chosen by the scene.
+//! The path from a replicate's number to its S and R, chosen by the scene.
 //!
 //! ```text
 //! fixed sites    sites stand still, rows are linear (or linearised): one factor for all replicates       LinearRows
@@ -28,7 +28,7 @@ use crate::shape::ShapeGrid;
 use crate::simd::{Isa, REPLICATES};
 use crate::threads;
 
-/// Which of the ways.
+/// Which of the paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Path {
@@ -114,10 +114,10 @@ struct Computed {
 }
 
 impl Engine {
-    /// Chooses the way for this scene; `only` forces one, where it can be had.
+    /// Chooses the path for this scene; `only` forces one, where it can be had.
     ///
     /// # Errors
-    /// A way that cannot be had, and every error of a fit that the nominal contacts have already.
+    /// A path that cannot be had, and every error of a fit that the nominal contacts have already.
     pub fn new(
         simulator: Simulator,
         options: &FitOptions,
@@ -191,7 +191,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// The way taken.
+    /// The path taken.
     pub fn path(&self) -> Path {
         self.path
     }

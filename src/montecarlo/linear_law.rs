@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! u^2 = sum_e sum_k (dy/dn_ek)^2        n_ek the random numbers of effect e, each of mean 0 and sd 1
-//! dy/dn = (y(h) - y(-h))/(2 h)          y the whole way: contacts, fit, curvatures, mean over the grid
+//! dy/dn = (y(h) - y(-h))/(2 h)          y by the whole path: contacts, fit, curvatures, mean over the grid
 //! valid where both ends of y +- k u lie within delta of the Monte Carlo's              JCGM 101:2008, clause 8
 //! ```
 //!

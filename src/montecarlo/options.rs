@@ -52,7 +52,7 @@ pub struct StudyOptions {
     pub quantities: Vec<Quantity>,
     /// Quantiles beside the intervals' ends, each in (0, 1).
     pub quantiles: Vec<f64>,
-    /// The way, where one is forced.
+    /// The path, where one is forced.
     pub path: Option<Path>,
 }
 

@@ -21,6 +21,8 @@ mod points;
 mod schema;
 mod study;
 mod study_picture;
+mod study_samples;
+mod study_table;
 mod sweep;
 mod table;
 
@@ -30,9 +32,9 @@ pub use document::{ChosenPart, FitDocument, Seconds};
 pub use json::write_json;
 pub use schema::{fit_schema, study_schema};
 pub use study::{
-    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, stopped_words, study_notes,
-    sum_parts, write_study_table,
+    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
 pub use study_picture::write_study_picture;
+pub use study_table::{stopped_words, write_study_table};
 pub use sweep::{SweepPoint, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub use table::{significant, write_table};
