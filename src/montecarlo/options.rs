@@ -1,7 +1,7 @@
 //! Options of a study: the `[study]` section of a scene file, and what the command line may say.
 
-use super::engine::Path;
 use super::error::StudyError;
+use super::path::Path;
 use super::quantity::Quantity;
 
 /// Most replicates whose values are all kept (64 MB for S and R); beyond, they are counted in bins.

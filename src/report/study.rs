@@ -50,6 +50,8 @@ pub struct QuantityPart {
     pub quantiles: Vec<QuantilePart>,
     /// Replicates in which it is undefined.
     pub undefined: u64,
+    /// The replicates count so many times over at the lower and the upper end, by the control; null: once.
+    pub control: Option<[f64; 2]>,
     /// Width of the bins at the ends; 0: every value was kept.
     pub resolution: f64,
 }
@@ -243,6 +245,7 @@ impl From<&Summary> for QuantityPart {
                 })
                 .collect(),
             undefined: summary.undefined,
+            control: summary.control.map(|beta| beta.map(|beta| 1.0 / (1.0 - beta * beta).max(f64::EPSILON))),
             resolution: summary.resolution,
         }
     }
@@ -319,6 +322,12 @@ pub fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str
             significant(truth, 4),
             significant(bias.abs(), 2)
         ));
+    }
+    if result.quantities.iter().any(|summary| summary.control.is_some()) {
+        notes.push(
+            "means, u and the symmetric interval lean on the linear law, whose distribution is known here (control)"
+                .into(),
+        );
     }
     if failed > 0 {
         notes.push(format!("{failed} replicates could not be fitted; the first: {}", first_failure.unwrap_or("")));

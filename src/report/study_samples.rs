@@ -18,6 +18,7 @@ pub(super) fn full_study() -> StudyDocument {
         standard_error: StandardErrors { mean: half, lo: half, hi: half, shortest: both },
         quantiles: vec![QuantilePart { share: 0.5, value: 0.5, standard_error: 0.5 }],
         undefined: 1,
+        control: both,
         resolution: 0.5,
     };
     let linear = LinearQuantity { sd: half, lo: half, hi: half, valid: true };
