@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 /// Counts by name, `workload what`.
-pub type Counts = BTreeMap<String, u64>;
+pub(crate) type Counts = BTreeMap<String, u64>;
 
 /// Per cent by which a count may exceed its baseline: the noise of code generation between two builds of one compiler.
-pub const ALLOWED: u64 = 2;
+pub(crate) const ALLOWED: u64 = 2;
 
 /// A count that grew by more than is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Growth {
+pub(crate) struct Growth {
     /// Which.
     pub name: String,
     /// In the baseline.
@@ -20,7 +20,7 @@ pub struct Growth {
 }
 
 /// All growths; counts that stand on one side only are none.
-pub fn growths(baseline: &Counts, found: &Counts) -> Vec<Growth> {
+pub(crate) fn growths(baseline: &Counts, found: &Counts) -> Vec<Growth> {
     let grown = |before: u64, after: u64| u128::from(after) * 100 > u128::from(before) * u128::from(100 + ALLOWED);
     found
         .iter()

@@ -12,10 +12,10 @@ use palpate::{Contacts, FitOptions, fit_contacts};
 use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 
 /// One workload, ready to run as often as asked.
-pub type Run = Box<dyn FnMut() -> Result<(), Fault> + Send>;
+pub(crate) type Run = Box<dyn FnMut() -> Result<(), Fault> + Send>;
 
 /// Names of all workloads.
-pub const NAMES: [&str; 9] = [
+pub(crate) const NAMES: [&str; 9] = [
     "paper_fit/w1",
     "contacts/fit",
     "contacts/fit_shape",
@@ -40,7 +40,7 @@ fn touched(asked: fn(&Fit)) -> Run {
 }
 
 /// Sets the workload up; its first run fills the buffers.
-pub fn prepare(name: &str) -> Result<Run, Fault> {
+pub(crate) fn prepare(name: &str) -> Result<Run, Fault> {
     let mut run: Run = match name {
         "paper_fit/w1" => {
             let (columns, points) = (paper(false), paper_points());

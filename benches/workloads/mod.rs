@@ -11,15 +11,15 @@ use palpate::plans::SlopeColumns;
 use palpate::spline::{Knots, linspace};
 
 /// Any error of a bench.
-pub type Fault = Box<dyn std::error::Error + Send + Sync>;
+pub(crate) type Fault = Box<dyn std::error::Error + Send + Sync>;
 
 /// Columns x, y, z, zx, zy of one length.
 #[derive(Clone, Debug, Default)]
-pub struct Columns(pub [Vec<f64>; 5]);
+pub(crate) struct Columns(pub [Vec<f64>; 5]);
 
 impl Columns {
     /// The view that a plan takes.
-    pub fn view(&self) -> SlopeColumns<'_> {
+    pub(crate) fn view(&self) -> SlopeColumns<'_> {
         let [x, y, z, zx, zy] = &self.0;
         SlopeColumns { x, y, z, zx, zy }
     }
@@ -54,7 +54,7 @@ fn columns(rows: impl Iterator<Item = [f64; 5]>) -> Columns {
 }
 
 /// W1, or with `exact` W4: three fingers at six stations, each touched twice, sites off by 0.1.
-pub fn paper(exact: bool) -> Columns {
+pub(crate) fn paper(exact: bool) -> Columns {
     let draws = EffectDraws::new(2026, "paper");
     let sd = if exact { [0.0; 3] } else { [0.02, 0.05, 0.05] };
     columns((0..36).map(|r| {
@@ -68,12 +68,12 @@ pub fn paper(exact: bool) -> Columns {
 }
 
 /// W2 and W2L: contacts anywhere on the unit square.
-pub fn scattered(count: usize) -> Columns {
+pub(crate) fn scattered(count: usize) -> Columns {
     scattered_from(0, count)
 }
 
 /// Contacts `first ..` of an endless row of them.
-pub fn scattered_from(first: usize, count: usize) -> Columns {
+pub(crate) fn scattered_from(first: usize, count: usize) -> Columns {
     let (sites, noise) = (EffectDraws::new(2026, "sites"), EffectDraws::new(2026, "noise"));
     columns((first as u64..(first + count) as u64).map(|r| {
         let mut at = [0.0; 2];
@@ -84,7 +84,7 @@ pub fn scattered_from(first: usize, count: usize) -> Columns {
 }
 
 /// W3: pixel centres in [0, 1] x [0, 0.75], and the images of heights and slopes, row-major [x, y].
-pub fn image() -> ([Vec<f64>; 2], [Vec<f64>; 3]) {
+pub(crate) fn image() -> ([Vec<f64>; 2], [Vec<f64>; 3]) {
     let centres = |n: usize, side: f64| (0..n).map(|i| side * (i as f64 + 0.5) / n as f64).collect::<Vec<f64>>();
     let axes = [centres(640, 1.0), centres(480, 0.75)];
     let noise = EffectDraws::new(2026, "pixels");
@@ -99,33 +99,33 @@ pub fn image() -> ([Vec<f64>; 2], [Vec<f64>; 3]) {
 }
 
 /// W5: heights at the Greville abscissae, 67 x 67.
-pub fn bicubic(knots: &[Knots; 2]) -> Vec<f64> {
+pub(crate) fn bicubic(knots: &[Knots; 2]) -> Vec<f64> {
     let [x, y] = knots.each_ref().map(Knots::greville);
     x.iter().flat_map(|x| y.iter().map(|y| wave(*x, *y)[0])).collect()
 }
 
 /// Equal knots on both axes.
-pub fn square_knots(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<[Knots; 2], Fault> {
+pub(crate) fn square_knots(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<[Knots; 2], Fault> {
     let knots = Knots::uniform(degree, segments, lo, hi)?;
     Ok([knots.clone(), knots])
 }
 
 /// The knots of W1 and W4.
-pub fn paper_knots() -> Result<[Knots; 2], Fault> {
+pub(crate) fn paper_knots() -> Result<[Knots; 2], Fault> {
     square_knots(2, 1, -4.5, 4.5)
 }
 
 /// The knots of W3.
-pub fn image_knots() -> Result<[Knots; 2], Fault> {
+pub(crate) fn image_knots() -> Result<[Knots; 2], Fault> {
     Ok([Knots::uniform(3, 80, 0.0, 1.0)?, Knots::uniform(3, 60, 0.0, 0.75)?])
 }
 
 /// The shape grid of W1 and W4 along one axis.
-pub fn paper_points() -> Vec<f64> {
+pub(crate) fn paper_points() -> Vec<f64> {
     linspace(-3.5, 3.5, 8)
 }
 
 /// A pool of so many threads.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Fault> {
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, Fault> {
     Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
 }

@@ -5,7 +5,7 @@ use super::{Knots, MAX_DEGREE};
 /// Lower bands of the Gram matrix of the `order`-th derivatives: `bands[i][d] = G(i, i - d)`, d = 0 to p.
 ///
 /// Gauss-Legendre with p + 1 points on every segment integrates degree 2p exactly.
-pub fn gram(knots: &Knots, order: usize) -> Vec<Vec<f64>> {
+pub(crate) fn gram(knots: &Knots, order: usize) -> Vec<Vec<f64>> {
     let p = knots.degree();
     let (nodes, weights) = gauss_legendre(p + 1);
     let mut bands = vec![vec![0.0; p + 1]; knots.n_basis()];
@@ -28,7 +28,7 @@ pub fn gram(knots: &Knots, order: usize) -> Vec<Vec<f64>> {
 }
 
 /// Gauss-Legendre nodes and weights on [-1, 1], at most 10, by Newton's method on the Legendre recurrence.
-pub fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
     debug_assert!(n <= MAX_DEGREE + 1);
     let mut nodes = vec![0.0; n];
     let mut weights = vec![0.0; n];

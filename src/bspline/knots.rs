@@ -8,7 +8,7 @@
 use super::KnotError;
 
 /// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
-pub const MAX_DEGREE: usize = 9;
+pub(crate) const MAX_DEGREE: usize = 9;
 
 /// Largest number of segments in one direction. 2^20 keeps every product of indices below 2^53, and a number larger than
 /// that is a typing error.

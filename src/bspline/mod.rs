@@ -12,9 +12,10 @@ mod basis;
 mod gram;
 mod knots;
 
-pub use basis::BasisRow;
-pub use gram::{gauss_legendre, gram};
-pub use knots::{Knots, MAX_DEGREE, linspace};
+pub(crate) use basis::BasisRow;
+pub(crate) use gram::{gauss_legendre, gram};
+pub(crate) use knots::MAX_DEGREE;
+pub use knots::{Knots, linspace};
 
 /// What is wrong with a degree or a knot vector.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

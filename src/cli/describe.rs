@@ -4,9 +4,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_atomically, write_contacts};
-use crate::parametric::FittedSurface;
 use crate::report::{
-    Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
+    Answer, Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
     write_table,
 };
 
@@ -29,16 +28,16 @@ pub(super) struct Taken {
     pub(super) fitted: f64,
 }
 
-/// Describes a fit of either kind wherever the flags ask for it; `name` is the scene or the file.
+/// Describes an answer of any kind wherever the flags ask for it; `name` is the scene or the file.
 pub(super) fn describe(
-    fit: &FittedSurface,
+    answer: &Answer,
     name: &str,
     subject: &Subject,
     taken: &Taken,
     to: &Destination,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
-    compute_shape(fit);
+    compute_shape(answer);
     let seconds = Seconds {
         read: taken.read,
         fit: taken.fitted,
@@ -46,7 +45,7 @@ pub(super) fn describe(
         total: taken.began.elapsed().as_secs_f64(),
     };
     let description =
-        describe_fit(fit, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
+        describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
     if let Some(path) = to.save {
         write_atomically(path, &mut |out| write_json(description.document(), out))?;
     }

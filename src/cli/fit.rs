@@ -9,11 +9,14 @@ use crate::contact::ContactError;
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::report::{ChosenPart, Subject};
+use crate::recognition::RecognitionOptions;
+use crate::report::{Answer, ChosenPart, Subject};
 
+use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags};
+use super::preparation::PreparationFlags;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -23,16 +26,23 @@ pub(super) struct FitArgs {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
     skip_invalid: bool,
-    /// Normals point into the body: reverse them all
-    #[arg(long)]
-    flip_normals: bool,
     /// Save the surface and all that is known of it as JSON
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     #[command(flatten)]
+    preparation: PreparationFlags,
+    #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
     output: OutputFlags,
+}
+
+impl FitArgs {
+    /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
+    /// length zero and counts them.
+    fn reading(&self) -> ReadOptions {
+        ReadOptions { skip_invalid: self.skip_invalid, keep_zero_normals: !self.fit.names_a_model() }
+    }
 }
 
 pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
@@ -42,24 +52,50 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     }
     args.output.prepare()?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &ReadOptions { skip_invalid: args.skip_invalid })?;
-    if args.flip_normals {
-        reading.input = match reading.input {
-            Input::Contacts(contacts) => Input::Contacts(contacts.with_flipped_normals()),
-            grid => grid,
-        };
-    }
+    let mut reading = read_input(&args.input, &args.reading())?;
+    let prepared = args.preparation.apply(&mut reading)?;
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let found = fit_input(&reading.input, &args.fit.over(FitOptions::default()));
-    let found = found.map_err(|error| Failure::Input(placed(&error, &reading)))?;
+    let found = answer(&reading.input, args).map_err(|refusal| {
+        Failure::Input(match refusal {
+            Refusal::Fit(error) => placed(&error, &reading),
+            Refusal::Shape(message) => format!("{}: {message}", reading.file),
+        })
+    })?;
     let fitted = clock.elapsed().as_secs_f64();
-    let notes = notes(&reading);
-    let (found, chosen) = found;
-    let subject = Subject { chosen, input: &reading.input, truth: None, notes };
+    let mut notes = notes(&reading);
+    notes.extend(prepared);
+    notes.extend(found.notes);
+    let subject =
+        Subject { chosen: found.chosen, lack_of_fit: found.lack_of_fit, input: &reading.input, truth: None, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    describe(&found, &reading.file, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+    describe(
+        &found.answer,
+        &reading.file,
+        &subject,
+        &taken,
+        &Destination { output: &args.output, save: args.save.as_ref() },
+    )
+}
+
+/// The model that was named, or what the contacts show where none was.
+fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
+    let fit = args.fit.over(FitOptions::default());
+    let viewpoint = args.preparation.viewpoint;
+    if args.fit.names_a_model() {
+        if viewpoint.is_some() && !args.preparation.estimates_normals() {
+            let what =
+                "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
+            return Err(Refusal::Shape(what.into()));
+        }
+        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
+    }
+    fit.check().map_err(Refusal::Fit)?;
+    let recognition =
+        RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
+    automatic(input, &recognition, &fit)
 }
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
@@ -78,7 +114,7 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
         FittedSurface::Parametric(_) => SurfaceKind::Parametric,
     };
     let asked = options.surface != SurfaceKind::Height;
-    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), reason })))
+    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), why: reason, ..ChosenPart::default() })))
 }
 
 /// The error with its file, and its line where it is about one contact.

@@ -6,6 +6,7 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod automatic;
 mod coverage;
 mod describe;
 mod failure;
@@ -13,6 +14,7 @@ mod fit;
 mod merge;
 mod options;
 mod output;
+mod preparation;
 mod progress;
 mod run;
 mod scene;

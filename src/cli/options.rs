@@ -71,6 +71,23 @@ impl GridFlags {
 }
 
 impl FitFlags {
+    /// Whether anything was typed that fixes the model, so that nothing is chosen. Another grid, and axes taken from the
+    /// data, fix nothing.
+    pub(super) fn names_a_model(&self) -> bool {
+        self.surface.is_some()
+            || self.closed.is_some()
+            || self.degree.is_some()
+            || self.segments.is_some()
+            || self.domain.is_some()
+            || self.weights.is_some()
+            || self.sigma.is_some()
+            || self.method.is_some()
+            || self.smooth.is_some()
+            || self.robust.is_some()
+            || self.grid.inset.is_some()
+            || self.frame == Some(FrameChoice::Keep)
+    }
+
     /// The options with everything that was typed put in.
     pub(super) fn over(&self, mut options: FitOptions) -> FitOptions {
         set(&mut options.surface, self.surface);

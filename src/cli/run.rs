@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::io::Input;
-use crate::report::{Subject, inverse_crime_remark};
+use crate::report::{Answer, Subject, inverse_crime_remark};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
@@ -51,7 +51,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
-    let subject = Subject { chosen, input: &input, truth: Some(&truth), notes };
+    let found = Answer::Fitted(found);
+    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })

@@ -41,6 +41,25 @@ pub(super) fn domain(text: &str) -> Result<[f64; 4], String> {
         .ok_or_else(|| "four numbers X0,X1,Y0,Y1 with X0 < X1 and Y0 < Y1, such as -4,4,-4,4".into())
 }
 
+/// `X,Y,Z,R` with R > 0.
+pub(super) fn ball(text: &str) -> Result<[f64; 4], String> {
+    numbers::<4>(text)
+        .filter(|ball| ball[3] > 0.0)
+        .ok_or_else(|| "four numbers X,Y,Z,R with R > 0, such as 0,0,10,5".into())
+}
+
+/// `X0,X1,Y0,Y1,Z0,Z1`, each pair in order.
+pub(super) fn bounds(text: &str) -> Result<[f64; 6], String> {
+    numbers::<6>(text)
+        .filter(|[x0, x1, y0, y1, z0, z1]| x0 <= x1 && y0 <= y1 && z0 <= z1)
+        .ok_or_else(|| "six numbers X0,X1,Y0,Y1,Z0,Z1, each pair in order, such as -4,4,-4,4,0,10".into())
+}
+
+/// `X,Y,Z`.
+pub(super) fn point(text: &str) -> Result<[f64; 3], String> {
+    numbers::<3>(text).ok_or_else(|| "three numbers X,Y,Z, such as 0,0,0".into())
+}
+
 /// `auto`, a preset or `WZ,WX,WY`.
 pub(super) fn weights(text: &str) -> Result<Objective, UnknownWord> {
     text.parse::<SlopeWeights>().map(Objective::Slopes)

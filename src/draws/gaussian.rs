@@ -6,7 +6,7 @@
 
 /// A uniform in (0, 1) from the upper 53 bits of a word; never 0, never 1.
 #[inline(always)]
-pub fn uniform_open(word: u64) -> f64 {
+pub(crate) fn uniform_open(word: u64) -> f64 {
     // 2^-54 is added to a multiple of 2^-53; the largest sum, 1 - 2^-54, would round to 1, so it is limited
     let u = (word >> 11) as f64 * 2.0_f64.powi(-53) + 2.0_f64.powi(-54);
     u.min(1.0 - 2.0_f64.powi(-53))
@@ -16,7 +16,7 @@ pub fn uniform_open(word: u64) -> f64 {
 ///
 /// Largest value 8.65 (u = 2^-54): the tail beyond has probability 5e-18.
 #[inline]
-pub fn box_muller(words: &[u64], values: &mut [f64]) {
+pub(crate) fn box_muller(words: &[u64], values: &mut [f64]) {
     for (pair, word) in values.chunks_exact_mut(2).zip(words.chunks_exact(2)) {
         let radius = (-2.0 * ln_unit(uniform_open(word[0]))).sqrt();
         let (sin, cos) = sin_cos_turn(word[1]);

@@ -19,8 +19,9 @@ use std::sync::Arc;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-pub use gaussian::{box_muller, uniform_open};
-pub use law::{DrawSource, NoiseLaw};
+pub(crate) use gaussian::{box_muller, uniform_open};
+pub(crate) use law::DrawSource;
+pub use law::NoiseLaw;
 
 /// Words (u64) drawn from the generator at once: enough for the vector loop, and few enough (512 bytes) that clearing
 /// the buffer costs a single replicate little.

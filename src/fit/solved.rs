@@ -13,7 +13,7 @@ use crate::surface::HeightField;
 
 /// A solved fit before anything is asked of it.
 #[derive(Clone, Debug)]
-pub struct Solved {
+pub(super) struct Solved {
     /// The options it was fitted with.
     pub options: FitOptions,
     /// Frame and knots.
@@ -33,7 +33,7 @@ impl Solved {
     ///
     /// # Errors
     /// [`FitError::Surface`] where a coefficient is not finite.
-    pub fn new(patch: Patch, data: Data, fitted: Fitted, options: &FitOptions) -> Result<Solved, FitError> {
+    pub(super) fn new(patch: Patch, data: Data, fitted: Fitted, options: &FitOptions) -> Result<Solved, FitError> {
         let shape = [patch.knots[0].n_basis(), patch.knots[1].n_basis()];
         let coefficients = Array2::from_shape_fn(shape, |(i, j)| fitted.solution.coefficients[i * shape[1] + j]);
         let surface = HeightField::new(patch.knots.clone(), coefficients)?;
@@ -42,18 +42,18 @@ impl Solved {
     }
 
     /// Noise sds; where weights were given they are computed from the residuals on first access.
-    pub fn noise(&self) -> &NoiseSds {
+    pub(super) fn noise(&self) -> &NoiseSds {
         let Fitted { equations, solution, noise, .. } = &self.fitted;
         self.noise.get_or_init(|| noise.sds(equations, solution))
     }
 
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.
-    pub fn condition(&self) -> f64 {
+    pub(super) fn condition(&self) -> f64 {
         *self.condition.get_or_init(|| self.fitted.solution.factor.condition())
     }
 
     /// Height of the patch's origin along the frame's z axis, input units.
-    pub fn origin_height(&self) -> f64 {
+    pub(super) fn origin_height(&self) -> f64 {
         let frame = &self.patch.frame;
         if frame.keeps_axes() { frame.origin[2] } else { frame.rotate(frame.origin)[2] }
     }

@@ -21,7 +21,7 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 ///
 /// # Errors
 /// [`IoError::Write`] with the target's path.
-pub fn write_atomically(
+pub(crate) fn write_atomically(
     path: &Path,
     fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), IoError> {
@@ -71,7 +71,7 @@ fn by_rename(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Resul
 }
 
 /// Removes every temporary file and prevents new ones: the caller is about to end the process.
-pub fn remove_unfinished() {
+pub(crate) fn remove_unfinished() {
     let mut unfinished = unfinished();
     for path in std::mem::take(&mut *unfinished) {
         // nothing can be done about a file that cannot be removed, and the process is ending

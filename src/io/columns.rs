@@ -143,7 +143,7 @@ impl Columns {
     }
 
     /// The first thing wrong with row `row`, if anything.
-    fn fault(&self, file: &str, row: usize, place: &dyn Fn(usize) -> Place) -> Option<IoError> {
+    fn fault(&self, file: &str, row: usize, options: &ReadOptions, place: &dyn Fn(usize) -> Place) -> Option<IoError> {
         let present = COLUMNS.into_iter().filter_map(|c| self.values[c as usize].as_ref().map(|v| (c, v[row])));
         let (mut normal_length, mut has_normal) = (0.0_f64, false);
         for (column, value) in present {
@@ -163,7 +163,7 @@ impl Columns {
                 normal_length = normal_length.max(value.abs());
             }
         }
-        let zero = has_normal && normal_length == 0.0;
+        let zero = has_normal && normal_length == 0.0 && !options.keep_zero_normals;
         zero.then(|| IoError::ZeroNormal { file: file.into(), place: place(row) })
     }
 
@@ -181,7 +181,7 @@ impl Columns {
         // column by column first: nearly every file is sound, and a pass along memory costs next to nothing
         let suspects = if self.is_sound() { 0 } else { rows };
         for row in 0..suspects {
-            match self.fault(file, row, place) {
+            match self.fault(file, row, options, place) {
                 Some(fault) if !options.skip_invalid => return Err(fault),
                 Some(_) => {
                     kept.get_or_insert_with(|| (0..row).collect());
@@ -213,7 +213,7 @@ impl Columns {
         if x.is_empty() {
             return Err(IoError::NoRows { file: file.into(), skipped: 0 });
         }
-        match (0..x.len()).find_map(|row| self.fault(file, row, place)) {
+        match (0..x.len()).find_map(|row| self.fault(file, row, &ReadOptions::default(), place)) {
             Some(fault) => Err(fault),
             None => Ok(Points { x, y }),
         }

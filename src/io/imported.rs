@@ -38,7 +38,7 @@ impl ImportedSurface for SavedHeights {
 ///
 /// # Errors
 /// In words, why it could not be had.
-pub fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn ImportedSurface>, String> {
+pub(crate) fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn ImportedSurface>, String> {
     if file == "-" {
         return Err("a scene cannot take its surface from standard input".into());
     }

@@ -20,7 +20,7 @@ mod place;
 mod ply;
 mod records;
 mod remark;
-pub mod scene_file;
+pub(crate) mod scene_file;
 mod study_file;
 mod surface_file;
 mod write;
@@ -32,16 +32,16 @@ use crate::contact::{Contacts, Grid};
 
 use columns::Need;
 
-pub use atomic::{remove_unfinished, write_atomically};
-pub use error::IoError;
-pub use imported::import_surface;
+pub(crate) use atomic::{remove_unfinished, write_atomically};
+pub(crate) use error::IoError;
+pub(crate) use imported::import_surface;
 pub(crate) use npz_writer::NpzWriter;
-pub use place::{Place, Places};
-pub use records::{RecordFormat, Records};
-pub use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
-pub use surface_file::{
-    AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface, read_surface_bytes,
-};
+pub use place::Place;
+pub(crate) use place::Places;
+pub(crate) use records::{RecordFormat, Records, write_parquet};
+pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
+pub use surface_file::read_surface_bytes;
+pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface};
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
@@ -49,6 +49,8 @@ pub use write::{ContactFormat, write_contacts};
 pub struct ReadOptions {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file.
     pub skip_invalid: bool,
+    /// Read normals of length zero as normals that are not known, instead of refusing the file.
+    pub keep_zero_normals: bool,
 }
 
 /// Scattered contacts or a grid.
@@ -79,14 +81,14 @@ pub struct Reading {
 ///
 /// # Errors
 /// [`IoError`]: which file, line and field, what is wrong and what would be right.
-pub fn read_input(path: &Path, options: &ReadOptions) -> Result<Reading, IoError> {
+pub(crate) fn read_input(path: &Path, options: &ReadOptions) -> Result<Reading, IoError> {
     let (file, bytes) = read_bytes(path)?;
     read_input_bytes(&file, &bytes, options)
 }
 
 /// Where to look at a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Points {
+pub(crate) struct Points {
     /// Input units.
     pub x: Vec<f64>,
     /// Input units.
@@ -97,7 +99,7 @@ pub struct Points {
 ///
 /// # Errors
 /// [`IoError`], as [`read_input`].
-pub fn read_points(path: &Path) -> Result<Points, IoError> {
+pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
     let (file, bytes) = read_bytes(path)?;
     let strict = ReadOptions::default();
     if bytes.starts_with(b"PK") {
@@ -112,7 +114,7 @@ pub fn read_points(path: &Path) -> Result<Points, IoError> {
 ///
 /// # Errors
 /// [`IoError::Read`].
-pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
+pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     let mut bytes = Vec::new();
     let (file, outcome) = if path == Path::new("-") {
         ("standard input".to_string(), std::io::stdin().lock().read_to_end(&mut bytes).map(drop))

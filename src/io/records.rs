@@ -29,7 +29,7 @@ const GROUP: usize = 1 << 16;
 
 /// Which kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RecordFormat {
+pub(crate) enum RecordFormat {
     /// Text.
     Csv,
     /// Columns.
@@ -41,7 +41,7 @@ impl RecordFormat {
     ///
     /// # Errors
     /// Another ending, in words.
-    pub fn of(path: &Path) -> Result<RecordFormat, String> {
+    pub(crate) fn of(path: &Path) -> Result<RecordFormat, String> {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(RecordFormat::Csv),
             Some("parquet") => Ok(RecordFormat::Parquet),
@@ -52,7 +52,7 @@ impl RecordFormat {
 
 /// An open file of records.
 #[derive(Debug)]
-pub struct Records {
+pub(crate) struct Records {
     path: PathBuf,
     file: File,
     /// Bytes that hold whole rows.
@@ -80,7 +80,7 @@ impl Records {
     ///
     /// # Errors
     /// What the system says, with the path.
-    pub fn create(path: &Path, names: &[String]) -> Result<Records, IoError> {
+    pub(crate) fn create(path: &Path, names: &[String]) -> Result<Records, IoError> {
         let wrong = |source| IoError::Write { path: path.to_path_buf(), source };
         let format = RecordFormat::of(path).map_err(|why| wrong(std::io::Error::other(why)))?;
         let mut file = File::create(path).map_err(wrong)?;
@@ -105,7 +105,7 @@ impl Records {
     ///
     /// # Errors
     /// The file is gone or shorter than that; Parquet, which cannot be gone on with.
-    pub fn resume(path: &Path, sound: u64) -> Result<Records, IoError> {
+    pub(crate) fn resume(path: &Path, sound: u64) -> Result<Records, IoError> {
         let wrong = |source| IoError::Write { path: path.to_path_buf(), source };
         if RecordFormat::of(path) != Ok(RecordFormat::Csv) {
             return Err(wrong(std::io::Error::other("only records in CSV can be gone on with")));
@@ -119,7 +119,7 @@ impl Records {
     }
 
     /// Bytes of whole rows so far.
-    pub fn sound(&self) -> u64 {
+    pub(crate) fn sound(&self) -> u64 {
         self.sound
     }
 
@@ -127,7 +127,7 @@ impl Records {
     ///
     /// # Errors
     /// What the system says; the rows before stay readable.
-    pub fn append(&mut self, values: &Values) -> Result<(), IoError> {
+    pub(crate) fn append(&mut self, values: &Values) -> Result<(), IoError> {
         let count = values.columns.first().map_or(0, Vec::len);
         match &mut self.kind {
             Kind::Csv => self.put_lines(values, count),
@@ -221,7 +221,7 @@ impl Records {
     ///
     /// # Errors
     /// What the system says.
-    pub fn finish(mut self) -> Result<(), IoError> {
+    pub(crate) fn finish(mut self) -> Result<(), IoError> {
         let rows = self.waiting_rows();
         if rows > 0 {
             self.put_group(rows)?;
@@ -232,6 +232,25 @@ impl Records {
         }
         self.file.flush().map_err(|source| IoError::Write { path: self.path.clone(), source })
     }
+}
+
+/// A whole table in Parquet: the column `number` counts the rows from 0, the others are `columns`, all of one length.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write_parquet(
+    number: &str,
+    names: &[String],
+    columns: &[Vec<f64>],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let rows = columns.first().map_or(0, Vec::len);
+    let mut groups = RowGroups::numbered(number, names);
+    let (bytes, group) = groups.encode(parquet::MAGIC.len() as u64, &(0..rows as i64).collect::<Vec<i64>>(), columns);
+    groups.push(group);
+    out.write_all(parquet::MAGIC)?;
+    out.write_all(&bytes)?;
+    out.write_all(&groups.footer())
 }
 
 #[cfg(test)]

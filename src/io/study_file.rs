@@ -8,6 +8,8 @@
 //! header carries what the study is a function of (scene, options, seed, build, instruction set), and a reader who finds
 //! another one refuses it by name. The arguments and the scene's text go along: whoever merges parts needs nothing else.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -22,7 +24,7 @@ const MOST_HEADER: u64 = 1 << 28;
 
 /// What a study is a function of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StudyIdentity {
+pub(crate) struct StudyIdentity {
     /// Hash of the scene and of all options that touch a number.
     pub scene_hash: String,
     /// Seed.
@@ -40,7 +42,7 @@ impl StudyIdentity {
     ///
     /// # Errors
     /// [`StudyError::Stranger`].
-    pub fn check(&self, other: &StudyIdentity) -> Result<(), StudyError> {
+    pub(crate) fn check(&self, other: &StudyIdentity) -> Result<(), StudyError> {
         let pairs = [
             ("the version of palpate", self.build.clone(), other.build.clone()),
             ("the scene with its options", self.scene_hash.clone(), other.scene_hash.clone()),
@@ -57,7 +59,7 @@ impl StudyIdentity {
 
 /// A state with all that is needed to go on with it, or to join it to others.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StudyFile {
+pub(crate) struct StudyFile {
     /// Which study.
     pub identity: StudyIdentity,
     /// The arguments of `palpate study`, the scene first.
@@ -77,7 +79,7 @@ pub struct StudyFile {
 /// A study file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum StudyFileError {
+pub(crate) enum StudyFileError {
     /// The system said no.
     #[error("{file}: cannot be read: {source}")]
     Read {
@@ -141,7 +143,7 @@ fn fnv1a(bytes: &[u8]) -> u64 {
 }
 
 /// 128 bits that tell texts apart, as 32 hexadecimal digits: FNV-1a forwards and backwards.
-pub fn text_hash(text: &str) -> String {
+pub(crate) fn text_hash(text: &str) -> String {
     let backwards: Vec<u8> = text.bytes().rev().collect();
     format!("{:016x}{:016x}", fnv1a(text.as_bytes()), fnv1a(&backwards))
 }
@@ -150,7 +152,7 @@ pub fn text_hash(text: &str) -> String {
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub fn write_study(path: &Path, file: &StudyFile) -> Result<(), super::IoError> {
+pub(crate) fn write_study(path: &Path, file: &StudyFile) -> Result<(), super::IoError> {
     let bytes = to_bytes(file);
     write_atomically(path, &mut |out| out.write_all(&bytes))
 }
@@ -218,11 +220,16 @@ fn to_bytes(file: &StudyFile) -> Vec<u8> {
 ///
 /// # Errors
 /// Not there, not one of ours, or damaged.
-pub fn read_study(path: &Path) -> Result<StudyFile, StudyFileError> {
-    let bytes = std::fs::read(path).map_err(|source| StudyFileError::Read { file: path.to_path_buf(), source })?;
-    if !bytes.starts_with(MAGIC) {
+pub(crate) fn read_study(path: &Path) -> Result<StudyFile, StudyFileError> {
+    let wrong = |source| StudyFileError::Read { file: path.to_path_buf(), source };
+    let mut file = File::open(path).map_err(wrong)?;
+    // the first bytes alone: a stranger may be longer than the memory, and a device has no end
+    let mut bytes = Vec::new();
+    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(wrong)?;
+    if bytes != MAGIC {
         return Err(StudyFileError::Foreign { file: path.to_path_buf() });
     }
+    file.read_to_end(&mut bytes).map_err(wrong)?;
     from_bytes(&bytes).map_err(|why| StudyFileError::Corrupted { file: path.to_path_buf(), why })
 }
 

@@ -20,7 +20,7 @@ use super::{IoError, read_bytes};
 
 /// `frame` of the document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedFrame {
+pub(crate) struct SavedFrame {
     /// Point of the input frame that is the patch's origin.
     pub origin: [f64; 3],
     /// Rows are the patch's x, y, z directions in the input frame.
@@ -31,7 +31,7 @@ pub struct SavedFrame {
 
 /// `surface` of the document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedSurface {
+pub(crate) struct SavedSurface {
     /// `height`: z over x, y; `parametric`: Q over u, v.
     pub kind: String,
     /// Degrees in x and y.
@@ -54,7 +54,7 @@ pub struct SavedSurface {
 /// One coefficient: a height, or a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Coefficient {
+pub(crate) enum Coefficient {
     /// Of a height field.
     Height(f64),
     /// Of a parametric surface.
@@ -79,7 +79,7 @@ struct Document {
 }
 
 /// The only schema that is read.
-pub const FIT_SCHEMA: &str = "palpate.fit/1";
+pub(crate) const FIT_SCHEMA: &str = "palpate.fit/1";
 
 /// A surface that was read back.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,14 +96,14 @@ pub struct Saved {
 
 impl SavedFrame {
     /// As it is written.
-    pub fn of(frame: &Frame) -> SavedFrame {
+    pub(crate) fn of(frame: &Frame) -> SavedFrame {
         SavedFrame { origin: frame.origin, axes: frame.axes, scale: frame.scale }
     }
 }
 
 impl SavedSurface {
     /// As it is written.
-    pub fn of(surface: &HeightField, unsupported: &[usize]) -> SavedSurface {
+    pub(crate) fn of(surface: &HeightField, unsupported: &[usize]) -> SavedSurface {
         let [x, y] = surface.knots();
         SavedSurface {
             kind: "height".into(),
@@ -117,7 +117,7 @@ impl SavedSurface {
     }
 
     /// As it is written.
-    pub fn of_parametric(surface: &Parametric, support: &UvSupport) -> SavedSurface {
+    pub(crate) fn of_parametric(surface: &Parametric, support: &UvSupport) -> SavedSurface {
         let [u, v] = surface.knots();
         SavedSurface {
             kind: "parametric".into(),
@@ -208,7 +208,7 @@ impl SavedFrame {
 ///
 /// # Errors
 /// [`IoError::Read`], [`IoError::Surface`].
-pub fn read_surface(path: &Path) -> Result<Saved, IoError> {
+pub(crate) fn read_surface(path: &Path) -> Result<Saved, IoError> {
     let (file, bytes) = read_bytes(path)?;
     read_surface_bytes(&file, &bytes)
 }

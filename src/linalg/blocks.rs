@@ -10,7 +10,7 @@
 
 /// Numbers of distinct coefficients of a parametric surface, its degrees, and which directions are closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MapShape {
+pub(crate) struct MapShape {
     /// Distinct coefficients in u and v.
     pub free: [usize; 2],
     /// Degrees p and q.
@@ -21,7 +21,7 @@ pub struct MapShape {
 
 impl MapShape {
     /// Number of coefficients n m; three unknowns each.
-    pub fn coefficients(&self) -> usize {
+    pub(crate) fn coefficients(&self) -> usize {
         self.free[0] * self.free[1]
     }
 
@@ -41,7 +41,7 @@ impl MapShape {
 
 /// A symmetric matrix of 3 x 3 blocks with the sparsity of a [`MapShape`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct BlockMatrix {
+pub(crate) struct BlockMatrix {
     starts: Vec<usize>,
     columns: Vec<usize>,
     values: Vec<[[f64; 3]; 3]>,
@@ -49,7 +49,7 @@ pub struct BlockMatrix {
 
 impl BlockMatrix {
     /// The zero matrix.
-    pub fn zeros(shape: MapShape) -> BlockMatrix {
+    pub(crate) fn zeros(shape: MapShape) -> BlockMatrix {
         let m = shape.free[1];
         let (mut starts, mut columns) = (vec![0], Vec::new());
         for i in 0..shape.free[0] {
@@ -66,23 +66,23 @@ impl BlockMatrix {
     }
 
     /// Number of coefficients.
-    pub fn coefficients(&self) -> usize {
+    pub(crate) fn coefficients(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// Number of unknowns.
-    pub fn order(&self) -> usize {
+    pub(crate) fn order(&self) -> usize {
         3 * self.coefficients()
     }
 
     /// Back to zero, keeping the memory.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.values.fill([[0.0; 3]; 3]);
     }
 
     /// Adds `block` to `A[row, column]`, `column <= row`; a pair whose basis functions do not overlap is ignored.
     #[inline]
-    pub fn add(&mut self, row: usize, column: usize, block: &[[f64; 3]; 3]) {
+    pub(crate) fn add(&mut self, row: usize, column: usize, block: &[[f64; 3]; 3]) {
         let range = self.starts[row]..self.starts[row + 1];
         if let Ok(k) = self.columns[range.clone()].binary_search(&column) {
             let target = &mut self.values[range.start + k];
@@ -93,13 +93,13 @@ impl BlockMatrix {
     }
 
     /// Columns and blocks stored of one row of blocks, columns ascending; the last one is the diagonal's.
-    pub fn row(&self, row: usize) -> (&[usize], &[[[f64; 3]; 3]]) {
+    pub(crate) fn row(&self, row: usize) -> (&[usize], &[[[f64; 3]; 3]]) {
         let range = self.starts[row]..self.starts[row + 1];
         (&self.columns[range.clone()], &self.values[range])
     }
 
     /// Adds a matrix of the same pattern.
-    pub fn add_matrix(&mut self, other: &BlockMatrix) {
+    pub(crate) fn add_matrix(&mut self, other: &BlockMatrix) {
         debug_assert_eq!(self.columns, other.columns);
         for (a, b) in
             self.values.as_flattened_mut().as_flattened_mut().iter_mut().zip(other.values.as_flattened().as_flattened())
@@ -109,7 +109,7 @@ impl BlockMatrix {
     }
 
     /// Calls `visit(row, column, entry)` for every stored block, rows ascending, columns ascending in each.
-    pub fn for_each(&self, mut visit: impl FnMut(usize, usize, &[[f64; 3]; 3])) {
+    pub(crate) fn for_each(&self, mut visit: impl FnMut(usize, usize, &[[f64; 3]; 3])) {
         for row in 0..self.coefficients() {
             for k in self.starts[row]..self.starts[row + 1] {
                 visit(row, self.columns[k], &self.values[k]);
@@ -118,12 +118,12 @@ impl BlockMatrix {
     }
 
     /// Diagonal entries, one per unknown.
-    pub fn diagonal(&self) -> Vec<f64> {
+    pub(crate) fn diagonal(&self) -> Vec<f64> {
         (0..self.order()).map(|u| self.values[self.starts[u / 3 + 1] - 1][u % 3][u % 3]).collect()
     }
 
     /// `sum_kl A_kl B_kl` with a full symmetric B, given by columns.
-    pub fn contracted(&self, b: &[Vec<f64>]) -> f64 {
+    pub(crate) fn contracted(&self, b: &[Vec<f64>]) -> f64 {
         let mut sum = 0.0;
         self.for_each(|row, column, block| {
             let twice = if row == column { 1.0 } else { 2.0 };
@@ -136,7 +136,7 @@ impl BlockMatrix {
     }
 
     /// `out = A v`.
-    pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
+    pub(crate) fn multiply(&self, v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.for_each(|row, column, block| {
             for a in 0..3 {

@@ -7,7 +7,7 @@
 const MAX_STEPS: usize = 5;
 
 /// Lower bound of `|B^-1|_1` for `B` of the given order, from `solve` (`v <- B^-1 v`) and `solve_transposed`.
-pub fn inverse_norm1_estimate(
+pub(crate) fn inverse_norm1_estimate(
     order: usize,
     mut solve: impl FnMut(&mut [f64]),
     mut solve_transposed: impl FnMut(&mut [f64]),

@@ -17,11 +17,10 @@ mod site_groups;
 mod sites;
 mod stencil;
 
-pub use blocks::{BlockMatrix, MapShape};
-pub use condition::inverse_norm1_estimate;
+pub(crate) use blocks::{BlockMatrix, MapShape};
+pub(crate) use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
-pub use site_groups::{SiteGroups, SiteRows};
-pub use sites::{
-    RowWeights, Site, SiteWeights, Sites, Targets, apply_rows, assemble, descent, normal_rhs, residuals, site_rows,
-};
+pub(crate) use site_groups::{SiteGroups, SiteRows};
+pub use sites::{RowWeights, SiteWeights, Sites, Targets, assemble, normal_rhs};
+pub(crate) use sites::{Site, apply_rows, descent, residuals, site_rows};
 pub use stencil::{StencilMatrix, TensorShape};

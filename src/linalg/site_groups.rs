@@ -16,7 +16,7 @@ const KEPT: usize = 1 << 12;
 
 /// Up to eight sites of one cell.
 #[derive(Clone, Copy, Debug)]
-pub struct SiteGroup<'a> {
+pub(crate) struct SiteGroup<'a> {
     /// First basis function in x and in y.
     pub first: [usize; 2],
     /// Basis values and weights in the layout of the kernels.
@@ -27,7 +27,7 @@ pub struct SiteGroup<'a> {
 
 /// Sites, their weights and their right-hand sides; they must be the same at every visit.
 #[derive(Clone, Copy, Debug)]
-pub struct SiteRows<'a, S> {
+pub(crate) struct SiteRows<'a, S> {
     /// Basis rows.
     pub sites: &'a S,
     /// Weights.
@@ -38,7 +38,7 @@ pub struct SiteRows<'a, S> {
 
 /// Buffers for groups of sites: for all groups if the sites are few, otherwise for the current group only.
 #[derive(Clone, Debug)]
-pub struct SiteGroups {
+pub(crate) struct SiteGroups {
     widths: [usize; 2],
     /// First basis functions of every group.
     first: Vec<[usize; 2]>,
@@ -66,7 +66,7 @@ struct Waiting {
 
 impl SiteGroups {
     /// Room for the sites of one fit.
-    pub fn new(sites: &impl Sites) -> SiteGroups {
+    pub(crate) fn new(sites: &impl Sites) -> SiteGroups {
         let widths = sites.shape().degree.map(|d| d + 1);
         let room = if sites.len() <= KEPT { sites.len().div_ceil(SITES) } else { 1 };
         let values = Vec::with_capacity(room * (2 * (widths[0] + widths[1]) + BESIDES));
@@ -79,7 +79,7 @@ impl SiteGroups {
     }
 
     /// Visits all sites group by group, in the order of [`Sites::visit`].
-    pub fn visit<S: Sites>(&mut self, rows: &SiteRows<S>, mut f: impl FnMut(&SiteGroup)) {
+    pub(crate) fn visit<S: Sites>(&mut self, rows: &SiteRows<S>, mut f: impl FnMut(&SiteGroup)) {
         if !self.is_complete {
             let keep = rows.sites.len() <= KEPT;
             // all kept groups are made before the first is visited, so that no number is read soon after it was written

@@ -118,7 +118,7 @@ pub type Targets = Vec<[f64; 3]>;
 
 /// `[wz S, a S_x + b S_y, d S_y]` of the spline `c` at one site.
 #[inline]
-pub fn site_rows(site: &Site, weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
+pub(crate) fn site_rows(site: &Site, weights: &SiteWeights, c: &[f64], columns: usize) -> [f64; 3] {
     site.unrolled(|site| site_rows_of(site, weights, c, columns))
 }
 
@@ -141,7 +141,7 @@ fn site_rows_of(site: &Site, weights: &SiteWeights, c: &[f64], columns: usize) -
 }
 
 /// `out = E c`, weighted, in the user's order.
-pub fn apply_rows(sites: &impl Sites, row_weights: &RowWeights, c: &[f64], out: &mut Targets) {
+pub(crate) fn apply_rows(sites: &impl Sites, row_weights: &RowWeights, c: &[f64], out: &mut Targets) {
     let columns = sites.shape().basis[1];
     out.clear();
     out.resize(sites.len(), [0.0; 3]);
@@ -149,7 +149,7 @@ pub fn apply_rows(sites: &impl Sites, row_weights: &RowWeights, c: &[f64], out: 
 }
 
 /// `out = b - E c`, weighted, in the user's order.
-pub fn residuals(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut Targets) {
+pub(crate) fn residuals(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut Targets) {
     let columns = sites.shape().basis[1];
     out.clear();
     out.resize(sites.len(), [0.0; 3]);
@@ -168,7 +168,7 @@ pub fn normal_rhs(sites: &impl Sites, row_weights: &RowWeights, rows: &Targets, 
 }
 
 /// `out = E'(b - E c)` in one visit, with the same bits as [`residuals`] followed by [`normal_rhs`].
-pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut [f64]) {
+pub(crate) fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut [f64]) {
     let columns = sites.shape().basis[1];
     out.fill(0.0);
     sites.visit(|site| {
@@ -180,7 +180,7 @@ pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, 
 
 /// `out += E_site' r` for the weighted rows `r` of one site; `columns` are the basis functions in y.
 #[inline]
-pub fn add_transposed(site: &Site, w: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
+pub(super) fn add_transposed(site: &Site, w: &SiteWeights, r: [f64; 3], columns: usize, out: &mut [f64]) {
     site.unrolled(|site| add_transposed_of(site, w, r, columns, out))
 }
 

@@ -33,7 +33,7 @@ pub struct LinearControl {
 
 impl LinearControl {
     /// `None` where S or R does not vary to first order.
-    pub fn new(rows: &LinearRows, evaluator: &Evaluator) -> Option<LinearControl> {
+    pub(super) fn new(rows: &LinearRows, evaluator: &Evaluator) -> Option<LinearControl> {
         let draws = rows.of_draws()?;
         let nominal = rows.nominal().to_vec();
         let steps: Vec<f64> = (0..nominal.len())
@@ -108,7 +108,7 @@ pub struct Correction {
 
 impl ControlTally {
     /// Words of a file.
-    pub const WORDS: usize = 16;
+    pub(crate) const WORDS: usize = 16;
 
     /// Takes L of the next replicates in.
     pub fn take(&mut self, control: &[Vec<f64>], level: f64) {
@@ -210,4 +210,51 @@ fn betas(y: &[f64], l: &[f64], ranked: &Ranked<'_>, level: f64) -> [f64; 2] {
         let (below, under) = (below / m, under / m);
         ((both / m - below * under) / (under * (1.0 - under)).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stopping::batch_estimate;
+    use super::*;
+    use crate::draws::EffectDraws;
+
+    /// Mean squares of what mean, u, lower and upper end are off, with the control and without, over 200 batches of `y(l, n)`.
+    fn errors(y: impl Fn(f64, f64) -> f64, truth: [f64; 4]) -> [[f64; 4]; 2] {
+        let mut errors = [[0.0; 4]; 2];
+        for seed in 0..200 {
+            let (mut l, mut n) = (vec![0.0; 2048], vec![0.0; 2048]);
+            EffectDraws::new(seed, "control").gaussians(0, 0, 1, &mut l);
+            EffectDraws::new(seed, "rest").gaussians(0, 0, 1, &mut n);
+            let values: Vec<f64> = l.iter().zip(&n).map(|(l, n)| y(*l, *n)).collect();
+            let columns = [values.clone(), values];
+            let with = ControlTally::default().look(&columns, &[l.clone(), l], 0.9)[0];
+            let without = batch_estimate(&columns, 0.9)[0];
+            for (sums, found) in errors.iter_mut().zip([with, without]) {
+                (0..4).for_each(|k| sums[k] += (found[k] - truth[k]).powi(2) / 200.0);
+            }
+        }
+        errors
+    }
+
+    #[test]
+    fn a_close_relative_takes_the_chance_off_and_a_stranger_does_no_harm() {
+        let z = 1.644_853_626_951_472_2;
+        let u = 1.01_f64.sqrt();
+        let [with, without] = errors(|l, n| l + 0.1 * n, [0.0, u, -z * u, z * u]);
+        for (k, least) in [20.0, 20.0, 3.0, 3.0].into_iter().enumerate() {
+            assert!(without[k] > least * with[k], "{k}: {} with, {} without", with[k], without[k]);
+        }
+        let [with, without] = errors(|_, n| n, [0.0, 1.0, -z, z]);
+        (0..4).for_each(|k| assert!(with[k] < 1.1 * without[k], "{k}: {} with, {} without", with[k], without[k]));
+    }
+
+    #[test]
+    fn a_tally_goes_through_a_file() {
+        let mut tally = ControlTally::default();
+        let l = vec![vec![-2.5, 0.1, 3.0], vec![0.0, 1.0, -0.5]];
+        tally.take(&l, 0.95);
+        tally.look(&l.clone(), &l, 0.95);
+        assert_eq!(ControlTally::from_words(&tally.to_words()).as_ref(), Some(&tally));
+        assert_eq!(ControlTally::from_words(&[1, 2]), None);
+    }
 }

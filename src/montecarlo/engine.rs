@@ -29,7 +29,7 @@ use crate::simd::{Isa, REPLICATES};
 use crate::threads;
 
 /// Where the random numbers of each stage come from: its addressed draws unless told otherwise.
-pub type Draws<'a> = &'a (dyn Fn(usize) -> EffectDraws + Sync);
+pub(super) type Draws<'a> = &'a (dyn Fn(usize) -> EffectDraws + Sync);
 
 /// Values of some replicates.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -19,7 +19,7 @@ use crate::surface::HeightField;
 
 /// The shape grid of a patch, and what is asked of it.
 #[derive(Clone, Debug)]
-pub struct Evaluator {
+pub(super) struct Evaluator {
     knots: [Knots; 2],
     frame: Frame,
     degree: [usize; 2],
@@ -32,7 +32,7 @@ pub struct Evaluator {
 
 impl Evaluator {
     /// Over `grid` (patch coordinates) for the quantities asked for, S and R first; `nominal` are the noise-free coefficients.
-    pub fn new(
+    pub(super) fn new(
         knots: [Knots; 2],
         frame: Frame,
         grid: &ShapeGrid,
@@ -48,7 +48,7 @@ impl Evaluator {
     }
 
     /// `out[q][lane]` for every lane's coefficients.
-    pub fn block(&self, isa: Isa, c: &[[f64; REPLICATES]], out: &mut [[f64; REPLICATES]]) {
+    pub(super) fn block(&self, isa: Isa, c: &[[f64; REPLICATES]], out: &mut [[f64; REPLICATES]]) {
         let Some(means) = out.first_chunk_mut() else { return };
         self.means_of_lanes(isa, c, means);
         if self.quantities.len() > 2 {
@@ -63,7 +63,7 @@ impl Evaluator {
     }
 
     /// Mean S and mean R, input units, for every lane's coefficients.
-    pub fn means_of_lanes(&self, isa: Isa, c: &[[f64; REPLICATES]], [s, r]: &mut [[f64; REPLICATES]; 2]) {
+    pub(super) fn means_of_lanes(&self, isa: Isa, c: &[[f64; REPLICATES]], [s, r]: &mut [[f64; REPLICATES]; 2]) {
         if !(2..=4).contains(&self.degree[0]) || !mean_shapes(isa, self.degree, &self.tables, c, s, r) {
             for lane in 0..REPLICATES {
                 let own: Vec<f64> = c.iter().map(|lanes| lanes[lane]).collect();
@@ -79,7 +79,7 @@ impl Evaluator {
     }
 
     /// Mean S and R point by point, R in patch units.
-    pub fn means(&self, c: &[f64]) -> [f64; 2] {
+    pub(super) fn means(&self, c: &[f64]) -> [f64; 2] {
         let Some(surface) = self.surface(c) else { return [f64::NAN; 2] };
         let (mut s, mut defined, mut r) = (0.0, 0.0, 0.0);
         for bx in &self.rows[0] {

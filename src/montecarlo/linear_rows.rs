@@ -19,7 +19,7 @@ use crate::simd::{CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, add_draws, chach
 
 /// H with what it is applied to.
 #[derive(Clone, Debug)]
-pub struct LinearRows {
+pub(super) struct LinearRows {
     nominal: Vec<f64>,
     /// `response[contact][unknown]`, three targets a contact.
     response: Vec<Vec<[f64; 3]>>,
@@ -38,7 +38,7 @@ struct Place {
 
 impl LinearRows {
     /// One factor of the nominal problem; `row_noise` are the sds of z and of the slopes where that is the only effect.
-    pub fn new(problem: &Problem, row_noise: Option<[f64; 2]>) -> Result<LinearRows, FitError> {
+    pub(super) fn new(problem: &Problem, row_noise: Option<[f64; 2]>) -> Result<LinearRows, FitError> {
         let (sites, row_weights, factor, nominal) = problem.factored()?;
         let columns = sites.shape().basis[1];
         let unknowns = nominal.len();
@@ -76,7 +76,7 @@ impl LinearRows {
     }
 
     /// Coefficients without noise.
-    pub fn nominal(&self) -> &[f64] {
+    pub(super) fn nominal(&self) -> &[f64] {
         &self.nominal
     }
 
@@ -94,7 +94,7 @@ impl LinearRows {
     }
 
     /// Coefficients of the replicates of a simulated block of [`REPLICATES`] lanes.
-    pub fn coefficients(&self, isa: Isa, problem: &Problem, batch: &ContactBatch, c: &mut [[f64; REPLICATES]]) {
+    pub(super) fn coefficients(&self, isa: Isa, problem: &Problem, batch: &ContactBatch, c: &mut [[f64; REPLICATES]]) {
         for (lanes, value) in c.iter_mut().zip(&self.nominal) {
             *lanes = [*value; REPLICATES];
         }
@@ -111,17 +111,17 @@ impl LinearRows {
     }
 
     /// What a standard normal draw does to each coefficient, `[contact][unknown]`, where row noise is the only effect.
-    pub fn of_draws(&self) -> Option<&Vec<Vec<[f64; 3]>>> {
+    pub(super) fn of_draws(&self) -> Option<&Vec<Vec<[f64; 3]>>> {
         self.of_draws.as_ref()
     }
 
     /// Whether draws go to coefficients without contacts in between.
-    pub fn is_direct(&self) -> bool {
+    pub(super) fn is_direct(&self) -> bool {
         self.of_draws.is_some()
     }
 
     /// The same for replicates `first ..` of row noise, `first` even; lanes come in the order of [`direct_lane`].
-    pub fn direct(&self, isa: Isa, draws: &EffectDraws, first: u64, c: &mut [[f64; REPLICATES]]) {
+    pub(super) fn direct(&self, isa: Isa, draws: &EffectDraws, first: u64, c: &mut [[f64; REPLICATES]]) {
         let Some(response) = &self.of_draws else { return };
         for (lanes, value) in c.iter_mut().zip(&self.nominal) {
             *lanes = [*value; REPLICATES];
@@ -138,6 +138,6 @@ impl LinearRows {
 }
 
 /// The lane in which the `k`-th replicate of a direct block stands: a block of the generator feeds two replicates.
-pub fn direct_lane(k: usize) -> usize {
+pub(super) fn direct_lane(k: usize) -> usize {
     k % 2 * CHACHA_BLOCKS + k / 2
 }

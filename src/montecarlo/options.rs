@@ -5,13 +5,13 @@ use super::path::Path;
 use super::quantity::Quantity;
 
 /// Most replicates whose values are all kept (64 MB for S and R); beyond, they are counted in bins.
-pub const KEPT: u64 = 1 << 22;
+pub(super) const KEPT: u64 = 1 << 22;
 /// Replicates of the pilot that says where the bins stand.
-pub const PILOT: usize = 1 << 14;
+pub(super) const PILOT: usize = 1 << 14;
 /// Most replicates of one study: beyond, the replicates that attribution draws would be met.
-pub const MOST: u64 = 1 << 40;
+pub(super) const MOST: u64 = 1 << 40;
 /// Replicates allowed when a tolerance decides and nothing else is said.
-pub const ALLOWED: u64 = 1 << 32;
+pub(super) const ALLOWED: u64 = 1 << 32;
 
 /// How many significant digits both ends of the intervals shall have, and by which rule.
 #[derive(Clone, Copy, Debug, PartialEq)]

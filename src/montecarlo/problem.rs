@@ -9,7 +9,7 @@ use crate::solve::Cholesky;
 
 /// Which rows are minimised, patch units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rows {
+pub(super) enum Rows {
     /// Slope rows with these weights.
     Slopes(SiteWeights),
     /// Normal rows: 1/sd of heights and of normals.
@@ -23,7 +23,7 @@ pub enum Rows {
 
 /// A patch with its nominal contacts, ready to be fitted again and again.
 #[derive(Clone, Debug)]
-pub struct Problem {
+pub(super) struct Problem {
     knots: [Knots; 2],
     frame: Frame,
     rows: Rows,
@@ -39,7 +39,7 @@ pub(super) type Factored = (ScatteredSites, RowWeights, Cholesky, Vec<f64>);
 
 impl Problem {
     /// From the fit of the nominal contacts; why not, where its answer is more than one Cholesky factor.
-    pub fn new(fit: &Fit, contacts: &Contacts) -> Result<Problem, &'static str> {
+    pub(super) fn new(fit: &Fit, contacts: &Contacts) -> Result<Problem, &'static str> {
         let solution = fit.solution();
         if !fit.frame().keeps_axes() {
             return Err("the patch has axes of its own");
@@ -80,49 +80,49 @@ impl Problem {
     }
 
     /// Knots in patch coordinates.
-    pub fn knots(&self) -> &[Knots; 2] {
+    pub(super) fn knots(&self) -> &[Knots; 2] {
         &self.knots
     }
 
     /// The rows.
-    pub fn rows(&self) -> &Rows {
+    pub(super) fn rows(&self) -> &Rows {
         &self.rows
     }
 
     /// The penalty.
-    pub fn roughness(&self) -> Option<&(f64, StencilMatrix)> {
+    pub(super) fn roughness(&self) -> Option<&(f64, StencilMatrix)> {
         self.roughness.as_ref()
     }
 
     /// Length scale.
-    pub fn scale(&self) -> f64 {
+    pub(super) fn scale(&self) -> f64 {
         self.frame.scale
     }
 
     /// Nominal slopes at contact `r`.
-    pub fn slopes_at(&self, r: usize) -> [f64; 2] {
+    pub(super) fn slopes_at(&self, r: usize) -> [f64; 2] {
         self.slopes[r]
     }
 
     /// Nominal point of contact `r`, input units.
-    pub fn point(&self, r: usize) -> [f64; 3] {
+    pub(super) fn point(&self, r: usize) -> [f64; 3] {
         self.points[r]
     }
 
     /// Nominal normal of contact `r`.
-    pub fn normal(&self, r: usize) -> [f64; 3] {
+    pub(super) fn normal(&self, r: usize) -> [f64; 3] {
         self.normals[r]
     }
 
     /// A point in patch coordinates.
     #[inline]
-    pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
+    pub(super) fn local(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| (point[k] - self.frame.origin[k]) / self.frame.scale)
     }
 
     /// A height in patch coordinates.
     #[inline]
-    pub fn local_height(&self, z: f64) -> f64 {
+    pub(super) fn local_height(&self, z: f64) -> f64 {
         (z - self.frame.origin[2]) / self.frame.scale
     }
 

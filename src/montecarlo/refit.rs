@@ -15,7 +15,7 @@ const STEEP: f64 = 1e8;
 
 /// Why one replicate cannot be fitted.
 #[derive(Clone, Debug, thiserror::Error)]
-pub enum RefitError {
+pub(super) enum RefitError {
     /// What a plain fit would say of its contacts.
     #[error(transparent)]
     Fit(#[from] FitError),
@@ -26,7 +26,7 @@ pub enum RefitError {
 
 /// The memory of one thread: plan and columns.
 #[derive(Debug)]
-pub struct Refit {
+pub(super) struct Refit {
     plan: Option<SlopePlan>,
     weights: SiteWeights,
     columns: [Vec<f64>; 5],
@@ -37,7 +37,7 @@ impl Refit {
     ///
     /// # Errors
     /// No memory.
-    pub fn new(problem: &Problem) -> Result<Refit, RefitError> {
+    pub(super) fn new(problem: &Problem) -> Result<Refit, RefitError> {
         let weights = match problem.rows() {
             Rows::Slopes(weights) => *weights,
             Rows::Normals { .. } => return Err(FitError::Method { method: "refit", why: "needs slope rows" }.into()),
@@ -56,7 +56,7 @@ impl Refit {
     ///
     /// # Errors
     /// A normal without a slope, contacts that leave coefficients free.
-    pub fn coefficients(
+    pub(super) fn coefficients(
         &mut self,
         problem: &Problem,
         batch: &ContactBatch,

@@ -13,13 +13,13 @@ const UNIFORM_SD: f64 = 0.288_675_134_594_812_9;
 
 /// No noise.
 #[derive(Clone, Copy, Debug)]
-pub struct AtRest {
+pub(super) struct AtRest {
     uniform: f64,
 }
 
 impl AtRest {
     /// The rest of every stage of a simulator.
-    pub fn shared(simulator: &Simulator) -> Vec<Arc<dyn DrawSource>> {
+    pub(super) fn shared(simulator: &Simulator) -> Vec<Arc<dyn DrawSource>> {
         let at_rest = |uniform: f64| Arc::new(AtRest { uniform }) as Arc<dyn DrawSource>;
         simulator.stages().iter().map(|stage| at_rest(stage.rest())).collect()
     }
@@ -38,7 +38,7 @@ impl DrawSource for AtRest {
 /// One stage at rest but for one number in every replicate: replicate `2 (contact per + component) + s` has that
 /// component of that contact's numbers at `+h` (s = 0) or `-h` (s = 1) standard deviations.
 #[derive(Clone, Copy, Debug)]
-pub struct Poked {
+pub(super) struct Poked {
     /// Numbers per contact.
     pub per: usize,
     /// How far.

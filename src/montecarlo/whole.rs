@@ -10,14 +10,14 @@ use crate::shape::radius_of;
 
 /// Options and what is asked.
 #[derive(Clone, Debug)]
-pub struct Whole {
+pub(super) struct Whole {
     options: FitOptions,
     quantities: Vec<Quantity>,
 }
 
 impl Whole {
     /// Fits with these options.
-    pub fn new(options: FitOptions, quantities: Vec<Quantity>) -> Whole {
+    pub(super) fn new(options: FitOptions, quantities: Vec<Quantity>) -> Whole {
         Whole { options, quantities }
     }
 
@@ -25,7 +25,7 @@ impl Whole {
     ///
     /// # Errors
     /// Every [`FitError`].
-    pub fn values(&self, (contacts, _): (Contacts, Truth)) -> Result<(Vec<f64>, bool), FitError> {
+    pub(super) fn values(&self, (contacts, _): (Contacts, Truth)) -> Result<(Vec<f64>, bool), FitError> {
         match fit_surface(&contacts, &self.options)?.0 {
             FittedSurface::Height(fit) => {
                 let plane = fit.shape().class == ShapeClass::Plane;

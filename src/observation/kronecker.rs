@@ -8,10 +8,10 @@ use super::GridSites;
 use crate::linalg::{Sites, StencilMatrix};
 
 /// Block weights `[wz, wx, wy]` (multiplying residuals) that hold at every pixel.
-pub type SeparableWeights = [f64; 3];
+pub(super) type SeparableWeights = [f64; 3];
 
 /// `E'E` without visiting a pixel: work grows with the axes, not with their product.
-pub fn kronecker_normal_matrix(sites: &GridSites, weights: SeparableWeights) -> StencilMatrix {
+pub(crate) fn kronecker_normal_matrix(sites: &GridSites, weights: SeparableWeights) -> StencilMatrix {
     let [x, y] = sites.axes();
     let [gram_x, gram_dx] = [x.gram(0, None), x.gram(1, None)];
     let [gram_y, gram_dy] = [y.gram(0, None), y.gram(1, None)];

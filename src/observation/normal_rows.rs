@@ -13,7 +13,7 @@ use crate::linalg::SiteWeights;
 
 /// Unweighted rows at the current slopes `(p, q)`: the triangle U and its two targets.
 #[inline]
-pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (SiteWeights, [f64; 2]) {
+pub(crate) fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (SiteWeights, [f64; 2]) {
     let w2 = 1.0 + p * p + q * q;
     let w = w2.sqrt();
     let l2 = 1.0 + q * q;
@@ -30,7 +30,7 @@ pub fn linearise_normals(normal: [f64; 3], p: f64, q: f64) -> (SiteWeights, [f64
 
 /// `|n - n^(p, q)|^2`: the squared chord between a measured and a fitted normal.
 #[inline]
-pub fn angular_residual_squared(normal: [f64; 3], p: f64, q: f64) -> f64 {
+pub(crate) fn angular_residual_squared(normal: [f64; 3], p: f64, q: f64) -> f64 {
     let w = (1.0 + p * p + q * q).sqrt();
     let d = [normal[0] + p / w, normal[1] + q / w, normal[2] - 1.0 / w];
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]

@@ -8,7 +8,7 @@ use crate::bspline::{Knots, gram};
 use crate::linalg::{StencilMatrix, TensorShape};
 
 /// The penalty matrix P over the whole domain, from one-dimensional Gram matrices.
-pub fn roughness_matrix(knots: &[Knots; 2]) -> StencilMatrix {
+pub(crate) fn roughness_matrix(knots: &[Knots; 2]) -> StencilMatrix {
     let shape =
         TensorShape { basis: [knots[0].n_basis(), knots[1].n_basis()], degree: [knots[0].degree(), knots[1].degree()] };
     let x = [0, 1, 2].map(|k| gram(&knots[0], k));

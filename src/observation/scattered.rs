@@ -32,7 +32,7 @@ pub struct ScatteredSites {
 
 /// Points sorted by knot cell. The counting sort is stable: points of one cell keep their order.
 #[derive(Clone, Debug)]
-pub struct CellNumbers {
+pub(crate) struct CellNumbers {
     /// Numbers of the points.
     pub order: Vec<u32>,
     /// Start of every cell (x segment by x segment) in `order`, and the end.
@@ -41,7 +41,7 @@ pub struct CellNumbers {
 
 impl CellNumbers {
     /// Sorts the points `(x, y)`, in the coordinates of the knots.
-    pub fn of(knots: &[Knots; 2], points: &[[f64; 2]]) -> CellNumbers {
+    pub(crate) fn of(knots: &[Knots; 2], points: &[[f64; 2]]) -> CellNumbers {
         let across = knots[1].n_segments();
         let cells: Vec<u32> =
             points.iter().map(|p| (knots[0].segment_of(p[0]) * across + knots[1].segment_of(p[1])) as u32).collect();

@@ -6,7 +6,7 @@ use crate::linalg::{RowWeights, SiteWeights, Targets};
 /// Weights and targets of scattered contacts that are already in the patch frame; `block` is `[wz, wx, wy]` there.
 ///
 /// Contacts without slopes have height rows only. A normal with nz = 0 has no slope; the caller must refuse it before.
-pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, Targets) {
+pub(crate) fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, Targets) {
     let weights = &contacts.weights;
     let has_slopes = contacts.orientation != Orientation::None;
     let block = if has_slopes { block } else { [block[0], 0.0, 0.0] };
@@ -39,7 +39,7 @@ pub fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, Targets)
 }
 
 /// The same for a grid. `origin` and `scale` bring its heights into the patch frame; NaN gets weight zero.
-pub fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (RowWeights, Targets) {
+pub(crate) fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (RowWeights, Targets) {
     let at = |array: &Option<ndarray::Array2<f64>>, i: usize, j: usize, otherwise: f64| {
         array.as_ref().map_or(otherwise, |a| a[[i, j]])
     };

@@ -19,13 +19,13 @@ use super::vector::{Vector, arc, cross, dot, norm, unit};
 /// Bending above which S and R do not come from the contacts. Balls and bars have 0.6 to 1.1, with noise up to 1.4, and a
 /// biquadratic too stiff for its ball 1.9; overfitted noise has 2 to 3 while S is off by half, and a diverged fit 4 to
 /// 10^6.
-pub const MOST_BENDING: f64 = 2.5;
+pub(super) const MOST_BENDING: f64 = 2.5;
 /// Sds of the noise by which the true angle between two normals may exceed the measured one.
 const HIDDEN: f64 = 3.0;
 
 /// The largest curvature that contacts can have felt, for each box of (u, v).
 #[derive(Debug)]
-pub struct MeasuredCurvature {
+pub(super) struct MeasuredCurvature {
     counts: [usize; 2],
     domain: [[f64; 2]; 2],
     closed: [bool; 2],
@@ -42,7 +42,7 @@ struct Bin {
 
 impl MeasuredCurvature {
     /// From contacts with noise sd `sigma` of their normals, radians.
-    pub fn new(cells: &Cells, contacts: &PatchContacts, feet: &Feet, sigma: f64) -> MeasuredCurvature {
+    pub(super) fn new(cells: &Cells, contacts: &PatchContacts, feet: &Feet, sigma: f64) -> MeasuredCurvature {
         let shape = cells.shape();
         let mut measured = MeasuredCurvature {
             counts: shape.free.map(|n| n.max(2)),
@@ -83,7 +83,7 @@ impl MeasuredCurvature {
     }
 
     /// `curvature` over the largest one felt near (u, v).
-    pub fn bending(&self, place: [f64; 2], curvature: f64) -> f64 {
+    pub(super) fn bending(&self, place: [f64; 2], curvature: f64) -> f64 {
         let near = self.most[self.place(place)];
         // a box without contacts or neighbours takes the largest curvature felt anywhere
         curvature / if near > 0.0 { near } else { self.anywhere }

@@ -14,18 +14,18 @@ const WIDTH: usize = MAX_DEGREE + 1;
 const ORDERS: usize = 4;
 
 /// Derivatives of a parametric surface by their orders `[k][l]`.
-pub type Jet = [[Vector; ORDERS]; ORDERS];
+pub(super) type Jet = [[Vector; ORDERS]; ORDERS];
 
 /// Knots of a parametric surface and the numbering of its distinct coefficients.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub(super) struct Cells {
     knots: [Knots; 2],
     shape: MapShape,
 }
 
 /// The basis at one (u, v).
 #[derive(Clone, Debug)]
-pub struct Row {
+pub(super) struct Row {
     /// Number of the cell.
     pub cell: usize,
     first: [usize; 2],
@@ -35,7 +35,7 @@ pub struct Row {
 
 impl Cells {
     /// The cells of these knots.
-    pub fn new(knots: [Knots; 2]) -> Cells {
+    pub(super) fn new(knots: [Knots; 2]) -> Cells {
         let shape = MapShape {
             free: [knots[0].free(), knots[1].free()],
             degree: [knots[0].degree(), knots[1].degree()],
@@ -45,33 +45,33 @@ impl Cells {
     }
 
     /// Knots in u and v.
-    pub fn knots(&self) -> &[Knots; 2] {
+    pub(super) fn knots(&self) -> &[Knots; 2] {
         &self.knots
     }
 
     /// Numbering of the distinct coefficients.
-    pub fn shape(&self) -> MapShape {
+    pub(super) fn shape(&self) -> MapShape {
         self.shape
     }
 
     /// Number of coefficients that are nonzero in one cell.
-    pub fn local(&self) -> usize {
+    pub(super) fn local(&self) -> usize {
         (self.shape.degree[0] + 1) * (self.shape.degree[1] + 1)
     }
 
     /// Number of cells.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.knots[0].n_segments() * self.knots[1].n_segments()
     }
 
     /// The cell of (u, v).
-    pub fn cell_of(&self, [u, v]: [f64; 2]) -> usize {
+    pub(super) fn cell_of(&self, [u, v]: [f64; 2]) -> usize {
         let segment = |k: usize, t: f64| self.knots[k].segment_of(self.knots[k].wrapped(t));
         segment(0, u) * self.knots[1].n_segments() + segment(1, v)
     }
 
     /// The basis at (u, v) with derivatives up to `order`; closed directions wrap.
-    pub fn row(&self, u: f64, v: f64, order: usize) -> Row {
+    pub(super) fn row(&self, u: f64, v: f64, order: usize) -> Row {
         let mut row = Row { cell: 0, first: [0; 2], values: [[0.0; ORDERS * WIDTH]; 2], width: [0; 2] };
         for (k, t) in [u, v].into_iter().enumerate() {
             let knots = &self.knots[k];
@@ -87,7 +87,7 @@ impl Cells {
     }
 
     /// Numbers of the coefficients that are nonzero in the cell of `row`, in the order of [`Row::products`].
-    pub fn alive(&self, row: &Row, out: &mut Vec<usize>) {
+    pub(super) fn alive(&self, row: &Row, out: &mut Vec<usize>) {
         let [n, m] = self.shape.free;
         out.clear();
         for a in 0..row.width[0] {
@@ -98,7 +98,7 @@ impl Cells {
 
     /// Derivatives `[k][l]` of the surface with these coefficients, `k + l <= ORDER`.
     #[inline]
-    pub fn jet<const ORDER: usize>(&self, row: &Row, c: &[Vector]) -> Jet {
+    pub(super) fn jet<const ORDER: usize>(&self, row: &Row, c: &[Vector]) -> Jet {
         let mut out = [[[0.0; 3]; ORDERS]; ORDERS];
         let [n, m] = self.shape.free;
         let [wide_u, wide_v] = row.width;
@@ -126,7 +126,7 @@ impl Cells {
     }
 
     /// `Q_u x Q_v` at a row.
-    pub fn area(&self, row: &Row, c: &[Vector]) -> Vector {
+    pub(super) fn area(&self, row: &Row, c: &[Vector]) -> Vector {
         let jet = self.jet::<1>(row, c);
         cross(jet[1][0], jet[0][1])
     }
@@ -135,7 +135,7 @@ impl Cells {
 impl Row {
     /// Products `N_a^(k) M_b^(l)` in the order of a, then b.
     #[inline]
-    pub fn products(&self, (k, l): (usize, usize), out: &mut [f64]) {
+    pub(super) fn products(&self, (k, l): (usize, usize), out: &mut [f64]) {
         let inner = &self.values[1][l * self.width[1]..(l + 1) * self.width[1]];
         for (line, outer) in out.chunks_exact_mut(self.width[1]).zip(&self.values[0][k * self.width[0]..]) {
             line.iter_mut().zip(inner).for_each(|(o, i)| *o = outer * i);

@@ -59,7 +59,7 @@ pub struct ParametricCertificate {
 
 /// Folds, sides and bending of the surface, from its coefficients alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GeometryCheck {
+pub(super) struct GeometryCheck {
     /// Smallest Jacobian over the mean one.
     pub smallest_jacobian: f64,
     /// Whether the surface has no fold, and the fingers keep their order.
@@ -74,7 +74,7 @@ pub struct GeometryCheck {
 
 /// Condition of the last factor, and the gradient that is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FinalFactor {
+pub(super) struct FinalFactor {
     /// Condition of the equilibrated Gauss-Newton rows.
     pub condition: f64,
     /// Largest equilibrated gradient over the root of the objective.
@@ -105,13 +105,13 @@ impl ParametricCertificate {
 
 impl GeometryCheck {
     /// Whether the surface bends no more than its contacts can have felt.
-    pub fn bends_within_limit(&self) -> bool {
+    pub(super) fn bends_within_limit(&self) -> bool {
         self.bending <= MOST_BENDING
     }
 }
 
 /// Checks the surface at contacts and supported grid points.
-pub fn check_geometry(problem: &Problem, state: &State, support: &UvSupport) -> GeometryCheck {
+pub(super) fn check_geometry(problem: &Problem, state: &State, support: &UvSupport) -> GeometryCheck {
     let (cells, contacts, c) = (problem.cells, problem.contacts, &state.coefficients);
     let measured = MeasuredCurvature::new(cells, contacts, &state.feet, problem.weights.normal);
     let (mut sizes, mut bending, mut against) = (Vec::new(), 0.0_f64, 0);
@@ -180,7 +180,7 @@ fn monotone(problem: &Problem, state: &State) -> Option<bool> {
 ///
 /// # Errors
 /// The normal matrix has no factor.
-pub fn final_factor(problem: &Problem, solver: &mut Solver, state: &State) -> Result<FinalFactor, FitError> {
+pub(super) fn final_factor(problem: &Problem, solver: &mut Solver, state: &State) -> Result<FinalFactor, FitError> {
     let mut rhs = vec![0.0; solver.matrix.order()];
     solver.matrix.clear();
     problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut solver.matrix, &mut rhs);

@@ -16,9 +16,9 @@ use crate::linalg::BlockMatrix;
 use crate::solve::BlockCholesky;
 
 /// The descent ends when all coefficients are within this distance of the minimum, patch units.
-pub const TOLERANCE: f64 = 1e-10;
+pub(super) const TOLERANCE: f64 = 1e-10;
 /// The same while noise sds are still being estimated.
-pub const COARSE_TOLERANCE: f64 = 1e-6;
+pub(super) const COARSE_TOLERANCE: f64 = 1e-6;
 /// Largest ratio of two successive steps from which the remaining distance is estimated, as of a geometric series.
 const GEOMETRIC: f64 = 0.5;
 /// Most steps of one descent. From the starts used here it takes 5 to 40, and up to 150 on rings that oscillate.
@@ -37,7 +37,7 @@ const RATIOS: [f64; 2] = [0.2, 0.998];
 
 /// The state of the descent: a surface and the feet of the contacts on it.
 #[derive(Clone, Debug)]
-pub struct State {
+pub(super) struct State {
     /// Distinct coefficients.
     pub coefficients: Vec<Vector>,
     /// Feet of the contacts on it.
@@ -46,7 +46,7 @@ pub struct State {
 
 /// The result of a descent.
 #[derive(Clone, Copy, Debug)]
-pub struct Descent {
+pub(super) struct Descent {
     /// F.
     pub value: f64,
     /// Its parts.
@@ -61,7 +61,7 @@ pub struct Descent {
 
 /// Work space of the descent.
 #[derive(Clone, Debug)]
-pub struct Solver {
+pub(super) struct Solver {
     /// Gauss-Newton matrix.
     pub matrix: BlockMatrix,
     /// Its factor.
@@ -74,7 +74,7 @@ impl Solver {
     ///
     /// # Errors
     /// No memory.
-    pub fn new(problem: &Problem) -> Result<Solver, FitError> {
+    pub(super) fn new(problem: &Problem) -> Result<Solver, FitError> {
         let matrix = BlockMatrix::zeros(problem.cells.shape());
         let factor = BlockCholesky::plan(&matrix).map_err(|source| FitError::Solve { source })?;
         Ok(Solver { matrix, factor, last: Vec::new() })
@@ -84,7 +84,7 @@ impl Solver {
     ///
     /// # Errors
     /// A start without a tangent plane; a matrix that has no factor even when damped.
-    pub fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
+    pub(super) fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
         state.feet = state.feet.moved(problem.cells, problem.contacts, &state.coefficients);
         let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
         let mut reached = Descent { value, sums, steps: 0, folds_refused: 0, settled: false };

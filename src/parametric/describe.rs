@@ -50,7 +50,7 @@ pub struct ParametricShape {
 }
 
 /// Describes the fit over the grid of its options.
-pub fn describe(fit: &FitData) -> ParametricShape {
+pub(super) fn describe(fit: &FitData) -> ParametricShape {
     let domain = [0, 1].map(|k| &fit.cells.knots()[k]);
     let grid = uv_grid(domain, fit.options.grid, fit.options.inset);
     let local = parametric_maps(&fit.surface, grid, &fit.support);

@@ -22,12 +22,12 @@
 use super::vector::{Vector, cross, dot, norm};
 
 /// Q_u, Q_v, Q_uu, Q_uv, Q_vv, Q_uuu, Q_uuv, Q_uvv, Q_vvv.
-pub type ThirdJet = [Vector; 9];
+pub(super) type ThirdJet = [Vector; 9];
 /// Residuals at a point: four of E, six of T.
-pub const RESIDUALS: usize = 10;
+pub(super) const RESIDUALS: usize = 10;
 
 /// Orders of the derivatives of a [`ThirdJet`].
-pub const ORDERS: [(usize, usize); 9] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)];
+pub(super) const ORDERS: [(usize, usize); 9] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)];
 
 /// Weights that make the squares of the residuals the integrands: a mixed component of a symmetric tensor counts
 /// as often as it occurs.
@@ -143,14 +143,14 @@ fn values_of(f: &JetInFrame, c: &CurvatureChange) -> [f64; RESIDUALS] {
 }
 
 /// Square roots of the integrands of E (per du dv) and T; `None` where the surface has no tangent plane.
-pub fn values(jet: &ThirdJet) -> Option<[f64; RESIDUALS]> {
+pub(super) fn values(jet: &ThirdJet) -> Option<[f64; RESIDUALS]> {
     let f = in_own_frame(jet)?;
     let c = change(&f);
     Some(values_of(&f, &c))
 }
 
 /// The same with their derivatives by the vectors of the jet.
-pub fn residuals(jet: &ThirdJet) -> Option<([f64; RESIDUALS], [ThirdJet; RESIDUALS])> {
+pub(super) fn residuals(jet: &ThirdJet) -> Option<([f64; RESIDUALS], [ThirdJet; RESIDUALS])> {
     let f = in_own_frame(jet)?;
     let c = change(&f);
     let values = values_of(&f, &c);

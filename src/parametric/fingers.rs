@@ -30,7 +30,7 @@ type Net = Vec<Vec<Option<Node>>>;
 ///
 /// # Errors
 /// The reason why the labels do not make one sheet, in words; the caller may flatten without them.
-pub fn flatten_by_fingers(contacts: &PatchContacts, closed: [bool; 2]) -> Result<Flattening, &'static str> {
+pub(super) fn flatten_by_fingers(contacts: &PatchContacts, closed: [bool; 2]) -> Result<Flattening, &'static str> {
     let labels = contacts.labels.as_ref().ok_or("the contacts have no finger and station")?;
     let net = nodes(contacts, labels);
     let (fingers, stations) = (net.len(), net[0].len());

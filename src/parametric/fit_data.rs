@@ -12,7 +12,7 @@ use crate::surface::Parametric;
 
 /// The data of a finished fit, in patch units.
 #[derive(Clone, Debug)]
-pub struct FitData {
+pub(super) struct FitData {
     /// Options of the fit.
     pub options: FitOptions,
     /// The patch in the input.

@@ -2,7 +2,7 @@
 
 /// Parameters of contacts, and which of them are neighbours.
 #[derive(Clone, Debug)]
-pub struct Flattening {
+pub(super) struct Flattening {
     /// (u, v) of every contact, input units.
     pub places: Vec<[f64; 2]>,
     /// Periods of closed directions.

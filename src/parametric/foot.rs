@@ -24,14 +24,14 @@ const LAST: f64 = 1e-7;
 
 /// The feet of the contacts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Feet {
+pub(super) struct Feet {
     /// (u, v) of every contact; not wrapped in closed directions.
     pub places: Vec<[f64; 2]>,
 }
 
 impl Feet {
     /// The feet on the surface with coefficients `c`, found from these.
-    pub fn moved(&self, cells: &Cells, contacts: &PatchContacts, c: &[Vector]) -> Feet {
+    pub(super) fn moved(&self, cells: &Cells, contacts: &PatchContacts, c: &[Vector]) -> Feet {
         let limits = [0, 1].map(|k| limits(&cells.knots()[k]));
         let place = |r: usize| {
             let (mut at, point) = (self.places[r], contacts.points[r]);

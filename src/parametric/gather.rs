@@ -15,7 +15,7 @@ const CHUNK: usize = 64;
 
 /// Sums over the rows of one cell, and the buffers that they are made in.
 #[derive(Clone, Debug)]
-pub struct Gather {
+pub(super) struct Gather {
     isa: Isa,
     local: usize,
     stride: usize,
@@ -27,21 +27,21 @@ pub struct Gather {
 
 impl Gather {
     /// For cells with `local` nonzero coefficients.
-    pub fn new(local: usize) -> Gather {
+    pub(super) fn new(local: usize) -> Gather {
         let stride = (3 * local + 1).next_multiple_of(8);
         let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
         Gather { isa: Isa::active(), local, stride, rows, filled: 0, gram, any: false }
     }
 
     /// Begins the next cell.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.gram.fill(0.0);
         (self.filled, self.any) = (0, false);
     }
 
     /// Adds the row `sum_k direction_k (x) products_k` with its target.
     #[inline]
-    pub fn add(&mut self, terms: &[RowTerm<'_>], target: f64) {
+    pub(super) fn add(&mut self, terms: &[RowTerm<'_>], target: f64) {
         if self.filled == CHUNK {
             self.multiply_out();
         }
@@ -53,7 +53,7 @@ impl Gather {
     }
 
     /// Adds `direction (x) products` to the right-hand side alone.
-    pub fn add_right(&mut self, direction: Vector, products: &[f64]) {
+    pub(super) fn add_right(&mut self, direction: Vector, products: &[f64]) {
         self.any = true;
         let last = 3 * self.local * self.stride;
         for (part, w) in self.gram[last..last + 3 * self.local].chunks_exact_mut(self.local).zip(direction) {
@@ -67,14 +67,14 @@ impl Gather {
     }
 
     /// Multiplies out the rows that are left.
-    pub fn finish(&mut self) {
+    pub(super) fn finish(&mut self) {
         if self.filled > 0 {
             self.multiply_out();
         }
     }
 
     /// Adds the cell, whose coefficients have the numbers `alive`, to the matrix and the right-hand side.
-    pub fn scatter(&self, alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
+    pub(super) fn scatter(&self, alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
         if !self.any {
             return;
         }
@@ -98,19 +98,19 @@ impl Gather {
 
 /// Products of a basis row for several orders of derivatives.
 #[derive(Clone, Debug)]
-pub struct Products {
+pub(super) struct Products {
     local: usize,
     values: Vec<f64>,
 }
 
 impl Products {
     /// For `local` nonzero coefficients and so many orders.
-    pub fn new(local: usize, orders: usize) -> Products {
+    pub(super) fn new(local: usize, orders: usize) -> Products {
         Products { local, values: vec![0.0; local * orders] }
     }
 
     /// Fills in the products of `row`.
-    pub fn fill(&mut self, row: &Row, orders: &[(usize, usize)]) {
+    pub(super) fn fill(&mut self, row: &Row, orders: &[(usize, usize)]) {
         for (out, order) in self.values.chunks_exact_mut(self.local).zip(orders) {
             row.products(*order, out);
         }
@@ -118,21 +118,21 @@ impl Products {
 
     /// Products of the k-th order.
     #[inline]
-    pub fn of(&self, k: usize) -> &[f64] {
+    pub(super) fn of(&self, k: usize) -> &[f64] {
         &self.values[k * self.local..(k + 1) * self.local]
     }
 }
 
 /// The contacts of every cell, in ascending order.
 #[derive(Clone, Debug, Default)]
-pub struct Buckets {
+pub(super) struct Buckets {
     starts: Vec<usize>,
     members: Vec<usize>,
 }
 
 impl Buckets {
     /// Sorts the numbers 0, 1, .. by their cells, by counting.
-    pub fn new(count: usize, cells: impl Iterator<Item = usize> + Clone) -> Buckets {
+    pub(super) fn new(count: usize, cells: impl Iterator<Item = usize> + Clone) -> Buckets {
         let mut starts = vec![0; count + 1];
         cells.clone().for_each(|cell| starts[cell + 1] += 1);
         (0..count).for_each(|cell| starts[cell + 1] += starts[cell]);
@@ -146,7 +146,7 @@ impl Buckets {
     }
 
     /// Members of one cell.
-    pub fn of(&self, cell: usize) -> &[usize] {
+    pub(super) fn of(&self, cell: usize) -> &[usize] {
         &self.members[self.starts[cell]..self.starts[cell + 1]]
     }
 }

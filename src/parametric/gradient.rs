@@ -11,12 +11,12 @@ use super::dual::{Dual, DualVector, cross, dot};
 use crate::curvature::Derivatives;
 
 /// Numbers that S depends on: Q_u, Q_v, Q_uu, Q_uv, Q_vv.
-pub const INPUTS: usize = 15;
+pub(super) const INPUTS: usize = 15;
 
 type D = Dual<INPUTS>;
 
 /// `(dS, dR)` by the fifteen numbers; `None` without a tangent plane or without bending.
-pub fn shape_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; INPUTS])> {
+pub(super) fn shape_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; INPUTS])> {
     let values = [q.u, q.v, q.uu, q.uv, q.vv];
     let [u, v, uu, uv, vv]: [DualVector<INPUTS>; 5] =
         std::array::from_fn(|k| std::array::from_fn(|d| D::variable(values[k][d], 3 * k + d)));

@@ -1,7 +1,7 @@
 //! Convex hull of points in the plane.
 
 /// Convex hull, anticlockwise, as indices: A. M. Andrew's monotone chain, *Inf. Process. Lett.* 9 (1979) 216.
-pub fn hull(points: &[[f64; 2]]) -> Vec<usize> {
+pub(super) fn hull(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| points[*a][0].total_cmp(&points[*b][0]).then(points[*a][1].total_cmp(&points[*b][1])));
     let mut chain: Vec<usize> = Vec::new();

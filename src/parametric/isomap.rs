@@ -41,7 +41,7 @@ struct Node {
 ///
 /// # Errors
 /// The reason why they are not a single sheet, in words.
-pub fn flatten_scattered(contacts: &PatchContacts) -> Result<Flattening, &'static str> {
+pub(super) fn flatten_scattered(contacts: &PatchContacts) -> Result<Flattening, &'static str> {
     let nodes = nodes(contacts);
     if nodes.len() < 4 {
         return Err("fewer than four contacts at different places");

@@ -21,7 +21,7 @@ const ROUND: usize = 12;
 ///
 /// # Errors
 /// [`FitError::Sheet`], [`FitError::Closed`].
-pub fn flatten(contacts: &PatchContacts, options: &FitOptions) -> Result<(Flattening, String), FitError> {
+pub(super) fn flatten(contacts: &PatchContacts, options: &FitOptions) -> Result<(Flattening, String), FitError> {
     let refused = |why: &'static str| FitError::Sheet { contacts: contacts.len(), why };
     match fingers::flatten_by_fingers(contacts, options.closed) {
         Ok(flat) => Ok((flat, String::new())),
@@ -41,7 +41,7 @@ pub fn flatten(contacts: &PatchContacts, options: &FitOptions) -> Result<(Flatte
 ///
 /// # Errors
 /// [`FitError::Sheet`] for contacts on one curve, [`FitError::Knots`].
-pub fn lay_out(
+pub(super) fn lay_out(
     contacts: &PatchContacts,
     flat: &mut Flattening,
     options: &FitOptions,
@@ -74,7 +74,7 @@ pub fn lay_out(
 
 /// Where contacts reach in (u, v): triangles between the feet of neighbouring fingers and stations, or the convex hull
 /// of all feet.
-pub fn support(flat: &Flattening, places: &[[f64; 2]], knots: &[Knots; 2]) -> UvSupport {
+pub(super) fn support(flat: &Flattening, places: &[[f64; 2]], knots: &[Knots; 2]) -> UvSupport {
     let corners = if flat.triangles.is_empty() {
         let rim = hull(places);
         (1..rim.len().saturating_sub(1)).map(|k| [rim[0], rim[k], rim[k + 1]]).collect()

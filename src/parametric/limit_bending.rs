@@ -19,7 +19,7 @@ const MOST_AGAINST: f64 = 0.1;
 const MOST_RAISES: usize = 6;
 
 /// The geometry of the final surface, and how often fairness was raised for it.
-pub struct Limited {
+pub(super) struct Limited {
     /// Folds, sides and bending.
     pub geometry: GeometryCheck,
     /// Number of raises.
@@ -30,7 +30,7 @@ pub struct Limited {
 ///
 /// # Errors
 /// Normals against the surface; too much bending that a declared fairness, or the largest one, does not hold back.
-pub fn limit(
+pub(super) fn limit(
     problem: &mut Problem,
     solver: &mut Solver,
     flat: &Flattening,

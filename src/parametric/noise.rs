@@ -27,11 +27,11 @@ const EXACT_TRACE: usize = 300;
 const PROBES: usize = 32;
 /// lambda where the data do not determine it, patch units: bending that changes by 0.2 of 1/half side across the patch costs as
 /// much as one contact at one sigma. A ball of noise sd 0.02 on 4 keeps mean S above 0.97 with it.
-pub const FAIRNESS: f64 = 30.0;
+pub(super) const FAIRNESS: f64 = 30.0;
 /// Bounds of lambda: practically no fairness, and practically no change of bending.
 const FAIRNESS_RANGE: [f64; 2] = [1e-6, 1e4];
 /// Least noise sd, patch units and radians: with less the rounding of the descent is as large as the pull of the ties.
-pub const NO_NOISE: f64 = 1e-4;
+pub(super) const NO_NOISE: f64 = 1e-4;
 /// First sds: half a percent of the half side, two degrees.
 const BEGIN: [f64; 2] = [0.005, 0.035];
 /// Coefficients of a paraboloid.
@@ -39,7 +39,7 @@ const PARABOLOID: f64 = 6.0;
 
 /// Which of the noise sds and weights are estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unknown {
+pub(super) struct Unknown {
     /// Z and sigma, each of its own.
     pub both: bool,
     /// One factor for both, where their ratio is given.
@@ -50,16 +50,16 @@ pub struct Unknown {
 
 impl Unknown {
     /// Everything is declared.
-    pub const NOTHING: Unknown = Unknown { both: false, common: false, fairness: false };
+    pub(super) const NOTHING: Unknown = Unknown { both: false, common: false, fairness: false };
 
     /// Whether anything is unknown.
-    pub fn any(self) -> bool {
+    pub(super) fn any(self) -> bool {
         self.both || self.common || self.fairness
     }
 }
 
 /// First noise sds and weights, and which of them to estimate. `scale` is the length of the patch unit.
-pub fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2], scale: f64) -> (Weights, Unknown) {
+pub(super) fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2], scale: f64) -> (Weights, Unknown) {
     let (sds, both, common) = match objective {
         Objective::Normals(NormalSigma::Known { z, normal_deg }) => {
             ([z / scale, normal_deg.to_radians()], false, false)
@@ -90,7 +90,7 @@ pub fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2], scale
 ///
 /// # Errors
 /// As [`Solver::descend`]; a start whose matrix has no factor.
-pub fn fit(problem: &mut Problem, solver: &mut Solver, unknown: Unknown) -> Result<(State, Descent), FitError> {
+pub(super) fn fit(problem: &mut Problem, solver: &mut Solver, unknown: Unknown) -> Result<(State, Descent), FitError> {
     let places = problem.flattened;
     let coefficients = start(problem, solver, places)?;
     let mut state = State { coefficients, feet: Feet { places: places.to_vec() } };

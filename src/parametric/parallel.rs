@@ -11,7 +11,7 @@ const BLOCK: usize = 2048;
 const CELLS: usize = 128;
 
 /// `sum_k f(k)`; `None` where one of the terms is.
-pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> + Sync) -> Option<[f64; N]> {
+pub(super) fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> + Sync) -> Option<[f64; N]> {
     let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|k| a[k] + b[k]);
     let block =
         |b: usize| (b * BLOCK..((b + 1) * BLOCK).min(count)).try_fold([0.0; N], |sum, k| f(k).map(|v| add(sum, v)));
@@ -23,7 +23,7 @@ pub fn sum<const N: usize>(count: usize, f: impl Fn(usize) -> Option<[f64; N]> +
 }
 
 /// `f(0), f(1), ..` as a vector.
-pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(super) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if count <= BLOCK {
         return (0..count).map(f).collect();
     }
@@ -31,12 +31,12 @@ pub fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
 }
 
 /// Whether `f` is true for any of `0 .. count`.
-pub fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
+pub(super) fn any(count: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
     if count <= BLOCK { (0..count).any(f) } else { threads::any(count, BLOCK / 4, f) }
 }
 
 /// Calls `make` for every item, each with a work space of its own, then `take` for each item in order.
-pub fn in_order<W: Send>(
+pub(super) fn in_order<W: Send>(
     count: usize,
     new: impl Fn() -> W + Sync,
     make: impl Fn(usize, &mut W) + Sync,

@@ -6,7 +6,7 @@ use crate::fit::FitError;
 
 /// The data of every contact.
 #[derive(Clone, Debug)]
-pub struct PatchContacts {
+pub(super) struct PatchContacts {
     /// Points.
     pub points: Vec<Vector>,
     /// Unit normals towards the free side.
@@ -24,7 +24,7 @@ impl PatchContacts {
     ///
     /// # Errors
     /// Faulty columns; contacts without normals, which leave a parametric surface undetermined.
-    pub fn new(contacts: &Contacts) -> Result<PatchContacts, FitError> {
+    pub(super) fn new(contacts: &Contacts) -> Result<PatchContacts, FitError> {
         contacts.check()?;
         if contacts.orientation == Orientation::None {
             return Err(FitError::Objective { objective: "a parametric surface", needed: "normals or slopes" });
@@ -44,25 +44,25 @@ impl PatchContacts {
     }
 
     /// Number of contacts.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.points.len()
     }
 
     /// Number of scalar rows: one for each position and two for each normal whose weight is not zero.
-    pub fn equations(&self) -> usize {
+    pub(super) fn equations(&self) -> usize {
         let count = |weights: &[f64]| weights.iter().filter(|w| **w > 0.0).count();
         count(&self.position_weight) + 2 * count(&self.normal_weight)
     }
 
     /// Moves the points to patch coordinates: `(P - origin) / scale`.
-    pub fn place(&mut self, origin: Vector, scale: f64) {
+    pub(super) fn place(&mut self, origin: Vector, scale: f64) {
         for p in &mut self.points {
             (0..3).for_each(|k| p[k] = (p[k] - origin[k]) / scale);
         }
     }
 
     /// Mean point.
-    pub fn centre(&self) -> Vector {
+    pub(super) fn centre(&self) -> Vector {
         let n = self.len() as f64;
         self.points.iter().fold([0.0; 3], |m, p| [0, 1, 2].map(|k| m[k] + p[k] / n))
     }

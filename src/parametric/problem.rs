@@ -30,7 +30,7 @@ use crate::linalg::BlockMatrix;
 
 /// Noise sds and weights of the parts of the objective, patch units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
+pub(super) struct Weights {
     /// Sd Z of a position.
     pub position: f64,
     /// Sd sigma of a normal per tangent axis, radians.
@@ -44,7 +44,7 @@ pub struct Weights {
 }
 
 /// The objective at given weights.
-pub struct Problem<'a> {
+pub(super) struct Problem<'a> {
     /// Knots and numbering.
     pub cells: &'a Cells,
     /// Contacts in patch units.
@@ -62,7 +62,7 @@ pub struct Problem<'a> {
 
 /// The parts of F, unweighted sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sums {
+pub(super) struct Sums {
     /// Squared distances, weighted by the contacts' weights.
     pub position: f64,
     /// Squared differences of normals.
@@ -77,7 +77,7 @@ pub struct Sums {
 
 /// Which parts enter a matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parts {
+pub(super) struct Parts {
     /// Distances.
     pub position: bool,
     /// Normals.
@@ -90,9 +90,9 @@ pub struct Parts {
 
 impl Parts {
     /// Everything.
-    pub const ALL: Parts = Parts { position: true, normal: true, fairness: true, slack: true };
+    pub(super) const ALL: Parts = Parts { position: true, normal: true, fairness: true, slack: true };
     /// Nothing.
-    pub const NONE: Parts = Parts { position: false, normal: false, fairness: false, slack: false };
+    pub(super) const NONE: Parts = Parts { position: false, normal: false, fairness: false, slack: false };
 }
 
 /// A foot whose contact is farther off its surface normal than this, patch units, was held back by the end of its range.
@@ -150,7 +150,7 @@ fn foot_rotation(jet: &Jet, t: &Tangents, off: Vector) -> [[f64; 2]; 2] {
 
 impl<'a> Problem<'a> {
     /// The objective at these weights, with the matrix of the ties.
-    pub fn new(
+    pub(super) fn new(
         cells: &'a Cells,
         contacts: &'a PatchContacts,
         flattened: &'a [[f64; 2]],
@@ -181,7 +181,7 @@ impl<'a> Problem<'a> {
     }
 
     /// F and its parts at these coefficients and feet; `None` where the surface has no tangent plane.
-    pub fn value(&self, c: &[Vector], feet: &Feet) -> Option<(f64, Sums)> {
+    pub(super) fn value(&self, c: &[Vector], feet: &Feet) -> Option<(f64, Sums)> {
         let contacts = parallel::sum(feet.places.len(), |r| self.contact_sums(r, c, feet.places[r]))?;
         let rule = parallel::sum(self.gauss.len(), |k| {
             let point = &self.gauss[k];
@@ -214,7 +214,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Distance and difference of the normals of every contact, without weights.
-    pub fn residuals(&self, c: &[Vector], feet: &Feet) -> Vec<[f64; 2]> {
+    pub(super) fn residuals(&self, c: &[Vector], feet: &Feet) -> Vec<[f64; 2]> {
         parallel::map(feet.places.len(), |r| {
             let [u, v] = feet.places[r];
             let Some(t) = tangents(&self.cells.jet::<1>(&self.cells.row(u, v, 1), c)) else {
@@ -241,7 +241,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Adds the Gauss-Newton matrix of `parts` to `matrix` and `-1/2` the gradient to `rhs`.
-    pub fn assemble(&self, c: &[Vector], feet: &Feet, parts: Parts, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
+    pub(super) fn assemble(&self, c: &[Vector], feet: &Feet, parts: Parts, matrix: &mut BlockMatrix, rhs: &mut [f64]) {
         let by_cell = if parts.position || parts.normal {
             Buckets::new(self.cells.count(), feet.places.iter().map(|p| self.cells.cell_of(*p)))
         } else {
@@ -266,13 +266,13 @@ impl<'a> Problem<'a> {
     }
 
     /// Gauss points of one cell.
-    pub fn rule_of(&self, cell: usize) -> &[GaussPoint] {
+    pub(super) fn rule_of(&self, cell: usize) -> &[GaussPoint] {
         let count = self.cells.local();
         &self.gauss[cell * count..(cell + 1) * count]
     }
 
     /// Adds the rows that `fill` finds for every cell to matrix and right-hand side.
-    pub fn gather(
+    pub(super) fn gather(
         &self,
         matrix: &mut BlockMatrix,
         rhs: &mut [f64],

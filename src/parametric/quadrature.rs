@@ -5,7 +5,7 @@ use crate::bspline::{Knots, gauss_legendre};
 
 /// One point of the quadrature rule.
 #[derive(Clone, Debug)]
-pub struct GaussPoint {
+pub(super) struct GaussPoint {
     /// Its cell and basis.
     pub row: Row,
     /// Weight, the area of the cell included.
@@ -13,7 +13,7 @@ pub struct GaussPoint {
 }
 
 /// The rule over the whole domain, cell after cell.
-pub fn gauss_points(cells: &Cells) -> Vec<GaussPoint> {
+pub(super) fn gauss_points(cells: &Cells) -> Vec<GaussPoint> {
     let [nodes_u, nodes_v] = [0, 1].map(|k| nodes(&cells.knots()[k]));
     let [wide_u, wide_v] = [0, 1].map(|k| cells.knots()[k].degree() + 1);
     let mut points = Vec::with_capacity(nodes_u.len() * nodes_v.len());

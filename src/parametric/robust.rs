@@ -21,7 +21,7 @@ const SMALLEST_MOVE: f64 = 1e-9;
 ///
 /// # Errors
 /// As [`Solver::descend`].
-pub fn reweight(
+pub(super) fn reweight(
     robust: Robust,
     problem: &Problem,
     weighted: &mut PatchContacts,

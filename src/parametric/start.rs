@@ -28,7 +28,7 @@ const PLATE_OF_LOW_DEGREE: f64 = 1e-3;
 ///
 /// # Errors
 /// The normal matrix has no factor.
-pub fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Result<Vec<Vector>, FitError> {
+pub(super) fn start(problem: &Problem, solver: &mut Solver, places: &[[f64; 2]]) -> Result<Vec<Vector>, FitError> {
     let cells = problem.cells;
     let matrix = &mut solver.matrix;
     matrix.clear();

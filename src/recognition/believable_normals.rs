@@ -92,8 +92,8 @@ fn both(
     (norm(a) < BLUNDER && norm(b) < BLUNDER).then_some((a, b))
 }
 
-/// Normal of the plane through the nearest contacts.
-fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
+/// Normal of the plane through the nearest contacts, of either sign.
+pub(super) fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
     let near = tree.nearest(place, NEAREST);
     let mut mean = [0.0; 3];
     for (_, i) in &near {

@@ -7,15 +7,17 @@
 //! J. L. Bentley, *Commun. ACM* 18 (1975) 509. Equal distances are ordered by the point's number, so answers do not depend
 //! on how the tree happens to be cut.
 
+use std::borrow::Cow;
+
 use crate::vector::{Vector, dot, minus};
 
 /// Points in a leaf: below this a scan is faster than another cut.
 const LEAF: usize = 12;
 
-/// A tree over points that it does not own.
+/// A tree over points that it borrows, or owns once it is to outlive them.
 #[derive(Clone, Debug)]
 pub(super) struct Neighbours<'a> {
-    points: &'a [Vector],
+    points: Cow<'a, [Vector]>,
     /// Numbers of the points, halves next to each other.
     order: Vec<u32>,
     /// Axis and place of every cut, in the order in which the halves are visited.
@@ -38,7 +40,12 @@ impl<'a> Neighbours<'a> {
         };
         let mut cuts = vec![(0, 0.0); (1 << depth_of(points.len())) - 1];
         cut(points, &mut order, 0, &mut cuts);
-        Neighbours { points, order, cuts }
+        Neighbours { points: Cow::Borrowed(points), order, cuts }
+    }
+
+    /// The same tree with points of its own.
+    pub(super) fn into_owned(self) -> Neighbours<'static> {
+        Neighbours { points: Cow::Owned(self.points.into_owned()), order: self.order, cuts: self.cuts }
     }
 
     /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.

@@ -79,7 +79,7 @@ pub(super) fn oriented(points: &[Vector], mut normals: Vec<Vector>, viewpoint: O
 fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
     let tree = Neighbours::new(points);
     let mut visited: Vec<bool> = normals.iter().map(|n| *n == [0.0; 3]).collect();
-    let (mut sum, mut edges) = (0.0, 0_usize);
+    let consistent = neighbours_parallel(&tree, points, normals);
     for root in 0..points.len() {
         if visited[root] {
             continue;
@@ -88,21 +88,29 @@ fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
         // largest |cosine| first; the bits of a positive number are ordered as the number is
         let mut heap: BinaryHeap<(u64, u32, u32)> = BinaryHeap::new();
         reach(&tree, points, normals, root, &visited, &mut heap);
-        while let Some((cosine, from, to)) = heap.pop() {
+        while let Some((_, from, to)) = heap.pop() {
             let (from, to) = (from as usize, to as usize);
             if visited[to] {
                 continue;
             }
             visited[to] = true;
-            sum += f64::from_bits(cosine);
-            edges += 1;
             if dot(normals[from], normals[to]) < 0.0 {
                 normals[to] = scaled(-1.0, normals[to]);
             }
             reach(&tree, points, normals, to, &visited, &mut heap);
         }
     }
-    edges == 0 || sum / edges as f64 > CONSISTENT
+    consistent
+}
+
+/// Whether the mean |cosine| between contacts and their nearest neighbour is that of a surface. The tree's own edges are
+/// no measure of it: they are chosen for being parallel.
+fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> bool {
+    let known = |i: usize| normals[i] != [0.0; 3];
+    let pairs = (0..points.len()).filter(|&i| known(i)).filter_map(|i| Some((i, tree.nearest_other(i)?.1)));
+    let cosines = pairs.filter(|&(_, j)| known(j)).map(|(i, j)| dot(normals[i], normals[j]).abs());
+    let (sum, count) = cosines.fold((0.0, 0_usize), |(sum, count), c| (sum + c, count + 1));
+    count == 0 || sum > CONSISTENT * count as f64
 }
 
 fn reach(
@@ -125,6 +133,17 @@ fn reach(
 mod tests {
     use super::*;
     use crate::vector::unit;
+
+    #[test]
+    fn directions_at_random_are_no_normals() {
+        let points: Vec<Vector> = (0..400).map(|i| [(i % 20) as f64, (i / 20) as f64, 0.0]).collect();
+        let angle = |i: usize| (i as f64 * 2.399_963, (i as f64 * 0.618_034).fract() * 2.0 - 1.0);
+        let random = (0..400).map(angle).map(|(a, z)| {
+            let across = (1.0 - z * z).sqrt();
+            [across * a.cos(), across * a.sin(), z]
+        });
+        assert!(!oriented(&points, random.collect(), None).consistent);
+    }
 
     #[test]
     fn mixed_signs_are_made_one_and_zeros_counted() {

@@ -7,6 +7,13 @@
 //! ```
 //!
 //! Curvatures are drawn as a Hessian, so |S| <= 1 is kept and the interval reaches +-1 when a sphere is possible.
+//!
+//! Where a departure was read as the sensor's error, it is only the part of that error that no simple shape can take up.
+//! The part that looks like curvature is hidden in the answer; it is drawn with the same size, relative to the relief:
+//!
+//! ```text
+//! Hessian += N(0, (size R)^2) in every coordinate      size = rms of the departure / relief
+//! ```
 
 use statrs::function::erf;
 
@@ -104,7 +111,9 @@ fn displaced(evidence: &Evidence, node: &Node, joint: &[f64]) -> Option<State> {
 }
 
 /// Surfaces drawn from a node's posterior.
-fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u64) -> Vec<State> {
+///
+/// `hidden` is the standard deviation of a sensor's error in every coordinate of the Hessian.
+fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u64, hidden: f64) -> Vec<State> {
     let Some(model) = evidence.models.iter().find(|m| m.kind() == node.kind) else { return Vec::new() };
     let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
     let (mean, lower) = match &joint {
@@ -112,7 +121,10 @@ fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u6
         None => (&node.x, &node.precision),
     };
     let draws = EffectDraws::new(seed, "recognition");
-    let mut numbers = vec![0.0; mean.len() + 1];
+    /// Coordinates before those of the Hessian: height and tilt.
+    const POSE: usize = 3;
+    let unknowns = node.kind.unknowns();
+    let mut numbers = vec![0.0; mean.len() + 1 + unknowns.saturating_sub(POSE)];
     let one = |k: usize| {
         for (block, part) in numbers.chunks_mut(AT_ONCE).enumerate() {
             draws.gaussians((number * 8 + block) as u64, k as u64, part.len(), part);
@@ -120,7 +132,10 @@ fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u6
         let (steps, last) = numbers.split_at_mut(mean.len());
         dense::backward(lower, steps);
         let stretch = student(node.dof, last[0]);
-        let x: Vec<f64> = mean.iter().zip(steps.iter()).map(|(m, s)| m + stretch * s).collect();
+        let mut x: Vec<f64> = mean.iter().zip(steps.iter()).map(|(m, s)| m + stretch * s).collect();
+        for (x, g) in x[..unknowns].iter_mut().skip(POSE).zip(&last[1..]) {
+            *x += hidden * g;
+        }
         if joint.is_some() { displaced(evidence, node, &x) } else { Some(State::new(model, &x, None)) }
     };
     (0..count).filter_map(one).collect()
@@ -152,22 +167,25 @@ pub(super) fn summary(
 ) -> Option<Summary> {
     let used: Vec<usize> =
         (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
+    let own = points.field(&likeliest(evidence, reported)?);
+    let hidden = if weights.displacement_is_error() { weights.size * own.r } else { 0.0 };
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
-        let draws = drawn(evidence, node, i, count, options.seed).iter().map(|s| points.field(s)).collect();
+        let draws = drawn(evidence, node, i, count, options.seed, hidden).iter().map(|s| points.field(s)).collect();
         let likeliest = points.field(&likeliest(evidence, node)?);
         Some(Drawn { kind: node.kind, weights: [weights.estimate[i], weights.interval[i]], likeliest, draws })
     });
     let found: Vec<Drawn> = found.into_iter().flatten().collect();
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);
-    let own = points.field(&likeliest(evidence, reported)?);
     let level = options.level;
     let estimate = |pick: fn(&Field) -> f64, at: usize, curved: bool| {
         let chosen: Vec<&Drawn> = found.iter().filter(|d| !(curved && d.kind == Kind::Plane)).collect();
         let sum: f64 = chosen.iter().map(|d| d.weights[0]).sum();
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
-        let interval = quantiles(&chosen, pick, level)?;
+        // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
+        let [lo, hi] = quantiles(&chosen, pick, level)?;
+        let interval = [lo.min(mean), hi.max(mean)];
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
         let u_noise = noise[at].min(u);
         let u_model = (u * u - u_noise * u_noise).max(0.0).sqrt();
@@ -196,7 +214,7 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     let best = numbered.iter().filter(alike).max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence));
     let Some((i, node)) = best else { return [0.0; 2] };
     let fields: Vec<Field> =
-        drawn(evidence, node, *i, NOISE_DRAWS, seed).iter().map(|state| points.field(state)).collect();
+        drawn(evidence, node, *i, NOISE_DRAWS, seed, 0.0).iter().map(|state| points.field(state)).collect();
     let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
     [sd(|f| f.s), sd(|f| f.r)]
 }

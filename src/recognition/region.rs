@@ -7,6 +7,8 @@
 //!
 //! The map's outermost points lie on the edges of the box, and where those are bent they lie outside of the contacts.
 
+use std::sync::Arc;
+
 use crate::bspline::linspace;
 
 use super::RecognitionOptions;
@@ -42,7 +44,16 @@ impl Region {
         let support = Support::new(&patch.points, &charts, evidence.cells);
         let [u, v] = [support.range(0), support.range(1)];
         let displacement: Option<Displacement> = evidence.displacement.cloned();
-        let surface = RecognisedSurface { frame: patch.frame, u, v, base: base.clone(), displacement, state };
+        let support = Arc::new(support.into_owned());
+        let surface = RecognisedSurface {
+            frame: patch.frame,
+            u,
+            v,
+            base: base.clone(),
+            displacement,
+            state,
+            support: support.clone(),
+        };
         let holds = |p: &ChartPoint| support.holds(p.chart, p.place);
         let [along_u, along_v] = [linspace(u[0], u[1], options.grid[0]), linspace(v[0], v[1], options.grid[1])];
         let map = product(&surface, &along_u, &along_v);

@@ -45,6 +45,28 @@ impl Hypothesis {
             Hypothesis::Displaced => "general with displacement",
         }
     }
+
+    /// The same as part of a sentence.
+    pub fn described(self) -> &'static str {
+        match self {
+            Hypothesis::Plane => "a plane",
+            Hypothesis::Sphere => "a sphere",
+            Hypothesis::Cylinder => "a cylinder",
+            Hypothesis::General => "a surface of two constant curvatures",
+            Hypothesis::Paraboloid => "a paraboloid",
+            Hypothesis::Displaced => "a smooth surface near two constant curvatures",
+        }
+    }
+
+    /// Numbers that fix a surface of this kind; a displacement adds as many as the contacts call for.
+    pub fn unknowns(self) -> usize {
+        match self {
+            Hypothesis::Plane => 3,
+            Hypothesis::Sphere => 4,
+            Hypothesis::Cylinder => 5,
+            Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced => 6,
+        }
+    }
 }
 
 impl std::fmt::Display for Hypothesis {

@@ -5,7 +5,7 @@
 //! nearest contact within max(3 x 95 % quantile of nearest-neighbour distances, 1.1 x widest gap between cells)
 //! ```
 //!
-//! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the lanes of
+//! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the paths of
 //! a few fingers are far apart, and what lies between two of them is still the touched surface.
 
 use crate::vector::{Vector, dot, minus, norm};
@@ -19,6 +19,7 @@ use super::start::thinned;
 const SAMPLE: usize = 4000;
 
 /// The region that contacts support.
+#[derive(Clone, Debug)]
 pub(super) struct Support<'a> {
     hull: Vec<[f64; 2]>,
     tree: Neighbours<'a>,
@@ -36,6 +37,11 @@ impl<'a> Support<'a> {
         let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
         let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.points));
         Support { hull: hull(charts), tree, reach, tolerance: 1e-9 }
+    }
+
+    /// The same region, independent of the contacts' lifetime.
+    pub(super) fn into_owned(self) -> Support<'static> {
+        Support { hull: self.hull, tree: self.tree.into_owned(), reach: self.reach, tolerance: self.tolerance }
     }
 
     /// Range of the chart that the contacts cover.
@@ -108,10 +114,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hull_keeps_corners_and_the_gap_is_that_between_lanes() {
+    fn the_hull_keeps_corners_and_the_gap_is_that_between_fingers() {
         let lattice: Vec<[f64; 2]> = (0..25).map(|i| [(i % 5) as f64, (i / 5) as f64]).collect();
         assert_eq!(hull(&lattice), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
-        let lanes: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
-        assert_eq!(widest_gap(&lanes), 3.0);
+        let fingers: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
+        assert_eq!(widest_gap(&fingers), 3.0);
     }
 }

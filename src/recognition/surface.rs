@@ -5,11 +5,15 @@
 //! all others           Q(u, v) = foot, on the reported surface, of the general surface's point
 //! ```
 
+use std::sync::Arc;
+
 use crate::contact::Frame;
 
 use super::constant_curvature::ConstantCurvature;
 use super::displacement::Displacement;
+use super::model::Kind;
 use super::state::{ChartPoint, State};
+use super::support::Support;
 
 /// A surface of two constant curvatures, its displacement or a paraboloid, in the input's coordinates.
 #[derive(Clone, Debug)]
@@ -23,6 +27,7 @@ pub struct RecognisedSurface {
     pub(super) base: ConstantCurvature,
     pub(super) displacement: Option<Displacement>,
     pub(super) state: State,
+    pub(super) support: Arc<Support<'static>>,
 }
 
 impl RecognisedSurface {
@@ -30,6 +35,36 @@ impl RecognisedSurface {
     pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
         let bent = self.state.at(&self.chart_point(u, v));
         (self.frame.to_input(bent.place), self.frame.rotate_back(bent.normal))
+    }
+
+    /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
+    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+        let curvatures = self.state.curvatures(&self.chart_point(u, v))?;
+        Some(curvatures.map(|k| k / self.frame.scale))
+    }
+
+    /// Whether contacts surround the surface at chart coordinates.
+    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+        let point = self.chart_point(u, v);
+        self.support.holds(point.chart, point.place)
+    }
+
+    /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
+    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+        self.base.chart(self.frame.to_patch(place))
+    }
+
+    /// Signed distance of a place from the surface, positive on the free side. Input units.
+    pub fn distance(&self, place: [f64; 3]) -> f64 {
+        let local = self.frame.to_patch(place);
+        let displaced = match self.state.model().kind() {
+            Kind::General if self.displacement.is_some() => {
+                let [u, v] = self.base.chart(local);
+                self.state.at(&self.chart_point(u, v)).displacement
+            }
+            _ => 0.0,
+        };
+        self.frame.scale * (self.state.model().distance(local) - displaced)
     }
 
     pub(super) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {

@@ -3,45 +3,61 @@
 use crate::fit::FitError;
 use crate::io::{AnySurface, Points, Saved};
 use crate::parametric::FittedSurface;
+use crate::recognition::Recognition;
 
 use super::describe_height::HeightDescription;
 use super::describe_parametric::ParametricDescription;
+use super::describe_recognised::RecognisedDescription;
 use super::description::{Description, ShownGrid, Subject};
 use super::document::{FitDocument, Seconds};
 use super::parametric::ParametricPoints;
 use super::point_table::PointTable;
 use super::points::HeightPoints;
 
+/// What a fit of the contacts answered.
+#[derive(Debug)]
+pub(crate) enum Answer {
+    /// A surface of the kind that was named.
+    Fitted(FittedSurface),
+    /// What the contacts show, nothing being named.
+    Recognised(Box<Recognition>),
+}
+
 /// Computes what a fit computes on first access, so that a caller with a clock can time it.
-pub fn compute_shape(fit: &FittedSurface) {
-    match fit {
-        FittedSurface::Height(fit) => {
+pub(crate) fn compute_shape(answer: &Answer) {
+    match answer {
+        Answer::Fitted(FittedSurface::Height(fit)) => {
             let _ = fit.shape();
             let _ = fit.certificate();
         }
-        FittedSurface::Parametric(fit) => {
+        Answer::Fitted(FittedSurface::Parametric(fit)) => {
             let _ = fit.shape();
         }
+        // a recognition has its shape already
+        Answer::Recognised(_) => {}
     }
 }
 
-/// Describes a fit of either kind.
+/// Describes an answer of any kind.
 ///
 /// # Errors
 /// When the input's own rounding leaves no distinct knots.
-pub fn describe_fit<'a>(
-    fit: &'a FittedSurface,
+pub(crate) fn describe_fit<'a>(
+    answer: &'a Answer,
     subject: &Subject<'a>,
     seconds: Seconds,
 ) -> Result<Box<dyn Description + 'a>, FitError> {
-    Ok(match fit {
-        FittedSurface::Height(fit) => Box::new(HeightDescription::of_fit(fit, subject, seconds)?),
-        FittedSurface::Parametric(fit) => Box::new(ParametricDescription::of_fit(fit, subject, seconds)?),
+    Ok(match answer {
+        Answer::Fitted(FittedSurface::Height(fit)) => Box::new(HeightDescription::of_fit(fit, subject, seconds)?),
+        Answer::Fitted(FittedSurface::Parametric(fit)) => {
+            Box::new(ParametricDescription::of_fit(fit, subject, seconds)?)
+        }
+        Answer::Recognised(found) => Box::new(RecognisedDescription::new(found, subject, seconds)?),
     })
 }
 
 /// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.
-pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
+pub(crate) fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> Box<dyn Description + '_> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightDescription::of_saved(surface, saved, document, grid)),
         AnySurface::Parametric(surface, support) => {
@@ -51,7 +67,7 @@ pub fn describe_saved(saved: &Saved, document: FitDocument, grid: ShownGrid) -> 
 }
 
 /// A saved surface of either kind at given places.
-pub fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
+pub(crate) fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightPoints::of(surface, &saved.frame, places)),
         AnySurface::Parametric(surface, support) => Box::new(ParametricPoints::of(surface, support, places)),

@@ -12,6 +12,7 @@ use crate::surface::HeightField;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
+    take_back_class,
 };
 use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::maps::{write_maps_csv, write_maps_npz};
@@ -40,8 +41,14 @@ impl<'a> HeightDescription<'a> {
         seconds: Seconds,
     ) -> Result<HeightDescription<'a>, FitError> {
         let surface = fit.input_surface()?;
+        let mut document = document(fit, &surface, subject, seconds);
+        if subject.lack_of_fit.is_some() {
+            let maps = &fit.shape().maps;
+            let places = maps.supported.indexed_iter().map(|(at, _)| at);
+            take_back_class(&mut document, places.filter_map(|(i, j)| maps.shape_index_at(i, j)));
+        }
         Ok(HeightDescription {
-            document: document(fit, &surface, subject, seconds),
+            document,
             surface: Cow::Owned(surface),
             maps: Cow::Borrowed(&fit.shape().maps),
             grid: fit.options().grid,
@@ -139,7 +146,12 @@ fn measured_pixels(grid: &Grid) -> usize {
 
 fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
     let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
-    let sigma = SigmaPart { z: noise.sigma_z, normal_deg: noise.sigma_normal_deg, slope: noise.sigma_slope };
+    let sigma = SigmaPart {
+        z: noise.sigma_z,
+        normal_deg: noise.sigma_normal_deg,
+        slope: noise.sigma_slope,
+        ..SigmaPart::default()
+    };
     let finite = |v: f64| v.is_finite().then_some(v);
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
@@ -165,6 +177,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         refinements: certificate.refinements,
         smooth: fit.smoothing(),
         chosen: subject.chosen.clone(),
+        lack_of_fit: subject.lack_of_fit.clone(),
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
         notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
@@ -178,6 +191,8 @@ fn shape_part(fit: &Fit) -> ShapePart {
         shape_index: measure(&shape.shape_index),
         curvedness: measure(&shape.curvedness),
         radius: shape.radius,
+        radius_interval: None,
+        radii: None,
         class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
         class_probability: shares(&shape.class_probability),
         k1: spread_part(shape.k1),

@@ -130,6 +130,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
         segments: [0, 1].map(|k| knots[k].n_segments()),
         weights: None,
         chosen: subject.chosen.clone(),
+        lack_of_fit: None,
         parametric: Some(ParametricPart {
             parametrisation: certificate.parametrisation.clone(),
             iterations: certificate.iterations,
@@ -143,7 +144,11 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             fairness_raised: certificate.fairness_raised,
             closed: [0, 1].map(|k| knots[k].is_closed()),
         }),
-        sigma: Some(SigmaPart { z: Some(levels.position), normal_deg: Some(levels.normal_deg), slope: None }),
+        sigma: Some(SigmaPart {
+            z: Some(levels.position),
+            normal_deg: Some(levels.normal_deg),
+            ..SigmaPart::default()
+        }),
         method: "cholesky".into(),
         reason: format!("3 x 3 blocks, Levenberg-Marquardt; {how}"),
         equations: certificate.equations,
@@ -190,6 +195,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         shape_index: measure(&shape.shape_index),
         curvedness: measure(&shape.curvedness),
         radius: shape.radius,
+        radius_interval: None,
+        radii: None,
         class: shape.curvedness.mean.is_some().then(|| shape.class.name().to_string()),
         class_probability: shares(&shape.class_probability),
         k1: spread_part(shape.k1),

@@ -13,7 +13,7 @@ use crate::io::Input;
 use crate::scene::Truth;
 use crate::shape::{Spread, radius_of};
 
-use super::document::{ChosenPart, FitDocument, MeasurePart, Shares, SpreadPart};
+use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
 use super::table::significant;
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
@@ -23,7 +23,7 @@ pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 const INVERSE_CRIME: &str = "inverse crime";
 
 /// A surface in words, numbers and pictures.
-pub trait Description {
+pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
 
@@ -48,7 +48,7 @@ pub trait Description {
 
 /// What is known of a fit besides the fit itself.
 #[derive(Clone, Debug)]
-pub struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     /// The data.
     pub input: &'a Input,
     /// What is true, in a simulated world.
@@ -57,11 +57,13 @@ pub struct Subject<'a> {
     pub notes: Vec<String>,
     /// Kind of surface and why, where that was a question.
     pub chosen: Option<ChosenPart>,
+    /// What the surface leaves unsaid, where that was tested.
+    pub lack_of_fit: Option<LackOfFitPart>,
 }
 
 /// Points of the shape grid over which a saved surface is described.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShownGrid {
+pub(crate) struct ShownGrid {
     /// Points per direction.
     pub points: [usize; 2],
     /// Fraction of each side that is cut at every edge.
@@ -71,7 +73,7 @@ pub struct ShownGrid {
 }
 
 /// What every output says of contacts that were made on an imported surface.
-pub fn inverse_crime_remark(truth: &Truth) -> Option<String> {
+pub(crate) fn inverse_crime_remark(truth: &Truth) -> Option<String> {
     let label = truth.inverse_crime()?;
     Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
 }
@@ -88,6 +90,37 @@ pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     format!("{name}: {class}, S = {}, R = {}{warning}", mean(&shape.shape_index), mean(&shape.curvedness))
 }
 
+/// Share of the patch that the commonest class must have for the class to be said.
+const MOST: f64 = 0.5;
+
+/// Variation of S over the patch from which on its mean may describe no part of it: two classes.
+const VARIED: f64 = 0.25;
+
+/// Where S varies so much that the class of its mean is not the commonest one, or that no class has half of the patch:
+/// the class is taken back and what there is said instead. `shape_index` runs over the supported points of the map.
+pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iterator<Item = f64>) {
+    let shape = &mut document.shape;
+    if !shape.shape_index.sd.is_some_and(|sd| sd > VARIED) {
+        return;
+    }
+    let mut counts: Vec<(ShapeClass, usize)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0)).collect();
+    for s in shape_index {
+        let class = ShapeClass::of_shape_index(s);
+        counts.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, n)| *n += 1);
+    }
+    counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
+    let all = counts.iter().map(|(_, n)| n).sum::<usize>().max(1) as f64;
+    let (commonest, most) = counts[0];
+    if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= MOST * all {
+        return;
+    }
+    let kinds = counts.iter().filter(|(_, n)| *n as f64 >= 0.1 * all);
+    let kinds: Vec<String> = kinds.map(|(c, n)| format!("{} {:.0} %", c.name(), 100.0 * *n as f64 / all)).collect();
+    document.fit.notes.push(format!("several kinds of shape stand side by side, by area: {}", kinds.join(", ")));
+    (shape.class, shape.class_probability, shape.radius, shape.radius_interval) = (None, None, None, None);
+    shape.radii = None;
+}
+
 /// Probabilities of the classes; `None` of a plane.
 pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
     (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
@@ -95,7 +128,7 @@ pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
 
 pub(super) fn measure(statistic: &Statistic) -> MeasurePart {
     let interval = statistic.interval.map(|i| [i.lo, i.hi]);
-    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval }
+    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval, ..MeasurePart::default() }
 }
 
 pub(super) fn spread_part(spread: Spread) -> SpreadPart {
@@ -114,7 +147,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
     let [s, r, k1, k2] = again.spreads;
     let plane = document.shape.class.as_deref() == Some(ShapeClass::Plane.name());
     let class = s.mean.filter(|_| !plane).map(ShapeClass::of_shape_index);
-    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, u: None, interval: None };
+    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, ..MeasurePart::default() };
     let shape = &mut document.shape;
     shape.grid = again.grid;
     shape.shape_index = if plane { MeasurePart::default() } else { measure(s) };
@@ -123,6 +156,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
         shape.class = class.map(|c| c.name().to_string());
     }
     shape.class_probability = None;
+    (shape.radius_interval, shape.radii) = (None, None);
     shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
     shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;

@@ -11,205 +11,274 @@ use crate::io::{SavedFrame, SavedSurface};
 
 /// One fit, described.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FitDocument {
+pub(crate) struct FitDocument {
     /// `palpate.fit/1`.
-    pub schema: String,
+    pub(crate) schema: String,
     /// Number of contacts, or of pixels that hold a measurement.
-    pub contacts: usize,
+    pub(crate) contacts: usize,
     /// The patch frame.
-    pub frame: SavedFrame,
+    pub(crate) frame: SavedFrame,
     /// How the surface was found.
-    pub fit: FitPart,
+    pub(crate) fit: FitPart,
     /// What the patch looks like.
-    pub shape: ShapePart,
+    pub(crate) shape: ShapePart,
     /// What is true, where it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub truth: Option<TruthPart>,
+    pub(crate) truth: Option<TruthPart>,
     /// The surface itself.
-    pub surface: SavedSurface,
+    pub(crate) surface: SavedSurface,
     /// Where the time went.
-    pub seconds: Seconds,
+    pub(crate) seconds: Seconds,
 }
 
 /// How the surface was found, with the certificate of the numbers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FitPart {
+pub(crate) struct FitPart {
     /// Degrees in x and y.
-    pub degree: [usize; 2],
+    pub(crate) degree: [usize; 2],
     /// Segments in x and y.
-    pub segments: [usize; 2],
+    pub(crate) segments: [usize; 2],
     /// Weights of the slope rows as applied: z, zx, zy; `null` for normal rows.
-    pub weights: Option<[f64; 3]>,
+    pub(crate) weights: Option<[f64; 3]>,
     /// Which kind of surface it is and why, where that was a question.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub chosen: Option<ChosenPart>,
+    pub(crate) chosen: Option<ChosenPart>,
+    /// Whether the residuals still hold a pattern, where it was tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) lack_of_fit: Option<LackOfFitPart>,
     /// Certificate of a parametric surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub parametric: Option<ParametricPart>,
+    pub(crate) parametric: Option<ParametricPart>,
     /// Standard deviations of the noise, declared or estimated.
-    pub sigma: Option<SigmaPart>,
+    pub(crate) sigma: Option<SigmaPart>,
     /// Method that gave the answer.
-    pub method: String,
+    pub(crate) method: String,
     /// Why this method.
-    pub reason: String,
+    pub(crate) reason: String,
     /// Scalar rows.
-    pub equations: usize,
+    pub(crate) equations: usize,
     /// Coefficients.
-    pub unknowns: usize,
+    pub(crate) unknowns: usize,
     /// Numerical rank of the equations.
-    pub rank: usize,
+    pub(crate) rank: usize,
     /// 1-norm condition estimate of the column-equilibrated weighted rows.
-    pub condition: Option<f64>,
+    pub(crate) condition: Option<f64>,
     /// Oettli-Prager backward error of the augmented system.
-    pub backward_error: Option<f64>,
+    pub(crate) backward_error: Option<f64>,
     /// Decimal digits that the answer has at least; `null` for a parametric surface, which guarantees none.
     #[serde(default)]
-    pub promise: Option<PromisePart>,
+    pub(crate) promise: Option<PromisePart>,
     /// Refinement steps from the rows.
     #[serde(default)]
-    pub refinements: usize,
+    pub(crate) refinements: usize,
     /// Roughness weight lambda; 0 without.
-    pub smooth: f64,
+    pub(crate) smooth: f64,
     /// Root mean squares of the residuals.
-    pub rms: RmsPart,
+    pub(crate) rms: RmsPart,
     /// What the user should know.
-    pub notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// Decimal digits that agree for certain with the exact solution of the written problem.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct PromisePart {
+pub(crate) struct PromisePart {
     /// Of the coefficients, relative to the largest.
-    pub coefficients: f64,
+    pub(crate) coefficients: f64,
     /// Of S at the worst supported point, absolute.
     #[serde(rename = "S")]
-    pub shape_index: f64,
+    pub(crate) shape_index: f64,
     /// Of R at the worst supported point, relative.
     #[serde(rename = "R")]
-    pub curvedness: f64,
+    pub(crate) curvedness: f64,
 }
 
-/// Kind of surface.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ChosenPart {
+/// What the program chose, and why.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct ChosenPart {
     /// `height` or `parametric`.
-    pub surface: String,
+    pub(crate) surface: String,
     /// Why.
-    pub reason: String,
+    #[serde(default)]
+    pub(crate) why: String,
+    /// Degrees of the surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) degree: Option<[usize; 2]>,
+    /// Segments of the surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) segments: Option<[usize; 2]>,
+    /// `keep` where the surface stands over the input's x and y, `auto` where its axes come from the data.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) frame: Option<String>,
+    /// The simple shape that the contacts show.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) hypothesis: Option<String>,
+    /// All that was tried, likeliest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) tried: Vec<TriedPart>,
+}
+
+/// One shape that was tried.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct TriedPart {
+    /// Its name.
+    pub(crate) name: String,
+    /// Its probability among those tried.
+    pub(crate) probability: Option<f64>,
+    /// Larger curvature of its fit.
+    pub k1: Option<f64>,
+    /// Smaller curvature of its fit.
+    pub k2: Option<f64>,
+    /// Root mean square distance of the contacts from it, input units.
+    pub(crate) rms: Option<f64>,
+}
+
+/// Whether the residuals still hold a pattern.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct LackOfFitPart {
+    /// Probability of residuals as alike as these among neighbours, were they independent.
+    pub(crate) p: Option<f64>,
+    /// Root mean square misfit of the contacts' local means, in percent of the relief.
+    pub(crate) percent_of_relief: Option<f64>,
+    /// One sentence.
+    pub(crate) words: String,
 }
 
 /// Certificate of a parametric surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ParametricPart {
+pub(crate) struct ParametricPart {
     /// How the contacts were flattened.
-    pub parametrisation: String,
+    pub(crate) parametrisation: String,
     /// Steps of the descent with corrected parameters.
-    pub iterations: usize,
+    pub(crate) iterations: usize,
     /// The descent ended at a minimum.
-    pub settled: bool,
+    pub(crate) settled: bool,
     /// Steps refused because they would have folded the map.
-    pub folds_refused: usize,
+    pub(crate) folds_refused: usize,
     /// Smallest Jacobian where contacts reach, over the mean one.
-    pub smallest_jacobian: f64,
+    pub(crate) smallest_jacobian: f64,
     /// The surface folds back on itself nowhere.
-    pub fold_free: bool,
+    pub(crate) fold_free: bool,
     /// Contacts stand in the order of their stations; `null` without stations.
     #[serde(rename = "lanes_monotone")]
-    pub fingers_monotone: Option<bool>,
+    pub(crate) fingers_monotone: Option<bool>,
     /// Contacts whose normal is against the surface.
-    pub against: usize,
+    pub(crate) against: usize,
     /// Largest curvature of the surface, divided by the largest that the normals of neighbouring contacts show there.
-    pub bending: f64,
+    pub(crate) bending: f64,
     /// How often the fairness was raised tenfold because that ratio was above 2.5.
-    pub fairness_raised: usize,
+    pub(crate) fairness_raised: usize,
     /// Directions that close.
-    pub closed: [bool; 2],
+    pub(crate) closed: [bool; 2],
 }
 
 /// Standard deviations of the noise.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct SigmaPart {
+pub(crate) struct SigmaPart {
     /// Of z, input units.
-    pub z: Option<f64>,
+    pub(crate) z: Option<f64>,
     /// Of the normal per tangent axis, degrees (normal rows).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal_deg: Option<f64>,
+    pub(crate) normal_deg: Option<f64>,
     /// Of the slopes (slope rows).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slope: Option<f64>,
+    pub(crate) slope: Option<f64>,
+    /// Of the errors across the surface that neighbouring contacts share, input units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) shared: Option<f64>,
+    /// Distance over which shared errors fade by a factor e, input units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) shared_over: Option<f64>,
 }
 
 /// Root mean square residuals, unweighted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct RmsPart {
+pub(crate) struct RmsPart {
     /// Heights, input units.
-    pub z: Option<f64>,
+    pub(crate) z: Option<f64>,
     /// Slopes in x.
-    pub zx: Option<f64>,
+    pub(crate) zx: Option<f64>,
     /// Slopes in y.
-    pub zy: Option<f64>,
+    pub(crate) zy: Option<f64>,
     /// Angle between the normals and the surface's, degrees (parametric surfaces, whose `z` is the distance to them).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal_deg: Option<f64>,
+    pub(crate) normal_deg: Option<f64>,
 }
 
 /// Shape over the grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ShapePart {
+pub(crate) struct ShapePart {
     /// Points in x and y.
-    pub grid: [usize; 2],
+    pub(crate) grid: [usize; 2],
     /// Shape index.
     #[serde(rename = "S")]
-    pub shape_index: MeasurePart,
+    pub(crate) shape_index: MeasurePart,
     /// Curvedness, 1/length.
     #[serde(rename = "R")]
-    pub curvedness: MeasurePart,
+    pub(crate) curvedness: MeasurePart,
     /// Radius of spheres and cylinders.
-    pub radius: Option<f64>,
+    pub(crate) radius: Option<f64>,
+    /// Interval of the radius, at the level of R's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) radius_interval: Option<[f64; 2]>,
+    /// Both radii of dome and trough, the smaller first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) radii: Option<[f64; 2]>,
     /// One of the nine classes, or plane.
-    pub class: Option<String>,
+    pub(crate) class: Option<String>,
     /// Probability of each class.
-    pub class_probability: Option<Shares>,
+    pub(crate) class_probability: Option<Shares>,
     /// Larger principal curvature.
     pub k1: SpreadPart,
     /// Smaller principal curvature.
     pub k2: SpreadPart,
     /// Direction of k1 at the centre, from +x towards +y, in [0, 180).
-    pub direction_deg: Option<f64>,
+    pub(crate) direction_deg: Option<f64>,
     /// Unit direction of k1 in space at the centre (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
+    pub(crate) direction: Option<[f64; 3]>,
     /// Points used / grid points.
-    pub support: f64,
+    pub(crate) support: f64,
     /// p-value of the best plane against the fit.
-    pub plane_p: Option<f64>,
+    pub(crate) plane_p: Option<f64>,
 }
 
 /// Mean and spread over the patch, and the uncertainty of the mean.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct MeasurePart {
+pub(crate) struct MeasurePart {
     /// Mean over the patch.
-    pub mean: Option<f64>,
+    pub(crate) mean: Option<f64>,
     /// Sample sd over the patch: variation, not uncertainty.
-    pub sd: Option<f64>,
+    pub(crate) sd: Option<f64>,
     /// Standard uncertainty of the mean.
-    pub u: Option<f64>,
+    pub(crate) u: Option<f64>,
     /// Interval of the mean at the fit's level.
-    pub interval: Option<[f64; 2]>,
+    pub(crate) interval: Option<[f64; 2]>,
+    /// The part of `u` that independent noise explains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) u_noise: Option<f64>,
+    /// The part of `u` that comes from shared errors and from doubt about the kind of surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) u_model: Option<f64>,
+    /// Level of the interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) level: Option<f64>,
+    /// Degrees of freedom behind `u`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) dof: Option<f64>,
 }
 
 /// Mean and spread over the patch.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct SpreadPart {
+pub(crate) struct SpreadPart {
     /// Mean over the patch.
-    pub mean: Option<f64>,
+    pub(crate) mean: Option<f64>,
     /// Sample sd over the patch.
-    pub sd: Option<f64>,
+    pub(crate) sd: Option<f64>,
 }
 
 /// Named shares in their own order.
 #[derive(Clone, Debug)]
-pub struct Shares(pub Vec<(String, f64)>);
+pub(crate) struct Shares(pub Vec<(String, f64)>);
 
 impl Serialize for Shares {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -245,30 +314,30 @@ impl<'de> Deserialize<'de> for Shares {
 
 /// The truth over the same points.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct TruthPart {
+pub(crate) struct TruthPart {
     /// Mean true shape index.
     #[serde(rename = "S")]
-    pub shape_index: Option<f64>,
+    pub(crate) shape_index: Option<f64>,
     /// Mean true curvedness.
     #[serde(rename = "R")]
-    pub curvedness: Option<f64>,
+    pub(crate) curvedness: Option<f64>,
     /// Pointwise rms error of S.
     #[serde(rename = "error_S")]
-    pub error_shape_index: Option<f64>,
+    pub(crate) error_shape_index: Option<f64>,
     /// Pointwise rms error of R.
     #[serde(rename = "error_R")]
-    pub error_curvedness: Option<f64>,
+    pub(crate) error_curvedness: Option<f64>,
 }
 
 /// Wall-clock seconds.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Seconds {
+pub(crate) struct Seconds {
     /// Reading, or simulating, the contacts.
-    pub read: f64,
+    pub(crate) read: f64,
     /// Fitting.
-    pub fit: f64,
+    pub(crate) fit: f64,
     /// S, R and their uncertainty.
-    pub shape: f64,
+    pub(crate) shape: f64,
     /// Everything up to here.
-    pub total: f64,
+    pub(crate) total: f64,
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 ///
 /// # Errors
 /// What the system says.
-pub fn write_json(document: &impl Serialize, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_json(document: &impl Serialize, out: &mut dyn Write) -> std::io::Result<()> {
     let mut whole = serde_json::to_vec_pretty(document).map_err(std::io::Error::from)?;
     whole.push(b'\n');
     out.write_all(&whole)

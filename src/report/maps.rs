@@ -13,7 +13,7 @@ use crate::shape::ShapeMaps;
 ///
 /// # Errors
 /// What the system says.
-pub fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from("x,y,z,k1,k2,S,R\n");
     for (i, x) in maps.grid.x.iter().enumerate() {
         for (j, y) in maps.grid.y.iter().enumerate() {
@@ -33,7 +33,7 @@ pub fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<
 ///
 /// # Errors
 /// What the system says.
-pub fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
     let mut npz = NpzWriter::compressed(Cursor::new(Vec::new()));
     let size = (maps.grid.x.len(), maps.grid.y.len());
     let map =

@@ -10,6 +10,7 @@
 mod describe;
 mod describe_height;
 mod describe_parametric;
+mod describe_recognised;
 mod description;
 mod document;
 mod json;
@@ -26,15 +27,15 @@ mod study_table;
 mod sweep;
 mod table;
 
-pub use describe::{compute_shape, describe_fit, describe_saved, points_at};
-pub use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub use document::{ChosenPart, FitDocument, Seconds};
-pub use json::write_json;
+pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
+pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
+pub(crate) use json::write_json;
 pub use schema::{fit_schema, study_schema};
-pub use study::{
+pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
-pub use study_picture::write_study_picture;
-pub use study_table::{stopped_words, write_study_table};
-pub use sweep::{SweepPoint, write_sweep_csv, write_sweep_picture, write_sweep_table};
-pub use table::{significant, write_table};
+pub(crate) use study_picture::write_study_picture;
+pub(crate) use study_table::{stopped_words, write_study_table};
+pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
+pub(crate) use table::{significant, write_table};

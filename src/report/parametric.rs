@@ -13,7 +13,7 @@ use super::point_table::PointTable;
 
 /// Point, normal and shape at one (u, v). Input units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ParametricPointShape {
+pub(super) struct ParametricPointShape {
     /// As given.
     pub u: f64,
     /// As given.
@@ -85,7 +85,7 @@ const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R\n";
 ///
 /// # Errors
 /// What the system says.
-pub fn write_parametric_points_csv(points: &[ParametricPointShape], out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_parametric_points_csv(points: &[ParametricPointShape], out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from(HEADER);
     for p in points {
         text.push_str(&row(p));
@@ -97,7 +97,7 @@ pub fn write_parametric_points_csv(points: &[ParametricPointShape], out: &mut dy
 ///
 /// # Errors
 /// What the system says.
-pub fn write_parametric_maps_csv(maps: &ParametricMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_parametric_maps_csv(maps: &ParametricMaps, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from(HEADER);
     for (i, u) in maps.grid.x.iter().enumerate() {
         for (j, v) in maps.grid.y.iter().enumerate() {

@@ -13,7 +13,7 @@ use crate::shape::ShapeMaps;
 
 /// What is drawn besides the maps.
 #[derive(Clone, Copy, Debug)]
-pub struct PictureOptions<'a> {
+pub(super) struct PictureOptions<'a> {
     /// Line above the panels.
     pub title: &'a str,
     /// x and y of the contacts, in the coordinates of the maps' grid; drawn where few enough to be told apart.
@@ -45,7 +45,7 @@ const UNKNOWN: RGBColor = RGBColor(225, 225, 225);
 ///
 /// # Errors
 /// What the system says.
-pub fn write_picture(maps: &ShapeMaps, options: &PictureOptions, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_picture(maps: &ShapeMaps, options: &PictureOptions, out: &mut dyn Write) -> std::io::Result<()> {
     let mut svg = String::new();
     draw(maps, options, &mut svg).map_err(|e| std::io::Error::other(e.to_string()))?;
     out.write_all(svg.as_bytes())

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 /// Rows that can be written as CSV and as JSON.
-pub trait PointTable {
+pub(crate) trait PointTable {
     /// One row a point.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use super::point_table::PointTable;
 
 /// Heights, slopes, normal and shape at one point. Input units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PointShape {
+pub(super) struct PointShape {
     /// As given.
     pub x: f64,
     /// As given.
@@ -94,7 +94,7 @@ fn point(surface: &HeightField, frame: &Frame, x: f64, y: f64) -> PointShape {
 ///
 /// # Errors
 /// What the system says.
-pub fn write_points_csv(points: &[PointShape], out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_points_csv(points: &[PointShape], out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from("x,y,inside,z,zx,zy,nx,ny,nz,k1,k2,S,R\n");
     let entry = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     for p in points {

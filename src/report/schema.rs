@@ -94,7 +94,16 @@ fn array(samples: &[&Value]) -> Value {
 
 /// A document in which everything is there.
 fn full() -> FitDocument {
-    let measure = MeasurePart { mean: Some(0.5), sd: Some(0.5), u: Some(0.5), interval: Some([0.5, 0.5]) };
+    let measure = MeasurePart {
+        mean: Some(0.5),
+        sd: Some(0.5),
+        u: Some(0.5),
+        interval: Some([0.5, 0.5]),
+        u_noise: Some(0.5),
+        u_model: Some(0.5),
+        level: Some(0.5),
+        dof: Some(0.5),
+    };
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
     let shares = ShapeClass::CURVED.iter().map(|class| (class.name().to_string(), 0.5)).collect();
     FitDocument {
@@ -105,9 +114,33 @@ fn full() -> FitDocument {
             degree: [2, 2],
             segments: [1, 1],
             weights: Some([0.5; 3]),
-            chosen: Some(ChosenPart { surface: "height".into(), reason: "asked for".into() }),
+            chosen: Some(ChosenPart {
+                surface: "height".into(),
+                why: "asked for".into(),
+                degree: Some([4, 4]),
+                segments: Some([2, 2]),
+                frame: Some("keep".into()),
+                hypothesis: Some("cylinder".into()),
+                tried: vec![
+                    TriedPart {
+                        name: "cylinder".into(),
+                        probability: Some(0.5),
+                        k1: Some(0.5),
+                        k2: Some(0.5),
+                        rms: Some(0.5),
+                    },
+                    TriedPart::default(),
+                ],
+            }),
+            lack_of_fit: Some(LackOfFitPart { p: Some(0.5), percent_of_relief: Some(0.5), words: "no pattern".into() }),
             parametric: None,
-            sigma: Some(SigmaPart { z: Some(0.5), normal_deg: Some(0.5), slope: Some(0.5) }),
+            sigma: Some(SigmaPart {
+                z: Some(0.5),
+                normal_deg: Some(0.5),
+                slope: Some(0.5),
+                shared: Some(0.5),
+                shared_over: Some(0.5),
+            }),
             method: "cholesky".into(),
             reason: "asked for".into(),
             equations: 1,
@@ -126,6 +159,8 @@ fn full() -> FitDocument {
             shape_index: measure.clone(),
             curvedness: measure,
             radius: Some(0.5),
+            radius_interval: Some([0.5, 0.5]),
+            radii: Some([0.5, 0.5]),
             class: Some("ridge".into()),
             class_probability: Some(Shares(shares)),
             k1: spread.clone(),
@@ -189,6 +224,7 @@ fn without_labels() -> FitDocument {
 fn emptied() -> FitDocument {
     let mut document = full();
     document.fit.sigma = Some(SigmaPart::default());
+    document.fit.lack_of_fit = Some(LackOfFitPart::default());
     document.truth = Some(TruthPart::default());
     document
 }
@@ -202,6 +238,7 @@ fn bare() -> FitDocument {
     document.fit.backward_error = None;
     document.fit.promise = None;
     document.fit.chosen = None;
+    document.fit.lack_of_fit = None;
     document.fit.rms = RmsPart::default();
     document.shape.direction = None;
     document.shape.shape_index = MeasurePart::default();

@@ -10,11 +10,11 @@ use super::table::significant;
 use crate::montecarlo::{Attribution, LinearLaw, Share, StudyResult, Summary};
 
 /// Schema name.
-pub const STUDY_SCHEMA: &str = "palpate.study/1";
+pub(crate) const STUDY_SCHEMA: &str = "palpate.study/1";
 
 /// Standard errors.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct StandardErrors {
+pub(crate) struct StandardErrors {
     /// Of the mean.
     pub mean: Option<f64>,
     /// Of the lower end.
@@ -27,7 +27,7 @@ pub struct StandardErrors {
 
 /// One quantity.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct QuantityPart {
+pub(crate) struct QuantityPart {
     /// Mean over the replicates.
     pub mean: Option<f64>,
     /// Sample sd.
@@ -58,7 +58,7 @@ pub struct QuantityPart {
 
 /// One quantile.
 #[derive(Clone, Debug, Serialize)]
-pub struct QuantilePart {
+pub(crate) struct QuantilePart {
     /// Share.
     pub share: f64,
     /// Value.
@@ -69,7 +69,7 @@ pub struct QuantilePart {
 
 /// The linear law of one quantity.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct LinearQuantity {
+pub(crate) struct LinearQuantity {
     /// Standard uncertainty.
     pub sd: Option<f64>,
     /// Lower end.
@@ -82,7 +82,7 @@ pub struct LinearQuantity {
 
 /// The linear law.
 #[derive(Clone, Debug, Serialize)]
-pub struct LinearDocument {
+pub(crate) struct LinearDocument {
     /// Of S.
     #[serde(rename = "S")]
     pub shape_index: LinearQuantity,
@@ -98,7 +98,7 @@ pub struct LinearDocument {
 /// One effect's shares of the variance.
 #[derive(Clone, Debug, Default, Serialize)]
 #[allow(non_snake_case, reason = "keys of the document")]
-pub struct EffectPart {
+pub(crate) struct EffectPart {
     /// Its name.
     pub name: String,
     /// First-order share of the variance of S.
@@ -129,7 +129,7 @@ pub struct EffectPart {
 
 /// Shares in the order of S.
 #[derive(Clone, Debug, Default)]
-pub struct NamedShares(pub Vec<(String, f64)>);
+pub(crate) struct NamedShares(pub Vec<(String, f64)>);
 
 impl Serialize for NamedShares {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -139,7 +139,7 @@ impl Serialize for NamedShares {
 
 /// Quantities beside S and R, by name.
 #[derive(Clone, Debug, Default)]
-pub struct NamedQuantities(pub Vec<(String, QuantityPart)>);
+pub(crate) struct NamedQuantities(pub Vec<(String, QuantityPart)>);
 
 impl Serialize for NamedQuantities {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -149,7 +149,7 @@ impl Serialize for NamedQuantities {
 
 /// The whole document.
 #[derive(Clone, Debug, Serialize)]
-pub struct StudyDocument {
+pub(crate) struct StudyDocument {
     /// [`STUDY_SCHEMA`].
     pub schema: &'static str,
     /// Name of the scene.
@@ -208,7 +208,7 @@ pub struct StudyDocument {
 
 /// A sum of shares.
 #[derive(Clone, Debug, Serialize)]
-pub struct SumPart {
+pub(crate) struct SumPart {
     /// Of which quantity.
     pub quantity: String,
     /// The sum.
@@ -268,7 +268,7 @@ fn ends(share: &Share) -> Option<[f64; 2]> {
 }
 
 /// Shares of the effects, those of the scene that are off among them.
-pub fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> {
+pub(crate) fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> {
     let on = attribution.effects.iter().map(|effect| EffectPart {
         name: effect.name.clone(),
         share_S: effect.first[0].share,
@@ -305,13 +305,13 @@ pub fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> 
 }
 
 /// Sums of shares for the document.
-pub fn sum_parts(attribution: &Attribution) -> Vec<SumPart> {
+pub(crate) fn sum_parts(attribution: &Attribution) -> Vec<SumPart> {
     let named = ["S", "R"].into_iter().zip(&attribution.sum);
     named.map(|(name, sum)| SumPart { quantity: name.into(), sum: sum.share, interval: ends(sum) }).collect()
 }
 
 /// Remarks on a result that its numbers alone do not make.
-pub fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str>) -> Vec<String> {
+pub(crate) fn study_notes(result: &StudyResult, failed: u64, first_failure: Option<&str>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(summary) = result.quantities.first()
         && let (Some(truth), Some(sd), Some(bias)) = (summary.truth, summary.sd, summary.bias)

@@ -21,7 +21,7 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 ///
 /// # Errors
 /// What the system says.
-pub fn write_study_picture(
+pub(crate) fn write_study_picture(
     document: &StudyDocument,
     ranked: &[Ranked<'_>; 2],
     out: &mut dyn Write,

@@ -8,7 +8,7 @@ use super::table::significant;
 use crate::montecarlo::Stopped;
 
 /// The word for why a study ended.
-pub fn stopped_words(stopped: Stopped) -> &'static str {
+pub(crate) fn stopped_words(stopped: Stopped) -> &'static str {
     match stopped {
         Stopped::Replicates => "all replicates done",
         Stopped::Tolerance => "the digits asked for are there",
@@ -20,7 +20,7 @@ pub fn stopped_words(stopped: Stopped) -> &'static str {
 ///
 /// # Errors
 /// What the system says.
-pub fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::new();
     let mut line = |label: &str, words: String| {
         let _ = writeln!(text, "{label:<10} {}", words.trim_end());

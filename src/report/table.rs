@@ -8,11 +8,15 @@ use super::document::{FitDocument, MeasurePart, ParametricPart};
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
 
+/// Magnitudes that are shown in fixed form.
+const SMALLEST: f64 = 1e-6;
+const LARGEST: f64 = 1e7;
+
 /// Writes the table of one fit; `name` is the scene or the file.
 ///
 /// # Errors
 /// What the system says.
-pub fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = Lines::default();
     shape_lines(name, document, &mut lines);
     truth_line(document, &mut lines);
@@ -35,7 +39,11 @@ impl Lines {
 fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
     let shape = &document.shape;
     lines.add("contacts", format!("{} of {name}", document.contacts));
-    let class = shape.class.as_deref().unwrap_or("none: S is undefined here");
+    let class = shape.class.as_deref().unwrap_or(if shape.shape_index.mean.is_some() {
+        "none: see the notes"
+    } else {
+        "none: S is undefined here"
+    });
     let sure = shape.class_probability.as_ref().and_then(|shares| {
         let share = shares.0.iter().find(|(name, _)| name == class)?.1;
         Some(format!("  (probability {share:.3})"))
@@ -44,7 +52,14 @@ fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
     lines.add("S", measure(&shape.shape_index, |_| 4));
     lines.add("R", measure(&shape.curvedness, |mean| decimals(mean, DIGITS)));
     if let Some(radius) = shape.radius {
-        lines.add("radius", significant(radius, DIGITS));
+        let between = shape.radius_interval.map_or(String::new(), |[lo, hi]| {
+            format!(",  between {} and {}", significant(lo, DIGITS), significant(hi, DIGITS))
+        });
+        lines.add("radius", format!("{}{between}", significant(radius, DIGITS)));
+    }
+    if let Some([small, large]) = shape.radii {
+        let both = [small, large].map(|r| significant(r, DIGITS));
+        lines.add("radii", format!("{} and {}, of the two curvatures", both[0], both[1]));
     }
     if let Some(direction) = shape.direction_deg {
         lines.add("direction", format!("{direction:.1} deg, of k1 from +x towards +y"));
@@ -73,6 +88,39 @@ fn truth_line(document: &FitDocument, lines: &mut Lines) {
 }
 
 fn fit_lines(document: &FitDocument, lines: &mut Lines) {
+    if document.fit.chosen.as_ref().is_some_and(|chosen| chosen.hypothesis.is_some()) {
+        recognition_lines(document, lines);
+    } else {
+        equation_lines(document, lines);
+    }
+}
+
+/// How a recognised surface was found.
+fn recognition_lines(document: &FitDocument, lines: &mut Lines) {
+    let fit = &document.fit;
+    if let Some(chosen) = &fit.chosen {
+        lines.add("found as", chosen.why.clone());
+    }
+    if let Some(sigma) = &fit.sigma {
+        let mut parts: Vec<String> = sigma.z.map(|z| format!("positions {}", significant(z, 3))).into_iter().collect();
+        parts.extend(sigma.normal_deg.map(|v| format!("normals {} deg", significant(v, 3))));
+        parts.extend(sigma.shared.zip(sigma.shared_over).map(|(sd, over)| {
+            format!("shared by neighbours {} over a distance of {}", significant(sd, 3), significant(over, 3))
+        }));
+        lines.add("noise", parts.join(",  "));
+    }
+    if let Some(lack) = &fit.lack_of_fit {
+        let p = lack.p.map_or(String::new(), |p| format!("  (p = {})", significant(p, 2)));
+        lines.add("misfit", format!("{}{p}", lack.words));
+    }
+    if let Some(z) = fit.rms.z {
+        lines.add("rms", format!("{} off the surface", significant(z, 3)));
+    }
+    let ([p, q], [n, m]) = (fit.degree, fit.segments);
+    lines.add("surface", format!("{}, degree {p} x {q}, segments {n} x {m}", document.surface.kind));
+}
+
+fn equation_lines(document: &FitDocument, lines: &mut Lines) {
     let fit = &document.fit;
     let ([p, q], [n, m]) = (fit.degree, fit.segments);
     let size = format!("{} equations, {} unknowns, rank {}", fit.equations, fit.unknowns, fit.rank);
@@ -97,7 +145,10 @@ fn fit_lines(document: &FitDocument, lines: &mut Lines) {
         lines.add("smooth", format!("lambda {}", significant(fit.smooth, 3)));
     }
     if let Some(chosen) = &fit.chosen {
-        lines.add("surface", format!("{}: {}", chosen.surface, chosen.reason));
+        lines.add("surface", format!("{}: {}", chosen.surface, chosen.why));
+    }
+    if let Some(lack) = &fit.lack_of_fit {
+        lines.add("misfit", lack.words.clone());
     }
     if let Some(part) = &fit.parametric {
         parametric_lines(part, lines);
@@ -139,15 +190,22 @@ fn parametric_lines(part: &ParametricPart, lines: &mut Lines) {
 fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
     let Some(mean) = part.mean else { return "undefined".into() };
     let places = decimals(mean);
-    let mut text = format!("{mean:.places$}");
+    // where fixed form would be all zeros or a row of digits, every number gets an exponent
+    let fixed = mean == 0.0 || (SMALLEST..LARGEST).contains(&mean.abs());
+    let shown = |value: f64| if fixed { format!("{value:.places$}") } else { significant(value, DIGITS) };
+    let mut text = shown(mean);
     if let Some(sd) = part.sd {
-        let _ = write!(text, " +- {sd:.places$} over the patch");
+        let _ = write!(text, " +- {} over the patch", shown(sd));
     }
     if let Some(u) = part.u {
         let _ = write!(text, ",  u = {}", significant(u, 2));
     }
     if let Some([lo, hi]) = part.interval {
-        let _ = write!(text, ",  [{lo:.places$}, {hi:.places$}]");
+        let level = part.level.map_or(String::new(), |level| format!("{} % ", significant(100.0 * level, 2)));
+        let _ = write!(text, ",  {level}[{}, {}]", shown(lo), shown(hi));
+    }
+    if let (Some(noise), Some(model)) = (part.u_noise, part.u_model) {
+        let _ = write!(text, "  (noise {}, model {})", significant(noise, 2), significant(model, 2));
     }
     text
 }
@@ -162,7 +220,7 @@ fn decimals(value: f64, digits: i32) -> usize {
 }
 
 /// `value` with `digits` significant digits, in scientific form where it is very small or very large.
-pub fn significant(value: f64, digits: i32) -> String {
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -187,7 +245,7 @@ mod tests {
 
     #[test]
     fn spread_is_cut_where_the_mean_is() {
-        let part = MeasurePart { mean: Some(0.00730123), sd: Some(0.0012589), u: Some(1e-5), interval: None };
+        let part = MeasurePart { mean: Some(0.00730123), sd: Some(0.0012589), u: Some(1e-5), ..MeasurePart::default() };
         assert_eq!(measure(&part, |m| decimals(m, DIGITS)), "0.007301 +- 0.001259 over the patch,  u = 1.0e-5");
         assert_eq!(measure(&MeasurePart::default(), |_| 4), "undefined");
     }

@@ -50,7 +50,7 @@ fn operator(point: &SurfacePoint) -> Operator {
 }
 
 /// Gradient of `k1 - k2` at `(x, y)` by the coefficients; zero at an umbilic.
-pub fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
+pub(crate) fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
     let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
     let Operator { a, b, c, da, db, dc } = operator(&surface.with_rows(&bx, &by));
     let gap = (a - c).hypot(2.0 * b);
@@ -66,7 +66,7 @@ pub fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
 /// Chain rule: from derivatives `g` by `(S_x, S_y, S_xx, S_xy, S_yy)` to those by the coefficients that are nonzero at a
 /// point, `visit(a, b, sum_k g_k d_k(N_a M_b))`.
 #[inline]
-pub fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut visit: impl FnMut(usize, usize, f64)) {
+pub(crate) fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut visit: impl FnMut(usize, usize, f64)) {
     let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k));
     let [m, dm, ddm] = [0, 1, 2].map(|k| by.derivative(k));
     for a in 0..n.len() {
@@ -81,7 +81,7 @@ pub fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut visit: im
 
 /// Derivatives of S and of R by `(S_x, S_y, S_xx, S_xy, S_yy)` at one point, and the curvatures they belong to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeGradient {
+pub(crate) struct ShapeGradient {
     /// Of S.
     pub shape_index: [f64; 5],
     /// Of R.
@@ -93,7 +93,7 @@ pub struct ShapeGradient {
 }
 
 /// Gradients of S and R at one point.
-pub fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
+pub(crate) fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
     let Operator { a, b, c, da, db, dc } = operator(point);
     let difference = (a - c).hypot(2.0 * b);
     let sum = a + c;
@@ -115,7 +115,7 @@ pub fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
 
 /// Gradients of the grid means by the coefficients, number `i m + j`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeanGradients {
+pub(crate) struct MeanGradients {
     /// Of mean S.
     pub shape_index: Vec<f64>,
     /// Of mean R.
@@ -123,7 +123,7 @@ pub struct MeanGradients {
 }
 
 /// d(mean S)/dc and d(mean R)/dc over the supported points where S is defined; `gradients` are those over the maps' grid.
-pub fn mean_gradients(surface: &HeightField, maps: &ShapeMaps, gradients: &GridGradients) -> MeanGradients {
+pub(crate) fn mean_gradients(surface: &HeightField, maps: &ShapeMaps, gradients: &GridGradients) -> MeanGradients {
     let (unknowns, columns) = (surface.coefficients().len(), surface.coefficients().ncols());
     let mut sums = MeanGradients { shape_index: vec![0.0; unknowns], curvedness: vec![0.0; unknowns] };
     let mut counts = [0usize; 2];

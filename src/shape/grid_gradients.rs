@@ -17,7 +17,7 @@ const KEPT: usize = 1 << 12;
 
 /// Up to eight neighbouring points of one grid row: the same x, ascending y, all in one knot cell.
 #[derive(Clone, Copy, Debug)]
-pub struct EightPoints<'a> {
+pub(crate) struct EightPoints<'a> {
     /// Indices of the first of them in the grid.
     pub at: [usize; 2],
     /// Number of points; the last one is repeated in the lanes left over.
@@ -34,7 +34,7 @@ pub struct EightPoints<'a> {
 
 /// Gradients of S and R over one grid.
 #[derive(Clone, Debug)]
-pub struct GridGradients {
+pub(crate) struct GridGradients {
     kept: Option<Kept>,
 }
 
@@ -63,7 +63,7 @@ impl Head {
 
 impl GridGradients {
     /// The gradients of `surface` over the points with these basis rows along x and y.
-    pub fn new(surface: &HeightField, rows: &[Vec<BasisRow>; 2]) -> GridGradients {
+    pub(crate) fn new(surface: &HeightField, rows: &[Vec<BasisRow>; 2]) -> GridGradients {
         let [along_x, along_y] = rows;
         if along_x.len() * along_y.len() > KEPT {
             return GridGradients { kept: None };
@@ -76,7 +76,7 @@ impl GridGradients {
     }
 
     /// Visits all points in groups of up to eight: for each group in y, all x in turn. `surface` and `rows` are those of [`Self::new`].
-    pub fn visit(&self, surface: &HeightField, rows: &[Vec<BasisRow>; 2], mut f: impl FnMut(&EightPoints)) {
+    pub(crate) fn visit(&self, surface: &HeightField, rows: &[Vec<BasisRow>; 2], mut f: impl FnMut(&EightPoints)) {
         let Some(Kept { heads, entries }) = &self.kept else {
             let mut latest = Kept { heads: Vec::new(), entries: Vec::new() };
             return Walk::new(surface, rows).all(rows, &mut latest, |kept| {

@@ -18,12 +18,13 @@ mod summary;
 mod truth;
 mod uv_support;
 
-pub use gradient::{by_coefficients, gap_gradient, mean_gradients, shape_gradient};
+pub(crate) use gradient::{by_coefficients, gap_gradient, mean_gradients, shape_gradient};
 pub use grid::ShapeGrid;
-pub use grid_gradients::{EightPoints, GridGradients};
+pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
-pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
-pub use summary::{Interval, Spread, class_probabilities, normal_interval, radius_of, spread};
-pub use truth::compare_with_truth;
+pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub use summary::Interval;
+pub(crate) use summary::{Spread, class_probabilities, normal_interval, radius_of, spread};
+pub(crate) use truth::compare_with_truth;
 pub use uv_support::UvSupport;

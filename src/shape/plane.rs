@@ -8,7 +8,7 @@
 use statrs::function::{beta::beta_reg, gamma::gamma_ur};
 
 /// Upper tail of chi-square with `freedom` degrees: the p-value of the plane under declared sds.
-pub fn chi_square_upper_tail(value: f64, freedom: f64) -> f64 {
+pub(crate) fn chi_square_upper_tail(value: f64, freedom: f64) -> f64 {
     if value <= 0.0 || freedom <= 0.0 {
         return 1.0;
     }
@@ -16,7 +16,7 @@ pub fn chi_square_upper_tail(value: f64, freedom: f64) -> f64 {
 }
 
 /// Upper tail of F with `(freedom, rest)` degrees.
-pub fn f_upper_tail(value: f64, freedom: f64, rest: f64) -> f64 {
+pub(crate) fn f_upper_tail(value: f64, freedom: f64, rest: f64) -> f64 {
     if value.is_nan() || value <= 0.0 || freedom <= 0.0 || rest <= 0.0 {
         return 1.0;
     }
@@ -25,7 +25,7 @@ pub fn f_upper_tail(value: f64, freedom: f64, rest: f64) -> f64 {
 }
 
 /// The least squares plane `z = h + gx x + gy y` through a grid of heights, and its largest deviation.
-pub fn best_plane(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], f64) {
+pub(crate) fn best_plane(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], f64) {
     let count = points.clone().count().max(1) as f64;
     let mean = points.clone().fold([0.0; 3], |m, p| [0, 1, 2].map(|k| m[k] + p[k] / count));
     let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);

@@ -17,7 +17,7 @@ pub struct Spread {
 }
 
 /// Spread of `values`, in two passes, the second about the mean.
-pub fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
+pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
     let count = values.clone().count();
     if count < 2 {
         return Spread { count, ..Spread::default() };
@@ -38,14 +38,14 @@ pub struct Interval {
 }
 
 /// `mean +- z u` at the given level, cut to `[floor, ceiling]`.
-pub fn normal_interval(mean: f64, u: f64, level: f64, floor: f64, ceiling: f64) -> Interval {
+pub(crate) fn normal_interval(mean: f64, u: f64, level: f64, floor: f64, ceiling: f64) -> Interval {
     let z = std::f64::consts::SQRT_2 * erf::erf_inv(level);
     Interval { lo: (mean - z * u).max(floor), hi: (mean + z * u).min(ceiling) }
 }
 
 /// Probability of each curved class where mean S is distributed as N(mean, u^2); the tails belong to the outermost
 /// classes.
-pub fn class_probabilities(mean: f64, u: f64) -> Vec<(ShapeClass, f64)> {
+pub(crate) fn class_probabilities(mean: f64, u: f64) -> Vec<(ShapeClass, f64)> {
     // upper tail Q((edge - mean)/u), by erfc because 1 - Phi loses digits
     let above = |edge: f64| {
         if edge.is_infinite() {
@@ -68,7 +68,7 @@ pub fn class_probabilities(mean: f64, u: f64) -> Vec<(ShapeClass, f64)> {
 }
 
 /// 1/R of spheres, 1/(R sqrt 2) of cylinders, `None` for everything else (paper Table 2).
-pub fn radius_of(class: ShapeClass, curvedness: f64) -> Option<f64> {
+pub(crate) fn radius_of(class: ShapeClass, curvedness: f64) -> Option<f64> {
     match class {
         ShapeClass::Cap | ShapeClass::Cup => Some(1.0 / curvedness),
         ShapeClass::Ridge | ShapeClass::Rut => Some(1.0 / (curvedness * std::f64::consts::SQRT_2)),

@@ -10,7 +10,7 @@ use super::ShapeMaps;
 /// The true shape over the points of a fit, and the error of the fit. `None` where nothing can be compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TruthComparison {
+pub(crate) struct TruthComparison {
     /// Mean true shape index.
     pub shape_index: Option<f64>,
     /// Mean true curvedness, 1/length.
@@ -22,10 +22,10 @@ pub struct TruthComparison {
 }
 
 /// True shape index (where defined) and curvedness at one point.
-pub type TrueShapeAt = (Option<f64>, f64);
+pub(super) type TrueShapeAt = (Option<f64>, f64);
 
 /// Compares maps with `truth(x, y, z)`, which is `None` where the true surface does not reach.
-pub fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<TrueShapeAt>) -> TruthComparison {
+pub(crate) fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<TrueShapeAt>) -> TruthComparison {
     let [mut s, mut r, mut error_s, mut error_r] = [Mean::default(); 4];
     for (i, x) in maps.grid.x.iter().enumerate() {
         for (j, y) in maps.grid.y.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::{Isa, dispatch};
 
 /// One term `X G Y`; only the first `powers[0]` rows of G and `powers[1]` rows of Y are read.
 #[derive(Clone, Copy, Debug)]
-pub struct BilinearTerm<'a> {
+pub(crate) struct BilinearTerm<'a> {
     /// X, one row per row of the result.
     pub left: &'a [[f64; 8]],
     /// G.
@@ -52,7 +52,7 @@ fn generic<V: Lanes>(terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
 ///
 /// # Panics
 /// When a matrix has fewer rows than its powers.
-pub fn bilinear(isa: Isa, terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
+pub(crate) fn bilinear(isa: Isa, terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]) {
     dispatch!(isa, generic [](terms: &[BilinearTerm<'_>], out: &mut [[f64; 16]]));
 }
 

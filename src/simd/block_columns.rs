@@ -17,15 +17,15 @@ use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
 /// Extra numbers to allocate, so that the first block can begin at the start of a cache line.
-pub const PADDING: usize = PANEL - 1;
+pub(crate) const PADDING: usize = PANEL - 1;
 /// Widths and heights are multiples of this: three panels, the rows of a tile.
-pub const GRAIN: usize = 3 * PANEL;
+pub(crate) const GRAIN: usize = 3 * PANEL;
 /// Rows of a panel.
 pub(super) const PANEL: usize = 8;
 
 /// Shape of one block column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BlockShape {
+pub(crate) struct BlockShape {
     /// Columns, a multiple of [`GRAIN`].
     pub width: usize,
     /// Rows from the block's diagonal on, a multiple of [`GRAIN`].
@@ -36,13 +36,13 @@ pub struct BlockShape {
 
 impl BlockShape {
     /// Numbers in one block column.
-    pub fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         self.width * self.height
     }
 
     /// Position of this entry in the block.
     #[inline(always)]
-    pub fn place(self, row: usize, column: usize) -> usize {
+    pub(crate) fn place(self, row: usize, column: usize) -> usize {
         (row / PANEL * self.width + column) * PANEL + row % PANEL
     }
 
@@ -267,7 +267,7 @@ fn factor<V: Lanes>(shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> 
 }
 
 /// `target -= sum A_r B_r'` over `blocks`, all of one shape, of which the last is `gap + 1` blocks left of the target.
-pub fn update_block(isa: Isa, shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
+pub(crate) fn update_block(isa: Isa, shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]) {
     dispatch!(isa, update [](shape: BlockShape, blocks: &[f64], gap: usize, target: &mut [f64]));
 }
 
@@ -275,7 +275,7 @@ pub fn update_block(isa: Isa, shape: BlockShape, blocks: &[f64], gap: usize, tar
 ///
 /// # Errors
 /// `Err(column)`, counted from the block's first.
-pub fn factor_block(isa: Isa, shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> {
+pub(crate) fn factor_block(isa: Isa, shape: BlockShape, block: &mut [f64]) -> Result<f64, usize> {
     dispatch!(isa, factor [](shape: BlockShape, block: &mut [f64]) -> Result<f64, usize>)
 }
 

@@ -97,7 +97,7 @@ fn backward<V: Lanes>(shape: BlockShape, block: &[f64], v: &mut [f64]) {
 
 /// `v <- L^-1 v` for one block column: solves for the block's own unknowns, then subtracts their products from those
 /// below. `v` starts at the block's first unknown and has `height` numbers.
-pub fn forward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
+pub(crate) fn forward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
     dispatch!(isa, forward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }
 
@@ -105,6 +105,6 @@ pub fn forward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) 
 ///
 /// # Panics
 /// When the block is wider than 96 columns.
-pub fn backward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
+pub(crate) fn backward_block(isa: Isa, shape: BlockShape, block: &[f64], v: &mut [f64]) {
     dispatch!(isa, backward [](shape: BlockShape, block: &[f64], v: &mut [f64]));
 }

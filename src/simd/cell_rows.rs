@@ -15,11 +15,11 @@ use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
 /// Coefficients `[i][j]` of `u^i v^j`.
-pub type CellPowers = [[f64; 4]; 4];
+pub(crate) type CellPowers = [[f64; 4]; 4];
 
 /// The sites of one cell in groups of eight.
 #[derive(Clone, Copy, Debug)]
-pub struct CellPiece<'a> {
+pub(crate) struct CellPiece<'a> {
     /// The surface.
     pub surface: &'a CellPowers,
     /// 1 / h_x, 1 / h_y.
@@ -173,7 +173,7 @@ fn basis<V: Lanes>(
 }
 
 /// Basis functions of degree at most 3, given by their powers of u, and their slopes at eight places.
-pub fn cell_basis(
+pub(crate) fn cell_basis(
     isa: Isa,
     functions: &[[f64; 8]],
     inverse_half: f64,
@@ -191,7 +191,7 @@ pub fn cell_basis(
 }
 
 /// `out = [S, S_x, S_y]` at the local coordinates `places` in u and v, group by group.
-pub fn cell_values(
+pub(crate) fn cell_values(
     isa: Isa,
     surface: &CellPowers,
     inverse_half: [f64; 2],
@@ -207,12 +207,12 @@ pub fn cell_values(
 }
 
 /// `out = G`.
-pub fn cell_products(isa: Isa, piece: &CellPiece, out: &mut CellPowers) {
+pub(crate) fn cell_products(isa: Isa, piece: &CellPiece, out: &mut CellPowers) {
     dispatch!(isa, products [](piece: &CellPiece<'_>, out: &mut CellPowers));
 }
 
 /// Adds `r_0^2` and `r_1^2 + r_2^2`.
-pub fn cell_squares(isa: Isa, piece: &CellPiece, out: &mut [f64; 2]) {
+pub(crate) fn cell_squares(isa: Isa, piece: &CellPiece, out: &mut [f64; 2]) {
     dispatch!(isa, squares [](piece: &CellPiece<'_>, out: &mut [f64; 2]));
 }
 

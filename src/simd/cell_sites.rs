@@ -5,10 +5,10 @@
 //! ```
 
 /// Sites taken at once.
-pub const SITES: usize = 8;
+pub(crate) const SITES: usize = 8;
 
 /// One number for each site.
-pub type SiteLanes = [f64; SITES];
+pub(crate) type SiteLanes = [f64; SITES];
 
 /// Eight sites of one cell.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ pub struct CellSites<'a> {
 }
 
 /// Sums over the sites of a cell for one coefficient, kept lane by lane: `E'r`, `|E|'|r|`, squares of the column.
-pub type ColumnSums = [SiteLanes; 3];
+pub(crate) type ColumnSums = [SiteLanes; 3];
 impl<'a> CellSites<'a> {
     /// The same slices cut to the lengths P and Q, which the compiler knows, unless they are 0.
     #[inline(always)]
@@ -37,7 +37,7 @@ impl<'a> CellSites<'a> {
 
 /// What the last pass sums over rows, lane by lane.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct RowSums {
+pub(crate) struct RowSums {
     /// Squares of the sizes.
     pub sizes: SiteLanes,
     /// Squares of r.
@@ -48,7 +48,7 @@ pub struct RowSums {
 
 /// The vectors of one cell's sites and coefficients.
 #[derive(Clone, Copy, Debug)]
-pub struct CellVectors<'a> {
+pub(crate) struct CellVectors<'a> {
     /// c on the cell.
     pub c: &'a [f64],
     /// v on the cell; empty where it is zero.

@@ -7,7 +7,7 @@ use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
 /// One term: direction and products.
-pub type RowTerm<'a> = ([f64; 3], &'a [f64]);
+pub(crate) type RowTerm<'a> = ([f64; 3], &'a [f64]);
 
 #[inline(always)]
 fn generic<V: Lanes>(local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
@@ -36,7 +36,7 @@ fn generic<V: Lanes>(local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
 ///
 /// # Panics
 /// When `row` or the products of a term are shorter than that.
-pub fn combine_rows(isa: Isa, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
+pub(crate) fn combine_rows(isa: Isa, local: usize, terms: &[RowTerm<'_>], row: &mut [f64]) {
     dispatch!(isa, generic [](local: usize, terms: &[RowTerm<'_>], row: &mut [f64]))
 }
 

@@ -9,7 +9,7 @@ use super::{Isa, dispatch};
 
 /// One term `B' Z`: `values[i * width + a]` is entry `(i, first[i] + a)` of B.
 #[derive(Clone, Copy, Debug)]
-pub struct BandTerm<'a> {
+pub(crate) struct BandTerm<'a> {
     /// Values of B, row after row.
     pub values: &'a [f64],
     /// Z, n x m, row-major.
@@ -88,7 +88,14 @@ fn rest(rows: std::ops::Range<usize>, terms: &[BandTerm<'_>], width: usize, m: u
 ///
 /// # Panics
 /// When an array is shorter than its shape.
-pub fn contract_rows(isa: Isa, width: usize, first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
+pub(crate) fn contract_rows(
+    isa: Isa,
+    width: usize,
+    first: &[usize],
+    terms: &[BandTerm<'_>],
+    m: usize,
+    out: &mut [f64],
+) {
     macro_rules! of_width {
         ($w:literal) => {{
             #[inline(always)]
@@ -109,7 +116,7 @@ pub fn contract_rows(isa: Isa, width: usize, first: &[usize], terms: &[BandTerm<
 }
 
 /// The safe twin, and the path of degrees above 5: plain loops.
-pub fn contract_rows_twin(width: usize, first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
+pub(super) fn contract_rows_twin(width: usize, first: &[usize], terms: &[BandTerm<'_>], m: usize, out: &mut [f64]) {
     for (i, &start) in first.iter().enumerate() {
         rest(i..i + 1, terms, width, m, 0, &mut out[start * m..(start + width) * m]);
     }

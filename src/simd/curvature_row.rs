@@ -21,7 +21,7 @@ const BATCH: usize = 256;
 
 /// The points of a row in runs that lie on one segment each, with the Taylor coefficients of the segment's basis functions.
 #[derive(Clone, Debug)]
-pub struct RowPieces {
+pub(crate) struct RowPieces {
     pub(super) degree: usize,
     /// Basis functions in y.
     pub(super) n_basis: usize,
@@ -39,7 +39,7 @@ pub struct RowPieces {
 
 /// Buffers of [`curvature_row`]; one for each thread, reusable.
 #[derive(Clone, Debug, Default)]
-pub struct RowScratch {
+pub(crate) struct RowScratch {
     curves: Vec<f64>,
     gathered: Vec<f64>,
     pieces: Vec<f64>,
@@ -49,7 +49,7 @@ pub struct RowScratch {
 impl RowPieces {
     /// From the runs, each `(points, first basis function, k-th derivative over k! of the q + 1 basis functions at the
     /// segment's centre: k-major)`, and every point's offset from the centre of its segment.
-    pub fn new<'a>(
+    pub(crate) fn new<'a>(
         degree: usize,
         n_basis: usize,
         runs: impl Iterator<Item = (usize, usize, &'a [f64])> + Clone,
@@ -84,22 +84,22 @@ impl RowPieces {
     }
 
     /// Number of points in a row.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.offsets.len() - 8
     }
 
     /// No points at all.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Degree q.
-    pub fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         self.degree
     }
 
     /// The first basis function of the only segment with points; `None` where there are more.
-    pub fn only_segment(&self) -> Option<usize> {
+    pub(crate) fn only_segment(&self) -> Option<usize> {
         if let [first] = self.first[..] { Some(first) } else { None }
     }
 }
@@ -340,7 +340,7 @@ fn derive<V: Lanes>(row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: 
 ///
 /// # Panics
 /// When an array is shorter than its shape.
-pub fn curvature_row(
+pub(crate) fn curvature_row(
     isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],
@@ -359,7 +359,7 @@ pub fn curvature_row(
 ///
 /// # Panics
 /// When an array is shorter than its shape.
-pub fn derivative_row(
+pub(crate) fn derivative_row(
     isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],

@@ -15,7 +15,7 @@ use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
 /// Columns of a matrix of order N with one more row for the right-hand side; `PADDED > N` is a multiple of 8.
-pub type DenseColumns<const N: usize, const PADDED: usize> = [[f64; PADDED]; N];
+pub(crate) type DenseColumns<const N: usize, const PADDED: usize> = [[f64; PADDED]; N];
 
 #[inline(always)]
 fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColumns<N, PADDED>) -> Result<f64, usize> {
@@ -49,7 +49,7 @@ fn factor<V: Lanes, const N: usize, const PADDED: usize>(columns: &mut DenseColu
 ///
 /// # Errors
 /// `Err(column)`.
-pub fn factor_columns<const N: usize, const PADDED: usize>(
+pub(crate) fn factor_columns<const N: usize, const PADDED: usize>(
     isa: Isa,
     columns: &mut DenseColumns<N, PADDED>,
 ) -> Result<f64, usize> {
@@ -90,7 +90,7 @@ fn invert<V: Lanes, const N: usize, const PADDED: usize>(
 
 /// `(L L')^-1` row by row, from the columns of L that [`factor_columns`] left and the reciprocals of its diagonal;
 /// entries beyond N in a row have no meaning.
-pub fn invert_columns<const N: usize, const PADDED: usize>(
+pub(crate) fn invert_columns<const N: usize, const PADDED: usize>(
     isa: Isa,
     columns: &DenseColumns<N, PADDED>,
     reciprocals: &[f64; N],
@@ -135,7 +135,7 @@ fn factor_any<V: Lanes>(order: usize, stride: usize, columns: &mut [f64]) -> Res
 ///
 /// # Panics
 /// When `columns` is shorter than its shape, or `stride` no multiple of 8.
-pub fn factor_dense(isa: Isa, order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
+pub(crate) fn factor_dense(isa: Isa, order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
     assert!(stride.is_multiple_of(8) && stride >= order && columns.len() >= order * stride);
     dispatch!(isa, factor_any [](order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize>)
 }

@@ -11,16 +11,16 @@ use super::lanes::Lanes;
 use super::{Isa, by_width, dispatch};
 
 /// Functionals of one kind taken at once.
-pub const FUNCTIONALS: usize = 8;
+pub(super) const FUNCTIONALS: usize = 8;
 /// Kinds of functionals taken at once: S and R.
-pub const KINDS: usize = 2;
+pub(super) const KINDS: usize = 2;
 
 /// One number for each functional.
-pub type OfKinds = [[f64; FUNCTIONALS]; KINDS];
+pub(crate) type OfKinds = [[f64; FUNCTIONALS]; KINDS];
 
 /// What the second bound needs, the one in the direction g.
 #[derive(Clone, Copy, Debug)]
-pub struct DirectedTerms<'a> {
+pub(crate) struct DirectedTerms<'a> {
     /// A, row by row.
     pub matrix: &'a [f64],
     /// t, one number for each row.
@@ -35,7 +35,7 @@ pub struct DirectedTerms<'a> {
 
 /// What is the same for all functionals.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundTerms<'a> {
+pub(crate) struct BoundTerms<'a> {
     /// D, one number for each unknown.
     pub scales: &'a [f64],
     /// m; infinite where the second bound is the smaller one for every g.
@@ -46,7 +46,7 @@ pub struct BoundTerms<'a> {
 
 /// The unknowns of one cell, and the gradients of the functionals by these unknowns.
 #[derive(Clone, Copy, Debug)]
-pub struct CellGradients<'a> {
+pub(crate) struct CellGradients<'a> {
     /// First unknown of each run of neighbours, ascending.
     pub runs: &'a [usize],
     /// Gradients run after run, all runs of one length; one slice for each kind.
@@ -229,7 +229,7 @@ impl DirectedTerms<'_> {
 ///
 /// # Panics
 /// When an unknown has no scale or no column in the matrix, or there are fewer entries than runs need.
-pub fn functional_bounds(
+pub(crate) fn functional_bounds(
     isa: Isa,
     terms: &BoundTerms,
     gradients: &CellGradients,

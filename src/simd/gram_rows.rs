@@ -55,7 +55,7 @@ fn generic<V: Lanes>(stride: usize, rows: &[f64], out: &mut [f64]) {
 ///
 /// # Panics
 /// When `out` is shorter than that, or `stride` no multiple of 8.
-pub fn gram_rows(isa: Isa, stride: usize, rows: &[f64], out: &mut [f64]) {
+pub(crate) fn gram_rows(isa: Isa, stride: usize, rows: &[f64], out: &mut [f64]) {
     assert!(stride.is_multiple_of(8) && out.len() >= stride * stride);
     dispatch!(isa, generic [](stride: usize, rows: &[f64], out: &mut [f64]))
 }

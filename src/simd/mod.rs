@@ -50,27 +50,30 @@ mod shape_gradients;
 mod shape_maps;
 mod site_passes;
 
-pub use bilinear::{BilinearTerm, bilinear};
-pub use block_columns::{BlockShape, GRAIN, PADDING, factor_block, update_block};
-pub use block_substitution::{backward_block, forward_block};
-pub use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
-pub use cell_sites::{CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes};
+pub(crate) use bilinear::{BilinearTerm, bilinear};
+pub(crate) use block_columns::{BlockShape, GRAIN, PADDING, factor_block, update_block};
+pub(crate) use block_substitution::{backward_block, forward_block};
+pub(crate) use cell_rows::{CellPiece, CellPowers, cell_basis, cell_products, cell_squares, cell_values};
+pub(crate) use cell_sites::{CellSites, CellVectors, ColumnSums, RowSums, SITES, SiteLanes};
 pub use chacha8::{BLOCKS as CHACHA_BLOCKS, WORDS as CHACHA_WORDS, chacha8};
-pub use combine_rows::{RowTerm, combine_rows};
-pub use contract_rows::{BandTerm, contract_rows};
-pub use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
-pub use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
-pub use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
+pub(crate) use combine_rows::{RowTerm, combine_rows};
+pub(crate) use contract_rows::{BandTerm, contract_rows};
+pub(crate) use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
+pub(crate) use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
+pub(crate) use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
 pub use gaussian::gaussian_triples;
-pub use gram_rows::gram_rows;
+pub(crate) use gram_rows::gram_rows;
 pub use isa::Isa;
-pub use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments};
-pub use panel_products::{Panels, ProductSize, subtract_product};
-pub use patch_maps::{PATCH_POINTS, patch_maps};
+pub(crate) use moments::{CellMoments, MAX_MOMENT_DEGREE, MomentPowers, moments};
+pub(crate) use panel_products::{Panels, ProductSize, subtract_product};
+pub(crate) use patch_maps::{PATCH_POINTS, patch_maps};
 pub use peak::multiply_add_peak;
-pub use replicate_lanes::{GridTables, REPLICATES, add_draws, mean_shapes};
-pub use shape_gradients::{CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients};
-pub use site_passes::{add_lanes, columns_pass, last_pass, norms_pass, products_pass};
+pub use replicate_lanes::REPLICATES;
+pub(crate) use replicate_lanes::{GridTables, add_draws, mean_shapes};
+pub(crate) use shape_gradients::{
+    CellPoints, CurveLanes, POINTS, PointLanes, PointShapes, cell_curves, shape_gradients,
+};
+pub(crate) use site_passes::{add_lanes, columns_pass, last_pass, norms_pass, products_pass};
 
 /// Compiles `generic::<Lanes>` into one function for each instruction set and calls the one of `isa`.
 macro_rules! dispatch {

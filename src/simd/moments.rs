@@ -14,11 +14,11 @@ use super::lanes::Lanes;
 use super::{Isa, dispatch};
 
 /// Largest degree per direction whose squares fit the eight lanes: 2 * 3 + 1 = 7.
-pub const MAX_MOMENT_DEGREE: usize = 3;
+pub(crate) const MAX_MOMENT_DEGREE: usize = 3;
 
 /// What [`moments`] adds to: `weights[a][b]` is G, `loads[t][a][b]` is F_t. Entries beyond the degrees have no meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CellMoments {
+pub(crate) struct CellMoments {
     /// G.
     pub weights: [[f64; 8]; 7],
     /// F_z, F_x, F_y.
@@ -27,7 +27,7 @@ pub struct CellMoments {
 
 impl CellMoments {
     /// No contacts yet.
-    pub const ZERO: CellMoments = CellMoments { weights: [[0.0; 8]; 7], loads: [[[0.0; 8]; 4]; 3] };
+    pub(crate) const ZERO: CellMoments = CellMoments { weights: [[0.0; 8]; 7], loads: [[[0.0; 8]; 4]; 3] };
 }
 
 /// Contacts taken at once: their powers stay in the first-level cache, and every sum reads its factor from there.
@@ -35,7 +35,7 @@ const BATCH: usize = 64;
 
 /// Powers of up to 64 contacts, one column for each power: the working memory of [`moments`].
 #[derive(Debug)]
-pub struct MomentPowers {
+pub(crate) struct MomentPowers {
     count: usize,
     /// `w u^k`, k up to 2p.
     weighted: [[f64; BATCH]; 7],
@@ -229,7 +229,7 @@ fn add_batch<V: Lanes>(
 ///
 /// # Panics
 /// When an array is shorter than u.
-pub fn moments(
+pub(crate) fn moments(
     isa: Isa,
     degree: usize,
     local: [&[f64]; 2],

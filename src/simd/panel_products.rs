@@ -15,7 +15,7 @@ const PANEL: usize = 8;
 
 /// A part of a matrix in panels, beginning at some panel and column.
 #[derive(Clone, Copy, Debug)]
-pub struct Panels<'a> {
+pub(crate) struct Panels<'a> {
     /// The numbers, from the first of the part on.
     pub values: &'a [f64],
     /// Columns of a whole panel.
@@ -24,7 +24,7 @@ pub struct Panels<'a> {
 
 /// Size of a product: the rows of A are a multiple of 24, those of B a multiple of 8.
 #[derive(Clone, Copy, Debug)]
-pub struct ProductSize {
+pub(crate) struct ProductSize {
     /// Rows of A and C.
     pub rows: usize,
     /// Rows of B, columns of C.
@@ -86,7 +86,7 @@ fn subtract<V: Lanes>(factors: [Panels; 2], size: ProductSize, c: &mut [f64], st
 }
 
 /// `C -= A B'` for the factors `[A, B]`; `c` has `stride` columns in each panel and begins at the product's first entry.
-pub fn subtract_product(isa: Isa, factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
+pub(crate) fn subtract_product(isa: Isa, factors: [Panels; 2], size: ProductSize, c: &mut [f64], stride: usize) {
     dispatch!(isa, subtract [](factors: [Panels<'_>; 2], size: ProductSize, c: &mut [f64], stride: usize));
 }
 

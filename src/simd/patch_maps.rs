@@ -12,7 +12,7 @@ use super::shape_maps::ShapeBatch;
 use super::{Isa, dispatch};
 
 /// Grids up to this many points go through this kernel; the rows of larger ones are better shared among threads.
-pub const PATCH_POINTS: usize = 4096;
+pub(crate) const PATCH_POINTS: usize = 4096;
 
 /// Points whose S and R are computed together: an 8 x 8 grid. Larger grids go in parts.
 const BATCH: usize = 64;
@@ -97,7 +97,7 @@ fn generic<V: Lanes, const W: usize>(
 ///
 /// # Panics
 /// When an array is shorter than its shape.
-pub fn patch_maps(
+pub(crate) fn patch_maps(
     isa: Isa,
     row: &RowPieces,
     basis: [&[f64]; 3],

@@ -21,7 +21,7 @@ pub const REPLICATES: usize = 32;
 
 /// The points of the shape grid: basis values at every x, `(p + 1)` per point and derivative, and runs of points in y.
 #[derive(Clone, Debug)]
-pub struct GridTables {
+pub(crate) struct GridTables {
     /// First basis function of every x.
     pub first_x: Vec<usize>,
     /// `x[d][i (p + 1) + a]`: d-th derivatives.
@@ -45,7 +45,7 @@ fn draws<V: Lanes>(weights: &[[f64; 3]], gaussians: &[[f64; REPLICATES]; 3], coe
 }
 
 /// `coefficients[i] += sum_k weights[i][k] gaussians[k]`, lane by lane.
-pub fn add_draws(
+pub(crate) fn add_draws(
     isa: Isa,
     weights: &[[f64; 3]],
     gaussians: &[[f64; REPLICATES]; 3],
@@ -190,7 +190,7 @@ fn means_of<V: Lanes, const W: usize>(
 /// Mean S (over the points where S is defined; NaN if there are none) and mean R of every lane's surface.
 ///
 /// Both degrees are equal, 2 to 4; returns `false`, and does nothing, for others.
-pub fn mean_shapes(
+pub(crate) fn mean_shapes(
     isa: Isa,
     degree: [usize; 2],
     grid: &GridTables,

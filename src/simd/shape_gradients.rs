@@ -17,17 +17,17 @@ use super::lanes::Lanes;
 use super::{Isa, by_width, dispatch};
 
 /// Points taken at once.
-pub const POINTS: usize = 8;
+pub(crate) const POINTS: usize = 8;
 
 /// One number for each point.
-pub type PointLanes = [f64; POINTS];
+pub(crate) type PointLanes = [f64; POINTS];
 
 /// `sum_b c_ab M_b^(j)` for j = 0, 1, 2, then the same of absolute values: one row of a cell's coefficients.
-pub type CurveLanes = [PointLanes; 6];
+pub(crate) type CurveLanes = [PointLanes; 6];
 
 /// Eight points of a cell with one x.
 #[derive(Clone, Copy, Debug)]
-pub struct CellPoints<'a> {
+pub(crate) struct CellPoints<'a> {
     /// N, N', N'' at x, `p + 1` each.
     pub x: [&'a [f64]; 3],
     /// M, M', M'' at the points, `q + 1` each.
@@ -42,7 +42,7 @@ const ROUNDING: f64 = 8.0 * 0.5 * f64::EPSILON;
 
 /// What [`shape_gradients`] finds at the eight points besides the gradients.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct PointShapes {
+pub(crate) struct PointShapes {
     /// `u (1 + sum_k |dS/d_k| |terms of d_k|)`, and R's with R for 1, u eight half units in the last place, and the terms of a derivative
     /// `sum_ab |c_ab| |D_k(N_a M_b)|`; NaN where curvatures are so large or small that their squares are lost.
     pub roundings: [PointLanes; 2],
@@ -241,7 +241,7 @@ fn opening<V: Lanes>(sizes: &[V; 5], bend: V) -> V {
 ///
 /// # Panics
 /// When a run leaves the coefficients, or rows are not of one length.
-pub fn cell_curves(isa: Isa, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], out: &mut [CurveLanes]) {
+pub(crate) fn cell_curves(isa: Isa, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], out: &mut [CurveLanes]) {
     by_width!(isa, [runs.len(), y[0].len()], curves(
         c: &[f64],
         runs: &[usize],
@@ -254,7 +254,7 @@ pub fn cell_curves(isa: Isa, c: &[f64], runs: &[usize], y: [&[PointLanes]; 3], o
 ///
 /// # Panics
 /// When there are fewer curves or entries than basis rows ask for.
-pub fn shape_gradients(isa: Isa, points: &CellPoints, entries: [&mut [PointLanes]; 2], out: &mut PointShapes) {
+pub(crate) fn shape_gradients(isa: Isa, points: &CellPoints, entries: [&mut [PointLanes]; 2], out: &mut PointShapes) {
     let widths = [points.x[0].len(), points.y[0].len()];
     by_width!(isa, widths, gradients(
         points: &CellPoints,

@@ -194,7 +194,7 @@ fn against_norms<V: Lanes, const P: usize, const Q: usize>(
 ///
 /// # Panics
 /// When slices are shorter than the cell's `(p + 1)(q + 1)` coefficients.
-pub fn products_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums]) {
+pub(crate) fn products_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums]) {
     by_width!(isa, [sites.x[0].len(), sites.y[0].len()], products(
         sites: &CellSites,
         vectors: &CellVectors,
@@ -206,7 +206,7 @@ pub fn products_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns
 ///
 /// # Panics
 /// As [`products_pass`].
-pub fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
+pub(crate) fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
     by_width!(isa, [sites.x[0].len(), sites.y[0].len()], norms(sites: &CellSites, columns: &mut [ColumnSums]));
 }
 
@@ -214,7 +214,13 @@ pub fn columns_pass(isa: Isa, sites: &CellSites, columns: &mut [ColumnSums]) {
 ///
 /// # Panics
 /// As [`products_pass`].
-pub fn last_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &mut [ColumnSums], rows: &mut RowSums) {
+pub(crate) fn last_pass(
+    isa: Isa,
+    sites: &CellSites,
+    vectors: &CellVectors,
+    columns: &mut [ColumnSums],
+    rows: &mut RowSums,
+) {
     by_width!(isa, [sites.x[0].len(), sites.y[0].len()], last(
         sites: &CellSites,
         vectors: &CellVectors,
@@ -228,7 +234,7 @@ pub fn last_pass(isa: Isa, sites: &CellSites, vectors: &CellVectors, columns: &m
 ///
 /// # Panics
 /// As [`products_pass`].
-pub fn norms_pass(
+pub(crate) fn norms_pass(
     isa: Isa,
     sites: &CellSites,
     vectors: &CellVectors,
@@ -246,7 +252,7 @@ pub fn norms_pass(
 }
 
 /// The sum of all lanes, by pairs.
-pub fn add_lanes(v: &SiteLanes) -> f64 {
+pub(crate) fn add_lanes(v: &SiteLanes) -> f64 {
     ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]))
 }
 

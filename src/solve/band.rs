@@ -34,7 +34,7 @@ pub(super) struct Part {
 
 /// A reusable band factorisation of `D A D` for one shape.
 #[derive(Clone, Debug)]
-pub struct BandCholesky {
+pub(super) struct BandCholesky {
     /// Number of unknowns eliminated from each end (0: all unknowns are in the middle), and of those in the middle.
     pub(super) end: usize,
     pub(super) middle: usize,
@@ -51,13 +51,13 @@ fn half_width(shape: TensorShape) -> usize {
 }
 
 /// Number of products of the factorisation, and of sums: n w^2 / 2 of each.
-pub fn band_flops(shape: TensorShape) -> f64 {
+pub(super) fn band_flops(shape: TensorShape) -> f64 {
     shape.unknowns() as f64 * (half_width(shape) as f64).powi(2)
 }
 
 impl BandCholesky {
     /// Plans the factorisation of every matrix of this shape.
-    pub fn plan(shape: TensorShape) -> BandCholesky {
+    pub(super) fn plan(shape: TensorShape) -> BandCholesky {
         let (order, band) = (shape.unknowns(), half_width(shape).min(shape.unknowns() - 1));
         // with fewer unknowns than four half-widths the middle would be most of the matrix
         let end = if order >= 4 * band { (order - band) / 2 / WIDTH * WIDTH } else { 0 };
@@ -89,7 +89,7 @@ impl BandCholesky {
     }
 
     /// Numbers stored.
-    pub fn entries(&self) -> usize {
+    pub(super) fn entries(&self) -> usize {
         2 * self.left.count * self.end_block.len() + self.centre.count * self.middle_block.len()
     }
 
@@ -97,7 +97,12 @@ impl BandCholesky {
     ///
     /// # Errors
     /// The unknown at which a pivot is not positive.
-    pub fn factor_and_solve(&mut self, matrix: &StencilMatrix, scale: &[f64], v: &mut [f64]) -> Result<f64, usize> {
+    pub(super) fn factor_and_solve(
+        &mut self,
+        matrix: &StencilMatrix,
+        scale: &[f64],
+        v: &mut [f64],
+    ) -> Result<f64, usize> {
         let isa = Isa::active();
         let smallest = self.eliminate_ends(isa, matrix, scale, v)?;
         self.gather_middle(matrix, scale, v);
@@ -110,7 +115,7 @@ impl BandCholesky {
     ///
     /// # Errors
     /// As [`BandCholesky::factor_and_solve`].
-    pub fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, usize> {
+    pub(super) fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, usize> {
         let mut nothing = vec![0.0; matrix.order()];
         self.factor_and_solve(matrix, scale, &mut nothing)
     }
@@ -235,7 +240,7 @@ impl BandCholesky {
     }
 
     /// `v <- (D A D)^-1 v` with the current factor.
-    pub fn solve(&self, v: &mut [f64]) {
+    pub(super) fn solve(&self, v: &mut [f64]) {
         let isa = Isa::active();
         let (end, middle) = (self.end, self.middle);
         let mut left = vec![0.0; if end == 0 { 0 } else { self.left.vector.len() }];

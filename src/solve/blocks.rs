@@ -20,7 +20,7 @@ const DENSE_LIMIT: usize = 300;
 
 /// A reusable Cholesky solver for matrices of one block pattern.
 #[derive(Clone, Debug)]
-pub struct BlockCholesky {
+pub(crate) struct BlockCholesky {
     scale: Vec<f64>,
     sums: Vec<f64>,
     norm: f64,
@@ -55,7 +55,7 @@ impl BlockCholesky {
     ///
     /// # Errors
     /// [`SolveError::Memory`].
-    pub fn plan(matrix: &BlockMatrix) -> Result<BlockCholesky, SolveError> {
+    pub(crate) fn plan(matrix: &BlockMatrix) -> Result<BlockCholesky, SolveError> {
         let order = matrix.order();
         let kind = if order <= DENSE_LIMIT {
             let stride = order.next_multiple_of(8);
@@ -70,7 +70,7 @@ impl BlockCholesky {
     ///
     /// # Errors
     /// Empty columns, overflow, and pivots that are not positive.
-    pub fn factor(&mut self, matrix: &BlockMatrix, damping: f64) -> Result<(), SolveError> {
+    pub(crate) fn factor(&mut self, matrix: &BlockMatrix, damping: f64) -> Result<(), SolveError> {
         for (unknown, (scale, diagonal)) in self.scale.iter_mut().zip(matrix.diagonal()).enumerate() {
             if diagonal == 0.0 {
                 return Err(SolveError::EmptyColumn { unknown });
@@ -113,7 +113,7 @@ impl BlockCholesky {
     }
 
     /// `v <- A^-1 v`.
-    pub fn solve(&self, v: &mut [f64]) {
+    pub(crate) fn solve(&self, v: &mut [f64]) {
         v.iter_mut().zip(&self.scale).for_each(|(w, d)| *w *= d);
         self.solve_equilibrated(v);
         v.iter_mut().zip(&self.scale).for_each(|(w, d)| *w *= d);
@@ -127,7 +127,7 @@ impl BlockCholesky {
     }
 
     /// Condition of the equilibrated rows in the 1-norm: root of the estimate for the normal matrix.
-    pub fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let solve = |v: &mut [f64]| self.solve_equilibrated(v);
         (self.norm * inverse_norm1_estimate(self.scale.len(), solve, solve)).sqrt()
     }

@@ -22,7 +22,7 @@ use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
 
 /// Up to this many unknowns, unless they are a patch of one cell, a packed dense factor takes less time than setting up a
 /// band. Beyond it the band's panels are faster, and entries of its inverse give traces without a solve for every unknown.
-pub const DENSE_LIMIT: usize = 30;
+pub(super) const DENSE_LIMIT: usize = 30;
 
 /// The band does a multiply-add this many times faster than the sparse factor of a nested dissection, because it has no
 /// small fronts, no indices and no symbolic step. At 4,489 unknowns (counted ratio 0.7) a whole fit with the sparse

@@ -25,12 +25,12 @@ mod selected;
 mod small;
 mod triangular;
 
-pub use blocks::BlockCholesky;
+pub(crate) use blocks::BlockCholesky;
 pub use cholesky::Cholesky;
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
-pub use fast_diagonalisation::FastDiagonalisation;
-pub use kronecker::GridSolver;
-pub use pivoted::PivotedQr;
+pub(crate) use fast_diagonalisation::FastDiagonalisation;
+pub(crate) use kronecker::GridSolver;
+pub(crate) use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;
 
 /// Why a factorisation has no answer. A rank below the number of unknowns is a result, not an error.

@@ -8,7 +8,7 @@ use crate::linalg::TensorShape;
 const LEAF: usize = 96;
 
 /// Elimination order: entry k is the unknown eliminated k-th.
-pub fn nested_dissection(shape: TensorShape) -> Vec<usize> {
+pub(super) fn nested_dissection(shape: TensorShape) -> Vec<usize> {
     let mut order = Vec::with_capacity(shape.unknowns());
     dissect(&shape, [0, shape.basis[0]], [0, shape.basis[1]], &mut order);
     order

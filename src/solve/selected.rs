@@ -184,7 +184,7 @@ impl Ring {
 
 impl BandCholesky {
     /// `tr (D A D)^-1 D B D` with this `scale` for D.
-    pub fn inverse_trace(&self, b: &StencilMatrix, scale: &[f64]) -> f64 {
+    pub(super) fn inverse_trace(&self, b: &StencilMatrix, scale: &[f64]) -> f64 {
         let isa = Isa::active();
         let (end, middle) = (self.end, self.middle);
         let forwards = Numbering { matrix: b, scale, reversed: false };

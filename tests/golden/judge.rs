@@ -9,10 +9,10 @@ use palpate::internals::solve::{DenseMethod, solve_dense};
 use super::Golden;
 
 /// Digits of the coefficients (relative), of S (absolute), of R (relative); `None` where there is nothing to compare.
-pub type Digits = [Option<f64>; 3];
+pub(crate) type Digits = [Option<f64>; 3];
 
 /// One row of the hard-case table (the tests do not read every field).
-pub struct Judged {
+pub(crate) struct Judged {
     /// Method that gave the answer, or why there is none.
     pub method: String,
     /// Whether there is an answer.
@@ -32,7 +32,7 @@ pub struct Judged {
 }
 
 /// Fits the case and compares.
-pub fn judge(case: &HardCase, golden: &Golden) -> Judged {
+pub(crate) fn judge(case: &HardCase, golden: &Golden) -> Judged {
     match &case.data {
         CaseData::Rows(rows) => judge_rows(rows, golden),
         CaseData::Contacts(contacts) => judge_fit(case, golden, fit_contacts(contacts, &case.options)),

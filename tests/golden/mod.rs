@@ -2,17 +2,17 @@
 
 #![allow(dead_code, reason = "a test and a bench share this file, and each reads other fields")]
 
-pub mod judge;
-pub mod radius;
-pub mod record;
-pub mod table;
+pub(crate) mod judge;
+pub(crate) mod radius;
+pub(crate) mod record;
+pub(crate) mod table;
 
 use std::path::PathBuf;
 
 use serde_json::Value;
 
 /// One golden file (not every test and bench reads every field); 25-digit numerals rounded to the nearest double.
-pub struct Golden {
+pub(crate) struct Golden {
     /// FNV-1a of the inputs' bits.
     pub inputs: u64,
     /// Rows of the weighted problem.
@@ -45,7 +45,7 @@ pub struct Golden {
 
 impl Golden {
     /// Reads the golden file of a case.
-    pub fn read(name: &str) -> Golden {
+    pub(crate) fn read(name: &str) -> Golden {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{name}.json"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let json: Value = serde_json::from_str(&text).unwrap();

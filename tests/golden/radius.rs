@@ -7,7 +7,7 @@ use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 const RADII: [f64; 13] = [5.7, 6.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
 /// Errors of mean S, one line a radius; truth is 1 and 1/2.
-pub fn table() -> String {
+pub(crate) fn table() -> String {
     let mut out = String::from("error of grid-mean S, 3 fingers x 9 stations on the 8 x 8 patch, 8 x 8 grid\n");
     out += format!("{:>8} {:^32} {:^32}", "radius", "sphere, degree 2 3 4", "cylinder at 45 degrees, 2 3 4").trim_end();
     for radius in RADII {

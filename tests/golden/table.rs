@@ -6,7 +6,7 @@ use palpate::internals::cases::HardCase;
 use super::judge::{Digits, Judged};
 
 /// The first two lines.
-pub fn header() -> String {
+pub(crate) fn header() -> String {
     let text = format!(
         "digits of coefficients / S / R: found against the 80-digit reference, guaranteed, allowed by the data\n\
          {:<30} {:>8} {:<11} {:<15} {:<15} {:<15}",
@@ -16,7 +16,7 @@ pub fn header() -> String {
 }
 
 /// One line a case.
-pub fn row(case: &HardCase, judged: &Judged) -> String {
+pub(crate) fn row(case: &HardCase, judged: &Judged) -> String {
     if !judged.answered {
         return format!("{:<30} refused: {}", case.name, judged.method);
     }

@@ -152,7 +152,13 @@ fn inward_normals_fit_once_flipped() {
         inward.push_str(&(fields.join(",") + "\n"));
     }
     std::fs::write(here.join("in.csv"), inward).unwrap();
-    palpate(here, &["fit", "in.csv"]).assert().code(2);
+    // a model over the input's axes refuses them; a recognition takes any side for the free one, and asks
+    let refused = palpate(here, &["fit", "in.csv", "--degree", "2"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--flip-normals"));
+    let taken = json(here, &["fit", "in.csv", "--json"]);
+    assert!(taken["fit"]["notes"].to_string().contains("--flip-normals") && taken["shape"]["class"] == "rut");
+    assert_eq!(json(here, &["fit", "in.csv", "--flip-normals", "--json"])["shape"]["class"], "ridge");
     let flipped = json(here, &["fit", "in.csv", "--flip-normals", "--weights", "tangent", "--json"]);
     assert_eq!(flipped["shape"]["class"], "ridge");
 }

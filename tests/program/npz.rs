@@ -8,7 +8,7 @@ use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
 
 /// A number that NumPy has a type for.
-pub trait Number: Copy {
+pub(crate) trait Number: Copy {
     /// NumPy's name of the type.
     const DESCR: &str;
     /// Little endian.
@@ -38,14 +38,14 @@ impl Number for bool {
 }
 
 /// Deflated arrays of the types above, each in the order in which it lies in memory.
-pub struct NpzWriter<W: Write + Seek>(ZipWriter<W>);
+pub(crate) struct NpzWriter<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> NpzWriter<W> {
-    pub fn new(out: W) -> NpzWriter<W> {
+    pub(crate) fn new(out: W) -> NpzWriter<W> {
         NpzWriter(ZipWriter::new(out))
     }
 
-    pub fn add_array<T: Number, D: Dimension>(&mut self, name: &str, array: &Array<T, D>) -> ZipResult<()> {
+    pub(crate) fn add_array<T: Number, D: Dimension>(&mut self, name: &str, array: &Array<T, D>) -> ZipResult<()> {
         let order = if array.is_standard_layout() { "False" } else { "True" };
         let sizes: String = array.shape().iter().map(|n| format!("{n}, ")).collect();
         let text = format!("{{'descr': '{}', 'fortran_order': {order}, 'shape': ({sizes}), }}\n", T::DESCR);
@@ -59,7 +59,7 @@ impl<W: Write + Seek> NpzWriter<W> {
         Ok(())
     }
 
-    pub fn finish(self) -> ZipResult<W> {
+    pub(crate) fn finish(self) -> ZipResult<W> {
         self.0.finish()
     }
 }

@@ -15,7 +15,8 @@ fn read(file: &str, bytes: &[u8]) -> Result<Reading, String> {
 }
 
 fn read_skipping(file: &str, bytes: &[u8]) -> Result<Reading, String> {
-    read_input_bytes(file, bytes, &ReadOptions { skip_invalid: true }).map_err(|e| e.to_string())
+    read_input_bytes(file, bytes, &ReadOptions { skip_invalid: true, ..ReadOptions::default() })
+        .map_err(|e| e.to_string())
 }
 
 fn contacts(reading: Reading) -> Contacts {

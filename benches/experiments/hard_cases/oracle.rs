@@ -8,7 +8,7 @@ use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::{Contacts, Orientation};
 
 /// A slope-row problem on given knots, explicit weights.
-pub struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     pub contacts: &'a Contacts,
     pub degree: [usize; 2],
     pub knots: [&'a [f64]; 2],
@@ -16,7 +16,7 @@ pub struct Problem<'a> {
 }
 
 /// Coefficients, and S and R at grid points.
-pub struct Solved {
+pub(crate) struct Solved {
     pub coefficients: Vec<f64>,
     pub shape_index: Vec<f64>,
     pub curvedness: Vec<f64>,
@@ -24,7 +24,7 @@ pub struct Solved {
 
 impl Problem<'_> {
     /// `None` where a diagonal entry of R falls below 1e-13 of the largest: not a full-rank problem.
-    pub fn solve(&self, grid: [&[Dd]; 2]) -> Option<Solved> {
+    pub(crate) fn solve(&self, grid: [&[Dd]; 2]) -> Option<Solved> {
         let (mut columns, mut rhs) = self.rows();
         let c = least_squares(&mut columns, &mut rhs)?;
         let mut solved = Solved { coefficients: Vec::new(), shape_index: Vec::new(), curvedness: Vec::new() };

@@ -20,7 +20,7 @@ struct Tally {
 }
 
 /// Draws `count` problems and prints the exceptions.
-pub fn print(count: usize) {
+pub(crate) fn print(count: usize) {
     let mut lcg = Lcg::new(1);
     let mut tally = Tally::default();
     for number in 0..count {

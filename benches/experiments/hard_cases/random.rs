@@ -9,14 +9,14 @@ use palpate::spline::Knots;
 use super::oracle::{Problem, Solved};
 
 /// One problem and the answer of the oracle.
-pub struct RandomProblem {
+pub(crate) struct RandomProblem {
     pub contacts: Contacts,
     pub options: FitOptions,
     pub solved: Solved,
 }
 
 /// Draws until the oracle finds full rank.
-pub fn draw(lcg: &mut Lcg) -> RandomProblem {
+pub(crate) fn draw(lcg: &mut Lcg) -> RandomProblem {
     loop {
         let (contacts, options, weights) = problem(lcg);
         let [x0, x1, y0, y1] = options.domain.unwrap_or_default();

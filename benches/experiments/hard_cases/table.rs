@@ -6,7 +6,7 @@ use super::golden::judge::judge;
 use super::golden::{Golden, table};
 
 /// One line a case, then the counts.
-pub fn table() -> String {
+pub(crate) fn table() -> String {
     let mut lines = vec![table::header()];
     let (mut broken, mut short, mut margins) = (0, 0, Vec::new());
     for case in hard_cases() {
@@ -25,7 +25,7 @@ pub fn table() -> String {
 }
 
 /// Middle value; NaN of nothing.
-pub fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     if values.is_empty() { f64::NAN } else { values[values.len() / 2] }
 }

@@ -5,7 +5,7 @@ use palpate::internals::io::scene_file::{builtin, builtin_scenes, family_members
 use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Truth;
 
-pub fn print() {
+pub(crate) fn print() {
     println!("\npaper scenes under auto: rms error of S and of R (relative) over each kind's own grid");
     println!("{:<34} {:<11} {:<22} {:<22} why", "scene", "chosen", "height", "parametric");
     for scene in builtin_scenes().into_iter().chain(family_members()) {

@@ -6,7 +6,7 @@ use palpate::fit::FitOptions;
 use crate::shapes;
 use crate::worlds;
 
-pub fn print() {
+pub(crate) fn print() {
     println!("\nsweeps that go round, sigma declared, lambda 30; S and R over a 16 x 16 grid");
     let ring = shapes::ring_of_bar(5.0, 4, 12);
     tell("bar r = 5, 4 fingers x 12 stations, closed v", &ring, [false, true], |_| (0.5, 0.2 * 0.5_f64.sqrt()));

@@ -7,7 +7,7 @@ use crate::worlds::{self, Case, SEED, cylinder, sphere};
 /// What came of one replicate: S, R r at the contacts, and whether the map is free of folds.
 type Outcome = Option<([f64; 3], bool)>;
 
-pub fn print(replicates: u64) {
+pub(crate) fn print(replicates: u64) {
     println!("\nnoise 0.02 on positions, 0.03 rad on normals, {replicates} replicates; S and R r at the contacts");
     for case in [sphere(5.7), sphere(6.0), cylinder(5.7, 45.0), cylinder(6.0, 45.0)] {
         for degree in [3, 4] {

@@ -3,7 +3,7 @@
 use crate::shapes;
 use crate::worlds::{self, SEED, sphere};
 
-pub fn print() {
+pub(crate) fn print() {
     let (contacts, _) = worlds::world(&sphere(5.7), true).simulate(SEED, 0);
     let mut scattered = contacts.clone();
     (scattered.finger, scattered.station) = (None, None);

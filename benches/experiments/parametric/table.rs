@@ -4,7 +4,7 @@ use palpate::fit::{FitOptions, NormalSigma, Objective, Smooth};
 
 use crate::worlds::{self, Case, cylinder, sphere};
 
-pub fn print() {
+pub(crate) fn print() {
     println!("noise-free, sigma 0.02 and 0.03 rad declared, lambda 30; S and R r at the contacts");
     println!(
         "{:<26} {:>6} {:>4}   {:<26} {:<30} grid: S, R r, support",

@@ -8,12 +8,12 @@ use palpate::scene::effects::{NormalNoise, PositionNoise};
 use palpate::scene::surface::{Body, Cylinder, Sphere};
 use palpate::scene::{Simulator, Surface, Sweep, World};
 
-pub const SEED: u64 = 1997;
-pub const SIGMA: f64 = 0.02;
-pub const SIGMA_NORMAL: f64 = 0.03;
+pub(crate) const SEED: u64 = 1997;
+pub(crate) const SIGMA: f64 = 0.02;
+pub(crate) const SIGMA_NORMAL: f64 = 0.03;
 
 #[derive(Clone)]
-pub struct Case {
+pub(crate) struct Case {
     pub name: String,
     pub surface: Surface,
     pub radius: f64,
@@ -21,7 +21,7 @@ pub struct Case {
     pub curvedness: f64,
 }
 
-pub fn sphere(radius: f64) -> Case {
+pub(crate) fn sphere(radius: f64) -> Case {
     Case {
         name: format!("sphere r = {radius}"),
         surface: Surface::new(Body::Sphere(Sphere { radius }), 0.0),
@@ -31,7 +31,7 @@ pub fn sphere(radius: f64) -> Case {
     }
 }
 
-pub fn cylinder(radius: f64, angle: f64) -> Case {
+pub(crate) fn cylinder(radius: f64, angle: f64) -> Case {
     Case {
         name: format!("cylinder r = {radius} at {angle}"),
         surface: Surface::new(Body::Cylinder(Cylinder { radius }), angle),
@@ -41,7 +41,7 @@ pub fn cylinder(radius: f64, angle: f64) -> Case {
     }
 }
 
-pub fn world(case: &Case, noisy: bool) -> Simulator {
+pub(crate) fn world(case: &Case, noisy: bool) -> Simulator {
     let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
     let world = World::new(case.surface.clone(), sweep);
     let world = if noisy {
@@ -52,7 +52,7 @@ pub fn world(case: &Case, noisy: bool) -> Simulator {
     world.compile().expect("the patch lies on the body")
 }
 
-pub fn options(degree: usize, segments: usize) -> FitOptions {
+pub(crate) fn options(degree: usize, segments: usize) -> FitOptions {
     FitOptions {
         surface: SurfaceKind::Parametric,
         degree: [degree; 2],
@@ -64,7 +64,7 @@ pub fn options(degree: usize, segments: usize) -> FitOptions {
 }
 
 /// S, its spread, R r at the contacts' feet.
-pub fn at_contacts(fit: &ParametricFit, radius: f64) -> [f64; 3] {
+pub(crate) fn at_contacts(fit: &ParametricFit, radius: f64) -> [f64; 3] {
     let surface = fit.input_surface().expect("finite");
     let shapes: Vec<[f64; 2]> = fit
         .feet()
@@ -75,7 +75,7 @@ pub fn at_contacts(fit: &ParametricFit, radius: f64) -> [f64; 3] {
     summary(&shapes)
 }
 
-pub fn height_at_contacts(fit: &Fit, contacts: &Contacts, radius: f64) -> [f64; 3] {
+pub(crate) fn height_at_contacts(fit: &Fit, contacts: &Contacts, radius: f64) -> [f64; 3] {
     let surface = fit.input_surface().expect("finite");
     let shapes: Vec<[f64; 2]> = (0..contacts.len())
         .filter_map(|r| {
@@ -94,12 +94,12 @@ fn summary(shapes: &[[f64; 2]]) -> [f64; 3] {
     [s, sd, mean(1)]
 }
 
-pub fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, String> {
+pub(crate) fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, String> {
     fit_parametric(contacts, options).map_err(|e| e.to_string())
 }
 
 /// The height field of the same degree and objective, as far as one has it.
-pub fn height(contacts: &Contacts, options: &FitOptions) -> Result<Fit, String> {
+pub(crate) fn height(contacts: &Contacts, options: &FitOptions) -> Result<Fit, String> {
     let options = FitOptions { surface: SurfaceKind::Height, smooth: Smooth::None, ..options.clone() };
     fit_contacts(contacts, &options).map_err(|e| e.to_string())
 }

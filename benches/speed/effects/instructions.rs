@@ -7,7 +7,7 @@ use std::process::Command;
 const PASSES: u64 = 20;
 
 /// Instructions of one pass of `workload`; `None` where valgrind is not installed.
-pub fn per_pass(workload: &str) -> Option<f64> {
+pub(crate) fn per_pass(workload: &str) -> Option<f64> {
     let (once, often) = (total(workload, 1)?, total(workload, PASSES + 1)?);
     Some((often - once) as f64 / PASSES as f64)
 }

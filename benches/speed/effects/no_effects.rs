@@ -14,7 +14,7 @@ use crate::instructions;
 /// Pairs of runs that the ratio is the median of.
 const ROUNDS: usize = 401;
 
-pub fn cylinder() -> Surface {
+pub(crate) fn cylinder() -> Surface {
     Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 90.0)
 }
 
@@ -64,7 +64,7 @@ impl Patch {
     }
 }
 
-pub fn timed(c: &mut Criterion) {
+pub(crate) fn timed(c: &mut Criterion) {
     let mut group = c.benchmark_group("scene");
     let patch = Patch::new();
     group.throughput(Throughput::Elements((patch.fingers.len() * patch.stations.len()) as u64));
@@ -74,7 +74,7 @@ pub fn timed(c: &mut Criterion) {
 }
 
 /// Runs one workload so often: what the instruction counter looks at.
-pub fn passes(workload: &str, passes: u64) {
+pub(crate) fn passes(workload: &str, passes: u64) {
     let patch = Patch::new();
     for _ in 0..passes {
         match workload {
@@ -85,7 +85,7 @@ pub fn passes(workload: &str, passes: u64) {
 }
 
 /// Prints both ratios.
-pub fn compare() {
+pub(crate) fn compare() {
     let patch = Patch::new();
     let seconds = |run: &dyn Fn()| {
         let start = Instant::now();

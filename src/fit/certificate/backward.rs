@@ -23,7 +23,7 @@ const CORRECT_TWICE: f64 = 1e4;
 
 /// The backward error and the sizes it is relative to.
 #[derive(Debug)]
-pub struct Backward {
+pub(crate) struct Backward {
     /// Largest relative change of a datum.
     pub error: f64,
     /// `| |E||c| + |r| + |b| |_2`, by which a relative change of the rows moves them.
@@ -35,7 +35,7 @@ pub struct Backward {
 }
 
 /// The backward error of a fit: two visits of the rows, three where r is corrected twice.
-pub fn backward(solved: &Solved) -> Backward {
+pub(super) fn backward(solved: &Solved) -> Backward {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let c = &solution.coefficients;
     let penalty = equations.roughness.as_ref().map(|(lambda, p)| {

@@ -19,14 +19,14 @@ use crate::simd::{BoundTerms, DirectedTerms};
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
 const ESTIMATOR: f64 = 10.0;
 /// Unit roundoff 2^-53. Placing data and knots in the patch frame rounds each of them: no backward error is below this.
-pub const PLACING: f64 = 0.5 * f64::EPSILON;
+pub(super) const PLACING: f64 = 0.5 * f64::EPSILON;
 /// Unknowns up to which A^-1 is written out, at n^3 multiplications; the fit itself takes g n^2.
 const INVERTED: usize = 100;
 /// Condition up to which A^-1 has enough digits for a bound, by Cholesky of the normal matrix and by R of the rows.
 const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 
 /// What bounds a linear functional of the coefficients.
-pub struct Bound {
+pub(super) struct Bound {
     /// D over its largest entry; zero for unsupported coefficients.
     pub inverse: Vec<f64>,
     /// The bound on `|D^-1 dc|` times D's largest entry.
@@ -48,7 +48,7 @@ struct Directed {
 
 impl Bound {
     /// `None` when no coefficient is held by data.
-    pub fn new(solved: &Solved, backward: &Backward) -> Option<Bound> {
+    pub(super) fn new(solved: &Solved, backward: &Backward) -> Option<Bound> {
         let (solution, condition) = (&solved.fitted.solution, solved.condition());
         let c = &solution.coefficients;
         let inverse = |norm: f64| if norm > 0.0 { 1.0 / norm.sqrt() } else { 0.0 };
@@ -126,7 +126,7 @@ impl Directed {
 
 impl Bound {
     /// The terms for the kernel that bounds many functionals at once.
-    pub fn terms(&self) -> BoundTerms<'_> {
+    pub(super) fn terms(&self) -> BoundTerms<'_> {
         let directed = self.directed.as_ref().map(|d| {
             let (matrix, weights) = d.parts();
             DirectedTerms { matrix, weights, rows: d.rows, backward: d.backward, settled: d.remaining }
@@ -136,7 +136,7 @@ impl Bound {
     }
 
     /// The worst bound of a coefficient, `g = e_u`.
-    pub fn of_coefficients(&self) -> f64 {
+    pub(super) fn of_coefficients(&self) -> f64 {
         let plain = self.inverse.iter().map(|d| self.moved * d);
         let Some(directed) = &self.directed else { return plain.fold(0.0, maximum) };
         let (matrix, sizes) = directed.parts();
@@ -149,7 +149,7 @@ impl Bound {
 }
 
 /// The larger one, or NaN if there is one.
-pub fn maximum(a: f64, b: f64) -> f64 {
+pub(super) fn maximum(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 

@@ -32,7 +32,7 @@ pub struct GuaranteedDigits {
 }
 
 /// Digits from the condition and the backward error.
-pub fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> GuaranteedDigits {
+pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> GuaranteedDigits {
     let c = &solved.fitted.solution.coefficients;
     let Some(bound) = Bound::new(solved, backward) else { return GuaranteedDigits::default() };
     let (origin, scale) = (solved.origin_height(), solved.patch.frame.scale);

@@ -45,7 +45,7 @@ pub struct Certificate {
 }
 
 /// The certificate of a solved fit and of the S and R it gives; computes what the fit itself did not need.
-pub fn certify(solved: &Solved, shape: &Shape) -> Certificate {
+pub(super) fn certify(solved: &Solved, shape: &Shape) -> Certificate {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let backward = backward(solved);
     Certificate {

@@ -16,7 +16,7 @@ use crate::simd::{
 
 /// Sums over all rows for one unknown: `E'r`, `|E|'|r|`, squared norm of the column.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ColumnTotals {
+pub(crate) struct ColumnTotals {
     /// `E'r`.
     pub product: f64,
     /// `|E|'|r|`.
@@ -26,7 +26,7 @@ pub struct ColumnTotals {
 }
 
 /// Visits of the rows of one fit with `c` and `v`.
-pub struct RowPasses<'a> {
+pub(super) struct RowPasses<'a> {
     equations: &'a Equations,
     c: &'a [f64],
     isa: Isa,
@@ -86,33 +86,33 @@ impl Cell {
 
 impl<'a> RowPasses<'a> {
     /// Visits of the rows of `equations` with the coefficients `c`.
-    pub fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
+    pub(super) fn new(equations: &'a Equations, c: &'a [f64]) -> RowPasses<'a> {
         let (groups, cell) = (SiteGroups::new(&equations.sites), Cell::new(equations));
         RowPasses { equations, c, isa: Isa::for_work(equations.sites.len()), groups, cell }
     }
 
     /// `E'r`, the other sums left at zero; an empty `v` stands for zeros.
-    pub fn products(&mut self, v: &[f64], home: &mut [ColumnTotals]) {
+    pub(super) fn products(&mut self, v: &[f64], home: &mut [ColumnTotals]) {
         let isa = self.isa;
         home.fill(ColumnTotals::default());
         self.visit([self.c, v], home, |sites, vectors, columns| products_pass(isa, sites, vectors, columns));
     }
 
     /// Squared norms of the columns, added to `home`.
-    pub fn norms(&mut self, home: &mut [ColumnTotals]) {
+    pub(super) fn norms(&mut self, home: &mut [ColumnTotals]) {
         let isa = self.isa;
         self.visit([self.c, &[]], home, |sites, _, columns| columns_pass(isa, sites, columns));
     }
 
     /// All sums but the columns' norms, which are left at zero.
-    pub fn last(&mut self, v: &[f64], home: &mut [ColumnTotals], rows: &mut RowSums) {
+    pub(super) fn last(&mut self, v: &[f64], home: &mut [ColumnTotals], rows: &mut RowSums) {
         let isa = self.isa;
         home.fill(ColumnTotals::default());
         self.visit([self.c, v], home, |sites, vectors, columns| last_pass(isa, sites, vectors, columns, rows));
     }
 
     /// The worst ratio, where a size below `tiny` times the row's norm, `|E_i|_1 largest`, is replaced by that norm.
-    pub fn against_norms(&mut self, v: &[f64], largest: f64, tiny: f64) -> f64 {
+    pub(super) fn against_norms(&mut self, v: &[f64], largest: f64, tiny: f64) -> f64 {
         let (isa, largest) = (self.isa, vec![largest; self.cell.sums.len()]);
         let (mut unused, mut worst) = (vec![ColumnTotals::default(); v.len()], SiteLanes::default());
         self.visit([self.c, v], &mut unused, |sites, vectors, _| {

@@ -10,7 +10,7 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 
 /// Angle of k1's direction at the centre, projected to the input's x and y, degrees in [0, 180); `None` where k1 - k2 is
 /// within twice its uncertainty, or within rounding, of zero.
-pub fn direction(solved: &Solved) -> Option<f64> {
+pub(super) fn direction(solved: &Solved) -> Option<f64> {
     let [dx, dy] = [0, 1].map(|k| {
         let [lo, hi] = solved.patch.knots[k].domain();
         0.5 * (lo + hi)

@@ -16,7 +16,7 @@ use crate::shape::{best_plane, chi_square_upper_tail, f_upper_tail};
 const UNIT: f64 = 0.5 * f64::EPSILON;
 
 /// p-value of the best plane against the fit; `None` where the fit has no more freedom than a plane, or no noise estimate.
-pub fn plane_probability(solved: &Solved) -> Option<f64> {
+pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
     let fitted = &solved.fitted;
     let equations = &fitted.equations;
     let freedom = fitted.solution.rank as f64 - 3.0;
@@ -40,7 +40,7 @@ pub fn plane_probability(solved: &Solved) -> Option<f64> {
 }
 
 /// Whether a surface of this mean R (input units) is flat to rounding.
-pub fn is_flat(solved: &Solved, mean_curvedness: f64) -> bool {
+pub(super) fn is_flat(solved: &Solved, mean_curvedness: f64) -> bool {
     let (side, scale) = (solved.patch.side, solved.patch.frame.scale);
     let largest = solved.data.largest_height(&solved.patch);
     let rounding =

@@ -24,14 +24,14 @@ use uncertainty::standard_uncertainty;
 const PLANE_SIGNIFICANCE: f64 = 0.01;
 
 /// Step 4: heights, derivatives, k1, k2, S and R over the grid of the options, in patch units.
-pub fn shape_over_grid(solved: &Solved) -> ShapeMaps {
+pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let domain = [solved.patch.knots[0].domain(), solved.patch.knots[1].domain()];
     let grid = ShapeGrid::over(domain, solved.options.grid, solved.options.inset);
     shape_maps(&solved.surface, grid, &solved.fitted.solution.unsupported)
 }
 
 /// Step 5: means, class, radius, direction and their uncertainty, in input units.
-pub fn classify(solved: &Solved, local: &ShapeMaps) -> Shape {
+pub(super) fn classify(solved: &Solved, local: &ShapeMaps) -> Shape {
     let scale = solved.patch.frame.scale;
     let defined = supported_points(local).filter(|&(i, j)| local.shape_index_at(i, j).is_some());
     let s = spread(defined.map(|at| local.shape_index[at]));

@@ -24,7 +24,7 @@ const GAINED: f64 = 1e-9;
 
 /// What the best plane leaves.
 #[derive(Clone, Copy, Debug)]
-pub struct PlaneFit {
+pub(super) struct PlaneFit {
     /// Sum of squares of the weighted residual rows.
     pub squares: f64,
     /// Whether every residual is within the rounding of its own terms and of the heights as given. Such data are a plane,
@@ -54,7 +54,7 @@ impl Tally {
 
 /// The least squares plane under the fit's weights; with normal rows these are the weights linearised about the fitted
 /// surface. `largest` is the largest magnitude of a height in patch units.
-pub fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit> {
+pub(super) fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit> {
     if equations.sites.len() >= MANY
         && let Some(plane) = of_many(equations, largest)
     {

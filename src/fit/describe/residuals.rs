@@ -18,7 +18,7 @@ pub struct Rms {
 }
 
 /// Residuals of the final surface.
-pub fn rms(solved: &Solved) -> Rms {
+pub(crate) fn rms(solved: &Solved) -> Rms {
     let sites = &solved.fitted.equations.sites;
     let columns = sites.shape().basis[1];
     let measured = solved.data.measured();

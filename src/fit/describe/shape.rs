@@ -50,7 +50,7 @@ pub struct Shape {
 }
 
 /// Rows and columns of the grid points that the data support.
-pub fn supported_points(maps: &ShapeMaps) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
+pub(crate) fn supported_points(maps: &ShapeMaps) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
     let columns = maps.grid.y.len();
     (0..maps.grid.len()).map(move |k| (k / columns, k % columns)).filter(|&(i, j)| maps.supported[[i, j]])
 }

@@ -10,7 +10,7 @@
 use crate::fit::solved::Solved;
 
 /// Standard uncertainty of `g'c`.
-pub fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
+pub(super) fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
     let fitted = &solved.fitted;
     let mut v = gradient.to_vec();
     fitted.solution.clear_free(&mut v);

@@ -15,7 +15,7 @@ use crate::solve::{Cholesky, SolveError};
 const PIVOT_IN_DOUBT: f64 = 1e-4;
 
 /// A factor of the normal matrix, and its condition where a small pivot puts it in doubt.
-pub struct NormalFactor {
+pub(super) struct NormalFactor {
     cholesky: Cholesky,
     /// Condition of the equilibrated rows; `None` where all pivots are well away from zero.
     pub doubtful_condition: Option<f64>,
@@ -37,7 +37,7 @@ impl From<UnfilledGap> for FitError {
 ///
 /// # Errors
 /// Where a pivot is not positive, or the matrix is too large to plan for.
-pub fn factor(matrix: &StencilMatrix, free: &Free) -> Result<NormalFactor, SolveError> {
+pub(super) fn factor(matrix: &StencilMatrix, free: &Free) -> Result<NormalFactor, SolveError> {
     let mut cholesky = Cholesky::plan(matrix.shape())?;
     let masked = free.mask(matrix);
     cholesky.factor(masked.as_ref().unwrap_or(matrix))?;
@@ -51,7 +51,7 @@ impl NormalFactor {
     ///
     /// # Errors
     /// Where the coefficients without data cannot be filled in.
-    pub fn solve(
+    pub(super) fn solve(
         self,
         equations: &Equations,
         free: &Free,

@@ -33,7 +33,7 @@ pub enum RowKind {
 }
 
 /// The rows of one kind alone: the other kind's weights are set to zero.
-pub fn only(row_weights: &RowWeights, kind: RowKind) -> RowWeights {
+pub(crate) fn only(row_weights: &RowWeights, kind: RowKind) -> RowWeights {
     let keep = |m: &SiteWeights| match kind {
         RowKind::Heights => SiteWeights { z: m.z, ..SiteWeights::default() },
         RowKind::Slopes => SiteWeights { z: 0.0, ..*m },
@@ -137,7 +137,7 @@ impl Equations {
 }
 
 /// `E'E` of data rows alone.
-pub fn data_normal_matrix(sites: &DataSites, row_weights: &RowWeights) -> StencilMatrix {
+pub(crate) fn data_normal_matrix(sites: &DataSites, row_weights: &RowWeights) -> StencilMatrix {
     if let (DataSites::Gridded(grid), RowWeights::Uniform(m)) = (sites, row_weights)
         && m.b == 0.0
     {
@@ -155,7 +155,7 @@ pub fn data_normal_matrix(sites: &DataSites, row_weights: &RowWeights) -> Stenci
 }
 
 /// Many scattered contacts packed by knot cells; `None` for few, for grids and for degrees above 3.
-pub fn packed_cells(sites: &DataSites) -> Option<&PackedCells> {
+pub(crate) fn packed_cells(sites: &DataSites) -> Option<&PackedCells> {
     match sites {
         DataSites::Scattered(scattered) if scattered.uses_packed_cells() => scattered.packed_cells(),
         _ => None,

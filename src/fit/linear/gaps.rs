@@ -22,7 +22,7 @@ const MAX_ALTERNATIONS: usize = 40;
 ///
 /// # Errors
 /// Where least roughness does not determine the free unknowns.
-pub fn solve_with_gaps(equations: &Equations, solution: &mut Solution, free: &Free) -> Result<(), SolveError> {
+pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, free: &Free) -> Result<(), SolveError> {
     if free.count() == 0 {
         let mut c = equations.right_side();
         free.clear(&mut c);
@@ -63,7 +63,7 @@ pub fn solve_with_gaps(equations: &Equations, solution: &mut Solution, free: &Fr
 }
 
 /// Moves the surface up or down until its mean height over the sites with slopes is zero, which changes no residual.
-pub fn centre_heights(equations: &Equations, c: &mut [f64]) {
+pub(super) fn centre_heights(equations: &Equations, c: &mut [f64]) {
     let mut rows = Vec::new();
     let heights = RowWeights::Uniform(SiteWeights { z: 1.0, ..SiteWeights::default() });
     apply_rows(&equations.sites, &heights, c, &mut rows);

@@ -16,7 +16,7 @@ use crate::solve::{FastDiagonalisation, GridSolver};
 
 /// What the two factors are used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GridMethod {
+pub(super) enum GridMethod {
     /// `kronecker`: they give the answer.
     Direct,
     /// `pcg`: they precondition conjugate gradients.
@@ -27,7 +27,7 @@ pub enum GridMethod {
 ///
 /// # Errors
 /// [`FitError::Method`] where the data or the weights are not what the method needs.
-pub fn solve(
+pub(super) fn solve(
     equations: &Equations,
     matrix: StencilMatrix,
     free: &Free,

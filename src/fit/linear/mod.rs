@@ -33,7 +33,7 @@ const HALF_THE_DIGITS: f64 = 1e8;
 ///
 /// # Errors
 /// Where the method does not apply, or no method gives an answer.
-pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError> {
+pub(super) fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError> {
     solve_refined(equations, method, Refinement::UntilStill)
 }
 
@@ -41,7 +41,7 @@ pub fn solve(equations: &Equations, method: Method) -> Result<Solution, FitError
 ///
 /// # Errors
 /// As [`solve`].
-pub fn solve_intermediate(equations: &Equations, method: Method) -> Result<Solution, FitError> {
+pub(super) fn solve_intermediate(equations: &Equations, method: Method) -> Result<Solution, FitError> {
     solve_refined(equations, method, Refinement::WhereInDoubt)
 }
 

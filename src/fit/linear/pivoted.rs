@@ -17,7 +17,11 @@ use crate::solve::PivotedQr;
 ///
 /// # Errors
 /// [`FitError::Solve`] where the rows have no such factor.
-pub fn by_pivoted_qr(equations: &Equations, mut reasons: Vec<Reason>, free: &Free) -> Result<Solution, FitError> {
+pub(super) fn by_pivoted_qr(
+    equations: &Equations,
+    mut reasons: Vec<Reason>,
+    free: &Free,
+) -> Result<Solution, FitError> {
     let unknowns = equations.unknowns();
     let factor = factor_rows(equations, free)?;
     let mut coefficients = factor.coefficients();

@@ -21,7 +21,7 @@ const WEIGHTS_DIFFER: f64 = 1e6;
 ///
 /// # Errors
 /// [`FitError::Rank`] where the rank is reduced and the rows are too many for the rank-revealing factor.
-pub fn by_qr(
+pub(super) fn by_qr(
     equations: &Equations,
     matrix: &StencilMatrix,
     free: &Free,

@@ -15,7 +15,7 @@ const NOTHING_LEFT: f64 = f64::EPSILON / 64.0;
 
 /// When a solution is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refinement {
+pub(super) enum Refinement {
     /// Always: for a final answer.
     UntilStill,
     /// Only where pivots are in doubt: for an intermediate step, whose last four digits the next step does not need.
@@ -23,7 +23,7 @@ pub enum Refinement {
 }
 
 /// Corrections `(E'E)^-1 (E'(b - E c) - lambda P c)` until they stop shrinking.
-pub fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
+pub(super) fn refine(equations: &Equations, solution: &mut Solution, free: &Free) {
     let (mut first, mut last) = (0.0, f64::INFINITY);
     for step in 0..MAX_REFINEMENTS {
         let mut correction = equations.descent(&solution.coefficients);

@@ -21,7 +21,7 @@ use crate::fit::{FitError, Note};
 use crate::linalg::Sites;
 
 /// A move below this share of the largest coefficient ends a nonlinear fit.
-pub const CONVERGED: f64 = 1e-10;
+pub(crate) const CONVERGED: f64 = 1e-10;
 /// Relative move of the sds below which they have converged.
 const SDS_CONVERGED: f64 = 1e-6;
 /// Steps at most. The iteration is slow where both kinds of rows determine the same part of the surface; 300 steps reach
@@ -38,7 +38,7 @@ const STEEPEST: f64 = 0.9;
 const NO_NOISE: f64 = 1e-13;
 
 /// One fit at given sds.
-pub struct Trial {
+pub(crate) struct Trial {
     /// Linear (or linearised) problem.
     pub equations: Equations,
     /// Solution.
@@ -52,7 +52,7 @@ pub struct Trial {
 }
 
 /// The estimated sds, and the fit at them.
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// The sds.
     pub sds: RowSds,
     /// The fit at these sds.
@@ -65,7 +65,7 @@ pub struct Estimate {
 
 /// What the next trial has to do.
 #[derive(Clone, Copy, Debug)]
-pub struct TrialRequest<'a> {
+pub(crate) struct TrialRequest<'a> {
     /// Noise sds.
     pub sds: RowSds,
     /// Coefficients of the trial before.
@@ -78,7 +78,7 @@ pub struct TrialRequest<'a> {
 ///
 /// # Errors
 /// Those of `solve_at`.
-pub fn variance_components(
+pub(crate) fn variance_components(
     mut solve_at: impl FnMut(TrialRequest) -> Result<Trial, FitError>,
 ) -> Result<Estimate, FitError> {
     let mut steps = 0;

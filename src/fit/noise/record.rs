@@ -13,7 +13,7 @@ use crate::linalg::Sites;
 
 /// Noise sds known with the fit, or the weights from which they are computed on demand, at the cost of a trace.
 #[derive(Clone, Debug)]
-pub enum NoiseRecord {
+pub(crate) enum NoiseRecord {
     /// Declared, or estimated with the fit.
     Known(NoiseSds),
     /// Weights that are not inverse noise sds.
@@ -31,7 +31,7 @@ pub enum NoiseRecord {
 
 impl NoiseRecord {
     /// The sds of the rows of a solved problem.
-    pub fn sds(&self, equations: &Equations, solution: &Solution) -> NoiseSds {
+    pub(crate) fn sds(&self, equations: &Equations, solution: &Solution) -> NoiseSds {
         match self {
             NoiseRecord::Known(sds) => *sds,
             NoiseRecord::Weighted { word, weights, unit, squares } => {
@@ -43,7 +43,7 @@ impl NoiseRecord {
     }
 
     /// The power of two that extreme weights were multiplied by; 1 for all others.
-    pub fn unit(&self) -> f64 {
+    pub(crate) fn unit(&self) -> f64 {
         match self {
             NoiseRecord::Known(_) => 1.0,
             NoiseRecord::Weighted { unit, .. } => *unit,
@@ -52,7 +52,7 @@ impl NoiseRecord {
 }
 
 /// Noise sds of rows with these weights, `[wz, wx, wy]` times `unit`, and these variances.
-pub fn sds_of_weights(
+pub(crate) fn sds_of_weights(
     word: SlopeWeights,
     weights: [f64; 3],
     unit: f64,

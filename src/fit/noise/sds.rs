@@ -32,7 +32,7 @@ pub struct NoiseSds {
 
 /// Noise sds in the patch frame, by which rows are divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowSds {
+pub(crate) struct RowSds {
     /// Sd of a height.
     pub z: f64,
     /// Sd of a normal per tangent axis (radians), or of a slope.

@@ -17,7 +17,7 @@ const UNIT_VECTORS: usize = 400;
 const PROBES: usize = 64;
 
 /// Traces of the hat matrices of height rows and of slope rows.
-pub fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
+pub(crate) fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
     let heights = data_normal_matrix(&equations.sites, &only(&equations.row_weights, RowKind::Heights));
     let of_heights = trace(solution, &heights);
     if equations.roughness.is_none() {

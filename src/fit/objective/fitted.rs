@@ -7,7 +7,7 @@ use crate::fit::notes::Note;
 
 /// Rows formed and solved.
 #[derive(Clone, Debug)]
-pub struct Fitted {
+pub(crate) struct Fitted {
     /// The linear problem; with normal rows that of the last Gauss-Newton step.
     pub equations: Equations,
     /// Its solution.

@@ -28,7 +28,7 @@ const START_NZ: f64 = 0.05;
 
 /// Where Gauss-Newton ended.
 #[derive(Debug)]
-pub struct Minimum {
+pub(super) struct Minimum {
     /// The last linearised problem.
     pub equations: Equations,
     /// Its solution.
@@ -40,7 +40,7 @@ pub struct Minimum {
 }
 
 /// The nonlinear problem at fixed noise sds.
-pub struct NormalProblem<'a> {
+pub(super) struct NormalProblem<'a> {
     /// Sites of the data.
     pub sites: &'a DataSites,
     /// Heights and normals.
@@ -60,7 +60,7 @@ impl NormalProblem<'_> {
     ///
     /// # Errors
     /// [`FitError::NotSettled`], or where a linear step has no solution.
-    pub fn minimise(&self, start: Option<&[f64]>, tolerance: f64) -> Result<Minimum, FitError> {
+    pub(super) fn minimise(&self, start: Option<&[f64]>, tolerance: f64) -> Result<Minimum, FitError> {
         let mut current = match start {
             Some(c) => c.to_vec(),
             None => self.start()?,
@@ -88,7 +88,7 @@ impl NormalProblem<'_> {
     ///
     /// # Errors
     /// Where a linear step has no solution.
-    pub fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
+    pub(super) fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let mut from = found.solution.coefficients.clone();
         let mut before: Option<Vec<f64>> = None;
@@ -159,7 +159,7 @@ impl NormalProblem<'_> {
     }
 
     /// The rows of one Gauss-Newton step about `c`.
-    pub fn linearised(&self, c: &[f64]) -> Equations {
+    pub(super) fn linearised(&self, c: &[f64]) -> Equations {
         let mut site_weights = vec![SiteWeights::default(); self.sites.len()];
         let mut targets = vec![[0.0; 3]; self.sites.len()];
         self.each_site(c, |r, [_, p, q]| {
@@ -186,7 +186,7 @@ impl NormalProblem<'_> {
     }
 
     /// Weighted squares of heights and normals (true chords) at `c`.
-    pub fn squares(&self, c: &[f64]) -> [f64; 2] {
+    pub(super) fn squares(&self, c: &[f64]) -> [f64; 2] {
         let mut sums = [0.0, 0.0];
         self.each_site(c, |r, [s, p, q]| {
             let (wz, w) = (self.measured.z_weight[r], self.measured.normal_weight[r]);

@@ -19,7 +19,7 @@ enum Rows {
 ///
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
-pub fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+pub(super) fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let setting = Setting::new(patch, data, options)?;
     let mut fitted = match choose_rows(data, options)? {
         Rows::Normals(sigma) => fit_normals(&setting, sigma)?,

@@ -26,7 +26,7 @@ use fitted::Fitted;
 ///
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
-pub fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     match options.smooth {
         Smooth::Auto => smoothing::fit_smoothed(patch, data, options),
         Smooth::None | Smooth::Lambda(_) => robust::fit_with_loss(patch, data, options),

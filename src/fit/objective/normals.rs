@@ -18,7 +18,7 @@ use crate::linalg::Sites;
 ///
 /// # Errors
 /// Where a normal points down, the rows are too few, or Gauss-Newton does not converge.
-pub fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitted, FitError> {
+pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitted, FitError> {
     setting.data.check_normals()?;
     let measured = setting.data.measured();
     let at = |sds: RowSds| NormalProblem {

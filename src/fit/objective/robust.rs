@@ -57,7 +57,7 @@ struct Reweighted {
 ///
 /// # Errors
 /// Those of the plain fit.
-pub fn fit_with_loss(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+pub(super) fn fit_with_loss(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let plain = fit_plain(patch, data, options)?;
     if options.robust == Robust::None {
         return Ok(plain);

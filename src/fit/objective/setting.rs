@@ -9,7 +9,7 @@ use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::roughness_matrix;
 
 /// Data, their sites, and how their rows are solved.
-pub struct Setting<'a> {
+pub(super) struct Setting<'a> {
     /// The data.
     pub data: &'a Data,
     /// Where they lie under the knots.
@@ -27,7 +27,7 @@ impl Setting<'_> {
     ///
     /// # Errors
     /// [`FitError::Method`].
-    pub fn new<'a>(patch: &Patch, data: &'a Data, options: &FitOptions) -> Result<Setting<'a>, FitError> {
+    pub(super) fn new<'a>(patch: &Patch, data: &'a Data, options: &FitOptions) -> Result<Setting<'a>, FitError> {
         match (options.method, data) {
             (Method::Kronecker, Data::Scattered { .. }) => {
                 return Err(FitError::Method { method: "kronecker", why: "needs a complete grid" });
@@ -51,7 +51,7 @@ impl Setting<'_> {
 ///
 /// # Errors
 /// [`FitError::NoWeight`], [`FitError::TooFew`].
-pub fn check_count(equations: &Equations) -> Result<(), FitError> {
+pub(super) fn check_count(equations: &Equations) -> Result<(), FitError> {
     let [z, slopes] = equations.row_weights.row_counts(equations.sites.len());
     if z + slopes == 0 {
         return Err(FitError::NoWeight);

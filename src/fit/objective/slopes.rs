@@ -22,7 +22,7 @@ const EXTREME: f64 = 1e100;
 ///
 /// # Errors
 /// Where the rows are too few or determine no surface.
-pub fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fitted, FitError> {
+pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fitted, FitError> {
     let mut notes = Vec::new();
     let (trial, noise) = if weights == SlopeWeights::Auto && setting.data.has_orientation() {
         let (trial, noise, note) = fit_estimated(setting)?;

@@ -26,7 +26,7 @@ const GOLDEN_STEPS: usize = 20;
 ///
 /// # Errors
 /// Those of a fit with a given lambda.
-pub fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+pub(super) fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let with = |lambda: f64| FitOptions { smooth: Smooth::Lambda(lambda), ..options.clone() };
     // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
     let start = fit_with_loss(patch, data, &with(1e-9))?;

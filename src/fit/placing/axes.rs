@@ -5,7 +5,7 @@ use crate::vector::{cross, dot, norm, reject, unit};
 
 /// Rows are the patch's x, y, z axes. The sweep direction is the sum over the fingers of the vectors from first to last
 /// station; without stations it is the first principal direction of the contacts across the mean normal.
-pub fn local_axes(contacts: &Contacts) -> [[f64; 3]; 3] {
+pub(super) fn local_axes(contacts: &Contacts) -> [[f64; 3]; 3] {
     let z = mean_normal(contacts);
     let direction = sweep_direction(contacts).unwrap_or_else(|| principal_direction(contacts, z));
     let across = reject(direction, z);

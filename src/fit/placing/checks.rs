@@ -7,7 +7,7 @@ use crate::fit::{FitError, FitOptions, OutsideDomain};
 ///
 /// # Errors
 /// [`FitError::Outside`].
-pub fn check_inside(contacts: &Contacts, options: &FitOptions) -> Result<(), FitError> {
+pub(super) fn check_inside(contacts: &Contacts, options: &FitOptions) -> Result<(), FitError> {
     let Some(domain) = options.domain.filter(|_| options.outside == OutsideDomain::Refuse) else { return Ok(()) };
     for index in 0..contacts.len() {
         let (x, y) = (contacts.x[index], contacts.y[index]);
@@ -22,7 +22,7 @@ pub fn check_inside(contacts: &Contacts, options: &FitOptions) -> Result<(), Fit
 ///
 /// # Errors
 /// [`FitError::Collinear`].
-pub fn check_not_collinear(contacts: &Contacts) -> Result<(), FitError> {
+pub(super) fn check_not_collinear(contacts: &Contacts) -> Result<(), FitError> {
     let n = contacts.len() as f64;
     let [mx, my] = [&contacts.x, &contacts.y].map(|v| v.iter().map(|a| a / n).sum::<f64>());
     let (hx, hy) = contacts

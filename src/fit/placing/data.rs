@@ -11,7 +11,7 @@ use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows
 
 /// Contacts or a grid in patch coordinates.
 #[derive(Clone, Debug)]
-pub enum Data {
+pub(crate) enum Data {
     /// Scattered contacts, moved into the patch.
     Scattered {
         /// The contacts.
@@ -32,7 +32,7 @@ pub enum Data {
 
 /// Heights and unit normals with their row weights; weight zero means missing.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Heights in the patch.
     pub z: Vec<f64>,
     /// Weights of the height rows.
@@ -50,7 +50,7 @@ fn points(contacts: &Contacts) -> Vec<[f64; 2]> {
 impl Data {
     /// Contacts in patch coordinates. Many contacts are sorted by knot cells once, because the cells are visited many times
     /// and reading contacts in the user's order would jump through memory at every visit.
-    pub fn scattered(contacts: Contacts, patch: &Patch) -> Data {
+    pub(crate) fn scattered(contacts: Contacts, patch: &Patch) -> Data {
         if !ScatteredSites::worth_packing(contacts.len(), &patch.knots) {
             return Data::Scattered { contacts, numbers: None };
         }
@@ -59,7 +59,7 @@ impl Data {
     }
 
     /// Where the data lie under the patch's knots.
-    pub fn sites(&self, patch: &Patch) -> DataSites {
+    pub(crate) fn sites(&self, patch: &Patch) -> DataSites {
         match self {
             Data::Scattered { contacts, .. } => {
                 DataSites::Scattered(ScatteredSites::new(patch.knots.clone(), points(contacts)))
@@ -74,7 +74,7 @@ impl Data {
     }
 
     /// Whether there are slopes or normals.
-    pub fn has_orientation(&self) -> bool {
+    pub(crate) fn has_orientation(&self) -> bool {
         match self {
             Data::Scattered { contacts, .. } => contacts.orientation != Orientation::None,
             Data::Gridded { grid, .. } => grid.zx.is_some(),
@@ -82,12 +82,12 @@ impl Data {
     }
 
     /// Whether there are normals, not only slopes.
-    pub fn has_normals(&self) -> bool {
+    pub(crate) fn has_normals(&self) -> bool {
         matches!(self, Data::Scattered { contacts: Contacts { orientation: Orientation::Normals { .. }, .. }, .. })
     }
 
     /// Slope rows with weights `[wz, wx, wy]` in patch units.
-    pub fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
+    pub(crate) fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
         match self {
             Data::Scattered { contacts, .. } => slope_rows(contacts, block),
             Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
@@ -98,7 +98,7 @@ impl Data {
     ///
     /// # Errors
     /// [`FitError::NormalDown`], [`FitError::Steep`].
-    pub fn check_slopes(&self) -> Result<(), FitError> {
+    pub(crate) fn check_slopes(&self) -> Result<(), FitError> {
         self.check_each_normal(|[nx, ny, nz]| {
             // beyond 1e8 the square of one slope is larger than all other rows' squares times 1e16, and their digits are lost
             nz >= 0.0 && [nx / nz, ny / nz].iter().all(|s| s.is_finite() && s.abs() < 1e8)
@@ -109,7 +109,7 @@ impl Data {
     ///
     /// # Errors
     /// [`FitError::NormalDown`].
-    pub fn check_normals(&self) -> Result<(), FitError> {
+    pub(crate) fn check_normals(&self) -> Result<(), FitError> {
         self.check_each_normal(|[_, _, nz]| nz >= 0.0)
     }
 
@@ -125,7 +125,7 @@ impl Data {
     }
 
     /// Heights and unit normals for normal rows.
-    pub fn measured(&self) -> Measured {
+    pub(crate) fn measured(&self) -> Measured {
         let (row_weights, targets) = self.slope_rows([1.0, 1.0, 1.0]);
         let mut measured = Measured::default();
         for (r, target) in targets.iter().enumerate() {
@@ -156,7 +156,7 @@ impl Data {
     }
 
     /// The same data with every site's height rows weighted by `z[r]` and its slope rows by `slope[r]` on top.
-    pub fn reweighted(&self, z: &[f64], slope: &[f64]) -> Data {
+    pub(crate) fn reweighted(&self, z: &[f64], slope: &[f64]) -> Data {
         let mut data = self.clone();
         let times = |old: &Option<Vec<f64>>, new: &[f64]| -> Option<Vec<f64>> {
             Some(new.iter().enumerate().map(|(r, w)| w * old.as_ref().map_or(1.0, |o| o[r])).collect())
@@ -183,7 +183,7 @@ impl Data {
     }
 
     /// Root of the sum of squares of the heights whose weight is not zero, in patch units.
-    pub fn size_of_heights(&self) -> f64 {
+    pub(crate) fn size_of_heights(&self) -> f64 {
         let sum: f64 = match self {
             Data::Scattered { contacts, .. } => match &contacts.weights.z {
                 None => contacts.z.iter().map(|z| z * z).sum(),
@@ -199,7 +199,7 @@ impl Data {
     }
 
     /// Largest magnitude of a height in input units: the rounding of the data as given is proportional to it.
-    pub fn largest_height(&self, patch: &Patch) -> f64 {
+    pub(crate) fn largest_height(&self, patch: &Patch) -> f64 {
         let largest =
             |v: &mut dyn Iterator<Item = f64>| v.filter(|z| z.is_finite()).fold(0.0_f64, |m, z| m.max(z.abs()));
         match self {

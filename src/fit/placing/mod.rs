@@ -16,7 +16,7 @@ use patch::{Patch, mid_range};
 ///
 /// # Errors
 /// What the contacts' places and normals can have wrong, and the options' knots and domain.
-pub fn place_contacts(contacts: &Contacts, options: &FitOptions) -> Result<(Patch, Data), FitError> {
+pub(super) fn place_contacts(contacts: &Contacts, options: &FitOptions) -> Result<(Patch, Data), FitError> {
     contacts.check()?;
     let axes = choose_axes(contacts, options)?;
     let rotated = rotate(contacts, &axes);
@@ -33,7 +33,7 @@ pub fn place_contacts(contacts: &Contacts, options: &FitOptions) -> Result<(Patc
 ///
 /// # Errors
 /// What the grid's axes can have wrong, and the options' knots and domain.
-pub fn place_grid(grid: &Grid, options: &FitOptions) -> Result<(Patch, Data), FitError> {
+pub(super) fn place_grid(grid: &Grid, options: &FitOptions) -> Result<(Patch, Data), FitError> {
     grid.check()?;
     if grid.x.len() < 2 || grid.y.len() < 2 {
         return Err(FitError::Collinear { contacts: grid.len() });

@@ -76,7 +76,7 @@ fn uniform_knots(x: &[f64], y: &[f64], options: &FitOptions) -> Result<[Knots; 2
 }
 
 /// Mid-range of the heights, halfway between the lowest and the highest: the origin of z in the patch.
-pub fn mid_range(z: &[f64]) -> f64 {
+pub(crate) fn mid_range(z: &[f64]) -> f64 {
     let (lo, hi) = extent(z);
     if lo <= hi { 0.5 * lo + 0.5 * hi } else { 0.0 }
 }

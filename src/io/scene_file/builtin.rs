@@ -103,7 +103,7 @@ pub fn family_members() -> Vec<BuiltinScene> {
 }
 
 /// The TOML of a built-in scene, family or member.
-pub fn builtin_text(name: &str) -> Option<Cow<'static, str>> {
+pub(crate) fn builtin_text(name: &str) -> Option<Cow<'static, str>> {
     let of = |scenes: Vec<BuiltinScene>| scenes.into_iter().find(|scene| scene.name == name).map(|scene| scene.toml);
     of(builtin_scenes()).or_else(|| if name.starts_with("paper-fig") { of(family_members()) } else { None })
 }

@@ -20,7 +20,7 @@ const SWEEPS: [(usize, usize, usize, f64, f64); 4] =
     [(3, 9, 2, 0.05, 3.0), (3, 12, 3, 0.005, 0.5), (10, 20, 2, 0.005, 0.5), (40, 50, 4, 0.05, 3.0)];
 
 /// `(name, TOML)` of every scene.
-pub fn coverage_family() -> Vec<(String, String)> {
+pub(crate) fn coverage_family() -> Vec<(String, String)> {
     let mut scenes = Vec::new();
     for (surface, toml) in SURFACES {
         for (fingers, stations, degree, z, deg) in SWEEPS {

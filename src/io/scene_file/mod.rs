@@ -24,8 +24,9 @@ use std::sync::Arc;
 
 use toml::de::DeTable;
 
-pub use builtin::{BuiltinScene, builtin, builtin_scenes, builtin_text, family_members};
-pub use coverage_family::coverage_family;
+pub(crate) use builtin::{BuiltinScene, builtin_text};
+pub use builtin::{builtin, builtin_scenes, family_members};
+pub(crate) use coverage_family::coverage_family;
 pub use error::SceneFileError;
 
 use crate::fit::FitOptions;
@@ -50,7 +51,7 @@ pub struct SceneFile {
 }
 
 /// How an imported surface is found: `file` as it stands in the scene, or why not.
-pub type Importer<'a> = dyn Fn(&str) -> Result<Arc<dyn ImportedSurface>, String> + 'a;
+pub(crate) type Importer<'a> = dyn Fn(&str) -> Result<Arc<dyn ImportedSurface>, String> + 'a;
 
 /// Reads a scene without imported surfaces.
 ///

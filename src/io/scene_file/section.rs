@@ -40,35 +40,35 @@ pub(super) struct Section<'d> {
 }
 
 impl<'d> Section<'d> {
-    pub fn new(source: &'d str, path: &str, table: &'d DeTable<'d>, offset: usize) -> Section<'d> {
+    pub(super) fn new(source: &'d str, path: &str, table: &'d DeTable<'d>, offset: usize) -> Section<'d> {
         Section { source, path: path.into(), table, offset, asked: RefCell::default() }
     }
 
-    pub fn place(&self) -> (usize, usize) {
+    pub(super) fn place(&self) -> (usize, usize) {
         place(self.source, self.offset)
     }
 
-    pub fn place_of(&self, value: &Value) -> (usize, usize) {
+    pub(super) fn place_of(&self, value: &Value) -> (usize, usize) {
         place(self.source, value.span().start)
     }
 
-    pub fn full(&self, key: &str) -> String {
+    pub(super) fn full(&self, key: &str) -> String {
         if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
     }
 
     /// The value of a key, which is known from now on.
-    pub fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
+    pub(super) fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
         self.asked.borrow_mut().push(key);
         self.table.get(key)
     }
 
-    pub fn value_error(&self, key: &str, value: &Value, expected: impl Into<String>) -> SceneFileError {
+    pub(super) fn value_error(&self, key: &str, value: &Value, expected: impl Into<String>) -> SceneFileError {
         let (line, column) = self.place_of(value);
         let found = self.source.get(value.span()).unwrap_or("?").to_string();
         SceneFileError::Value { line, column, key: self.full(key), found, expected: expected.into() }
     }
 
-    pub fn unknown_word(&self, what: &str, value: &Value, name: &str, known: &[&str]) -> SceneFileError {
+    pub(super) fn unknown_word(&self, what: &str, value: &Value, name: &str, known: &[&str]) -> SceneFileError {
         let (line, column) = self.place_of(value);
         SceneFileError::Unknown {
             line,
@@ -80,12 +80,12 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn missing(&self, key: &'static str, expected: &'static str) -> SceneFileError {
+    pub(super) fn missing(&self, key: &'static str, expected: &'static str) -> SceneFileError {
         let (line, column) = self.place();
         SceneFileError::Missing { line, column, section: self.path.clone(), key, expected }
     }
 
-    pub fn clash(&self, first: &str, second: &str) -> SceneFileError {
+    pub(super) fn clash(&self, first: &str, second: &str) -> SceneFileError {
         let text = |key: &str| {
             let value = self.table.get(key);
             let written = value.and_then(|v| self.source.get(v.span())).unwrap_or("?");
@@ -97,7 +97,7 @@ impl<'d> Section<'d> {
     }
 
     /// A table inside this one.
-    pub fn section(&self, key: &'static str) -> Result<Option<Section<'d>>, SceneFileError> {
+    pub(super) fn section(&self, key: &'static str) -> Result<Option<Section<'d>>, SceneFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match value.get_ref() {
             DeValue::Table(table) => Ok(Some(Section::new(self.source, &self.full(key), table, value.span().start))),
@@ -105,7 +105,7 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn number(&self, key: &'static str) -> Result<Option<f64>, SceneFileError> {
+    pub(super) fn number(&self, key: &'static str) -> Result<Option<f64>, SceneFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match as_number(value) {
             Some(number) => Ok(Some(number)),
@@ -113,16 +113,16 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn number_or(&self, key: &'static str, default: f64) -> Result<f64, SceneFileError> {
+    pub(super) fn number_or(&self, key: &'static str, default: f64) -> Result<f64, SceneFileError> {
         Ok(self.number(key)?.unwrap_or(default))
     }
 
-    pub fn required(&self, key: &'static str, expected: &'static str) -> Result<f64, SceneFileError> {
+    pub(super) fn required(&self, key: &'static str, expected: &'static str) -> Result<f64, SceneFileError> {
         self.number(key)?.ok_or_else(|| self.missing(key, expected))
     }
 
     /// A whole number of at least `least`.
-    pub fn count(&self, key: &'static str, least: u64) -> Result<Option<u64>, SceneFileError> {
+    pub(super) fn count(&self, key: &'static str, least: u64) -> Result<Option<u64>, SceneFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match as_count(value) {
             Some(count) if count >= least => Ok(Some(count)),
@@ -130,7 +130,7 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn truth(&self, key: &'static str) -> Result<bool, SceneFileError> {
+    pub(super) fn truth(&self, key: &'static str) -> Result<bool, SceneFileError> {
         match self.get(key).map(|value| (value, value.get_ref())) {
             None => Ok(false),
             Some((_, DeValue::Boolean(truth))) => Ok(*truth),
@@ -138,7 +138,7 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn word(&self, key: &'static str) -> Result<Option<(&'d str, &'d Value<'d>)>, SceneFileError> {
+    pub(super) fn word(&self, key: &'static str) -> Result<Option<(&'d str, &'d Value<'d>)>, SceneFileError> {
         match self.get(key).map(|value| (value, value.get_ref())) {
             None => Ok(None),
             Some((value, DeValue::String(word))) => Ok(Some((word.as_ref(), value))),
@@ -146,14 +146,14 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn numbers(&self, key: &'static str) -> Result<Option<Vec<f64>>, SceneFileError> {
+    pub(super) fn numbers(&self, key: &'static str) -> Result<Option<Vec<f64>>, SceneFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let numbers = as_array(value).and_then(|array| array.iter().map(as_number).collect());
         numbers.map(Some).ok_or_else(|| self.value_error(key, value, "a list of numbers is needed"))
     }
 
     /// Exactly `N` numbers.
-    pub fn several<const N: usize>(&self, key: &'static str) -> Result<Option<[f64; N]>, SceneFileError> {
+    pub(super) fn several<const N: usize>(&self, key: &'static str) -> Result<Option<[f64; N]>, SceneFileError> {
         let Some(numbers) = self.numbers(key)? else { return Ok(None) };
         match <[f64; N]>::try_from(numbers) {
             Ok(numbers) => Ok(Some(numbers)),
@@ -162,7 +162,7 @@ impl<'d> Section<'d> {
     }
 
     /// One number for all three axes, or three.
-    pub fn one_or_three(&self, key: &'static str) -> Result<Option<[f64; 3]>, SceneFileError> {
+    pub(super) fn one_or_three(&self, key: &'static str) -> Result<Option<[f64; 3]>, SceneFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let numbers = match as_number(value) {
             Some(number) => Some([number; 3]),
@@ -174,7 +174,7 @@ impl<'d> Section<'d> {
     }
 
     /// Refuses the first key that was never asked for.
-    pub fn finish(self, what: &str) -> Result<(), SceneFileError> {
+    pub(super) fn finish(self, what: &str) -> Result<(), SceneFileError> {
         let mut known = self.asked.into_inner();
         known.sort_unstable();
         known.dedup();

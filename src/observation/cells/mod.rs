@@ -21,7 +21,7 @@ use std::sync::Mutex;
 use crate::bspline::Knots;
 use crate::linalg::{RowWeights, StencilMatrix, TensorShape};
 use crate::simd::MAX_MOMENT_DEGREE;
-pub use packed::{PackedCells, PackedRows};
+pub(crate) use packed::{PackedCells, PackedRows};
 use sorting::Stripes;
 use sums::Scratch;
 use tables::{Axis, AxisTables, XTables, YTables, squares_of};
@@ -38,7 +38,7 @@ const WEIGHTED: usize = 9;
 ///
 /// This is a trait and not a pair of closures because a method that is always inlined writes a record directly. Through the
 /// stack it would cost a failed store-to-load forwarding, which is more than all other work for a contact.
-pub trait CellRows: Sync {
+pub(crate) trait CellRows: Sync {
     /// Number of contacts.
     fn len(&self) -> usize;
     /// x and y of contact r, in the coordinates of the knots.
@@ -49,7 +49,7 @@ pub trait CellRows: Sync {
 
 /// Reusable buffers and tables for all contacts under one pair of knot vectors.
 #[derive(Debug)]
-pub struct CellAssembly {
+pub(crate) struct CellAssembly {
     shape: TensorShape,
     x: Axis<XTables>,
     y: Axis<YTables>,
@@ -79,7 +79,7 @@ impl Clone for CellAssembly {
 
 impl CellAssembly {
     /// Tables for these knots; `None` if a degree is above [`MAX_MOMENT_DEGREE`]; then the equations are summed over rows.
-    pub fn new(knots: [Knots; 2]) -> Option<CellAssembly> {
+    pub(crate) fn new(knots: [Knots; 2]) -> Option<CellAssembly> {
         if knots.iter().any(|k| k.degree() > MAX_MOMENT_DEGREE) {
             return None;
         }
@@ -113,13 +113,13 @@ impl CellAssembly {
     }
 
     /// Shape of the spline.
-    pub fn shape(&self) -> TensorShape {
+    pub(crate) fn shape(&self) -> TensorShape {
         self.shape
     }
 
     /// `matrix = E'E` and `right = E'b`. Coordinates outside the domain use the end cells.
     #[cfg(test)]
-    pub fn assemble(
+    pub(crate) fn assemble(
         &mut self,
         row_weights: &RowWeights,
         rows: &impl CellRows,
@@ -132,7 +132,7 @@ impl CellAssembly {
     }
 
     /// `matrix += E'E` and `right += E'b`, for contacts that arrive in pieces and are not kept.
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         row_weights: &RowWeights,
         rows: &impl CellRows,
@@ -170,7 +170,7 @@ impl CellAssembly {
 
 impl CellAssembly {
     /// `matrix += E'E` of packed cells, with the same bits as [`CellAssembly::add`].
-    pub fn add_packed(&mut self, row_weights: &RowWeights, packed: &PackedCells, matrix: &mut StencilMatrix) {
+    pub(crate) fn add_packed(&mut self, row_weights: &RowWeights, packed: &PackedCells, matrix: &mut StencilMatrix) {
         let mut nothing = vec![0.0; matrix.order()];
         self.sum_panels(matrix, &mut nothing, &|own, stripe, scratch, target| {
             own.packed_stripe(stripe, row_weights, packed, scratch, target);

@@ -39,7 +39,7 @@ pub(super) struct CellOrder {
 
 impl Stripes {
     /// Sorts `count` contacts; `x` gives an abscissa, `write` a whole record.
-    pub fn sort<const RECORD: usize>(
+    pub(super) fn sort<const RECORD: usize>(
         &mut self,
         knots: &Knots,
         count: usize,
@@ -67,13 +67,13 @@ impl Stripes {
 
     /// The record of that number.
     #[inline(always)]
-    pub fn record<const RECORD: usize>(&self, number: u32) -> &[f64; RECORD] {
+    pub(super) fn record<const RECORD: usize>(&self, number: u32) -> &[f64; RECORD] {
         let (chunk, place) = (number as usize / CHUNK, number as usize % CHUNK);
         &self.chunks[chunk].records.as_chunks::<RECORD>().0[place]
     }
 
     /// Sorts one stripe's contacts into cells; `false` where it has none.
-    pub fn sort_cells<const RECORD: usize>(&self, stripe: usize, knots: &Knots, into: &mut CellOrder) -> bool {
+    pub(super) fn sort_cells<const RECORD: usize>(&self, stripe: usize, knots: &Knots, into: &mut CellOrder) -> bool {
         let count: usize = self.runs(stripe).map(|(_, run)| run.len()).sum();
         if count == 0 {
             return false;

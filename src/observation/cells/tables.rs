@@ -26,7 +26,7 @@ pub(super) struct AxisTables {
 }
 
 impl AxisTables {
-    pub fn new(knots: &Knots) -> AxisTables {
+    pub(super) fn new(knots: &Knots) -> AxisTables {
         let width = knots.degree() + 1;
         let mut made = AxisTables {
             first: Vec::new(),
@@ -65,7 +65,7 @@ impl AxisTables {
 impl AxisTables {
     /// The same, with every coefficient of the functions themselves correct to half a unit in the last place. Passes over
     /// rows need that, because an error in the tables is the same for all contacts of a cell and does not average out.
-    pub fn nearest(knots: &Knots) -> AxisTables {
+    pub(super) fn nearest(knots: &Knots) -> AxisTables {
         let mut made = AxisTables::new(knots);
         for segment in 0..knots.n_segments() {
             let powers = nearest_powers(knots, segment, made.centre[segment], made.inverse_half[segment]);
@@ -133,7 +133,7 @@ pub(super) struct YTables {
 }
 
 impl XTables {
-    pub fn of(axis: &AxisTables, segment: usize) -> XTables {
+    pub(super) fn of(axis: &AxisTables, segment: usize) -> XTables {
         let (n, d) = (&axis.values[segment], &axis.slopes[segment]);
         let pairs = |f: &dyn Fn(usize, usize) -> [f64; 8]| {
             (0..n.len()).flat_map(|a| (0..=a).map(move |k| (a, k))).map(|(a, k)| f(a, k)).collect()
@@ -150,7 +150,7 @@ impl XTables {
 }
 
 impl YTables {
-    pub fn of(axis: &AxisTables, segment: usize) -> YTables {
+    pub(super) fn of(axis: &AxisTables, segment: usize) -> YTables {
         let (m, d) = (&axis.values[segment], &axis.slopes[segment]);
         let width = m.len();
         let table = |left: &Vec<[f64; 8]>, right: &Vec<[f64; 8]>| {
@@ -183,7 +183,7 @@ pub(super) struct Combined {
 }
 
 impl Combined {
-    pub fn take_in(&mut self, x: &XTables, [zz, aa, ab, dd]: [f64; 4]) {
+    pub(super) fn take_in(&mut self, x: &XTables, [zz, aa, ab, dd]: [f64; 4]) {
         let set = |target: &mut Vec<[f64; 8]>, table: &[[f64; 8]], w: f64| {
             target.clear();
             target.extend(table.iter().map(|row| row.map(|v| w * v)));

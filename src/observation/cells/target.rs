@@ -26,7 +26,7 @@ impl Target<'_> {
     }
 
     /// Adds a cell's part of the matrix; `block` holds the pairs (a, k <= a) of x functions, each (q + 1)^2 entries.
-    pub fn add_block(&mut self, first: [usize; 2], block: &[[f64; 16]]) {
+    pub(super) fn add_block(&mut self, first: [usize; 2], block: &[[f64; 16]]) {
         // the width is a literal, so that each row below takes two or three instructions
         match self.shape.degree[1] {
             1 => self.add_rows::<2>(first, block),
@@ -59,7 +59,7 @@ impl Target<'_> {
         }
     }
 
-    pub fn right_row(&mut self, line: usize, column: usize) -> &mut [f64] {
+    pub(super) fn right_row(&mut self, line: usize, column: usize) -> &mut [f64] {
         let (m, own, line) = (self.shape.basis[1], self.own_lines(), line - self.origin);
         if line < own {
             &mut self.right[line * m + column..(line + 1) * m]

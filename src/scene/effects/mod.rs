@@ -65,7 +65,7 @@ pub(crate) struct Context<'a> {
 
 impl Context<'_> {
     /// Whether the contact before each contact was made by the same finger.
-    pub fn continues(&self) -> Vec<bool> {
+    pub(crate) fn continues(&self) -> Vec<bool> {
         let same = |i: usize| i > 0 && self.sites[i - 1].finger == self.sites[i].finger;
         (0..self.sites.len()).map(same).collect()
     }

@@ -13,7 +13,7 @@ fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
 
 fuzz_target!(|bytes: &[u8]| {
     for skip_invalid in [false, true] {
-        let read = read_input_bytes("-", bytes, &ReadOptions { skip_invalid });
+        let read = read_input_bytes("-", bytes, &ReadOptions { skip_invalid, ..ReadOptions::default() });
         if cfg!(feature = "planted")
             && let Ok(Reading { input: Input::Contacts(contacts), .. }) = read
         {

@@ -29,7 +29,7 @@ struct Crate {
 }
 
 /// Pairs of files that import each other, parent and child aside; `sources` are `(path below src, text)`.
-pub fn circles(sources: &[(String, String)]) -> Vec<[String; 2]> {
+pub(super) fn circles(sources: &[(String, String)]) -> Vec<[String; 2]> {
     let edges = edges(sources);
     let is_mutual = |[a, b]: &&[String; 2]| a < b && edges.contains(&[b.clone(), a.clone()]);
     edges.iter().filter(is_mutual).cloned().collect()

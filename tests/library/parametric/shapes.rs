@@ -32,7 +32,7 @@ impl Touched {
 }
 
 /// Fingers at heights along a bar of this radius, each `stations` stops round it.
-pub fn ring_of_bar(radius: f64, fingers: usize, stations: usize) -> Contacts {
+pub(crate) fn ring_of_bar(radius: f64, fingers: usize, stations: usize) -> Contacts {
     let mut all = Touched::default();
     for f in 0..fingers {
         for s in 0..stations {
@@ -44,7 +44,7 @@ pub fn ring_of_bar(radius: f64, fingers: usize, stations: usize) -> Contacts {
 }
 
 /// Fingers round the tube of a ring (radius a of its centre line, b of the tube) at places all round it.
-pub fn torus(a: f64, b: f64, fingers: usize, stations: usize) -> Contacts {
+pub(crate) fn torus(a: f64, b: f64, fingers: usize, stations: usize) -> Contacts {
     let mut all = Touched::default();
     for f in 0..fingers {
         let (sin_f, cos_f) = (f as f64 / fingers as f64 * std::f64::consts::TAU).sin_cos();
@@ -58,7 +58,7 @@ pub fn torus(a: f64, b: f64, fingers: usize, stations: usize) -> Contacts {
 }
 
 /// Lanes over a half ball from rim to rim, seen from +z.
-pub fn half_ball(radius: f64, fingers: usize, stations: usize) -> Contacts {
+pub(crate) fn half_ball(radius: f64, fingers: usize, stations: usize) -> Contacts {
     let mut all = Touched::default();
     for f in 0..fingers {
         let (sin_f, cos_f) = ((f as f64 / (fingers - 1) as f64 - 0.5) * 2.1).sin_cos();
@@ -72,7 +72,7 @@ pub fn half_ball(radius: f64, fingers: usize, stations: usize) -> Contacts {
 }
 
 /// Contacts spread over a half ball down to its rim, without lanes.
-pub fn scattered_half_ball(radius: f64, count: usize) -> Contacts {
+pub(crate) fn scattered_half_ball(radius: f64, count: usize) -> Contacts {
     let mut all = Touched::default();
     for k in 0..count {
         let z = k as f64 / (count - 1) as f64;
@@ -87,7 +87,7 @@ pub fn scattered_half_ball(radius: f64, count: usize) -> Contacts {
 }
 
 /// The contacts turned by `angle` about an axis.
-pub fn turned(contacts: &Contacts, axis: [f64; 3], angle: f64) -> Contacts {
+pub(crate) fn turned(contacts: &Contacts, axis: [f64; 3], angle: f64) -> Contacts {
     let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
     let [a, b, c] = axis.map(|v| v / length);
     let (sin, cos) = angle.sin_cos();

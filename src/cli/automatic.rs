@@ -1,0 +1,191 @@
+//! `palpate fit INPUT` where nothing names a model: the contacts are recognised, and what cannot be is fitted or refused.
+//!
+//! ```text
+//! recognised                 S, R, class and radius with intervals that count doubt about the kind of surface
+//! too few to recognise       the height field of degree 2, with a note
+//! one sheet, no simple shape a height field with as many segments as predict contacts left out
+//! a closed body, many sheets an error that names the way forward
+//! ```
+
+use crate::contact::{Contacts, Grid, Orientation};
+use crate::fit::{FitError, FitOptions};
+use crate::io::Input;
+use crate::parametric::FittedSurface;
+use crate::recognition::{
+    Flexible, Recognition, RecognitionError, RecognitionOptions, flexible, recognise, recognise_grid,
+};
+use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
+
+use super::fit::fit_input;
+
+/// What to do with contacts that are no patch.
+const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
+     --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
+
+/// A height field with more segments is an answer when it predicts contacts left out to this share of their relief.
+const PREDICTED: f64 = 0.5;
+
+/// Misfit of a simple shape, in percent of its relief, from which on a height field with more segments is tried: an
+/// eighth, above which the recognition takes no departure for a sensor's error.
+const PATTERNED: f64 = 12.5;
+
+/// Misfit, in percent of the relief, above which a simple shape is no answer: a quarter is left unsaid, with a pattern.
+const UNSAID: f64 = 25.0;
+
+/// It takes the place of the simple shape when its error is below this share of the simple shape's.
+const BETTER: f64 = 0.5;
+
+/// Share of contacts off the surface that are worth a word: more than a sensor's stray readings.
+const STRAY: f64 = 0.02;
+
+/// What to ask where every normal points down: a scan in camera axes is like that, and so is a file with inward normals.
+const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
+     if the normals point into the body, reverse them by --flip-normals";
+
+/// What there is to say of an input.
+pub(super) struct Found {
+    pub(super) answer: Answer,
+    pub(super) chosen: Option<ChosenPart>,
+    pub(super) lack_of_fit: Option<LackOfFitPart>,
+    pub(super) notes: Vec<String>,
+}
+
+/// Why there is no answer.
+pub(super) enum Refusal {
+    /// A fit refused; the message may want a line of the file.
+    Fit(FitError),
+    /// The recognition refused.
+    Shape(String),
+}
+
+/// Recognises the input, or fits it where it cannot be recognised.
+pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
+    let found = match input {
+        Input::Contacts(contacts) => recognise(contacts, options),
+        Input::Grid(grid) => recognise_grid(grid, options),
+    };
+    match found {
+        Ok(found) => {
+            let mut found = match flexible_instead(input, &found, fit) {
+                Some(bent) => bent,
+                None => simple(found)?,
+            };
+            found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
+            Ok(found)
+        }
+        Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
+        Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
+            let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
+            let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+            Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
+        }
+        Err(error @ RecognitionError::NotOneSheet { .. }) => {
+            let bent = flexible(&contacts_of(input), fit).and_then(Result::ok);
+            match bent.filter(|bent| bent.error < PREDICTED * bent.relief) {
+                Some(bent) => Ok(bent_found(bent, None)),
+                None => Err(Refusal::Shape(format!("{error}: {FORWARD}"))),
+            }
+        }
+        Err(error @ RecognitionError::AllAround { .. }) => Err(Refusal::Shape(format!("{error}: {FORWARD}"))),
+        Err(error) => Err(Refusal::Shape(error.to_string())),
+    }
+}
+
+fn all_downward(input: &Input) -> bool {
+    match input {
+        Input::Contacts(Contacts { orientation: Orientation::Normals { nz, .. }, .. }) => nz.iter().all(|nz| *nz < 0.0),
+        _ => false,
+    }
+}
+
+/// Misfit beyond chance.
+const CHANCE: f64 = 0.01;
+
+/// The simple shape, unless it leaves too much unsaid.
+fn simple(found: Recognition) -> Result<Found, Refusal> {
+    let mut notes = Vec::new();
+    let strays = found.dropped.outliers;
+    if found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE {
+        let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
+        let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
+        return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
+    }
+    if strays as f64 > STRAY * (strays + found.contacts) as f64 {
+        notes.push(format!(
+            "{:.0} % of the contacts belong to something else, a background or another part: {FORWARD}",
+            100.0 * strays as f64 / (strays + found.contacts) as f64
+        ));
+    }
+    Ok(Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes })
+}
+
+/// A height field with more segments, where the simple shape leaves much unsaid that such a field predicts.
+fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
+    let left = found.misfit.percent_of_relief;
+    if left < PATTERNED || found.misfit.p > CHANCE {
+        return None;
+    }
+    let contacts = contacts_of(input);
+    let squares = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]);
+    let squares = squares.map(|p| found.surface.distance(p).powi(2));
+    let rms = (squares.sum::<f64>() / contacts.len() as f64).sqrt();
+    let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
+    let bent = flexible(&contacts, fit)?.ok()?;
+    (up * bent.error < BETTER * rms).then(|| bent_found(bent, Some(found)))
+}
+
+fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
+    let segments = bent.fit.options().segments;
+    let unsaid = 100.0 * bent.error / bent.relief;
+    let mut tried: Vec<TriedPart> = bent
+        .tried
+        .iter()
+        .map(|(n, error)| TriedPart {
+            name: format!("height field of {n} x {n} segments"),
+            rms: Some(*error),
+            ..TriedPart::default()
+        })
+        .collect();
+    tried.extend(simple.iter().flat_map(|found| &found.tried).map(|t| TriedPart {
+        name: t.hypothesis.name().into(),
+        probability: None,
+        k1: Some(t.k1),
+        k2: Some(t.k2),
+        rms: Some(t.rms),
+    }));
+    let chosen = ChosenPart {
+        surface: "height".into(),
+        why: format!(
+            "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
+             out in blocks best (error {unsaid:.1} % of the relief)",
+            segments[0], segments[1]
+        ),
+        degree: Some(bent.fit.options().degree),
+        segments: Some(segments),
+        frame: Some(if bent.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
+        hypothesis: None,
+        tried,
+    };
+    let lack = LackOfFitPart {
+        p: None,
+        percent_of_relief: Some(unsaid),
+        words: "the surface is not one simple shape: S and R change from place to place, see the maps of --out".into(),
+    };
+    let note = "the intervals count noise alone, not what more segments would change".to_string();
+    let answer = Answer::Fitted(FittedSurface::Height(Box::new(bent.fit)));
+    Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes: vec![note] }
+}
+
+/// The measured pixels of a grid as contacts.
+fn contacts_of(input: &Input) -> Contacts {
+    match input {
+        Input::Contacts(contacts) => contacts.clone(),
+        Input::Grid(grid) => pixels(grid),
+    }
+}
+
+fn pixels(grid: &Grid) -> Contacts {
+    let known = grid.z.indexed_iter().filter(|(_, z)| !z.is_nan());
+    let points: Vec<[f64; 3]> = known.map(|((i, j), z)| [grid.x[i], grid.y[j], *z]).collect();
+    Contacts::from_points(&points)
+}

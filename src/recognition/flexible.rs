@@ -1,0 +1,127 @@
+//! A height field for contacts that are one sheet and no simple shape: as many segments as predict contacts left out.
+//!
+//! ```text
+//! blocks       the contacts' box cut into 6 x 6, every fourth left out in turn along both directions
+//! error(s)     root mean square of z - S_s(x, y) over all blocks left out, S_s fitted to the others with s segments
+//! s            the smallest whose error is within 5 % of the least
+//! ```
+//!
+//! Whole blocks are left out, because errors of neighbouring contacts are alike: single contacts left out are predicted by
+//! their neighbours' errors, however many segments follow those. (D. R. Roberts et al., *Ecography* 40 (2017) 913.)
+
+use crate::contact::{Contacts, Orientation};
+use crate::fit::{Fit, FitError, FitOptions, fit_contacts};
+use crate::vector::Vector;
+
+use super::start::thinned;
+
+/// Blocks each way, and the number of turns in which they are left out.
+const BLOCKS: usize = 6;
+const TURNS: usize = 4;
+
+/// Segments that are tried.
+const SEGMENTS: [usize; 7] = [1, 2, 4, 8, 12, 16, 24];
+
+/// Degree of the height field: its curvature is continuous.
+const DEGREE: usize = 3;
+
+/// A coarser field is taken when it predicts as well up to this factor.
+const AS_GOOD: f64 = 1.05;
+
+/// Contacts for every unknown at least.
+const PER_UNKNOWN: usize = 3;
+
+/// Contacts among which blocks are left out; more would take longer and choose the same.
+const ENOUGH: usize = 10_000;
+
+/// A height field with how well it predicts.
+#[derive(Clone, Debug)]
+pub(crate) struct Flexible {
+    /// The fit to all contacts.
+    pub(crate) fit: Fit,
+    /// Segments tried, with the root mean square error of contacts left out.
+    pub(crate) tried: Vec<(usize, f64)>,
+    /// That error of the number taken.
+    pub(crate) error: f64,
+    /// Root mean square distance of the contacts, along z, from their best plane.
+    pub(crate) relief: f64,
+}
+
+/// Chooses the segments and fits. `None` where there are too few contacts to leave any out.
+pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Result<Flexible, FitError>> {
+    let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+    let chosen: Vec<u32> = thinned(&points, ENOUGH).into_iter().map(|i| i as u32).collect();
+    let few = Contacts { orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
+    let mut tried: Vec<(usize, f64)> = Vec::new();
+    for segments in SEGMENTS {
+        if PER_UNKNOWN * (segments + DEGREE).pow(2) > few.len() * (TURNS - 1) / TURNS {
+            break;
+        }
+        match left_out(&few, segments) {
+            Ok(error) if error.is_finite() => tried.push((segments, error)),
+            _ => break,
+        }
+    }
+    let least = tried.iter().map(|t| t.1).min_by(f64::total_cmp)?;
+    let &(segments, error) = tried.iter().find(|t| t.1 <= AS_GOOD * least)?;
+    let mut options = options.clone();
+    (options.degree, options.segments) = ([DEGREE; 2], [segments; 2]);
+    // normals that no height field can have are worth less than the positions
+    let fit = fit_contacts(contacts, &options)
+        .or_else(|_| fit_contacts(&Contacts { orientation: Orientation::None, ..contacts.clone() }, &options));
+    Some(fit.map(|fit| Flexible { fit, tried, error, relief: relief(&points) }))
+}
+
+/// Root mean square error over all blocks left out.
+fn left_out(contacts: &Contacts, segments: usize) -> Result<f64, FitError> {
+    let range = |values: &[f64]| {
+        let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
+        [lo, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let (x, y) = (range(&contacts.x), range(&contacts.y));
+    let block = |v: f64, [lo, hi]: [f64; 2]| ((BLOCKS as f64 * (v - lo) / (hi - lo)) as usize).min(BLOCKS - 1);
+    let turn = |r: usize| (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % TURNS;
+    let mut options = FitOptions::default();
+    (options.degree, options.segments) = ([DEGREE; 2], [segments; 2]);
+    options.domain = Some([x[0], x[1], y[0], y[1]]);
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for out in 0..TURNS {
+        let kept: Vec<u32> = (0..contacts.len() as u32).filter(|&r| turn(r as usize) != out).collect();
+        let surface = fit_contacts(&contacts.in_order(&kept), &options)?.input_surface()?;
+        for r in (0..contacts.len()).filter(|&r| turn(r) == out) {
+            sum += (contacts.z[r] - surface.at(contacts.x[r], contacts.y[r]).z).powi(2);
+            count += 1;
+        }
+    }
+    Ok((sum / count.max(1) as f64).sqrt())
+}
+
+fn relief(points: &[Vector]) -> f64 {
+    let (plane, _) = crate::shape::best_plane(points.iter().copied());
+    let off = points.iter().map(|p| (p[2] - (plane[0] + plane[1] * p[0] + plane[2] * p[1])).powi(2));
+    (off.sum::<f64>() / points.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_call_for_segments_and_are_predicted() {
+        let points: Vec<Vector> = (0..1600)
+            .map(|i| [(i % 40) as f64 * 0.2, (i / 40) as f64 * 0.2])
+            .map(|[x, y]| [x, y, (2.0 * x).sin() + 0.01 * (37.0 * x + 91.0 * y).sin()])
+            .collect();
+        let found = flexible(&Contacts::from_points(&points), &FitOptions::default()).unwrap().unwrap();
+        assert!(found.tried.len() > 3 && found.error < 0.2 * found.relief, "{:?} of {}", found.tried, found.relief);
+        assert!(found.fit.options().segments[0] >= 8);
+    }
+
+    #[test]
+    fn two_sheets_over_each_other_are_not_predicted() {
+        let points: Vec<Vector> =
+            (0..800).map(|i| [(i % 20) as f64, (i / 20) as f64, if i * 7 % 2 == 0 { 0.0 } else { 5.0 }]).collect();
+        let found = flexible(&Contacts::from_points(&points), &FitOptions::default()).unwrap().unwrap();
+        assert!(found.error > 0.5 * found.relief);
+    }
+}

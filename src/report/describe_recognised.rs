@@ -1,0 +1,287 @@
+//! A recognised surface described: S and R are those of the recognition, the surface in the document is its spline.
+//!
+//! ```text
+//! shape, intervals, class     from the recognition, averaged where contacts support the surface
+//! surface, maps, picture      from the spline through the recognised surface
+//! ```
+
+use std::io::Write;
+
+use crate::contact::Contacts;
+use crate::curvature::ShapeClass;
+use crate::fit::FitError;
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
+use crate::recognition::{Estimate, NormalsUse, RecognisedSpline, RecognisedSurface, Recognition};
+use crate::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::surface::HeightField;
+
+use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
+use super::document::{
+    ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
+};
+use super::maps::{write_maps_csv, write_maps_npz};
+use super::parametric::write_parametric_maps_csv;
+use super::picture::{PictureOptions, write_picture};
+
+/// A recognised surface with its document and its spline.
+pub(super) struct RecognisedDescription<'a> {
+    document: FitDocument,
+    found: &'a Recognition,
+    spline: RecognisedSpline,
+    contacts: Option<&'a Contacts>,
+}
+
+impl<'a> RecognisedDescription<'a> {
+    /// Describes a recognition.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub(super) fn new(
+        found: &'a Recognition,
+        subject: &Subject<'a>,
+        seconds: Seconds,
+    ) -> Result<RecognisedDescription<'a>, FitError> {
+        let spline = found.spline()?;
+        let mut document = FitDocument {
+            schema: FIT_SCHEMA.into(),
+            contacts: found.contacts + found.dropped.outliers,
+            frame: match &spline {
+                RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
+                RecognisedSpline::Parametric { .. } => SavedFrame::of(&found.frame),
+            },
+            fit: fit_part(found, &spline, subject),
+            shape: shape_part(found, &spline),
+            truth: None,
+            surface: match &spline {
+                RecognisedSpline::Height { surface, fit } => SavedSurface::of(surface, &fit.certificate().unsupported),
+                RecognisedSpline::Parametric { surface, support } => SavedSurface::of_parametric(surface, support),
+            },
+            seconds,
+        };
+        let supported = found.map.iter().filter(|p| p.supported);
+        take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
+        let contacts = match subject.input {
+            Input::Contacts(contacts) => Some(contacts),
+            Input::Grid(_) => None,
+        };
+        Ok(RecognisedDescription { document, found, spline, contacts })
+    }
+
+    fn maps(&self, points: [usize; 2]) -> Maps {
+        match &self.spline {
+            RecognisedSpline::Height { surface, .. } => {
+                Maps::Height(Box::new(height_maps(surface, &self.found.surface, points)))
+            }
+            RecognisedSpline::Parametric { surface, support } => {
+                let grid = uv_grid([&surface.knots()[0], &surface.knots()[1]], points, 0.0);
+                Maps::Parametric(Box::new(parametric_maps(surface, grid, support)))
+            }
+        }
+    }
+
+    /// Contacts in the coordinates of the maps.
+    fn places(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let contacts = self.contacts?;
+        if matches!(self.spline, RecognisedSpline::Height { .. }) {
+            return Some((contacts.x.clone(), contacts.y.clone()));
+        }
+        let scale = self.found.surface.frame.scale;
+        let chart = |r: usize| self.found.surface.chart_of([contacts.x[r], contacts.y[r], contacts.z[r]]);
+        Some((0..contacts.len()).map(chart).map(|[u, v]| (scale * u, scale * v)).unzip())
+    }
+}
+
+/// Maps of either kind of spline.
+enum Maps {
+    Height(Box<ShapeMaps>),
+    Parametric(Box<ParametricMaps>),
+}
+
+/// Maps over the spline's domain; where contacts do not surround the surface nothing is said.
+fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize; 2]) -> ShapeMaps {
+    let domain = [0, 1].map(|k| surface.knots()[k].domain());
+    let mut maps = shape_maps(surface, ShapeGrid::over(domain, points, 0.0), &[]);
+    for ((i, j), supported) in maps.supported.indexed_iter_mut() {
+        let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
+        *supported = found.supported_at(u, v);
+    }
+    maps
+}
+
+impl Description for RecognisedDescription<'_> {
+    fn document(&self) -> &FitDocument {
+        &self.document
+    }
+
+    fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        match self.maps(self.found.grid) {
+            Maps::Height(maps) => write_maps_csv(&maps, out),
+            Maps::Parametric(maps) => write_parametric_maps_csv(&maps, out),
+        }
+    }
+
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        match self.maps(self.found.grid) {
+            Maps::Height(maps) => write_maps_npz(&maps, out),
+            Maps::Parametric(maps) => write_maps_npz(&maps.flat(), out),
+        }
+    }
+
+    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
+        let [least, most] = PICTURE_CELLS;
+        let (maps, axes) = match self.maps(self.found.grid.map(|n| n.clamp(least, most))) {
+            Maps::Height(maps) => (*maps, ["x", "y"]),
+            Maps::Parametric(maps) => (maps.flat(), ["u", "v"]),
+        };
+        let places = self.places();
+        let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
+        write_picture(&maps, &PictureOptions { title: &headline(name, &self.document), contacts, axes }, out)
+    }
+}
+
+/// Equations and unknowns of the shape that was recognised.
+fn size(found: &Recognition) -> [usize; 2] {
+    let normals = if found.normals == NormalsUse::Believed { 2 * found.contacts } else { 0 };
+    [found.contacts + normals, found.hypothesis.unknowns()]
+}
+
+fn fit_part(found: &Recognition, spline: &RecognisedSpline, subject: &Subject) -> FitPart {
+    let knots = match spline {
+        RecognisedSpline::Height { surface, .. } => surface.knots(),
+        RecognisedSpline::Parametric { surface, .. } => surface.knots(),
+    };
+    let (degree, segments) = ([0, 1].map(|k| knots[k].degree()), [0, 1].map(|k| knots[k].n_segments()));
+    let [equations, unknowns] = size(found);
+    let noise = &found.noise;
+    FitPart {
+        degree,
+        segments,
+        weights: None,
+        chosen: Some(chosen(found, spline, degree, segments)),
+        lack_of_fit: Some(LackOfFitPart {
+            p: Some(found.misfit.p),
+            percent_of_relief: Some(found.misfit.percent_of_relief),
+            words: found.misfit.words.clone(),
+        }),
+        parametric: None,
+        sigma: Some(SigmaPart {
+            z: Some(noise.sd_z),
+            normal_deg: noise.sd_normal_deg,
+            slope: None,
+            shared: (noise.sd_correlated > 0.0).then_some(noise.sd_correlated),
+            shared_over: noise.correlation_length,
+        }),
+        method: "recognition".into(),
+        reason: format!("simple shapes weighed by their evidence; normals {}", found.normals.name()),
+        equations,
+        unknowns,
+        rank: unknowns,
+        condition: None,
+        backward_error: None,
+        promise: None,
+        refinements: 0,
+        smooth: 0.0,
+        rms: RmsPart { z: rms(found, subject.input), ..RmsPart::default() },
+        notes: subject.notes.iter().cloned().chain(set_aside(found)).chain(found.notes.iter().cloned()).collect(),
+    }
+}
+
+/// Root mean square distance of the contacts that belong to the surface.
+fn rms(found: &Recognition, input: &Input) -> Option<f64> {
+    let Input::Contacts(contacts) = input else {
+        let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis)?;
+        return Some(best.rms);
+    };
+    let distance = |r: usize| found.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]);
+    let mut squares: Vec<f64> = (0..contacts.len()).map(|r| distance(r).powi(2)).filter(|d| d.is_finite()).collect();
+    // those that lie farthest off are the ones set aside
+    squares.sort_unstable_by(f64::total_cmp);
+    let kept = &squares[..found.contacts.min(squares.len())];
+    (!kept.is_empty()).then(|| (kept.iter().sum::<f64>() / kept.len() as f64).sqrt())
+}
+
+/// Contacts and normals that were set aside or changed, in words.
+fn set_aside(found: &Recognition) -> Vec<String> {
+    let dropped = &found.dropped;
+    let counted = [
+        (dropped.outliers, "contacts lie too far off the surface to belong to it and are left out"),
+        (dropped.normals_of_length_zero, "normals of length 0 are left out"),
+        (dropped.normals_flipped, "normals pointed to the other side than their neighbours and were reversed"),
+        (dropped.normals_against, "normals are more than 60 degrees off the surface and are left out"),
+    ];
+    counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+}
+
+fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], segments: [usize; 2]) -> ChosenPart {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    let weight = best.map_or(1.0, |t| t.weight);
+    let next = found.tried.iter().find(|t| t.hypothesis != found.hypothesis);
+    let beside = next.map_or(String::new(), |t| format!("; next best: {} ({:.3})", t.hypothesis, t.weight));
+    let (surface, frame) = match spline {
+        RecognisedSpline::Height { .. } => ("height", "keep"),
+        RecognisedSpline::Parametric { .. } => ("parametric", "auto"),
+    };
+    ChosenPart {
+        surface: surface.into(),
+        why: format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described()),
+        degree: Some(degree),
+        segments: Some(segments),
+        frame: Some(frame.into()),
+        hypothesis: Some(found.hypothesis.name().into()),
+        tried: found
+            .tried
+            .iter()
+            .map(|t| TriedPart {
+                name: t.hypothesis.name().into(),
+                probability: Some(t.weight),
+                k1: Some(t.k1),
+                k2: Some(t.k2),
+                rms: Some(t.rms),
+            })
+            .collect(),
+    }
+}
+
+fn estimate(e: &Estimate) -> MeasurePart {
+    MeasurePart {
+        mean: Some(e.mean),
+        sd: Some(e.sd),
+        u: Some(e.u),
+        interval: Some(e.interval),
+        u_noise: Some(e.u_noise),
+        u_model: Some(e.u_model),
+        level: Some(e.level),
+        dof: Some(e.dof),
+    }
+}
+
+fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
+    let supported = || found.map.iter().filter(|p| p.supported);
+    let over_map = |pick: fn(&crate::recognition::MapPoint) -> f64, mean: f64| {
+        let values: Vec<f64> = supported().map(pick).filter(|k| k.is_finite()).collect();
+        super::document::SpreadPart { mean: Some(mean), ..spread_part(spread(values.into_iter())) }
+    };
+    let level = matches!(spline, RecognisedSpline::Height { .. });
+    let projected = |[x, y, _]: [f64; 3]| {
+        let angle = y.atan2(x).to_degrees().rem_euclid(180.0);
+        // rounding may leave 180 itself
+        if angle < 180.0 { angle } else { 0.0 }
+    };
+    let plane = found.class == ShapeClass::Plane;
+    ShapePart {
+        grid: found.grid,
+        shape_index: found.shape_index.as_ref().filter(|_| !plane).map(estimate).unwrap_or_default(),
+        curvedness: estimate(&found.curvedness),
+        radius: found.radius,
+        radius_interval: found.radius.and(found.radius_interval),
+        radii: found.radii,
+        class: Some(found.class.name().into()),
+        class_probability: shares(&found.class_probability),
+        k1: over_map(|p| p.k1, found.k1),
+        k2: over_map(|p| p.k2, found.k2),
+        direction_deg: found.direction.filter(|_| level).map(projected),
+        direction: found.direction.filter(|_| !level),
+        support: found.support.0 as f64 / found.support.1.max(1) as f64,
+        plane_p: None,
+    }
+}
