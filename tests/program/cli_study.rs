@@ -141,10 +141,6 @@ fn a_tolerance_is_reached_or_refused() {
         let off = found[quantity][end].as_f64().unwrap() - plain[quantity][end].as_f64().unwrap();
         assert!(off.abs() < 4.0 * error(&found).hypot(error(&plain)), "{quantity} {end} is {off} off");
     }
-    let line = "study noisy.toml --tolerance 2 --attribution 0 --json --checkpoint cut";
-    let whole = json(at, "study noisy.toml --tolerance 2 --attribution 0 --json");
-    palpate(at, &format!("{line} --budget 0.000001")).output().unwrap();
-    assert_eq!(json(at, line), whole);
     let refused = said(at, "study noisy.toml --tolerance 3 --replicates 200000");
     assert!(refused.contains("--tolerance 3 needs about") && refused.contains("200000 are allowed"), "{refused}");
     let late = said(at, "study noisy.toml --tolerance 4 --budget 0.001");

@@ -51,6 +51,25 @@ def spread(name, seconds, processor):
     print(f"{name:<28} least {min(milli):7.1f} ms   median {statistics.median(milli):7.1f} ms   processor {1e3 * statistics.median(processor):7.1f} ms")
 
 
+def numpy_peers():
+    """The NumPy peers of benches/peers."""
+    sys.path.insert(0, PEERS)
+    import numpy_peers
+
+    return numpy_peers
+
+
+def w4_arrays():
+    """x, y, z, zx, zy of w4's contacts without noise."""
+    import numpy as np
+
+    angle, x = math.radians(30), np.repeat([-4.0, 0.0, 4.0], 12)
+    y = np.tile(np.repeat(np.linspace(-4, 4, 6), 2), 3)
+    across = -x * math.sin(angle) + y * math.cos(angle)
+    depth = np.sqrt(6.6**2 - across**2)
+    return np.concatenate([x, y, depth - 6.6, across / depth * math.sin(angle), -across / depth * math.cos(angle)])
+
+
 def digits(options):
     """Time to two digits of both ends of S and R: with the control, by plain Monte Carlo, by NumPy."""
     study = ("study", W4, "--attribution", "0")
@@ -67,16 +86,7 @@ def digits(options):
             found[name].append(palpate(*study, *words)[1:])
     for name, pairs in found.items():
         spread(name, *zip(*pairs))
-    sys.path.insert(0, PEERS)
-    import numpy as np
-    import numpy_peers
-
-    angle, x = math.radians(30), np.repeat([-4.0, 0.0, 4.0], 12)
-    y = np.tile(np.repeat(np.linspace(-4, 4, 6), 2), 3)
-    across = -x * math.sin(angle) + y * math.cos(angle)
-    depth = np.sqrt(6.6**2 - across**2)
-    data = np.concatenate([x, y, depth - 6.6, across / depth * math.sin(angle), -across / depth * math.cos(angle)])
-    run, _ = numpy_peers.w4_numpy(data, count=plain)
+    run, _ = numpy_peers().w4_numpy(w4_arrays(), count=plain)
     times = []
     for _ in range(3):
         start, used = time.perf_counter(), time.process_time()
@@ -131,26 +141,46 @@ def parts(options):
 
 
 def throughput(options):
-    """Fits a second where sites move: palpate, a plain C++ loop, NumPy with SciPy's splines; one thread each."""
+    """Replicates a second, one thread each. Fixed sites: palpate, the C++ and NumPy of benches/peers/compare.py, 100,000 at a
+    time from the draws to intervals. Moving sites, one fit a replicate: palpate, a plain C++ loop, SciPy."""
+    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+    say = lambda *line: subprocess.run(line, check=True, capture_output=True, text=True, env=environment).stdout
+    flags = "-O3 -march=native -mprefer-vector-width=512 -ffast-math -fopenmp -I/usr/include/eigen3".split()
     with tempfile.TemporaryDirectory() as folder:
-        loop = os.path.join(folder, "refits")
-        flags = "-O3 -march=native -ffast-math -I/usr/include/eigen3".split()
-        subprocess.run(["g++", *flags, os.path.join(HERE, "refits.cpp"), "-o", loop], check=True)
-        found = {"palpate": [], "C++ loop": [], "SciPy": []}
-        answers = {}
+        at = lambda name: os.path.join(folder, name)
+        subprocess.run(["g++", *flags, os.path.join(PEERS, "cpp", "curvature.cpp"), "-o", at("noise"), "-lmvec", "-lm"], check=True)
+        subprocess.run(["g++", *flags, os.path.join(HERE, "refits.cpp"), "-o", at("refits")], check=True)
+        w4_arrays().tofile(at("w4.bin"))
+        best = lambda text: 1e5 / min(float(line.split()[1]) for line in text.splitlines() if line.startswith("T "))
+        peer = os.path.join(PEERS, "numpy_peers.py")
+
+        def study(scene, replicates):
+            words = ("study", scene, "--attribution", "0", "--replicates", replicates)
+            document = palpate(*words, threads=1)[0]
+            return document["replicates_per_second"], [document[q][k] for q in ("S", "R") for k in ("mean", "sd")]
+
+        def refits(*line):
+            words = [float(word) for word in say(*line).split()]
+            return words[0], words[1:]
+
+        ways = {
+            "fixed sites, palpate": lambda: study(W4, 2_000_000),
+            "fixed sites, C++": lambda: (best(say(at("noise"), "noise", at("w4.bin"), at("out"), "3")), []),
+            "fixed sites, NumPy": lambda: (best(say(sys.executable, peer, "w4_numpy", at("w4.bin"), at("out"), "1")), []),
+            "moving sites, palpate": lambda: study(MOVING, 50_000),
+            "moving sites, C++ loop": lambda: refits(at("refits"), "50000"),
+            "moving sites, SciPy": lambda: refits(sys.executable, os.path.join(HERE, "refits.py"), "2000"),
+        }
+        found = {name: [] for name in ways}
         for _ in range(options.runs):
-            document, _, _ = palpate("study", MOVING, "--attribution", "0", "--replicates", 50_000, threads=1)
-            found["palpate"].append(document["replicates_per_second"])
-            answers["palpate"] = [document[q][k] for q in ("S", "R") for k in ("mean", "sd")]
-            for name, line in (("C++ loop", [loop, "50000"]), ("SciPy", [sys.executable, os.path.join(HERE, "refits.py"), "2000"])):
-                environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-                words = subprocess.run(line, check=True, capture_output=True, text=True, env=environment).stdout.split()
-                found[name].append(float(words[0]))
-                answers[name] = [float(word) for word in words[1:]]
-        for name, rates in found.items():
-            mean_s, sd_s, mean_r, sd_r = answers[name]
-            print(f"{name:<10} {statistics.median(rates):>10.0f} fits a second ({min(rates):.0f} to {max(rates):.0f})   "
-                  f"S {mean_s:.4f} +- {sd_s:.4f}   R {mean_r:.5f} +- {sd_r:.5f}")
+            for name, run in ways.items():
+                found[name].append(run())
+    for name, runs in found.items():
+        rates = [rate for rate, _ in runs]
+        words = ""
+        if runs[0][1]:
+            words = "   S {:.4f} +- {:.4f}   R {:.5f} +- {:.5f}".format(*runs[0][1])
+        print(f"{name:<24} {statistics.median(rates):>10.0f} a second ({min(rates):.0f} to {max(rates):.0f}){words}")
 
 
 def main():
