@@ -24,7 +24,7 @@ use crate::simd::Isa;
 use super::failure::Failure;
 use super::options::{FitFlags, OutputFlags};
 use super::scene::Source;
-use super::values::{self, Way};
+use super::values::{self, PathChoice};
 
 /// Arguments of `palpate study`.
 #[derive(Args, Clone, Debug)]
@@ -67,10 +67,10 @@ pub(super) struct StudyArgs {
     /// Quantiles beside the intervals' ends, as 0.05,0.5
     #[arg(long, value_name = "P,..", value_delimiter = ',')]
     pub(super) quantile: Vec<f64>,
-    /// The way to S and R: auto, refit or whole
-    #[arg(long, value_name = "WAY", value_parser = values::way)]
-    pub(super) path: Option<Way>,
-    /// Replicates of each design for the shares of the effects; 0: none [default: by the way]
+    /// The path to S and R: auto, refit or whole
+    #[arg(long, value_name = "PATH", value_parser = values::study_path)]
+    pub(super) path: Option<PathChoice>,
+    /// Replicates of each design for the shares of the effects; 0: none [default: by the path]
     #[arg(long, value_name = "N")]
     pub(super) attribution: Option<usize>,
     /// Ask of each interval that a fit would print whether it holds the truth
@@ -122,7 +122,7 @@ impl StudyArgs {
         }
         options.quantities.extend(&self.quantity);
         options.quantiles.extend(&self.quantile);
-        if let Some(Way::Only(path)) = self.path {
+        if let Some(PathChoice::Only(path)) = self.path {
             options.path = Some(path);
         }
         options

@@ -6,7 +6,8 @@ use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::io::scene_file::SceneFileError;
-use crate::report::{SweepPoint, write_json, write_sweep_csv, write_sweep_picture, write_sweep_table};
+use crate::io::write_parquet;
+use crate::report::{SweepPoint, sweep_columns, write_json, write_sweep_csv, write_sweep_picture, write_sweep_table};
 
 use super::failure::Failure;
 use super::output::print;
@@ -76,7 +77,7 @@ fn axis(text: &str) -> Result<Axis, Failure> {
     Ok(Axis { key: key.into(), values })
 }
 
-/// Puts a number where the key says; tables on the way are made.
+/// Puts a number where the key says; tables that the key passes through are made.
 fn put(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
     let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
     let mut home = table;
@@ -178,6 +179,8 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     args.output.file("sweep.json", &mut |out| write_json(&document, out))?;
     args.output.file("sweep.csv", &mut |out| write_sweep_csv(&keys, &points, out))?;
     if args.output.out.is_some() {
+        let (names, columns) = sweep_columns(&keys, &points);
+        args.output.file("sweep.parquet", &mut |out| write_parquet("point", &names, &columns, out))?;
         args.output.file("sweep.svg", &mut |out| write_sweep_picture(&scene, &keys, &points, out))?;
     }
     args.output.publish()?;

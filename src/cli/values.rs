@@ -156,19 +156,19 @@ pub(super) fn range(text: &str) -> Result<[u64; 2], String> {
     }
 }
 
-/// A way that was asked for.
+/// A path that was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum PathChoice {
     Auto,
     Only(Path),
 }
 
 /// `auto`, `refit` or `whole`.
-pub(super) fn way(text: &str) -> Result<Way, String> {
+pub(super) fn study_path(text: &str) -> Result<PathChoice, String> {
     match text {
-        "auto" => Ok(Way::Auto),
-        "refit" => Ok(Way::Only(Path::Refit)),
-        "whole" => Ok(Way::Only(Path::Whole)),
+        "auto" => Ok(PathChoice::Auto),
+        "refit" => Ok(PathChoice::Only(Path::Refit)),
+        "whole" => Ok(PathChoice::Only(Path::Whole)),
         _ => Err("auto, refit or whole".into()),
     }
 }

@@ -55,7 +55,7 @@ pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
 pub use place::Place;
 pub(crate) use place::Places;
-pub(crate) use records::{RecordFormat, Records};
+pub(crate) use records::{RecordFormat, Records, write_parquet};
 pub(crate) use same_file::same_file;
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
 pub use surface_file::read_surface_bytes;

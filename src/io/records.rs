@@ -234,6 +234,25 @@ impl Records {
     }
 }
 
+/// A whole table in Parquet: the column `number` counts the rows from 0, the others are `columns`, all of one length.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write_parquet(
+    number: &str,
+    names: &[String],
+    columns: &[Vec<f64>],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let rows = columns.first().map_or(0, Vec::len);
+    let mut groups = RowGroups::numbered(number, names);
+    let (bytes, group) = groups.encode(parquet::MAGIC.len() as u64, &(0..rows as i64).collect::<Vec<i64>>(), columns);
+    groups.push(group);
+    out.write_all(parquet::MAGIC)?;
+    out.write_all(&bytes)?;
+    out.write_all(&groups.footer())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

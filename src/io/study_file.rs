@@ -8,11 +8,13 @@
 //! header carries what the study is a function of (scene, options, seed, build, instruction set), and a reader who finds
 //! another one refuses it by name. The arguments and the scene's text go along: whoever merges parts needs nothing else.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::montecarlo::{BatchEstimate, Bins, ExactSum, Histogram, Store, StudyError, StudyState, Tally};
+use crate::montecarlo::{BatchEstimate, Bins, ControlTally, ExactSum, Histogram, Store, StudyError, StudyState, Tally};
 
 use super::write_atomically;
 
@@ -117,6 +119,8 @@ struct Header {
     first_failure: Option<(u64, String)>,
     /// Bits.
     batches: Vec<[u64; 8]>,
+    /// Words of the control; none where there is none.
+    control: Vec<u64>,
     tallies: Vec<TallyHeader>,
 }
 
@@ -199,6 +203,7 @@ fn to_bytes(file: &StudyFile) -> Vec<u8> {
         failed: state.failed,
         first_failure: state.first_failure.clone(),
         batches: state.batches.iter().map(bits).collect(),
+        control: state.control.as_ref().map_or(Vec::new(), ControlTally::to_words),
         tallies,
     };
     // plain numbers and strings: nothing here can fail to be JSON
@@ -216,10 +221,15 @@ fn to_bytes(file: &StudyFile) -> Vec<u8> {
 /// # Errors
 /// Not there, not one of ours, or damaged.
 pub(crate) fn read_study(path: &Path) -> Result<StudyFile, StudyFileError> {
-    let bytes = std::fs::read(path).map_err(|source| StudyFileError::Read { file: path.to_path_buf(), source })?;
-    if !bytes.starts_with(MAGIC) {
+    let wrong = |source| StudyFileError::Read { file: path.to_path_buf(), source };
+    let mut file = File::open(path).map_err(wrong)?;
+    // the first bytes alone: a stranger may be longer than the memory, and a device has no end
+    let mut bytes = Vec::new();
+    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(wrong)?;
+    if bytes != MAGIC {
         return Err(StudyFileError::Foreign { file: path.to_path_buf() });
     }
+    file.read_to_end(&mut bytes).map_err(wrong)?;
     from_bytes(&bytes).map_err(|why| StudyFileError::Corrupted { file: path.to_path_buf(), why })
 }
 
@@ -251,6 +261,10 @@ fn from_bytes(bytes: &[u8]) -> Result<StudyFile, &'static str> {
     let batch = |bits: &[u64; 8]| {
         [[0, 1, 2, 3].map(|k| f64::from_bits(bits[k])), [4, 5, 6, 7].map(|k| f64::from_bits(bits[k]))]
     };
+    let control = match header.control.is_empty() {
+        true => None,
+        false => Some(ControlTally::from_words(&header.control).ok_or("its control has another length")?),
+    };
     Ok(StudyFile {
         identity: header.identity,
         arguments: header.arguments,
@@ -267,6 +281,7 @@ fn from_bytes(bytes: &[u8]) -> Result<StudyFile, &'static str> {
             failed: header.failed,
             first_failure: header.first_failure,
             batches: header.batches.iter().map(batch).collect(),
+            control,
         },
     })
 }
@@ -320,6 +335,7 @@ mod tests {
             failed: 1,
             first_failure: Some((5, "flat".into())),
             batches: vec![[[0.1, f64::NAN, 0.3, 0.4], [1.0, 2.0, 3.0, f64::INFINITY]]],
+            control: ControlTally::from_words(&[3; ControlTally::WORDS]),
         };
         let identity = StudyIdentity {
             scene_hash: text_hash("scene"),

@@ -1,4 +1,4 @@
-//! The way from a replicate's number to its S and R, chosen by the scene.
+//! The path from a replicate's number to its S and R, chosen by the scene.
 //!
 //! ```text
 //! fixed sites    sites stand still, rows are linear (or linearised): one factor for all replicates       LinearRows
@@ -9,65 +9,24 @@
 //! Numbers come in blocks of [`REPLICATES`] replicates that begin at multiples of it; a replicate's own do not depend on which of
 //! its neighbours are asked for, nor on the number of threads.
 
-use std::fmt;
-
+use super::control::LinearControl;
 use super::error::StudyError;
 use super::evaluator::Evaluator;
 use super::linear_rows::{LinearRows, direct_lane};
-use super::problem::{Problem, Rows};
+use super::path::{Path, choose, row_noise};
+use super::problem::Problem;
 use super::quantity::Quantity;
 use super::refit::Refit;
 use super::rest::AtRest;
 use super::whole::Whole;
 use crate::contact::Contacts;
-use crate::draws::{EffectDraws, NoiseLaw};
-use crate::fit::{Fit, FitOptions, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind};
+use crate::draws::EffectDraws;
+use crate::fit::{Fit, FitOptions, OutsideDomain, SurfaceKind};
 use crate::fit::{FitError, fit_contacts};
 use crate::scene::{ContactBatch, Simulator};
 use crate::shape::ShapeGrid;
 use crate::simd::{Isa, REPLICATES};
 use crate::threads;
-
-/// Which of the ways.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Path {
-    /// One factor for all replicates, rows linear as they are.
-    FixedSites,
-    /// One factor, normal rows linearised at the nominal surface.
-    Linearised,
-    /// One small fit with a known pattern each.
-    Refit,
-    /// One whole fit each.
-    Whole,
-}
-
-impl Path {
-    /// The word on the command line and in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Path::FixedSites => "fixed sites",
-            Path::Linearised => "fixed sites, linearised",
-            Path::Refit => "refit",
-            Path::Whole => "whole fits",
-        }
-    }
-
-    /// Replicates between two reports: a tenth of a second's work or so.
-    pub fn chunk(self) -> u64 {
-        match self {
-            Path::FixedSites | Path::Linearised => 1 << 17,
-            Path::Refit => 1 << 14,
-            Path::Whole => 1 << 8,
-        }
-    }
-}
-
-impl fmt::Display for Path {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// Where the random numbers of each stage come from: its addressed draws unless told otherwise.
 pub(super) type Draws<'a> = &'a (dyn Fn(usize) -> EffectDraws + Sync);
@@ -83,6 +42,8 @@ pub struct Values {
     pub failed: Vec<(u64, String)>,
     /// Replicates whose contacts a whole fit could not tell from a plane.
     pub planes: u64,
+    /// The linear law of S and of R in each replicate, in standard deviations, where it was asked for.
+    pub control: Vec<Vec<f64>>,
 }
 
 /// A scene's replicates, ready to be computed.
@@ -108,16 +69,17 @@ enum Kind {
 
 /// Output of one block.
 struct Computed {
+    /// Quantities, and behind them the control's where it was asked for.
     values: Vec<[f64; REPLICATES]>,
     failed: Vec<(usize, String)>,
     planes: [bool; REPLICATES],
 }
 
 impl Engine {
-    /// Chooses the way for this scene; `only` forces one, where it can be had.
+    /// Chooses the path for this scene; `only` forces one, where it can be had.
     ///
     /// # Errors
-    /// A way that cannot be had, and every error of a fit that the nominal contacts have already.
+    /// A path that cannot be had, and every error of a fit that the nominal contacts have already.
     pub fn new(
         simulator: Simulator,
         options: &FitOptions,
@@ -191,7 +153,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// The way taken.
+    /// The path taken.
     pub fn path(&self) -> Path {
         self.path
     }
@@ -226,8 +188,19 @@ impl Engine {
         self.domain
     }
 
+    /// The linear law as a control of S and R, where it is known exactly.
+    pub fn control(&self) -> Option<LinearControl> {
+        let Kind::Linear { rows, evaluator, .. } = &self.kind else { return None };
+        LinearControl::new(rows, evaluator)
+    }
+
     /// Values of `count` replicates from `first` on, under `seed`.
     pub fn values(&self, seed: u64, first: u64, count: usize) -> Values {
+        self.values_beside(None, seed, first, count)
+    }
+
+    /// The same, with the control's values beside them where there is a control of this engine.
+    pub fn values_beside(&self, control: Option<&LinearControl>, seed: u64, first: u64, count: usize) -> Values {
         let draws = |stage: usize| self.simulator.draws(stage, seed);
         let Kind::Linear { rows, evaluator, .. } = &self.kind else { return self.values_from(&draws, first, count) };
         if !rows.is_direct() {
@@ -240,6 +213,7 @@ impl Engine {
             rows.direct(isa, &own, start, c);
             let mut values = vec![[f64::NAN; REPLICATES]; self.quantities.len()];
             evaluator.block(isa, c, &mut values);
+            values.extend(control.into_iter().flat_map(|control| control.block(c)));
             for row in &mut values {
                 let lanes = *row;
                 (0..REPLICATES).for_each(|k| row[k] = lanes[direct_lane(k)]);
@@ -335,7 +309,7 @@ impl Engine {
 
     fn empty(&self, first: u64, count: usize) -> Values {
         let columns = self.quantities.iter().map(|_| Vec::with_capacity(count)).collect();
-        Values { first, columns, failed: Vec::new(), planes: 0 }
+        Values { first, columns, ..Values::default() }
     }
 
     /// Blocks on all threads, put together in their order.
@@ -356,7 +330,10 @@ impl Engine {
             let start = (from + k as u64) * lanes;
             let lo = first.saturating_sub(start) as usize;
             let hi = (first + count as u64 - start).min(lanes) as usize;
-            out.columns.iter_mut().zip(&block.values).for_each(|(column, row)| column.extend_from_slice(&row[lo..hi]));
+            let rows = block.values.iter().map(|row| &row[lo..hi]);
+            out.control.resize_with(block.values.len() - out.columns.len(), || Vec::with_capacity(count));
+            let columns = out.columns.iter_mut().chain(&mut out.control);
+            columns.zip(rows).for_each(|(column, row)| column.extend_from_slice(row));
             let failed = block.failed.into_iter().filter(|(lane, _)| (lo..hi).contains(lane));
             out.failed.extend(failed.map(|(lane, why)| (start + lane as u64, why)));
             out.planes += block.planes[lo..hi].iter().filter(|plane| **plane).count() as u64;
@@ -378,62 +355,6 @@ fn extent(contacts: &Contacts) -> [f64; 4] {
         |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
     let ((x0, x1), (y0, y1)) = (ends(&contacts.x), ends(&contacts.y));
     [x0, x1, y0, y1]
-}
-
-/// What the scene calls for, before the nominal fit is looked at.
-fn choose(simulator: &Simulator, options: &FitOptions) -> (Path, String) {
-    let whole = |why: &str| (Path::Whole, why.to_string());
-    if options.surface != SurfaceKind::Height {
-        return whole("the surface is parametric, or may be");
-    }
-    if options.robust != Robust::None {
-        return whole("a robust loss weights every replicate's contacts anew");
-    }
-    if options.smooth == Smooth::Auto {
-        return whole("the smoothing is found with every fit");
-    }
-    let normals = match options.objective {
-        Objective::Slopes(SlopeWeights::Auto) => return whole("the weights are found with every fit"),
-        Objective::Auto | Objective::Normals(NormalSigma::Auto) => {
-            return whole("the noise levels are found with every fit");
-        }
-        Objective::Slopes(_) => false,
-        Objective::Normals(NormalSigma::Known { .. }) => true,
-    };
-    match (moving(simulator), normals) {
-        (None, false) => {
-            (Path::FixedSites, "no effect moves a site or loses a reading, and slope rows are linear".into())
-        }
-        (None, true) => (
-            Path::Linearised,
-            "no effect moves a site or loses a reading; normal rows are linearised at the nominal surface".into(),
-        ),
-        (Some(stage), false) => (Path::Refit, format!("{stage} moves sites or loses readings; slope rows are linear")),
-        (Some(stage), true) => {
-            (Path::Whole, format!("{stage} moves sites or loses readings, and normal rows take Gauss-Newton steps"))
-        }
-    }
-}
-
-/// The first stage by which sites differ between replicates.
-fn moving(simulator: &Simulator) -> Option<&'static str> {
-    let mut random = false;
-    for stage in simulator.stages() {
-        let own = stage.draws_per_contact() > 0;
-        if !stage.keeps_sites() && (own || random) {
-            return Some(stage.name());
-        }
-        random |= own;
-    }
-    None
-}
-
-/// Sds of z and slopes, where row noise of the normal law is the only effect and the rows are slopes.
-fn row_noise(simulator: &Simulator, problem: &Problem) -> Option<[f64; 2]> {
-    let [stage] = simulator.stages() else { return None };
-    let plain = stage.name() == super::ROW_NOISE && simulator.laws() == [NoiseLaw::Normal];
-    let slopes = matches!(problem.rows(), Rows::Slopes(_));
-    stage.row_sds().filter(|_| plain && slopes)
 }
 
 fn evaluator(

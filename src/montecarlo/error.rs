@@ -25,10 +25,10 @@ pub enum StudyError {
         /// What would be right.
         expected: String,
     },
-    /// The way asked for cannot be had.
+    /// The path asked for cannot be had.
     #[error("--path {asked} cannot be had for this scene: {why}")]
     Path {
-        /// The way asked for.
+        /// The path asked for.
         asked: &'static str,
         /// Why the scene calls for another.
         why: String,

@@ -49,14 +49,8 @@ impl Evaluator {
 
     /// `out[q][lane]` for every lane's coefficients.
     pub(super) fn block(&self, isa: Isa, c: &[[f64; REPLICATES]], out: &mut [[f64; REPLICATES]]) {
-        let [s, r, ..] = out else { return };
-        if !(2..=4).contains(&self.degree[0]) || !mean_shapes(isa, self.degree, &self.tables, c, s, r) {
-            for lane in 0..REPLICATES {
-                let own: Vec<f64> = c.iter().map(|lanes| lanes[lane]).collect();
-                [s[lane], r[lane]] = self.means(&own);
-            }
-        }
-        r.iter_mut().for_each(|r| *r /= self.frame.scale);
+        let Some(means) = out.first_chunk_mut() else { return };
+        self.means_of_lanes(isa, c, means);
         if self.quantities.len() > 2 {
             for lane in 0..REPLICATES {
                 let own: Vec<f64> = c.iter().map(|lanes| lanes[lane]).collect();
@@ -66,6 +60,17 @@ impl Evaluator {
                 out.iter_mut().zip(values).for_each(|(row, value)| row[lane] = value);
             }
         }
+    }
+
+    /// Mean S and mean R, input units, for every lane's coefficients.
+    pub(super) fn means_of_lanes(&self, isa: Isa, c: &[[f64; REPLICATES]], [s, r]: &mut [[f64; REPLICATES]; 2]) {
+        if !(2..=4).contains(&self.degree[0]) || !mean_shapes(isa, self.degree, &self.tables, c, s, r) {
+            for lane in 0..REPLICATES {
+                let own: Vec<f64> = c.iter().map(|lanes| lanes[lane]).collect();
+                [s[lane], r[lane]] = self.means(&own);
+            }
+        }
+        r.iter_mut().for_each(|r| *r /= self.frame.scale);
     }
 
     fn surface(&self, c: &[f64]) -> Option<HeightField> {

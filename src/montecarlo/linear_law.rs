@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! u^2 = sum_e sum_k (dy/dn_ek)^2        n_ek the random numbers of effect e, each of mean 0 and sd 1
-//! dy/dn = (y(h) - y(-h))/(2 h)          y the whole way: contacts, fit, curvatures, mean over the grid
+//! dy/dn = (y(h) - y(-h))/(2 h)          y by the whole path: contacts, fit, curvatures, mean over the grid
+//! h = 0.05; 1 where that gives another variance: readings that come in steps have a derivative of 0 or of a spike
 //! valid where both ends of y +- k u lie within delta of the Monte Carlo's              JCGM 101:2008, clause 8
 //! ```
 //!
@@ -20,9 +21,14 @@ use super::summary::Summary;
 use crate::draws::{DrawSource, EffectDraws};
 use crate::scene::Smoothness;
 
-/// Half the step of a difference in standard deviations: its error is that share squared of a third derivative, and
-/// quantised readings are seen across their steps rather than on them.
+/// Half the step of a difference in standard deviations: its error is that share squared of a third derivative.
 const STEP: f64 = 0.05;
+/// Half the step over readings that come in steps of their own: the noise's own size, which crosses as many of them as the
+/// noise does.
+const LONG_STEP: f64 = 1.0;
+/// A variance that differs by more between both steps is one of stepped readings: a smooth effect of so many numbers, each a
+/// small part of the whole, hardly bends over one standard deviation.
+const BEND: f64 = 1.25;
 /// Most random numbers that are differentiated: each costs two replicates.
 const MOST_NUMBERS: usize = 200_000;
 
@@ -63,6 +69,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
     let mut reasons: Vec<String> = Vec::new();
     let contacts = engine.simulator().sites().len();
     let rest = AtRest::shared(engine.simulator());
+    let mut stepped = Vec::new();
     for (number, stage) in engine.simulator().stages().iter().enumerate() {
         let per = stage.draws_per_contact();
         if per == 0 {
@@ -76,16 +83,20 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
             reasons.push(format!("{} draws {} numbers, too many to differentiate", stage.name(), contacts * per));
             continue;
         }
-        let poked: Arc<dyn DrawSource> =
-            Arc::new(Poked { per, h: STEP, rest: stage.rest(), smoothness: stage.smoothness() });
-        let draws =
-            |own: usize| EffectDraws::from_source(if own == number { poked.clone() } else { rest[own].clone() });
-        let values = engine.values_from(&draws, 0, 2 * contacts * per);
-        let variance = |column: &Vec<f64>| {
-            let (pairs, _) = column.as_chunks::<2>();
-            pairs.iter().map(|[up, down]| ((up - down) / (2.0 * STEP)).powi(2)).sum::<f64>()
+        let variances = |h: f64| {
+            let poked: Arc<dyn DrawSource> =
+                Arc::new(Poked { per, h, rest: stage.rest(), smoothness: stage.smoothness() });
+            let draws =
+                |own: usize| EffectDraws::from_source(if own == number { poked.clone() } else { rest[own].clone() });
+            let values = engine.values_from(&draws, 0, 2 * contacts * per);
+            [0, 1].map(|q| variance(&values.columns[q], h))
         };
-        law.by_stage.push((stage.name(), [variance(&values.columns[0]), variance(&values.columns[1])]));
+        let (short, long) = (variances(STEP), variances(LONG_STEP));
+        let bends = (0..2).any(|q| short[q] > BEND * long[q] || long[q] > BEND * short[q]);
+        if bends {
+            stepped.push(stage.name());
+        }
+        law.by_stage.push((stage.name(), if bends { long } else { short }));
     }
     let complete = reasons.is_empty();
     let k = std::f64::consts::SQRT_2 * erf::erf_inv(level);
@@ -109,7 +120,16 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
     } else {
         reasons.join("; ")
     };
+    if !stepped.is_empty() {
+        law.why += &format!("; {} differenced over one sd, its readings come in steps", stepped.join(", "));
+    }
     law
+}
+
+/// Sum of the squared derivatives of pairs `+h`, `-h`.
+fn variance(column: &[f64], h: f64) -> f64 {
+    let (pairs, _) = column.as_chunks::<2>();
+    pairs.iter().map(|[up, down]| ((up - down) / (2.0 * h)).powi(2)).sum()
 }
 
 fn compare(summary: Option<&Summary>, [lo, hi]: [f64; 2], sd: f64) -> Result<(), String> {

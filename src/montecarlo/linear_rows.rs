@@ -110,6 +110,11 @@ impl LinearRows {
         }
     }
 
+    /// What a standard normal draw does to each coefficient, `[contact][unknown]`, where row noise is the only effect.
+    pub(super) fn of_draws(&self) -> Option<&Vec<Vec<[f64; 3]>>> {
+        self.of_draws.as_ref()
+    }
+
     /// Whether draws go to coefficients without contacts in between.
     pub(super) fn is_direct(&self) -> bool {
         self.of_draws.is_some()

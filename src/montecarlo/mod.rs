@@ -5,6 +5,7 @@
 //! ```
 
 mod attribution;
+mod control;
 mod coverage;
 mod engine;
 mod error;
@@ -16,6 +17,7 @@ mod linear_law;
 mod linear_rows;
 mod options;
 mod order;
+mod path;
 mod problem;
 mod quantity;
 mod refit;
@@ -31,10 +33,12 @@ mod whole;
 pub use attribution::attribute;
 pub use attribution::{Attribution, EffectShare, Share};
 #[doc(hidden)]
+pub use control::ControlTally;
+#[doc(hidden)]
 pub use coverage::{Coverages, Held, coverage};
 #[doc(hidden)]
 pub use engine::Engine;
-pub use engine::{Path, Values};
+pub use engine::Values;
 pub use error::StudyError;
 #[doc(hidden)]
 pub use exact_sum::ExactSum;
@@ -50,6 +54,7 @@ pub use options::{StoppingRule, StudyOptions, Tolerance};
 pub use order::Coverage;
 #[doc(hidden)]
 pub use order::{Counted, Ranked, Sorted};
+pub use path::Path;
 pub use quantity::{PointQuantity, Quantity};
 #[doc(hidden)]
 pub use state::BatchEstimate;

@@ -1,7 +1,7 @@
 //! Options of a study: the `[study]` section of a scene file, and what the command line may say.
 
-use super::engine::Path;
 use super::error::StudyError;
+use super::path::Path;
 use super::quantity::Quantity;
 
 /// Most replicates whose values are all kept (64 MB for S and R); beyond, they are counted in bins.
@@ -52,7 +52,7 @@ pub struct StudyOptions {
     pub quantities: Vec<Quantity>,
     /// Quantiles beside the intervals' ends, each in (0, 1).
     pub quantiles: Vec<f64>,
-    /// The way, where one is forced.
+    /// The path, where one is forced.
     pub path: Option<Path>,
 }
 

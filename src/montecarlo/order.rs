@@ -107,7 +107,7 @@ impl Ranked<'_> {
     }
 
     /// Standard error of the value at `rank`.
-    pub fn standard_error(&self, rank: f64) -> f64 {
+    pub(super) fn standard_error(&self, rank: f64) -> f64 {
         let m = self.len() as f64;
         let share = ((rank - 0.5) / m).clamp(0.5 / m, 1.0 - 0.5 / m);
         let k = (m * share * (1.0 - share)).sqrt();
@@ -120,9 +120,14 @@ impl Ranked<'_> {
         if m < 2 {
             return None;
         }
-        let q = covered(level, m);
-        let r = ((m - q) as f64 / 2.0 + 0.5).floor().max(1.0);
-        Some(self.coverage(r, q))
+        Some(self.corrected(level, [0.0; 2], [0.0; 2]))
+    }
+
+    /// The symmetric interval, its ranks moved by `ranks` and its standard errors shrunk by `sqrt(1 - beta^2)`; two values or more.
+    pub fn corrected(&self, level: f64, ranks: [f64; 2], beta: [f64; 2]) -> Coverage {
+        let [r, top] = symmetric_ranks(level, self.len());
+        // the spread is that of the plain ranks: over the few that a good control leaves it would be known badly
+        self.coverage([r + ranks[0], top + ranks[1]], beta.map(|beta| (1.0 - beta * beta).max(0.0).sqrt()))
     }
 
     /// The shortest interval; the first of several. Its ends' standard errors are those of order statistics at its ranks:
@@ -153,16 +158,22 @@ impl Ranked<'_> {
                 }
             }
         }
-        Some(self.coverage(best.1, q))
+        Some(self.coverage([best.1, best.1 + q as f64], [1.0; 2]))
     }
 
-    fn coverage(&self, r: f64, q: u64) -> Coverage {
-        let top = r + q as f64;
+    fn coverage(&self, [r, top]: [f64; 2], by: [f64; 2]) -> Coverage {
         Coverage {
             interval: Interval { lo: self.at(r), hi: self.at(top) },
-            standard_error: [self.standard_error(r), self.standard_error(top)],
+            standard_error: [by[0] * self.standard_error(r), by[1] * self.standard_error(top)],
         }
     }
+}
+
+/// Ranks r and r + q of the probabilistically symmetric interval of two values or more: JCGM 101, 7.7.2.
+pub(super) fn symmetric_ranks(level: f64, m: u64) -> [f64; 2] {
+    let q = covered(level, m);
+    let r = ((m - q) as f64 / 2.0 + 0.5).floor().max(1.0);
+    [r, r + q as f64]
 }
 
 /// q of JCGM 101, 7.7.2, at most M - 1.

@@ -52,7 +52,7 @@ impl Refit {
         Ok(Refit { plan, weights, columns: Default::default() })
     }
 
-    /// Coefficients of the replicate at `lane` of a simulated batch.
+    /// Coefficients of the replicate at `replicate` of a simulated batch.
     ///
     /// # Errors
     /// A normal without a slope, contacts that leave coefficients free.
@@ -60,12 +60,12 @@ impl Refit {
         &mut self,
         problem: &Problem,
         batch: &ContactBatch,
-        lane: usize,
+        replicate: usize,
         out: &mut [f64],
     ) -> Result<(), RefitError> {
         self.columns.iter_mut().for_each(Vec::clear);
-        for contact in (0..batch.contacts()).filter(|contact| !batch.is_lost(*contact, lane)) {
-            let entry = contact * batch.replicates() + lane;
+        for contact in (0..batch.contacts()).filter(|contact| !batch.is_lost(*contact, replicate)) {
+            let entry = contact * batch.replicates() + replicate;
             let [x, y, z] = problem.local(batch.points[entry]);
             let [nx, ny, nz] = batch.normals[entry];
             let (zx, zy) = (-nx / nz, -ny / nz);

@@ -3,9 +3,11 @@
 //! Everything in it is a sum of whole numbers or an exact sum, so a state depends on which replicates were seen and on
 //! nothing else; batches of the stopping rule are numbered and belong to the run, not to a part.
 
+use super::control::ControlTally;
 use super::engine::{Engine, Values};
 use super::histogram::Bins;
 use super::options::{KEPT, PILOT, StudyOptions};
+use super::stopping::batch_estimate;
 use super::tally::{OtherBins, Tally};
 use crate::curvature::ShapeClass;
 
@@ -31,12 +33,15 @@ pub struct StudyState {
     pub first_failure: Option<(u64, String)>,
     /// Estimates of the batches that the stopping rule has seen.
     pub batches: Vec<BatchEstimate>,
+    /// The control beside S and R; `None` where there is none, or a replicate had no S or R.
+    pub control: Option<ControlTally>,
 }
 
 impl StudyState {
     /// Nothing seen yet, from replicate `from` on.
     pub fn new(engine: &Engine, seed: u64, options: &StudyOptions, from: u64) -> StudyState {
-        let bins: Vec<Option<Bins>> = if options.most() <= KEPT {
+        // how many a tolerance takes is not known yet: they are kept as long as there is room
+        let bins: Vec<Option<Bins>> = if options.tolerance.is_some() || options.most() <= KEPT {
             vec![None; engine.quantities().len()]
         } else {
             let mut pilot = engine.values(seed, 0, PILOT).columns;
@@ -59,6 +64,7 @@ impl StudyState {
             failed: 0,
             first_failure: None,
             batches: Vec::new(),
+            control: None,
         }
     }
 
@@ -67,9 +73,25 @@ impl StudyState {
         self.to - self.from
     }
 
+    /// Looks at the values of the next batch of the stopping rule, before they are taken in.
+    pub fn look(&mut self, values: &Values, level: f64) {
+        let undefined = values.columns.iter().take(2).flatten().any(|v| !v.is_finite());
+        let estimate = match self.control.as_mut().filter(|_| !undefined) {
+            Some(control) => control.look(&values.columns, &values.control, level),
+            None => batch_estimate(&values.columns, level),
+        };
+        self.batches.push(estimate);
+    }
+
     /// Takes the values of the next replicates in.
-    pub fn take(&mut self, values: &Values) {
+    pub fn take(&mut self, values: &Values, level: f64) {
         let Some(s) = values.columns.first() else { return };
+        if values.columns.iter().take(2).flatten().any(|v| !v.is_finite()) {
+            self.control = None;
+        }
+        if let Some(control) = &mut self.control {
+            control.take(&values.control, level);
+        }
         self.to += s.len() as u64;
         for own in s.iter().filter(|s| s.is_finite()) {
             let class = ShapeClass::of_shape_index(*own);
@@ -80,6 +102,7 @@ impl StudyState {
         // one thread a quantity: each tally is one thread's
         crate::threads::each(&mut self.tallies, |k, tally| {
             if let Some(column) = values.columns.get(k) {
+                tally.make_room(column.len() as u64);
                 tally.extend(column);
             }
         });

@@ -17,9 +17,14 @@ use super::state::BatchEstimate;
 /// Batches of the first stage.
 const FIRST: u64 = 10;
 
-/// Replicates of a batch: JCGM 101, 7.9.4 b, raised to a multiple of 1024.
-pub fn batch_size(level: f64) -> u64 {
-    let least = (100.0 / (1.0 - level)).ceil().max(10_000.0);
+/// Least replicates of a batch with a control: ten batches are the least that a study can do, and with a control ten of the
+/// Guide's would be more than two digits take.
+const CONTROLLED: f64 = 4096.0;
+
+/// Replicates of a batch: JCGM 101, 7.9.4 b, raised to a multiple of 1024. With the linear law as a control the Guide's
+/// 10,000 become [`CONTROLLED`].
+pub fn batch_size(level: f64, controlled: bool) -> u64 {
+    let least = (100.0 / (1.0 - level)).ceil().max(if controlled { CONTROLLED } else { 10_000.0 });
     (least as u64).next_multiple_of(1024)
 }
 
@@ -106,8 +111,9 @@ mod tests {
             assert!((found / delta - 1.0).abs() < 1e-12, "{u} {digits}: {found}");
         }
         assert_eq!(numerical_tolerance(0.0, 2), None);
-        assert_eq!(batch_size(0.95), 10_240);
-        assert_eq!(batch_size(0.9999), 1_000_448);
+        assert_eq!(batch_size(0.95, false), 10_240);
+        assert_eq!(batch_size(0.9999, false), 1_000_448);
+        assert_eq!(batch_size(0.95, true), 4096);
     }
 
     /// Both rules on a normal law whose endpoint is known: how often the stated error holds. Stein's must reach 95 %.

@@ -1,12 +1,13 @@
 //! A study from its first replicate to its last: range, stopping, and a caller who watches.
 
 use super::attribution::{Attribution, attribute};
+use super::control::{ControlTally, LinearControl};
 use super::engine::{Engine, Values};
 use super::error::StudyError;
 use super::linear_law::{LinearLaw, linear_law};
-use super::options::StudyOptions;
+use super::options::{StoppingRule, StudyOptions};
 use super::state::StudyState;
-use super::stopping::{batch_estimate, batch_size, batches_wanted};
+use super::stopping::{batch_size, batches_wanted};
 use super::summary::{ClassShares, Summary, class_shares, summarise};
 use crate::fit::FitOptions;
 use crate::scene::Simulator;
@@ -51,6 +52,8 @@ pub struct Study {
     options: StudyOptions,
     seed: u64,
     truth: [Option<f64>; 2],
+    /// The control, where Stein's rule may count on it.
+    control: Option<LinearControl>,
 }
 
 /// Everything a study says.
@@ -75,7 +78,10 @@ impl Study {
         options.check()?;
         let engine = Engine::new(simulator, fit, &options.quantities, options.path)?;
         let truth = truth(&engine);
-        Ok(Study { engine, options, seed, truth })
+        // the Guide's own rule is left as the Guide has it
+        let stein = options.tolerance.is_some_and(|tolerance| tolerance.rule == StoppingRule::Stein);
+        let control = if stein { engine.control() } else { None };
+        Ok(Study { engine, options, seed, truth, control })
     }
 
     /// The engine.
@@ -100,7 +106,9 @@ impl Study {
 
     /// A state in which nothing was seen, from replicate `from` on.
     pub fn start(&self, from: u64) -> StudyState {
-        StudyState::new(&self.engine, self.seed, &self.options, from)
+        let mut state = StudyState::new(&self.engine, self.seed, &self.options, from);
+        state.control = self.control.as_ref().map(|_| ControlTally::default());
+        state
     }
 
     /// Runs from where `state` stands up to replicate `to`, or until the tolerance is met where there is one. `watch` is
@@ -114,7 +122,7 @@ impl Study {
         to: u64,
         watch: &mut dyn FnMut(&Progress<'_>) -> bool,
     ) -> Result<(StudyState, Stopped), StudyError> {
-        let batch = batch_size(self.options.level);
+        let batch = batch_size(self.options.level, self.control.is_some());
         loop {
             let mut end = to;
             if let Some(tolerance) = self.options.tolerance {
@@ -138,11 +146,12 @@ impl Study {
             // estimates are made of whole batches, as long as the rule looks at them
             let looks = self.options.tolerance.is_some_and(|t| batches_wanted(t, &state.batches) <= 10 || t.looks_on());
             let count = if looks { batch.min(left) } else { self.engine.path().chunk().min(left) };
-            let values = self.engine.values(self.seed, state.to, count as usize);
+            let control = self.control.as_ref().filter(|_| state.control.is_some());
+            let values = self.engine.values_beside(control, self.seed, state.to, count as usize);
             if looks {
-                state.batches.push(batch_estimate(&values.columns, self.options.level));
+                state.look(&values, self.options.level);
             }
-            state.take(&values);
+            state.take(&values, self.options.level);
             if !watch(&Progress { state: &state, values: &values, end }) {
                 return Ok((state, Stopped::Budget));
             }
@@ -153,12 +162,17 @@ impl Study {
     pub fn result(&self, state: &StudyState, attribution: usize) -> StudyResult {
         let (level, quantiles) = (self.options.level, &self.options.quantiles);
         let truths = self.truth.into_iter().chain(std::iter::repeat(None));
+        let control = |q: usize| {
+            let control = state.control.as_ref().filter(|control| q < 2 && control.seen() == state.done())?;
+            Some(control.correction(q, level, state.tallies[q].sd()?.powi(2)))
+        };
         let quantities: Vec<Summary> = state
             .tallies
             .iter()
             .zip(truths)
             .zip(self.engine.nominal())
-            .map(|((tally, truth), nominal)| summarise(tally, level, quantiles, truth, *nominal))
+            .enumerate()
+            .map(|(q, ((tally, truth), nominal))| summarise(tally, level, quantiles, truth, *nominal, control(q)))
             .collect();
         let linear = linear_law(&self.engine, level, &quantities);
         let attribution = (attribution > 0).then(|| attribute(&self.engine, self.seed, attribution, &linear));

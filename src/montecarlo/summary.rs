@@ -1,5 +1,6 @@
 //! What a study says: means, intervals, class shares, each with how far it is converged.
 
+use super::control::Correction;
 use super::order::{Coverage, Ranked};
 use super::state::StudyState;
 use super::tally::{Store, Tally};
@@ -28,6 +29,9 @@ pub struct Summary {
     pub quantiles: Vec<[f64; 3]>,
     /// Replicates in which it was undefined.
     pub undefined: u64,
+    /// Beta of both ends where the linear law stood by as a control: each end is known as if there were 1/(1 - beta^2) times
+    /// as many replicates.
+    pub control: Option<[f64; 2]>,
     /// Width of the bins that the values lie in at the interval's ends; 0 where all values are kept.
     pub resolution: f64,
 }
@@ -44,11 +48,23 @@ pub struct ClassShares {
 }
 
 /// Summarises a tally.
-pub fn summarise(tally: &Tally, level: f64, quantiles: &[f64], truth: Option<f64>, nominal: f64) -> Summary {
+pub fn summarise(
+    tally: &Tally,
+    level: f64,
+    quantiles: &[f64],
+    truth: Option<f64>,
+    nominal: f64,
+    control: Option<Correction>,
+) -> Summary {
     let ranked = tally.ranked();
-    let mean = tally.mean();
-    let sd = tally.sd();
-    let symmetric = ranked.symmetric(level);
+    let mean = tally.mean().map(|mean| mean + control.map_or(0.0, |c| c.mean));
+    let plain_sd = tally.sd();
+    let sd = plain_sd.map(|sd| control.map_or(sd, |c| (sd * sd + c.variance).sqrt()));
+    let left = control.map_or(1.0, |c| c.left.sqrt());
+    let symmetric = match control.filter(|_| ranked.len() > 1) {
+        Some(control) => Some(ranked.corrected(level, control.ranks, control.beta)),
+        None => ranked.symmetric(level),
+    };
     Summary {
         mean,
         sd,
@@ -57,9 +73,10 @@ pub fn summarise(tally: &Tally, level: f64, quantiles: &[f64], truth: Option<f64
         nominal: Some(nominal).filter(|v| v.is_finite()),
         symmetric,
         shortest: ranked.shortest(level),
-        standard_error: sd.map(|sd| sd / (tally.count as f64).sqrt()),
+        standard_error: plain_sd.map(|sd| left * sd / (tally.count as f64).sqrt()),
         quantiles: quantiles.iter().filter_map(|share| quantile(&ranked, *share)).collect(),
         undefined: tally.undefined,
+        control: control.map(|c| c.beta),
         resolution: resolution(tally, symmetric),
     }
 }

@@ -9,6 +9,7 @@
 
 use super::exact_sum::ExactSum;
 use super::histogram::{Bins, Histogram};
+use super::options::{KEPT, PILOT};
 use super::order::{Counted, Ranked, Sorted};
 
 /// How the values are kept.
@@ -84,6 +85,19 @@ impl Tally {
                 Store::Counts(histogram) => histogram.add(value),
             }
         }
+    }
+
+    /// Counts the values from now on where so many more are too many to keep; the bins stand where a pilot puts them.
+    pub fn make_room(&mut self, more: u64) {
+        let Store::Values(values) = &self.store else { return };
+        if values.len() as u64 + more <= KEPT {
+            return;
+        }
+        let mut pilot = values[..PILOT.min(values.len())].to_vec();
+        pilot.sort_unstable_by(f64::total_cmp);
+        let mut histogram = Histogram::new(Bins::of(&pilot));
+        values.iter().for_each(|value| histogram.add(*value));
+        self.store = Store::Counts(Box::new(histogram));
     }
 
     /// Joins the same quantity of other replicates.

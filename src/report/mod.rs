@@ -22,6 +22,8 @@ mod points;
 mod schema;
 mod study;
 mod study_picture;
+mod study_samples;
+mod study_table;
 mod sweep;
 mod table;
 
@@ -31,9 +33,9 @@ pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, Tried
 pub(crate) use json::write_json;
 pub use schema::{fit_schema, study_schema};
 pub(crate) use study::{
-    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, stopped_words, study_notes,
-    sum_parts, write_study_table,
+    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
 pub(crate) use study_picture::write_study_picture;
-pub(crate) use sweep::{SweepPoint, write_sweep_csv, write_sweep_picture, write_sweep_table};
+pub(crate) use study_table::{stopped_words, write_study_table};
+pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub(crate) use table::{significant, write_table};

@@ -1,12 +1,13 @@
-//! The JSON Schema of `palpate.fit/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1` and `palpate.study/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
-//! fall behind the structs; `tests/program/schema.rs` holds the committed file to it and real output to the file.
+//! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
 
 use serde_json::{Map, Value, json};
 
 use super::document::*;
-use super::study::{STUDY_SCHEMA, empty_study, full_study};
+use super::study::STUDY_SCHEMA;
+use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
 use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
 
@@ -31,6 +32,9 @@ pub fn study_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = STUDY_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": STUDY_SCHEMA });
+    // quantities beside S and R stand under the names that they were asked for by
+    let quantity = schema["properties"]["S"].clone();
+    schema["properties"]["quantities"] = json!({ "type": "object", "additionalProperties": quantity });
     schema
 }
 

@@ -1,12 +1,13 @@
-//! `palpate.study/1`: what a study says, as JSON and as a table for people.
-
-use std::fmt::Write as _;
-use std::io::Write;
+//! `palpate.study/1`: what a study says, as a document.
+//!
+//! ```text
+//! Summary, LinearLaw, Attribution -> StudyDocument -> JSON (report/json.rs), or a table (report/study_table.rs)
+//! ```
 
 use serde::Serialize;
 
 use super::table::significant;
-use crate::montecarlo::{Attribution, LinearLaw, Share, Stopped, StudyResult, Summary};
+use crate::montecarlo::{Attribution, LinearLaw, Share, StudyResult, Summary};
 
 /// Schema name.
 pub(crate) const STUDY_SCHEMA: &str = "palpate.study/1";
@@ -49,6 +50,8 @@ pub(crate) struct QuantityPart {
     pub quantiles: Vec<QuantilePart>,
     /// Replicates in which it is undefined.
     pub undefined: u64,
+    /// The replicates count so many times over at the lower and the upper end, by the control; null: once.
+    pub control: Option<[f64; 2]>,
     /// Width of the bins at the ends; 0: every value was kept.
     pub resolution: f64,
 }
@@ -167,9 +170,9 @@ pub(crate) struct StudyDocument {
     pub stopped: String,
     /// Level of the intervals.
     pub level: f64,
-    /// The way to S and R.
+    /// The path to S and R.
     pub path: String,
-    /// Why that way.
+    /// Why that path.
     pub path_why: String,
     /// S.
     #[serde(rename = "S")]
@@ -242,6 +245,7 @@ impl From<&Summary> for QuantityPart {
                 })
                 .collect(),
             undefined: summary.undefined,
+            control: summary.control.map(|beta| beta.map(|beta| 1.0 / (1.0 - beta * beta).max(f64::EPSILON))),
             resolution: summary.resolution,
         }
     }
@@ -319,202 +323,14 @@ pub(crate) fn study_notes(result: &StudyResult, failed: u64, first_failure: Opti
             significant(bias.abs(), 2)
         ));
     }
+    if result.quantities.iter().any(|summary| summary.control.is_some()) {
+        notes.push(
+            "means, u and the symmetric interval lean on the linear law, whose distribution is known here (control)"
+                .into(),
+        );
+    }
     if failed > 0 {
         notes.push(format!("{failed} replicates could not be fitted; the first: {}", first_failure.unwrap_or("")));
     }
     notes
-}
-
-/// The word for why a study ended.
-pub(crate) fn stopped_words(stopped: Stopped) -> &'static str {
-    match stopped {
-        Stopped::Replicates => "all replicates done",
-        Stopped::Tolerance => "the digits asked for are there",
-        Stopped::Budget => "the time is up",
-    }
-}
-
-/// Writes the table of one study.
-///
-/// # Errors
-/// What the system says.
-pub(crate) fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut text = String::new();
-    let mut line = |label: &str, words: String| {
-        let _ = writeln!(text, "{label:<10} {}", words.trim_end());
-    };
-    line("study", format!("{} replicates of {}, seed {}", document.replicates, document.scene, document.seed));
-    let rate = document.replicates_per_second.map_or(String::new(), |r| format!(", {} a second", significant(r, 3)));
-    line("stopped", format!("{}{rate}", document.stopped));
-    line("path", format!("{}: {}", document.path, document.path_why));
-    let quantities = [("S", &document.shape_index), ("R", &document.curvedness)];
-    let others = document.quantities.0.iter().map(|(name, part)| (name.as_str(), part));
-    for (name, part) in quantities.into_iter().chain(others) {
-        quantity_lines(name, part, document.level, &mut line);
-    }
-    let shares = document.class.0.iter().filter(|(_, share)| *share > 0.0);
-    let shares: Vec<String> = shares.map(|(name, share)| format!("{name} {share:.4}")).collect();
-    line("class", shares.join("   "));
-    let verdict = document.verdict.as_ref().map_or_else(
-        || format!("none: no class has a share of {}", document.level),
-        |class| format!("{class}, with a share of {} or more", document.level),
-    );
-    line("verdict", verdict);
-    let linear = |part: &LinearQuantity| match (part.sd, part.lo, part.hi) {
-        (Some(sd), Some(lo), Some(hi)) => {
-            format!("sd {} [{}, {}]", significant(sd, 3), significant(lo, 4), significant(hi, 4))
-        }
-        _ => "undefined".into(),
-    };
-    let law = &document.linear;
-    line("linear", format!("S {}   R {}", linear(&law.shape_index), linear(&law.curvedness)));
-    line("", format!("{}: {}", if law.valid { "valid" } else { "not valid" }, law.why));
-    if !document.effects.is_empty() {
-        line(
-            "effects",
-            format!("{:<18} {:>22} {:>22} {:>10} {:>10}", "", "share of var S", "share of var R", "S alone", "R alone"),
-        );
-        for effect in &document.effects {
-            line("", effect_words(effect));
-        }
-        let sums = document.effects_sum.iter().map(|sum| share_words(sum.sum, sum.interval));
-        let sums: Vec<String> = sums.map(|words| format!("{words:>22}")).collect();
-        line("", format!("{:<18} {}", "sum", sums.join(" ")));
-    }
-    for note in &document.notes {
-        line("note", note.clone());
-    }
-    out.write_all(text.as_bytes())
-}
-
-fn quantity_lines(name: &str, part: &QuantityPart, level: f64, line: &mut dyn FnMut(&str, String)) {
-    let (Some(mean), Some(sd)) = (part.mean, part.sd) else {
-        line(name, "undefined in every replicate".into());
-        return;
-    };
-    let mut words = format!("{} +- {}", significant(mean, 5), significant(sd, 3));
-    if let (Some(truth), Some(bias)) = (part.truth, part.bias) {
-        let _ = write!(words, "   truth {}, bias {}", significant(truth, 5), significant(bias, 2));
-    }
-    if part.undefined > 0 {
-        let _ = write!(words, "   undefined in {}", part.undefined);
-    }
-    line(name, words);
-    if let (Some(lo), Some(hi), Some([a, b])) = (part.lo, part.hi, part.shortest) {
-        let error = |e: Option<f64>| e.map_or("?".into(), |e| significant(e, 1));
-        let (e, f) = (error(part.standard_error.lo), error(part.standard_error.hi));
-        line(
-            "",
-            format!(
-                "{} %: [{}, {}] to {e}, {f};  shortest [{}, {}]",
-                100.0 * level,
-                significant(lo, 5),
-                significant(hi, 5),
-                significant(a, 5),
-                significant(b, 5)
-            ),
-        );
-    }
-    for quantile in &part.quantiles {
-        let value = significant(quantile.value, 5);
-        line("", format!("quantile {}: {value} to {}", quantile.share, significant(quantile.standard_error, 1)));
-    }
-}
-
-fn share_words(share: Option<f64>, interval: Option<[f64; 2]>) -> String {
-    match (share, interval) {
-        (Some(share), Some([lo, hi])) => format!("{share:.3} [{lo:.3}, {hi:.3}]"),
-        _ => "-".into(),
-    }
-}
-
-fn effect_words(effect: &EffectPart) -> String {
-    let alone = |v: Option<f64>| v.map_or("-".into(), |v| significant(v, 2));
-    format!(
-        "{:<18} {:>22} {:>22} {:>10} {:>10}",
-        effect.name,
-        share_words(effect.share_S, effect.interval_S),
-        share_words(effect.share_R, effect.interval_R),
-        alone(effect.alone_S),
-        alone(effect.alone_R)
-    )
-}
-
-/// A document in which everything is there, for the schema.
-pub(super) fn full_study() -> StudyDocument {
-    let half = Some(0.5);
-    let both = Some([0.5; 2]);
-    let part = QuantityPart {
-        mean: half,
-        sd: half,
-        bias: half,
-        truth: half,
-        nominal: half,
-        lo: half,
-        hi: half,
-        shortest: both,
-        standard_error: StandardErrors { mean: half, lo: half, hi: half, shortest: both },
-        quantiles: vec![QuantilePart { share: 0.5, value: 0.5, standard_error: 0.5 }],
-        undefined: 1,
-        resolution: 0.5,
-    };
-    let linear = LinearQuantity { sd: half, lo: half, hi: half, valid: true };
-    let effect = EffectPart {
-        name: "row_noise".into(),
-        share_S: half,
-        share_R: half,
-        interval_S: both,
-        interval_R: both,
-        total_S: half,
-        total_R: half,
-        total_interval_S: both,
-        total_interval_R: both,
-        alone_S: half,
-        alone_R: half,
-        linear_S: half,
-        linear_R: half,
-    };
-    let classes = crate::curvature::ShapeClass::CURVED.iter().map(|class| (class.name().to_string(), 0.5));
-    StudyDocument {
-        schema: STUDY_SCHEMA,
-        scene: "a scene".into(),
-        seed: 1,
-        scene_hash: "0".into(),
-        build: "0".into(),
-        isa: "portable".into(),
-        range: [0, 1],
-        replicates: 1,
-        stopped: "replicates".into(),
-        level: 0.95,
-        path: "fixed sites".into(),
-        path_why: "asked for".into(),
-        shape_index: part.clone(),
-        curvedness: part,
-        quantities: NamedQuantities::default(),
-        class: NamedShares(classes.chain([("none".to_string(), 0.5)]).collect()),
-        verdict: Some("ridge".into()),
-        failed: 1,
-        planes: 1,
-        linear: LinearDocument { shape_index: linear.clone(), curvedness: linear, valid: true, why: "so".into() },
-        effects: vec![effect],
-        effects_replicates: 1,
-        effects_sum: vec![SumPart { quantity: "S".into(), sum: half, interval: both }],
-        notes: vec!["a note".into()],
-        seconds: 0.5,
-        replicates_per_second: half,
-    }
-}
-
-/// The same with every value missing that may be.
-pub(super) fn empty_study() -> StudyDocument {
-    let mut document = full_study();
-    let part = QuantityPart { quantiles: document.shape_index.quantiles.clone(), ..QuantityPart::default() };
-    (document.shape_index, document.curvedness) = (part.clone(), part);
-    let none = LinearQuantity::default();
-    (document.linear.shape_index, document.linear.curvedness) = (none.clone(), none);
-    document.effects = vec![EffectPart { name: "row_noise".into(), ..EffectPart::default() }];
-    document.effects_sum = vec![SumPart { quantity: "S".into(), sum: None, interval: None }];
-    document.verdict = None;
-    document.replicates_per_second = None;
-    document
 }

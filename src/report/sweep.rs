@@ -81,23 +81,33 @@ pub(crate) fn write_sweep_table(keys: &[&str], points: &[SweepPoint], out: &mut 
     out.write_all(text.as_bytes())
 }
 
+/// Names and columns of the table of a sweep: the keys, what S and R came to, failed replicates, class shares; NaN where
+/// undefined.
+pub(crate) fn sweep_columns(keys: &[&str], points: &[SweepPoint]) -> (Vec<String>, Vec<Vec<f64>>) {
+    let of = |name: &str| ["mean", "sd", "bias", "lo", "hi", "truth"].map(|what| format!("{name}_{what}"));
+    let mut names: Vec<String> = keys.iter().map(ToString::to_string).collect();
+    names.extend(of("S").into_iter().chain(of("R")).chain(["failed".to_string()]));
+    names.extend(points.iter().take(1).flat_map(|point| point.class.0.iter().map(|(name, _)| name.replace(' ', "_"))));
+    let mut columns = vec![Vec::with_capacity(points.len()); names.len()];
+    for point in points {
+        let parts = [&point.shape_index, &point.curvedness];
+        let values = parts.into_iter().flat_map(|part| [part.mean, part.sd, part.bias, part.lo, part.hi, part.truth]);
+        let values = values.map(|v| v.unwrap_or(f64::NAN)).chain([point.failed as f64]);
+        let values = point.at.iter().copied().chain(values).chain(point.class.0.iter().map(|(_, share)| *share));
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+    (names, columns)
+}
+
 /// One line a point.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn write_sweep_csv(keys: &[&str], points: &[SweepPoint], out: &mut dyn Write) -> std::io::Result<()> {
-    let classes: Vec<String> =
-        points.first().map_or(Vec::new(), |point| point.class.0.iter().map(|(n, _)| n.replace(' ', "_")).collect());
-    let of = |name: &str| ["mean", "sd", "bias", "lo", "hi", "truth"].map(|what| format!("{name}_{what}")).join(",");
-    writeln!(out, "{},{},{},failed,{}", keys.join(","), of("S"), of("R"), classes.join(","))?;
-    for point in points {
-        let mut words: Vec<String> = point.at.iter().map(ToString::to_string).collect();
-        for part in [&point.shape_index, &point.curvedness] {
-            let values = [part.mean, part.sd, part.bias, part.lo, part.hi, part.truth];
-            words.extend(values.map(|v| v.map_or("NaN".into(), |v| v.to_string())));
-        }
-        words.push(point.failed.to_string());
-        words.extend(point.class.0.iter().map(|(_, share)| share.to_string()));
+    let (names, columns) = sweep_columns(keys, points);
+    writeln!(out, "{}", names.join(","))?;
+    for k in 0..points.len() {
+        let words: Vec<String> = columns.iter().map(|column| column[k].to_string()).collect();
         writeln!(out, "{}", words.join(","))?;
     }
     Ok(())

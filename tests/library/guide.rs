@@ -22,7 +22,7 @@ fn columns(name: &str, law: NoiseLaw, count: usize) -> Vec<Vec<f64>> {
 fn summary(values: &[f64], level: f64) -> palpate::montecarlo::Summary {
     let mut tally = Tally::new(0.0, None);
     tally.extend(values);
-    summarise(&tally, level, &[], None, 0.0)
+    summarise(&tally, level, &[], None, 0.0, None)
 }
 
 fn near(found: f64, printed: f64, within: f64) {

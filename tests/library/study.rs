@@ -1,7 +1,7 @@
-//! Studies through the library: the ways to S and R agree, splits and threads change no bit, stopping and shares hold.
+//! Studies through the library: the paths to S and R agree, splits and threads change no bit, stopping and shares hold.
 
 use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
-use palpate::montecarlo::{Engine, Path, Quantity, Store, Study, StudyOptions};
+use palpate::montecarlo::{Engine, Path, Quantity, Stopped, StoppingRule, Store, Study, StudyOptions, Tolerance};
 use palpate::scene::effects::{Dropout, FingerNoise, NormalNoise, PositionNoise, RowNoise};
 use palpate::scene::surface::{Body, Cylinder, Surface};
 use palpate::scene::{NoiseLaw, Simulator, Sweep, World};
@@ -23,9 +23,9 @@ fn engine(simulator: Simulator, options: &FitOptions, only: Option<Path>) -> Eng
     Engine::new(simulator, options, &[], only).unwrap()
 }
 
-/// Every way that can be had for a scene, against whole fits, replicate by replicate.
+/// Every path that can be had for a scene, against whole fits, replicate by replicate.
 #[test]
-fn the_ways_agree_where_they_overlap() {
+fn the_paths_agree_where_they_overlap() {
     let still = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 });
     let mixed = world()
         .with(PositionNoise::Sigma([0.0, 0.0, 0.02]))
@@ -221,5 +221,40 @@ fn a_thousand_random_splits_merge_to_the_same_bits() {
         parts.merge(&run(a, b)).unwrap();
         parts.merge(&run(b, REPLICATES)).unwrap();
         assert_eq!(of(&parts), expected, "0:{a}:{b}:{REPLICATES}");
+    }
+}
+
+/// Stopped after every chunk and gone on with, a study to a tolerance ends with the bits of one that was left alone; it
+/// takes fewer replicates than without the control, and agrees with many.
+#[test]
+fn a_tolerance_with_the_control_goes_on_to_the_same_bits() {
+    let make = |options: StudyOptions| {
+        let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+        Study::new(simulator, &slopes(2, 4), options, 5).unwrap()
+    };
+    let tolerance = Some(Tolerance { digits: 2, rule: StoppingRule::Stein });
+    let study = make(StudyOptions { tolerance, ..StudyOptions::default() });
+    let (whole, stopped) = study.run(study.start(0), 1 << 30, &mut |_| true).unwrap();
+    assert_eq!(stopped, Stopped::Tolerance);
+    let mut cut = study.start(0);
+    let mut pauses = 0;
+    loop {
+        let (next, stopped) = study.run(cut, 1 << 30, &mut |_| false).unwrap();
+        cut = next;
+        pauses += 1;
+        if stopped == Stopped::Tolerance {
+            break;
+        }
+    }
+    assert!(pauses > 10 && cut == whole);
+    assert_eq!(study.result(&cut, 0), study.result(&whole, 0));
+    let plain = make(StudyOptions { replicates: 1 << 20, ..StudyOptions::default() });
+    let (many, _) = plain.run(plain.start(0), 1 << 20, &mut |_| true).unwrap();
+    assert!(whole.done() < 1 << 18, "{} replicates", whole.done());
+    let (own, other) = (study.result(&whole, 0), plain.result(&many, 0));
+    for (a, b) in own.quantities.iter().zip(&other.quantities) {
+        let (u, n) = (b.sd.unwrap(), 2.0_f64.powi(20));
+        assert!((a.mean.unwrap() - b.mean.unwrap()).abs() < 5.0 * u / n.sqrt());
+        assert!((a.sd.unwrap() / u - 1.0).abs() < 5.0 / n.sqrt());
     }
 }

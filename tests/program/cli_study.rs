@@ -15,6 +15,37 @@ fn palpate(folder: &Path, line: &str) -> Command {
     command
 }
 
+/// `/dev/full` is a disk without room, and endless where it is read.
+#[cfg(target_os = "linux")]
+#[test]
+fn full_disks_and_strangers_are_named() {
+    let folder = folder();
+    let at = folder.path();
+    for file in ["full.csv", "full.parquet", "full"] {
+        std::os::unix::fs::symlink("/dev/full", at.join(file)).unwrap();
+    }
+    json(at, "study noisy.toml --replicates 100 --attribution 0 --json --range 0:50 --part a");
+    let part = std::fs::read(at.join("a")).unwrap();
+    std::fs::write(at.join("short"), &part[..part.len() / 2]).unwrap();
+    std::fs::write(at.join("empty"), "").unwrap();
+    for (line, words) in [
+        ("study noisy.toml --records full.csv", "full.csv\": cannot be written: No space left"),
+        ("study noisy.toml --records full.parquet", "full.parquet\": cannot be written: No space left"),
+        ("study noisy.toml --part full", "full\": cannot be written: No space left"),
+        ("study noisy.toml --checkpoint full", "full: no checkpoint or part of a study"),
+        ("merge full", "full: no checkpoint or part of a study"),
+        ("merge a empty", "empty: no checkpoint or part of a study"),
+        ("merge a short", "short: a corrupted checkpoint or part of a study"),
+        ("merge noisy.toml", "noisy.toml: no checkpoint or part of a study"),
+        ("merge a", "replicates 50 to 100 of 100 stand in no part"),
+    ] {
+        let output = palpate(at, line).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && output.stdout.is_empty(), "{line}");
+        assert!(message.contains(words), "{line}: {message}");
+    }
+}
+
 /// The document without what a clock says.
 fn json(folder: &Path, line: &str) -> Value {
     let output = palpate(folder, line).output().unwrap();
@@ -100,6 +131,15 @@ fn a_tolerance_is_reached_or_refused() {
         let part = &found[quantity];
         let (sd, error) = (part["sd"].as_f64().unwrap(), part["standard_error"]["lo"].as_f64().unwrap());
         assert!(error < 0.05 * sd, "{quantity}: {error} of {sd}");
+        // row noise at fixed sites: the linear law stands by, and the replicates count several times over
+        assert!(part["control"][0].as_f64().unwrap() > 2.0, "{part}");
+    }
+    let plain = json(at, "study noisy.toml --replicates 400000 --attribution 0 --json");
+    assert!(plain["S"]["control"].is_null());
+    for (quantity, end) in [("S", "lo"), ("S", "hi"), ("R", "lo"), ("R", "hi")] {
+        let error = |document: &Value| document[quantity]["standard_error"][end].as_f64().unwrap();
+        let off = found[quantity][end].as_f64().unwrap() - plain[quantity][end].as_f64().unwrap();
+        assert!(off.abs() < 4.0 * error(&found).hypot(error(&plain)), "{quantity} {end} is {off} off");
     }
     let refused = said(at, "study noisy.toml --tolerance 3 --replicates 200000");
     assert!(refused.contains("--tolerance 3 needs about") && refused.contains("200000 are allowed"), "{refused}");
@@ -121,6 +161,14 @@ fn sweeps_name_the_nearest_key() {
     for file in ["sweep.csv", "sweep.svg", "sweep.json"] {
         assert!(at.join("out").join(file).exists(), "{file}");
     }
+    let csv = std::fs::read_to_string(at.join("out/sweep.csv")).unwrap();
+    assert!(csv.starts_with("effects.position_noise.sigma,fit.degree,S_mean,S_sd,"), "{csv}");
+    assert_eq!(csv.lines().count(), 7);
+    // columns of 8 bytes a row, the points' numbers first
+    let parquet = std::fs::read(at.join("out/sweep.parquet")).unwrap();
+    assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
+    let first = csv.lines().nth(1).unwrap().split(',').nth(2).unwrap().parse::<f64>().unwrap();
+    assert!(parquet.windows(8).any(|window| window == first.to_le_bytes()), "S_mean of the first point");
     let wrong = said(at, "study moving.toml --sweep effects.position_nois.sigma=0.001:0.1:log3");
     assert!(wrong.contains("did you mean `position_noise`?"), "{wrong}");
     let wrong = said(at, "study moving.toml --sweep effects.position_noise.sigm=0.001:0.1:log3");

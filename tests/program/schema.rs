@@ -1,18 +1,23 @@
-//! `palpate.fit/1`: the committed schema is the generated one, and what the program prints obeys it.
+//! `palpate.fit/1`, `palpate.study/1`: the committed schemas are the generated ones, and what the program prints obeys them.
 
 use assert_cmd::Command;
 use serde_json::Value;
 
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
+const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
+const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
 
-/// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the file anew.
+/// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
-fn the_committed_schema_is_what_the_types_make() {
-    let generated = serde_json::to_string_pretty(&palpate::internals::report::fit_schema()).unwrap() + "\n";
-    if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
-        std::fs::write(FILE, &generated).unwrap();
+fn the_committed_schemas_are_what_the_types_make() {
+    for (file, schema) in
+        [(FIT, palpate::internals::report::fit_schema()), (STUDY, palpate::internals::report::study_schema())]
+    {
+        let generated = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+        if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
+            std::fs::write(file, &generated).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(file).unwrap(), generated, "{file}");
     }
-    assert_eq!(std::fs::read_to_string(FILE).unwrap(), generated);
 }
 
 /// The few words of JSON Schema that ours uses; a key that the schema does not name is a fault here.
@@ -40,11 +45,12 @@ fn check(at: &str, value: &Value, schema: &Value) {
             items.iter().enumerate().for_each(|(k, item)| check(&format!("{at}[{k}]"), item, &schema["items"]));
         }
         Value::Object(object) => {
-            for key in schema["required"].as_array().unwrap() {
+            for key in schema["required"].as_array().into_iter().flatten() {
                 assert!(object.contains_key(key.as_str().unwrap()), "{at} lacks {key}");
             }
             for (key, item) in object {
-                let schema = schema["properties"].get(key).unwrap_or_else(|| panic!("{at}.{key} is not in the schema"));
+                let named = schema["properties"].get(key).or_else(|| schema.get("additionalProperties"));
+                let schema = named.unwrap_or_else(|| panic!("{at}.{key} is not in the schema"));
                 check(&format!("{at}.{key}"), item, schema);
             }
         }
@@ -54,7 +60,7 @@ fn check(at: &str, value: &Value, schema: &Value) {
 
 #[test]
 fn what_is_printed_obeys_the_schema() {
-    let schema: Value = serde_json::from_str(&std::fs::read_to_string(FILE).unwrap()).unwrap();
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(FIT).unwrap()).unwrap();
     let lines: [&[&str]; 6] = [
         &["run", "paper-fig6-r5.7-degree3", "--surface", "auto", "--json"],
         &["run", "--surface", "parametric", "--sigma", "0.02,2", "--json"],
@@ -67,6 +73,29 @@ fn what_is_printed_obeys_the_schema() {
         let output = Command::cargo_bin("palpate").unwrap().args(line).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         check("$", &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+}
+
+/// Documents of every path, stop, class and of a scene in which nothing varies.
+#[test]
+fn every_study_obeys_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(STUDY).unwrap()).unwrap();
+    let lines = [
+        "study paper-table2 --replicates 500 --attribution 64",
+        "study paper-table2 --replicates 500 --attribution 0 --quantity k1 --quantity S@0,1.5 --quantile 0.1",
+        "study paper-table2 --replicates 500 --range 100:300 --part half",
+        "study paper-table2 --tolerance 1 --attribution 0",
+        "study paper-table2 --budget 0.000001 --attribution 0",
+        "study paper-table2 --sigma auto --replicates 3",
+        "study paper-plane --replicates 20",
+        "study paper-cylinder --replicates 1",
+    ];
+    for line in lines {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        let output = command.current_dir(folder.path()).args(line.split(' ')).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
     }
 }
 
@@ -93,5 +122,15 @@ fn no_promised_key_is_missing() {
     for (path, names) in promised {
         let found = keys(path);
         names.split(' ').for_each(|name| assert!(found.iter().any(|key| key == name), "{path:?} lacks {name}"));
+    }
+    let promised = "schema replicates stopped level path S R class linear effects seconds replicates_per_second seed range \
+                    scene_hash";
+    let study = palpate::internals::report::study_schema();
+    promised.split_whitespace().for_each(|name| assert!(study["properties"].get(name).is_some(), "no {name}"));
+    for name in "mean sd bias lo hi shortest standard_error".split(' ') {
+        ["S", "R"].iter().for_each(|q| assert!(study["properties"][q]["properties"].get(name).is_some(), "{q}.{name}"));
+    }
+    for name in "name share_S share_R".split(' ') {
+        assert!(study["properties"]["effects"]["items"]["properties"].get(name).is_some(), "effects.{name}");
     }
 }

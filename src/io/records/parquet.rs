@@ -30,7 +30,12 @@ pub(super) struct RowGroups {
 
 impl RowGroups {
     pub(super) fn new(names: &[String]) -> RowGroups {
-        let names = std::iter::once("replicate".to_string()).chain(names.iter().cloned()).collect();
+        RowGroups::numbered("replicate", names)
+    }
+
+    /// Rows whose numbers stand in the column `number`.
+    pub(super) fn numbered(number: &str, names: &[String]) -> RowGroups {
+        let names = std::iter::once(number.to_string()).chain(names.iter().cloned()).collect();
         RowGroups { names, groups: Vec::new() }
     }
 
