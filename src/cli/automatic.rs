@@ -25,10 +25,6 @@ const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0
 /// A height field with more segments is an answer when it predicts contacts left out to this share of their relief.
 const PREDICTED: f64 = 0.5;
 
-/// Misfit of a simple shape, in percent of its relief, from which on a height field with more segments is tried: an
-/// eighth, above which the recognition takes no departure for a sensor's error.
-const PATTERNED: f64 = 12.5;
-
 /// Misfit above which a simple shape is no answer: a quarter of the relief, in percent, and a tenth of the contacts'
 /// root mean square spread. A sensor errs by a share of what it looks at, whatever the relief, but not by so much.
 const UNSAID: f64 = 25.0;
@@ -106,13 +102,18 @@ fn all_downward(input: &Input) -> bool {
 /// Misfit beyond chance.
 const CHANCE: f64 = 0.01;
 
+/// Whether a simple shape is no answer.
+fn leaves_much_unsaid(found: &Recognition) -> bool {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    let large = best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale);
+    found.misfit.percent_of_relief > UNSAID && large && found.misfit.p < CHANCE
+}
+
 /// The simple shape, unless it leaves too much unsaid.
 fn simple(found: Recognition) -> Result<Found, Refusal> {
     let mut notes = Vec::new();
     let strays = found.dropped.outliers;
-    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
-    let large = best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale);
-    if found.misfit.percent_of_relief > UNSAID && large && found.misfit.p < CHANCE {
+    if leaves_much_unsaid(&found) {
         let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
         let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
         return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
@@ -130,7 +131,7 @@ fn simple(found: Recognition) -> Result<Found, Refusal> {
 /// compared on the contacts that belong to the simple shape, so that strays decide nothing.
 fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
     let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
-    if found.misfit.percent_of_relief < PATTERNED || found.misfit.p > CHANCE || up < LEVEL {
+    if !leaves_much_unsaid(found) || up < LEVEL {
         return None;
     }
     let contacts = contacts_of(input);
