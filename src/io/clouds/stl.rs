@@ -17,7 +17,9 @@ const TRIANGLE: usize = 50;
 pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let wrong = |what: String| IoError::Form { file: file.into(), form: "STL", what };
     // binary files may begin with the word, too
-    let is_text = bytes.trim_ascii_start().starts_with(b"solid") && !is_binary_stl(bytes);
+    let is_text = bytes.trim_ascii_start().starts_with(b"solid")
+        && !is_binary_stl(bytes)
+        && !bytes[..bytes.len().min(1024)].contains(&0);
     let mut soup = Soup::default();
     if is_text {
         read_text(file, bytes, &mut soup)?;
