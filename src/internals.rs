@@ -9,7 +9,7 @@
 pub mod cases {
     pub use crate::cases::{
         CaseData, DIGITS_OF_A_DOUBLE, DenseRows, Expectation, FILIPPELLI_CERTIFIED, HardCase, LONGLEY_CERTIFIED, Lcg,
-        digits_absolute, digits_each, digits_of, hard_case, hard_cases,
+        digits_absolute, digits_each, digits_of,
     };
 }
 

@@ -60,14 +60,14 @@ pub mod spline {
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
 pub mod geometry {
-    pub use crate::curvature::{Derivatives, Principal, ShapeClass, curvedness, principal_curvatures, shape_index};
+    pub use crate::curvature::{Derivatives, Principal, ShapeClass, principal_curvatures};
     pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps, shape_maps};
 }
 
 /// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.
 #[cfg(feature = "hard-cases")]
 pub mod hard_cases {
-    pub use crate::cases::{CaseData, Expectation, HardCase, hard_case, hard_cases};
+    pub use crate::cases::{CaseData, Expectation, HardCase};
 }
 
 /// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.

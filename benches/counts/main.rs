@@ -138,13 +138,11 @@ fn weighted_grid_iterations() -> Result<u64, Fault> {
     let wave = map(|x, y| 0.3 * (6.0 * x).sin() * (5.0 * y).cos());
     let weights = map(|x, y| 2.0_f64.powf((3.0 * x).sin() * (4.0 * y).cos()));
     let grid = Grid { wz: Some(weights), ..Grid::new(axis.clone(), axis.clone(), wave) };
-    let options = FitOptions {
-        degree: [3, 3],
-        segments: [16, 16],
-        method: Method::Pcg,
-        objective: Objective::Slopes(SlopeWeights::Equal),
-        ..FitOptions::default()
-    };
+    let options = FitOptions::default()
+        .with_degree(3)
+        .with_segments(16, 16)
+        .with_method(Method::Pcg)
+        .with_objective(Objective::Slopes(SlopeWeights::Equal));
     let fit = fit_grid(&grid, &options)?;
     let iterations = fit.solution().reasons.iter().find_map(|reason| match reason {
         Reason::Iterated { iterations } => Some(*iterations as u64),

@@ -31,7 +31,7 @@ pub(crate) const NAMES: [&str; 9] = [
 fn touched(asked: fn(&Fit)) -> Run {
     let [x, y, z, zx, zy] = paper(false).0;
     let contacts = Contacts::from_positions(x, y, z).with_slopes(zx, zy);
-    let options = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
+    let options = FitOptions::default().with_objective(Objective::Slopes(SlopeWeights::Tangent));
     Box::new(move || {
         let fit = fit_contacts(&contacts, &options)?;
         asked(&fit);

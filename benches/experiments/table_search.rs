@@ -17,8 +17,8 @@ use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::scene::linspace;
 use palpate::scene::effects::{Encoder, ForceNoise, Friction, TipRadiusError};
-use palpate::scene::surface::{Body, Cylinder};
-use palpate::scene::{Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Surface};
+use palpate::scene::{Sweep, World};
 use rayon::prelude::*;
 
 const SEED: u64 = 1997;
@@ -82,7 +82,7 @@ fn rows(worlds: &[palpate::scene::Simulator; 2], replicate: u64) -> Option<[[f64
     for (surface, simulator) in worlds.iter().enumerate() {
         let (contacts, _) = simulator.simulate(SEED, replicate);
         for (k, weights) in [SlopeWeights::Tangent, SlopeWeights::Position].into_iter().enumerate() {
-            let options = FitOptions { objective: Objective::Slopes(weights), ..FitOptions::default() };
+            let options = FitOptions::default().with_objective(Objective::Slopes(weights));
             let fit = fit_contacts(&contacts, &options).ok()?;
             let maps = &fit.shape().maps;
             let every = || (0..8).flat_map(|i| (0..8).map(move |j| (i, j)));

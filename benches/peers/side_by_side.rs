@@ -122,14 +122,12 @@ fn scattered_fit(numbers: &[f64], repetitions: usize, segments: usize) -> Answer
 fn certified_fit(numbers: &[f64], repetitions: usize, segments: usize) -> Answer {
     let SlopeColumns { x, y, z, zx, zy } = columns(numbers);
     let contacts = Contacts::from_positions(x.to_vec(), y.to_vec(), z.to_vec()).with_slopes(zx.to_vec(), zy.to_vec());
-    let options = FitOptions {
-        degree: [3, 3],
-        segments: [segments; 2],
-        domain: Some([0.0, 1.0, 0.0, 1.0]),
-        objective: Objective::Slopes(SlopeWeights::Explicit([1.0; 3])),
-        grid: [100, 100],
-        ..FitOptions::default()
-    };
+    let options = FitOptions::default()
+        .with_degree(3)
+        .with_segments(segments, segments)
+        .with_domain([0.0, 1.0, 0.0, 1.0])
+        .with_objective(Objective::Slopes(SlopeWeights::Explicit([1.0; 3])))
+        .with_grid(100, 100);
     let mut answer = Vec::new();
     time(repetitions, 1, || {
         let start = Instant::now();

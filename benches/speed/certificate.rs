@@ -56,14 +56,14 @@ fn problems() -> [Problem; 3] {
     let small = Problem {
         rows: "slopes",
         contacts,
-        options: FitOptions { objective, ..FitOptions::default() },
+        options: FitOptions::default().with_objective(objective),
         rounds: 501,
         calls: 16,
     };
     let by_default = Problem { rows: "normals", contacts: felt, options: FitOptions::default(), rounds: 101, calls: 5 };
     let lcg = &mut Lcg::new(200_000);
     let (x, y) = (0..200_000).map(|_| (2.0 * lcg.uniform() - 1.0, 2.0 * lcg.uniform() - 1.0)).unzip();
-    let options = FitOptions { degree: [3, 3], segments: [64, 64], objective, ..FitOptions::default() };
+    let options = FitOptions::default().with_degree(3).with_segments(64, 64).with_objective(objective);
     [small, by_default, Problem { rows: "slopes", contacts: touched(x, y), options, rounds: 21, calls: 1 }]
 }
 

@@ -55,12 +55,10 @@ fn paper_fit(criterion: &mut Criterion) -> Result<(), Fault> {
     });
     let [x, y, z, zx, zy] = columns.0;
     let contacts = Contacts::from_positions(x, y, z).with_slopes(zx, zy);
-    let options = FitOptions {
-        domain: Some([-4.5, 4.5, -4.5, 4.5]),
-        objective: Objective::Slopes(SlopeWeights::Explicit([1.0, 2.0, 2.0])),
-        inset: 1.0 / 9.0,
-        ..FitOptions::default()
-    };
+    let options = FitOptions::default()
+        .with_domain([-4.5, 4.5, -4.5, 4.5])
+        .with_objective(Objective::Slopes(SlopeWeights::Explicit([1.0, 2.0, 2.0])))
+        .with_inset(1.0 / 9.0);
     fit_contacts(&contacts, &options)?;
     group.bench_function("w1_certified", |b| {
         b.iter(|| {

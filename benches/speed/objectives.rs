@@ -67,7 +67,7 @@ fn main() {
         let data = touched(contacts);
         let fit = |objective: Objective| {
             let options =
-                FitOptions { degree: [degree; 2], segments: [segments; 2], objective, ..FitOptions::default() };
+                FitOptions::default().with_degree(degree).with_segments(segments, segments).with_objective(objective);
             let felt = usize::from(matches!(objective, Objective::Normals(_)));
             fit_contacts(black_box(&data[felt]), &options).expect("the contacts cover the patch")
         };

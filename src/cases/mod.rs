@@ -89,7 +89,38 @@ pub struct HardCase {
     pub expectation: Expectation,
 }
 
+/// Each file beside this one holds one family.
+const FAMILIES: [fn() -> Vec<HardCase>; 17] = [
+    umbilics::cases,
+    radii::cases,
+    rim::cases,
+    fingers::cases,
+    gap::cases,
+    duplicates::cases,
+    knots::cases,
+    degrees::cases,
+    clusters::cases,
+    weights::cases,
+    scales::cases,
+    slopes_only::cases,
+    contradictions::cases,
+    outliers::cases,
+    hilbert::cases,
+    extremes::cases,
+    nist::cases,
+];
+
 impl HardCase {
+    /// All hard cases, family by family.
+    pub fn all() -> Vec<HardCase> {
+        FAMILIES.iter().flat_map(|family| family()).collect()
+    }
+
+    /// The case of that name.
+    pub fn named(name: &str) -> Option<HardCase> {
+        HardCase::all().into_iter().find(|case| case.name == name)
+    }
+
     /// Scattered contacts whose answer is determined.
     fn contacts(name: &'static str, tests: &'static str, contacts: Contacts, options: FitOptions) -> HardCase {
         let data = CaseData::Contacts(contacts);
@@ -111,33 +142,4 @@ impl HardCase {
         self.expectation = expectation;
         self
     }
-}
-
-/// All hard cases, family by family.
-pub fn hard_cases() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 17] = [
-        umbilics::cases,
-        radii::cases,
-        rim::cases,
-        fingers::cases,
-        gap::cases,
-        duplicates::cases,
-        knots::cases,
-        degrees::cases,
-        clusters::cases,
-        weights::cases,
-        scales::cases,
-        slopes_only::cases,
-        contradictions::cases,
-        outliers::cases,
-        hilbert::cases,
-        extremes::cases,
-        nist::cases,
-    ];
-    families.iter().flat_map(|family| family()).collect()
-}
-
-/// The case of that name.
-pub fn hard_case(name: &str) -> Option<HardCase> {
-    hard_cases().into_iter().find(|case| case.name == name)
 }

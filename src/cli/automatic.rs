@@ -16,7 +16,7 @@ use crate::recognition::{
 };
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
-use super::fit::fit_input;
+use super::named::fit_input;
 
 /// What to do with contacts that are no patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
@@ -29,8 +29,13 @@ const PREDICTED: f64 = 0.5;
 /// eighth, above which the recognition takes no departure for a sensor's error.
 const PATTERNED: f64 = 12.5;
 
-/// Misfit, in percent of the relief, above which a simple shape is no answer: a quarter is left unsaid, with a pattern.
+/// Misfit above which a simple shape is no answer: a quarter of the relief, in percent, and a tenth of the contacts'
+/// root mean square spread. A sensor errs by a share of what it looks at, whatever the relief, but not by so much.
 const UNSAID: f64 = 25.0;
+const OF_LENGTH: f64 = 0.1;
+
+/// Height fields stand over the input's axes: the patch must not be steeper there, by the cosine of its tilt.
+const LEVEL: f64 = 0.7;
 
 /// It takes the place of the simple shape when its error is below this share of the simple shape's.
 const BETTER: f64 = 0.5;
@@ -105,7 +110,9 @@ const CHANCE: f64 = 0.01;
 fn simple(found: Recognition) -> Result<Found, Refusal> {
     let mut notes = Vec::new();
     let strays = found.dropped.outliers;
-    if found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    let large = best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale);
+    if found.misfit.percent_of_relief > UNSAID && large && found.misfit.p < CHANCE {
         let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
         let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
         return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
@@ -119,19 +126,26 @@ fn simple(found: Recognition) -> Result<Found, Refusal> {
     Ok(Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes })
 }
 
-/// A height field with more segments, where the simple shape leaves much unsaid that such a field predicts.
+/// A height field with more segments, where the simple shape leaves much unsaid that such a field predicts. Both are
+/// compared on the contacts that belong to the simple shape, so that strays decide nothing.
 fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
-    let left = found.misfit.percent_of_relief;
-    if left < PATTERNED || found.misfit.p > CHANCE {
+    let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
+    if found.misfit.percent_of_relief < PATTERNED || found.misfit.p > CHANCE || up < LEVEL {
         return None;
     }
     let contacts = contacts_of(input);
-    let squares = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]);
-    let squares = squares.map(|p| found.surface.distance(p).powi(2));
-    let rms = (squares.sum::<f64>() / contacts.len() as f64).sqrt();
-    let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
-    let bent = flexible(&contacts, fit)?.ok()?;
-    (up * bent.error < BETTER * rms).then(|| bent_found(bent, Some(found)))
+    let distance = |r: usize| found.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]).abs();
+    let mut order: Vec<(f64, u32)> = (0..contacts.len()).map(|r| (distance(r), r as u32)).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order.truncate(contacts.len().saturating_sub(found.dropped.outliers));
+    let rms = (order.iter().map(|(d, _)| d * d).sum::<f64>() / order.len().max(1) as f64).sqrt();
+    let belonging: Vec<u32> = order.iter().map(|(_, r)| *r).collect();
+    let bent = flexible(&contacts.in_order(&belonging), fit)?.ok()?;
+    if up * bent.error >= BETTER * rms {
+        return None;
+    }
+    let bent = if belonging.len() == contacts.len() { bent } else { flexible(&contacts, fit)?.ok()? };
+    Some(bent_found(bent, Some(found)))
 }
 
 fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
@@ -153,18 +167,17 @@ fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
         k2: Some(t.k2),
         rms: Some(t.rms),
     }));
-    let chosen = ChosenPart {
-        surface: "height".into(),
-        why: format!(
-            "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
+    let why = format!(
+        "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
              out in blocks best (error {unsaid:.1} % of the relief)",
-            segments[0], segments[1]
-        ),
+        segments[0], segments[1]
+    );
+    let chosen = ChosenPart {
         degree: Some(bent.fit.options().degree),
         segments: Some(segments),
         frame: Some(if bent.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
-        hypothesis: None,
         tried,
+        ..ChosenPart::new("height", why)
     };
     let lack = LackOfFitPart {
         p: None,

@@ -1,6 +1,7 @@
 //! `palpate study [SCENE] --coverage`: does each interval that a fit would print hold the truth as often as it says?
 
 use std::io::Write;
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -30,6 +31,8 @@ struct HeldPart {
 struct QuantityCoverage {
     linear: HeldPart,
     monte_carlo: HeldPart,
+    chosen: HeldPart,
+    chosen_width: Option<f64>,
     bias_over_sd: Option<f64>,
     u_over_sd: Option<f64>,
 }
@@ -41,6 +44,8 @@ struct SceneCoverage {
     fitted: u64,
     failed: u64,
     planes: u64,
+    /// Mean probability given to the reported class, and the share in which it is the true one.
+    class_forecast: Option<[f64; 2]>,
     #[serde(rename = "S")]
     shape_index: QuantityCoverage,
     #[serde(rename = "R")]
@@ -75,6 +80,8 @@ impl SceneCoverage {
         let part = |q: usize| QuantityCoverage {
             linear: HeldPart::new(&found.linear[q]),
             monte_carlo: HeldPart::new(&found.monte_carlo[q]),
+            chosen: HeldPart::new(&found.chosen[q]),
+            chosen_width: found.chosen_width[q],
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
         };
@@ -84,6 +91,7 @@ impl SceneCoverage {
             fitted: found.fitted,
             failed: found.failed,
             planes: found.planes,
+            class_forecast: found.class_forecast,
             shape_index: part(0),
             curvedness: part(1),
         }
@@ -91,7 +99,7 @@ impl SceneCoverage {
 }
 
 pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Failure> {
-    args.output.prepare()?;
+    args.output.prepare(&scene.iter().map(Path::new).collect::<Vec<_>>(), &[])?;
     let sources: Vec<Source> = match scene {
         Some(name) => vec![scene::source(name)?],
         None => coverage_family().into_iter().map(|(name, text)| Source::of_text(&name, text)).collect(),
@@ -121,6 +129,7 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
     let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
     args.output.file("coverage.json", &mut |out| write_json(&document, out))?;
     args.output.file("coverage.csv", &mut |out| write_csv(&document, out))?;
+    args.output.publish()?;
     if args.output.json {
         return print(&mut |out| write_json(&document, out));
     }
@@ -133,34 +142,49 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
 fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let level = 100.0 * document.level;
     writeln!(out, "intervals that hold the truth, per cent of {} fits; {level} are promised", document.replicates)?;
-    let row = ["S linear", "S Monte Carlo", "bias/sd", "R linear", "R Monte Carlo", "bias/sd"];
-    let [a, b, c, d, e, f] = row;
-    writeln!(out, "{:<24} {a:>20} {b:>20} {c:>8} {d:>20} {e:>20} {f:>8}  planes failed", "scene")?;
+    writeln!(
+        out,
+        "linear and Monte Carlo: the model that the scene names; chosen: no model named, the contacts recognised"
+    )?;
+    let head = ["linear", "Monte Carlo", "bias/sd", "chosen", "width/1.96 sd"];
+    let [a, b, c, d, e] = head;
+    writeln!(out, "{:<24}    {a:>18} {b:>18} {c:>8} {d:>18} {e:>14}  planes failed", "scene")?;
     for scene in &document.scenes {
-        let (s, r) = (&scene.shape_index, &scene.curvedness);
-        let bias = |part: &QuantityCoverage| part.bias_over_sd.map_or("-".into(), |b| format!("{b:.2}"));
-        writeln!(
-            out,
-            "{:<24} {:>20} {:>20} {:>8} {:>20} {:>20} {:>8}  {:>6} {:>6}",
-            scene.scene,
-            s.linear.words(),
-            s.monte_carlo.words(),
-            bias(s),
-            r.linear.words(),
-            r.monte_carlo.words(),
-            bias(r),
-            scene.planes,
-            scene.failed
-        )?;
+        for (name, letter, part) in [(&scene.scene[..], "S", &scene.shape_index), ("", "R", &scene.curvedness)] {
+            let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.2}"));
+            let counts = if letter == "S" { format!("{:>6} {:>6}", scene.planes, scene.failed) } else { String::new() };
+            let line = format!(
+                "{name:<24} {letter}  {:>18} {:>18} {:>8} {:>18} {:>14}  {counts}",
+                part.linear.words(),
+                part.monte_carlo.words(),
+                number(part.bias_over_sd),
+                part.chosen.words(),
+                number(part.chosen_width)
+            );
+            writeln!(out, "{}", line.trim_end())?;
+        }
     }
     Ok(())
 }
 
 fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let of = |name: &str| {
-        ["linear", "linear_lo", "linear_hi", "mc", "mc_lo", "mc_hi", "bias_over_sd", "u_over_sd"]
-            .map(|what| format!("{name}_{what}"))
-            .join(",")
+        [
+            "linear",
+            "linear_lo",
+            "linear_hi",
+            "mc",
+            "mc_lo",
+            "mc_hi",
+            "chosen",
+            "chosen_lo",
+            "chosen_hi",
+            "bias_over_sd",
+            "u_over_sd",
+            "chosen_width",
+        ]
+        .map(|what| format!("{name}_{what}"))
+        .join(",")
     };
     writeln!(out, "scene,path,fitted,failed,planes,{},{}", of("S"), of("R"))?;
     for scene in &document.scenes {
@@ -168,11 +192,12 @@ fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Resul
             vec![scene.scene.clone(), scene.path.clone(), scene.fitted.to_string(), scene.failed.to_string()];
         words.push(scene.planes.to_string());
         for part in [&scene.shape_index, &scene.curvedness] {
-            for held in [&part.linear, &part.monte_carlo] {
+            for held in [&part.linear, &part.monte_carlo, &part.chosen] {
                 let ends = held.interval.unwrap_or([f64::NAN; 2]);
                 words.extend([held.share.unwrap_or(f64::NAN), ends[0], ends[1]].map(|v| v.to_string()));
             }
-            words.extend([part.bias_over_sd, part.u_over_sd].map(|v| v.unwrap_or(f64::NAN).to_string()));
+            let others = [part.bias_over_sd, part.u_over_sd, part.chosen_width];
+            words.extend(others.map(|v| v.unwrap_or(f64::NAN).to_string()));
         }
         // a path's name may hold a comma
         words[1] = words[1].replace(',', ";");

@@ -46,14 +46,15 @@ pub(super) fn describe(
     };
     let description =
         describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
-    if let Some(path) = to.save {
-        write_atomically(path, &mut |out| write_json(description.document(), out))?;
-    }
     files(&*description, name, to.output)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
             .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
+    }
+    to.output.publish()?;
+    if let Some(path) = to.save {
+        write_atomically(path, &mut |out| write_json(description.document(), out))?;
     }
     // what `--save -` sent to standard output is not to be mixed with a table
     let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");

@@ -1,16 +1,18 @@
-//! How a verb ends: 0 done, 2 bad usage or bad input; a closed pipe ends quietly. (A panic, which is a fault of the
+//! How a verb ends: 0 done, 2 bad usage or bad input, 1 an output that could not be written; a closed pipe ends quietly. (A panic, which is a fault of the
 //! program, exits 101.)
 
 use std::process::ExitCode;
 
 use crate::fit::FitError;
-use crate::io::IoError;
+use crate::io::{IoError, visible};
 
 /// Why a verb did not do what it was asked.
 #[derive(Debug)]
 pub(super) enum Failure {
     /// Something that the user can put right: exit 2.
     Input(String),
+    /// The system would not take the output, as a full disk: exit 1.
+    Output(String),
     /// The reader of the output has gone: no message, exit 0.
     ClosedPipe,
 }
@@ -18,11 +20,29 @@ pub(super) enum Failure {
 impl Failure {
     /// Says what happened on standard error and gives the exit code.
     pub(super) fn report(self) -> ExitCode {
-        let Failure::Input(message) = self else { return ExitCode::SUCCESS };
+        let (message, code) = match self {
+            Failure::Input(message) => (message, 2),
+            Failure::Output(message) => (message, 1),
+            Failure::ClosedPipe => return ExitCode::SUCCESS,
+        };
+        // names in it come from files and arguments
+        let message = message.split('\n').map(visible).collect::<Vec<_>>().join("\n");
         // standard error may be closed too; there is nobody left to tell
         let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("palpate: {message}\n").as_bytes());
-        ExitCode::from(2)
+        ExitCode::from(code)
     }
+}
+
+/// Says what is wrong with the arguments, or helps.
+pub(super) fn print_usage(error: &clap::Error) {
+    let message = error.render().to_string();
+    // help and version go to standard output; whoever would read may have gone
+    let _ = if message.chars().any(|c| c.is_control() && c != '\n') {
+        let shown = message.split('\n').map(visible).collect::<Vec<_>>().join("\n");
+        std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes())
+    } else {
+        error.print()
+    };
 }
 
 /// Errors of writing to standard output.
@@ -30,7 +50,7 @@ impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Failure {
         match error.kind() {
             std::io::ErrorKind::BrokenPipe => Failure::ClosedPipe,
-            _ => Failure::Input(format!("standard output: cannot be written: {error}")),
+            _ => Failure::Output(format!("standard output: cannot be written: {error}")),
         }
     }
 }
@@ -39,6 +59,7 @@ impl From<IoError> for Failure {
     fn from(error: IoError) -> Failure {
         match error {
             IoError::Write { path, source } if path.as_os_str() == "-" => source.into(),
+            error @ IoError::Write { .. } => Failure::Output(error.to_string()),
             other => Failure::Input(with_flags(other.to_string(), other.remedies())),
         }
     }

@@ -6,22 +6,23 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::contact::ContactError;
-use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
+use crate::fit::{FitError, FitOptions};
 use crate::io::{Input, ReadOptions, Reading, read_input};
-use crate::parametric::{FittedSurface, fit_surface};
 use crate::recognition::RecognitionOptions;
-use crate::report::{Answer, ChosenPart, Subject};
+use crate::report::{Answer, Subject};
 
 use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
+use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
+use super::reading::{ReadFlags, seen_from};
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
-    /// CSV, NPZ or PLY; - for standard input
+    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
     input: PathBuf,
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
@@ -32,6 +33,8 @@ pub(super) struct FitArgs {
     #[command(flatten)]
     preparation: PreparationFlags,
     #[command(flatten)]
+    reading: ReadFlags,
+    #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
     output: OutputFlags,
@@ -40,8 +43,9 @@ pub(super) struct FitArgs {
 impl FitArgs {
     /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
     /// length zero and counts them.
-    fn reading(&self) -> ReadOptions {
-        ReadOptions { skip_invalid: self.skip_invalid, keep_zero_normals: !self.fit.names_a_model() }
+    fn read_options(&self) -> ReadOptions {
+        let keep_zero_normals = !self.fit.names_a_model();
+        ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
     }
 }
 
@@ -50,13 +54,13 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    args.output.prepare()?;
+    args.output.prepare(&[&args.input], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &args.reading())?;
+    let mut reading = read_input(&args.input, &args.read_options())?;
     let prepared = args.preparation.apply(&mut reading)?;
     let read = began.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let found = answer(&reading.input, args).map_err(|refusal| {
+    let found = answer(&reading, args).map_err(|refusal| {
         Failure::Input(match refusal {
             Refusal::Fit(error) => placed(&error, &reading),
             Refusal::Shape(message) => format!("{}: {message}", reading.file),
@@ -80,8 +84,8 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
 }
 
 /// The model that was named, or what the contacts show where none was.
-fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
-    let fit = args.fit.over(FitOptions::default());
+fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
+    let (input, fit) = (&reading.input, args.fit.over(FitOptions::default()));
     let viewpoint = args.preparation.viewpoint;
     if args.fit.names_a_model() {
         if viewpoint.is_some() && !args.preparation.estimates_normals() {
@@ -93,28 +97,10 @@ fn answer(input: &Input, args: &FitArgs) -> Result<Found, Refusal> {
         return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
     }
     fit.check().map_err(Refusal::Fit)?;
+    let viewpoint = viewpoint.or(seen_from(reading));
     let recognition =
         RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
     automatic(input, &recognition, &fit)
-}
-
-/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
-pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
-    let (found, reason) = match input {
-        Input::Contacts(contacts) => fit_surface(contacts, options)?,
-        Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
-            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
-        }
-        Input::Grid(grid) => {
-            (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
-        }
-    };
-    let surface = match &found {
-        FittedSurface::Height(_) => SurfaceKind::Height,
-        FittedSurface::Parametric(_) => SurfaceKind::Parametric,
-    };
-    let asked = options.surface != SurfaceKind::Height;
-    Ok((found, asked.then(|| ChosenPart { surface: surface.name().into(), why: reason, ..ChosenPart::default() })))
 }
 
 /// The error with its file, and its line where it is about one contact.
@@ -134,7 +120,7 @@ fn placed(error: &FitError, reading: &Reading) -> String {
 }
 
 fn notes(reading: &Reading) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = reading.notes.clone();
     if !reading.ignored.is_empty() {
         notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
     }

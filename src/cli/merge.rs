@@ -23,7 +23,7 @@ pub(super) struct MergeArgs {
 }
 
 pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
-    args.output.prepare()?;
+    args.output.prepare(&args.parts.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[])?;
     let mut order: Vec<(u64, usize)> = Vec::new();
     // the files are read twice, one at a time: a hundred parts need the memory of two
     let mut first: Option<StudyFile> = None;

@@ -11,11 +11,14 @@ mod coverage;
 mod describe;
 mod failure;
 mod fit;
+mod gathered;
 mod merge;
+mod named;
 mod options;
 mod output;
 mod preparation;
 mod progress;
+mod reading;
 mod run;
 mod scene;
 mod scenes;
@@ -66,16 +69,16 @@ pub fn main() -> ExitCode {
     let line = match Line::try_parse() {
         Ok(line) => line,
         Err(error) => {
-            // help and version go to standard output, and their reader may have gone
-            let _ = error.print();
+            failure::print_usage(&error);
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
     if line.portable {
         crate::simd::Isa::force_portable();
     }
-    // without a handler Ctrl-C still ends the process, only less tidily
-    let _ = ctrlc::set_handler(|| {
+    // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
+    // does, wants it ignored: then no handler is set.
+    let _ = ctrlc::try_set_handler(|| {
         crate::io::remove_unfinished();
         std::process::exit(130)
     });

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
 
+use super::gathered::Gathered;
 use super::values;
 
 /// How the surface is fitted; the same words as in a scene's `[fit]`.
@@ -22,7 +23,7 @@ pub(super) struct FitFlags {
     #[arg(long, value_name = "P[,Q]", value_parser = values::degrees)]
     degree: Option<[usize; 2]>,
     /// Uniform segments in x and y [default: 1]
-    #[arg(long, value_name = "N[,M]", value_parser = values::counts)]
+    #[arg(long, value_name = "N[,M]", value_parser = values::segments)]
     segments: Option<[usize; 2]>,
     /// Domain of the surface [default: the contacts' bounding box]
     #[arg(long, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true, value_parser = values::domain)]
@@ -51,7 +52,7 @@ pub(super) struct FitFlags {
 #[derive(Args, Clone, Debug, Default)]
 pub(super) struct GridFlags {
     /// Points of the shape grid in x and y [default: 8x8]
-    #[arg(long, value_name = "NxM", value_parser = values::counts)]
+    #[arg(long, value_name = "NxM", value_parser = values::grid_points)]
     grid: Option<[usize; 2]>,
     /// Fraction of each side cut at every edge of the shape grid [default: 0]
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::inset)]
@@ -134,6 +135,9 @@ pub(super) struct OutputFlags {
     /// Write pictures, tables and records into this directory
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// What goes into the directory, until it is published.
+    #[arg(skip)]
+    pub(super) gathered: Gathered,
     /// No tables for people and no progress
     #[arg(long, short)]
     pub(super) quiet: bool,

@@ -1,12 +1,13 @@
 //! Standard output, the output directory, and a spinner for people who wait.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::PoisonError;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
 
-use crate::io::write_atomically;
+use crate::io::{Together, same_file, visible, write_atomically};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -14,19 +15,63 @@ use super::options::OutputFlags;
 /// Fills one output.
 pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>;
 
+/// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
+/// be of two.
+const FAMILIES: [&[&str]; 4] = [
+    &["fit.json", "maps.csv", "maps.npz", "shape.svg", "contacts.csv", "points.csv"],
+    &["study.json", "study.svg"],
+    &["sweep.json", "sweep.csv", "sweep.svg"],
+    &["coverage.json", "coverage.csv"],
+];
+
 impl OutputFlags {
-    /// Makes sure of the output directory before any work is done for it.
-    pub(super) fn prepare(&self) -> Result<(), Failure> {
+    /// Makes sure of every output before any work is done for it: that it has a place, and overwrites none of `inputs`.
+    pub(super) fn prepare(&self, inputs: &[&Path], outputs: &[PathBuf]) -> Result<(), Failure> {
+        let overwrites = |output: &Path| match inputs.iter().find(|input| same_file(input, output)) {
+            Some(input) => Err(Failure::Input(format!(
+                "{}: it is the input {}, which would be written over; give the output another name",
+                output.display(),
+                input.display()
+            ))),
+            None => Ok(()),
+        };
+        for output in outputs.iter().filter(|output| output.as_os_str() != "-") {
+            has_place(output)?;
+            overwrites(output)?;
+        }
         let Some(directory) = &self.out else { return Ok(()) };
+        FAMILIES.iter().flat_map(|names| names.iter()).try_for_each(|name| overwrites(&directory.join(name)))?;
         std::fs::create_dir_all(directory)
             .map_err(|e| Failure::Input(format!("--out {}: cannot be made a directory: {e}", directory.display())))
     }
 
-    /// Writes `name` into the output directory, if one is asked for.
+    /// Writes `name` for the output directory, if one is asked for; [`OutputFlags::publish`] puts it there.
     pub(super) fn file(&self, name: &str, fill: Fill) -> Result<(), Failure> {
-        match &self.out {
-            Some(directory) => Ok(write_atomically(&directory.join(name), fill)?),
+        let Some(directory) = &self.out else { return Ok(()) };
+        let mut gathered = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if gathered.is_none() {
+            *gathered = Some(Together::new(directory)?);
+        }
+        match gathered.as_mut() {
+            Some(files) => Ok(files.write(name, fill)?),
             None => Ok(()),
+        }
+    }
+
+    /// Puts all files of this run into the output directory, unless it holds some of another run that would stay.
+    pub(super) fn publish(&self) -> Result<(), Failure> {
+        let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
+        let written = |name: &&str| files.names().iter().any(|written| written == name);
+        let families = FAMILIES.iter().filter(|names| names.iter().any(written));
+        let stale =
+            families.flat_map(|names| names.iter()).find(|name| !written(name) && directory.join(name).exists());
+        match stale {
+            Some(name) => Err(Failure::Input(format!(
+                "--out {}: holds {name} of another run, which this run would not replace; remove it or name another directory",
+                directory.display()
+            ))),
+            None => Ok(files.publish()?),
         }
     }
 
@@ -35,11 +80,22 @@ impl OutputFlags {
         if self.quiet {
             return Spinner(ProgressBar::hidden());
         }
-        let bar = ProgressBar::new_spinner().with_message(what.into());
+        let bar = ProgressBar::new_spinner().with_message(visible(&what.into()));
         // short work ends before the first tick and shows nothing
         bar.enable_steady_tick(Duration::from_millis(250));
         Spinner(bar)
     }
+}
+
+/// The directory of an output is there, and the output is none itself.
+fn has_place(output: &Path) -> Result<(), Failure> {
+    let directory = output.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let why = match (output.is_dir(), directory.is_dir()) {
+        (true, _) => "it is a directory; name a file in it".to_string(),
+        (false, false) => format!("there is no directory {}", directory.display()),
+        (false, true) => return Ok(()),
+    };
+    Err(Failure::Input(format!("{}: cannot be written: {why}", output.display())))
 }
 
 /// Goes away when dropped.

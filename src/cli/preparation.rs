@@ -56,7 +56,7 @@ impl PreparationFlags {
                 *contacts = match (&given.orientation, self.normals.is_some()) {
                     (_, true) => {
                         notes.push("normals were estimated from neighbouring positions".into());
-                        estimate_normals(&given, self.viewpoint)
+                        estimate_normals(&given, self.viewpoint.or(reading.viewpoint))
                             .map_err(|error| Failure::Input(format!("{file}: {error}")))?
                     }
                     (Orientation::None, false) if self.flip_normals => {

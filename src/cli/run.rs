@@ -10,8 +10,9 @@ use crate::report::{Answer, Subject, inverse_crime_remark};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
+use super::named::fit_input;
 use super::options::{FitFlags, OutputFlags};
-use super::{fit, scene};
+use super::scene;
 
 /// Arguments of `palpate run`.
 #[derive(Args)]
@@ -34,7 +35,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
     let scene = scene::load(&args.scene)?;
-    args.output.prepare()?;
+    args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
@@ -43,7 +44,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let found = fit::fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
+    let found = fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::io::scene_file::{SceneFile, SceneFileError, builtin, builtin_text, read_scene_with};
-use crate::io::{import_surface, read_bytes};
+use crate::io::{import_surface, read_bytes, visible};
 
 use super::failure::Failure;
 
@@ -38,6 +38,7 @@ impl Source {
         if read.name.is_empty() {
             read.name.clone_from(&self.name);
         }
+        read.name = visible(&read.name);
         Ok(read)
     }
 }

@@ -45,10 +45,11 @@ pub(super) fn scenes(args: &ScenesArgs) -> Result<(), Failure> {
             return Err(Failure::Input(why));
         }
     }
-    args.output.prepare()?;
+    args.output.prepare(&[], &[])?;
     for scene in &found {
         args.output.file(&format!("{}.toml", scene.name), &mut |out| out.write_all(scene.toml.as_bytes()))?;
     }
+    args.output.publish()?;
     if args.output.json {
         let listed = |scene| listed(scene, args.name.is_some());
         let document = ScenesDocument { schema: "palpate.scenes/1", scenes: found.iter().map(listed).collect() };

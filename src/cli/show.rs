@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::fit::FitOptions;
-use crate::io::{Saved, read_bytes, read_points, read_surface_bytes};
+use crate::io::{MOST_GRID_POINTS, Saved, exceeds, read_bytes, read_points, read_surface_bytes};
 use crate::report::{FitDocument, ShownGrid, describe_saved, points_at};
 
 use super::describe;
@@ -33,7 +33,8 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
     }
     let (file, bytes) = read_bytes(&args.surface)?;
     let saved = read_surface_bytes(&file, &bytes)?;
-    args.output.prepare()?;
+    let inputs: Vec<&Path> = std::iter::once(&args.surface).chain(&args.at).map(PathBuf::as_path).collect();
+    args.output.prepare(&inputs, &[])?;
     match &args.at {
         Some(at) => show_points(args, &saved, at),
         None => show_shape(args, &saved, &bytes),
@@ -43,6 +44,7 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
 fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure> {
     let points = points_at(saved, &read_points(at)?);
     args.output.file("points.csv", &mut |out| points.write_csv(out))?;
+    args.output.publish()?;
     if args.output.json {
         return print(&mut |out| points.write_json(out));
     }
@@ -57,9 +59,17 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
         .map_err(|e| Failure::Input(format!("{}: no whole palpate.fit/1 document: {e}", saved.file)))?;
     let mut options = FitOptions::default().with_grid(document.shape.grid[0], document.shape.grid[1]);
     args.grid.apply(&mut options);
+    if exceeds(options.grid, MOST_GRID_POINTS) {
+        let [n, m] = options.grid;
+        return Err(Failure::Input(format!(
+            "{}: a shape grid of {n} x {m} points is too large; give --grid",
+            saved.file
+        )));
+    }
     options.check().map_err(|e| Failure::Input(fit_message(&e)))?;
     let grid = ShownGrid { points: options.grid, inset: options.inset, again: args.grid.any() };
     let description = describe_saved(saved, document, grid);
     describe::files(&*description, &saved.file, &args.output)?;
+    args.output.publish()?;
     describe::show(description.document(), &saved.file, &args.output, false)
 }

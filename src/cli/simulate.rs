@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use crate::io::{ContactFormat, write_atomically, write_contacts};
+use crate::io::{ContactFormat, visible, write_atomically, write_contacts};
 use crate::report::{inverse_crime_remark, write_json};
 use crate::scene::{ContactBatch, Simulator, explain};
 
@@ -50,7 +50,7 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     // the name is wrong before the work is done, not after
     let format = args.to.as_deref().map(ContactFormat::of).transpose()?;
     let scene = scene::load(&args.scene)?;
-    args.output.prepare()?;
+    args.output.prepare(&[args.scene.as_ref()], args.to.as_slice())?;
     let simulator = scene.world.compile().map_err(|e| Failure::Input(format!("{}: {e}", scene.name)))?;
     if args.explain && !args.output.quiet && !to_stdout {
         let text = explain::table(&simulator, &stage_times(&simulator, scene.seed));
@@ -66,6 +66,7 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     }
     if let Some(directory) = &args.output.out {
         args.output.file("contacts.csv", &mut |out| write_contacts(&contacts, ContactFormat::Csv, remark, out))?;
+        args.output.publish()?;
         files.push(directory.join("contacts.csv").display().to_string());
     }
     if args.output.json {
@@ -79,7 +80,9 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     }
     if !args.output.quiet && !to_stdout {
         return print(&mut |out| {
-            files.iter().try_for_each(|file| writeln!(out, "{} contacts of {} in {file}", contacts.len(), scene.name))
+            let told =
+                |file: &String| writeln!(out, "{} contacts of {} in {}", contacts.len(), scene.name, visible(file));
+            files.iter().try_for_each(told)
         });
     }
     Ok(())

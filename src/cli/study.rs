@@ -41,7 +41,8 @@ pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
         return sweep::sweep(args, &source);
     }
-    args.output.prepare()?;
+    let outputs: Vec<_> = [&args.part, &args.records, &args.checkpoint].into_iter().flatten().cloned().collect();
+    args.output.prepare(&[name.as_ref()], &outputs)?;
     let plan = Plan::new(args, &source)?;
     run(args, &plan, source)
 }
@@ -163,6 +164,7 @@ pub(super) fn tell(
         let ranked = [state.tallies[0].ranked(), state.tallies[1].ranked()];
         output.file("study.svg", &mut |out| write_study_picture(document, &ranked, out))?;
     }
+    output.publish()?;
     if output.json {
         return print(&mut |out| write_json(document, out));
     }

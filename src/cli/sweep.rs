@@ -136,7 +136,7 @@ fn scene_at(source: &Source, axes: &[Axis], at: &[f64]) -> Result<Source, Failur
 }
 
 pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
-    args.output.prepare()?;
+    args.output.prepare(&[source.name.as_ref()], &[])?;
     let axes: Vec<Axis> = args.sweeps().iter().map(|text| axis(text)).collect::<Result<_, _>>()?;
     let count = axes.iter().try_fold(1_usize, |n, axis| n.checked_mul(axis.values.len()).filter(|n| *n <= MOST_POINTS));
     let Some(count) = count else {
@@ -183,6 +183,7 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
         args.output.file("sweep.parquet", &mut |out| write_parquet("point", &names, &columns, out))?;
         args.output.file("sweep.svg", &mut |out| write_sweep_picture(&scene, &keys, &points, out))?;
     }
+    args.output.publish()?;
     if args.output.json {
         return print(&mut |out| write_json(&document, out));
     }

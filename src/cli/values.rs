@@ -2,6 +2,7 @@
 //! words are those of [`crate::fit`]'s options, which read themselves.)
 
 use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
+use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 use crate::montecarlo::{Path, StoppingRule};
 
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
@@ -17,6 +18,24 @@ pub(super) fn counts(text: &str) -> Result<[usize; 2], String> {
         _ => return Err(wrong()),
     };
     if pair.iter().all(|n| (1..=MAX_COUNT).contains(n)) { Ok(pair) } else { Err(wrong()) }
+}
+
+/// Segments; no more than a machine can hold.
+pub(super) fn segments(text: &str) -> Result<[usize; 2], String> {
+    held(counts(text)?, MOST_SEGMENTS, "segments", "a patch rarely needs more than 20x20")
+}
+
+/// Points of a shape grid; no more than a machine can hold.
+pub(super) fn grid_points(text: &str) -> Result<[usize; 2], String> {
+    held(counts(text)?, MOST_GRID_POINTS, "points", "a picture needs some 100x100")
+}
+
+fn held(pair: [usize; 2], most: usize, what: &str, usual: &str) -> Result<[usize; 2], String> {
+    if exceeds(pair, most) {
+        let [n, m] = pair;
+        return Err(format!("{n} x {m} {what} are more than {most}, which is the most; {usual}"));
+    }
+    Ok(pair)
 }
 
 /// A degree or two, 1 to 9.
@@ -166,6 +185,10 @@ mod tests {
         assert_eq!(counts("4, 5"), Ok([4, 5]));
         for wrong in ["", "0", "-1", "2,3,4", "2.5", "a", "8x", "999999999"] {
             assert!(counts(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!((segments("512"), grid_points("2000x2000")), (Ok([512, 512]), Ok([2000, 2000])));
+        for message in [segments("100000").unwrap_err(), grid_points("10000x10000").unwrap_err()] {
+            assert!(message.contains("which is the most"), "{message}");
         }
         assert_eq!(degrees("2,3"), Ok([2, 3]));
         assert!(degrees("10").unwrap_err().contains("1 to 9"));

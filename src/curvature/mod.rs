@@ -13,4 +13,5 @@ mod class;
 mod principal;
 
 pub use class::ShapeClass;
-pub use principal::{Derivatives, Principal, curvedness, principal_curvatures, shape_index};
+pub use principal::{Derivatives, Principal, principal_curvatures};
+pub(crate) use principal::{curvedness, shape_index};

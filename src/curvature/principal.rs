@@ -62,7 +62,7 @@ impl Principal {
 }
 
 /// `S = -(2/pi) atan2(k1 + k2, k1 - k2)`; `None` where both are zero. `difference >= 0`.
-pub fn shape_index(sum: f64, difference: f64) -> Option<f64> {
+pub(crate) fn shape_index(sum: f64, difference: f64) -> Option<f64> {
     if sum == 0.0 && difference == 0.0 {
         return None;
     }
@@ -70,7 +70,7 @@ pub fn shape_index(sum: f64, difference: f64) -> Option<f64> {
 }
 
 /// `R = sqrt((k1^2 + k2^2) / 2)`, without overflow or underflow.
-pub fn curvedness(k1: f64, k2: f64) -> f64 {
+pub(crate) fn curvedness(k1: f64, k2: f64) -> f64 {
     k1.hypot(k2) * std::f64::consts::FRAC_1_SQRT_2
 }
 

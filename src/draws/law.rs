@@ -22,6 +22,7 @@ pub(super) const UNIFORM_SD: f64 = 0.288_675_134_594_812_9;
 
 /// The shape of an effect's errors; the effect says how large they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum NoiseLaw {
     /// The normal law, drawn by address with the vectorised Box-Muller.
     #[default]

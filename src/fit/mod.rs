@@ -39,6 +39,8 @@ mod options;
 mod placing;
 mod solved;
 
+#[doc(hidden)]
+pub use crate::solve::Factor;
 pub use certificate::Certificate;
 pub use certificate::guaranteed_digits::GuaranteedDigits;
 pub use describe::residuals::Rms;
@@ -46,13 +48,12 @@ pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
 #[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
-pub use linear::reasons::{MethodUsed, Reason};
-#[doc(hidden)]
-pub use linear::solution::Factor;
+pub use linear::reasons::Reason;
 pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
+pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
     UnknownWord,

@@ -1,7 +1,10 @@
 //! What a user may choose about a fit. The words are the same on the command line, in a scene's `[fit]` and here.
 
+#[macro_use]
 mod words;
+pub(super) mod method;
 
+pub use method::Method;
 pub use words::UnknownWord;
 
 use super::FitError;
@@ -53,23 +56,6 @@ pub enum Objective {
     Slopes(SlopeWeights),
     /// Normal rows, maximum likelihood by Gauss-Newton.
     Normals(NormalSigma),
-}
-
-/// How the least squares problem is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Method {
-    /// The cheapest that applies; where its own error estimate is too large, the next one. The fit reports every change.
-    #[default]
-    Auto,
-    /// Cholesky of the normal matrix.
-    Cholesky,
-    /// QR of the rows.
-    Qr,
-    /// Fast diagonalisation of a complete grid.
-    Kronecker,
-    /// Conjugate gradients preconditioned by fast diagonalisation.
-    Pcg,
 }
 
 /// Thin-plate roughness penalty of a height field; of a parametric surface the weight of its fairness, in patch units.
@@ -135,6 +121,7 @@ pub enum OutsideDomain {
 /// Everything that decides a fit, with the design's defaults.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct FitOptions {
     /// Height field, parametric surface, or whichever the contacts call for. Default: height field.
     pub surface: SurfaceKind,
@@ -231,6 +218,12 @@ impl FitOptions {
     /// With this domain `[x0, x1, y0, y1]`, input units, instead of the contacts' bounding box.
     pub fn with_domain(mut self, domain: [f64; 4]) -> FitOptions {
         self.domain = Some(domain);
+        self
+    }
+
+    /// With this as what becomes of contacts outside the domain.
+    pub fn with_outside(mut self, outside: OutsideDomain) -> FitOptions {
+        self.outside = outside;
         self
     }
 

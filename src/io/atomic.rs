@@ -56,12 +56,7 @@ fn by_rename(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Resul
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let temporary = {
-        let mut unfinished = unfinished();
-        let temporary = builder.tempfile_in(directory)?;
-        unfinished.insert(temporary.path().to_path_buf());
-        temporary
-    };
+    let temporary = hold(|| builder.tempfile_in(directory), |made| made.path().to_path_buf())?;
     let name = temporary.path().to_path_buf();
     let mut out = BufWriter::new(temporary);
     let outcome = fill(&mut out).and_then(|()| out.into_inner().map_err(|e| e.into_error()));
@@ -70,12 +65,25 @@ fn by_rename(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Resul
     outcome?.persist(path).map(drop).map_err(|e| e.error)
 }
 
+/// Makes something temporary that [`remove_unfinished`] shall remove until it is released.
+pub(super) fn hold<T>(make: impl FnOnce() -> std::io::Result<T>, path: impl Fn(&T) -> PathBuf) -> std::io::Result<T> {
+    let mut unfinished = unfinished();
+    let made = make()?;
+    unfinished.insert(path(&made));
+    Ok(made)
+}
+
+/// What was held is whole, or gone.
+pub(super) fn release(path: &Path) {
+    unfinished().remove(path);
+}
+
 /// Removes every temporary file and prevents new ones: the caller is about to end the process.
 pub(crate) fn remove_unfinished() {
     let mut unfinished = unfinished();
     for path in std::mem::take(&mut *unfinished) {
-        // nothing can be done about a file that cannot be removed, and the process is ending
-        let _ = std::fs::remove_file(path);
+        // nothing can be done about what cannot be removed, and the process is ending
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
     std::mem::forget(unfinished);
 }

@@ -3,8 +3,11 @@
 //! `x,y,z` and optionally `nx,ny,nz` or `zx,zy` (not both), `finger`, `station`, `wz,wx,wy`. Without `z` but with
 //! slopes or normals the heights are zero with weight zero: slopes only.
 
+use std::collections::HashSet;
+
 use crate::contact::{ContactWeights, Contacts, Orientation};
 
+use super::visible::visible;
 use super::{IoError, Place, Points, ReadOptions};
 
 /// A column that palpate knows.
@@ -69,14 +72,15 @@ impl Columns {
     /// One empty column per known name; the rest is noted. A name that stands twice is an error.
     pub(super) fn named(file: &str, names: &[&str], need: Need) -> Result<Columns, IoError> {
         let mut columns = Columns::default();
-        for (k, name) in names.iter().enumerate() {
+        let mut seen = HashSet::with_capacity(names.len());
+        for name in names {
             let known = Column::of(name);
-            if names[..k].contains(name) && (known.is_some() || !name.is_empty()) {
-                return Err(IoError::DuplicateColumn { file: file.into(), column: name.to_string() });
+            if !seen.insert(name) && !name.is_empty() {
+                return Err(IoError::DuplicateColumn { file: file.into(), column: visible(name) });
             }
             match known.filter(|column| need == Need::Contacts || matches!(column, X | Y)) {
                 Some(column) => columns.values[column as usize] = Some(Vec::new()),
-                None => columns.ignored.push(name.to_string()),
+                None => columns.ignored.push(visible(name)),
             }
         }
         columns.check_names(file, names, need)?;
@@ -85,6 +89,22 @@ impl Columns {
 
     pub(super) fn set(&mut self, column: Column, values: Vec<f64>) {
         self.values[column as usize] = Some(values);
+    }
+
+    pub(super) fn get(&self, column: Column) -> Option<&[f64]> {
+        self.values[column as usize].as_deref()
+    }
+
+    /// Number of rows.
+    pub(super) fn len(&self) -> usize {
+        self.values[X as usize].as_ref().map_or(0, Vec::len)
+    }
+
+    /// Leaves the rows of `kept`, in their order.
+    pub(super) fn keep(&mut self, kept: &[usize]) {
+        for values in self.values.iter_mut().flatten() {
+            *values = kept.iter().map(|&row| values[row]).collect();
+        }
     }
 
     pub(super) fn has(&self, column: Column) -> bool {
@@ -113,7 +133,7 @@ impl Columns {
             needed.push(Z);
         }
         if let Some(missing) = needed.into_iter().find(|c| !self.has(*c)) {
-            let found = names.iter().map(|n| n.to_string()).collect();
+            let found = names.iter().map(|n| visible(n)).collect();
             return Err(IoError::MissingColumn {
                 file: file.into(),
                 column: missing.name(),
@@ -176,7 +196,7 @@ impl Columns {
         options: &ReadOptions,
         place: &dyn Fn(usize) -> Place,
     ) -> Result<Assembled, IoError> {
-        let rows = self.values[X as usize].as_ref().map_or(0, Vec::len);
+        let rows = self.len();
         let mut kept: Option<Vec<usize>> = None;
         // column by column first: nearly every file is sound, and a pass along memory costs next to nothing
         let suspects = if self.is_sound() { 0 } else { rows };
@@ -199,9 +219,7 @@ impl Columns {
             return Err(IoError::NoRows { file: file.into(), skipped });
         }
         if let Some(kept) = &kept {
-            for values in self.values.iter_mut().flatten() {
-                *values = kept.iter().map(|&row| values[row]).collect();
-            }
+            self.keep(kept);
         }
         Ok(Assembled { contacts: self.contacts(left), skipped, kept, ignored: self.ignored })
     }

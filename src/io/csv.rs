@@ -1,46 +1,43 @@
-//! CSV: a header naming columns in any order, one row per contact, `#` comments, blank lines ignored.
+//! Tables of text: a header naming columns in any order, one row per contact, `#` and `//` comments, blank lines ignored.
+//! [`table_form`] finds out what separates the fields and where the names stand.
 
-use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::Contacts;
 
 use super::columns::{Column, Columns, Need, columns_of};
-use super::place::{Place, Places, Runs, Unit};
-use super::{Input, IoError, ReadOptions, Reading};
+use super::gather::reading_of;
+use super::place::{Place, Runs, Unit};
+use super::table_form::{Separator, is_aside, table_form};
+use super::{IoError, ReadOptions, Reading, ending};
 
-const EXAMPLE: &str = "x,y,z,nx,ny,nz";
+/// The columns of a table with where they come from.
+pub(super) struct Table {
+    pub(super) columns: Columns,
+    /// Line of each row.
+    pub(super) lines: Runs,
+    /// What was assumed because nothing said it.
+    note: Option<String>,
+}
 
 /// Contacts from the bytes of a CSV file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    let (columns, lines) = read_columns(file, bytes, Need::Contacts, options)?;
-    let made = columns.into_contacts(file, options, &|row| Place::Line(lines.get(row)))?;
-    Ok(Reading {
-        input: Input::Contacts(made.contacts),
-        file: file.into(),
-        skipped: made.skipped,
-        ignored: made.ignored,
-        places: Some(Places::new(Unit::Line, lines, made.kept.as_deref())),
-    })
+    let table = read_columns(file, bytes, Need::Contacts, options)?;
+    let reading = reading_of(file, table.columns, (table.lines, Unit::Line), options)?;
+    Ok(Reading { notes: table.note.into_iter().collect(), ..reading })
 }
 
-/// The known columns of a CSV file and the line of each row. Fields that are no number become NaN under `skip_invalid`.
-pub(super) fn read_columns(
-    file: &str,
-    bytes: &[u8],
-    need: Need,
-    options: &ReadOptions,
-) -> Result<(Columns, Runs), IoError> {
+/// The known columns of a table and the line of each row. Fields that are no number become NaN under `skip_invalid`.
+pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadOptions) -> Result<Table, IoError> {
     let text = utf8(file, bytes)?;
-    let mut rows = text
+    let form = table_form(file, text, &ending(file), need)?;
+    let rows = text
         .split('\n')
         .enumerate()
+        .skip(form.first_row)
         .map(|(index, line)| (index + 1, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let (header_line, header) = rows.next().ok_or_else(|| IoError::Empty { file: file.into() })?;
-    let names: Vec<Cow<str>> = fields(header).collect();
-    check_header(file, header_line, header, &names)?;
-    let names: Vec<&str> = names.iter().map(|name| name.as_ref()).collect();
+        .filter(|(_, line)| !is_aside(line));
+    let names: Vec<&str> = form.names.iter().map(String::as_str).collect();
     let mut columns = Columns::named(file, &names, need)?;
 
     // per field of a row: which of `targets` it goes to
@@ -55,7 +52,7 @@ pub(super) fn read_columns(
         .collect();
     let mut lines = Runs::default();
     for (line, row) in rows {
-        match read_row(file, line, row, &slots, &mut targets) {
+        match read_row(file, line, row, form.separator, &slots, &mut targets) {
             Ok(()) => {}
             Err(fault) if !options.skip_invalid => return Err(fault),
             Err(_) => targets.iter_mut().for_each(|(_, values)| {
@@ -68,13 +65,14 @@ pub(super) fn read_columns(
     for (column, values) in targets {
         columns.set(column, values);
     }
-    Ok((columns, lines))
+    Ok(Table { columns, lines, note: form.note })
 }
 
 fn read_row(
     file: &str,
     line: usize,
     row: &str,
+    separator: Separator,
     slots: &[Option<usize>],
     targets: &mut [(Column, Vec<f64>)],
 ) -> Result<(), IoError> {
@@ -82,8 +80,7 @@ fn read_row(
     let mut push = |field: &str| {
         if let Some(&Some(slot)) = slots.get(found) {
             let (column, values) = &mut targets[slot];
-            // most fields have no blanks to trim
-            let value = field.parse().or_else(|_| field.trim().parse()).map_err(|_| IoError::NotANumber {
+            let value = separator.number(field).ok_or_else(|| IoError::NotANumber {
                 file: file.into(),
                 place: Place::Line(line),
                 column: column.name(),
@@ -94,31 +91,15 @@ fn read_row(
         found += 1;
         Ok(())
     };
-    if row.contains('"') {
-        fields(row).try_for_each(|field| push(&field))?;
-    } else {
-        row.split(',').try_for_each(&mut push)?;
+    match separator.character() {
+        _ if row.contains('"') => separator.fields(row).iter().try_for_each(|field| push(field))?,
+        Some(character) => row.split(character).try_for_each(&mut push)?,
+        None => row.split_whitespace().try_for_each(&mut push)?,
     }
     if found == slots.len() {
         return Ok(());
     }
     Err(IoError::FieldCount { file: file.into(), line, found, expected: slots.len() })
-}
-
-/// Fields of one row, trimmed; commas between double quotes do not separate.
-fn fields(row: &str) -> impl Iterator<Item = Cow<'_, str>> {
-    let mut quoted = false;
-    row.split(move |c| {
-        quoted ^= c == '"';
-        c == ',' && !quoted
-    })
-    .map(|field| {
-        let field = field.trim();
-        match field.strip_prefix('"').and_then(|f| f.strip_suffix('"')) {
-            Some(inner) => Cow::Owned(inner.replace("\"\"", "\"")),
-            None => Cow::Borrowed(field),
-        }
-    })
 }
 
 fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, IoError> {
@@ -128,19 +109,6 @@ fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, IoError> {
         let line = 1 + before.iter().filter(|b| **b == b'\n').count();
         IoError::NotUtf8 { file: file.into(), line }
     })
-}
-
-/// Numbers where names should be, or another separator than commas.
-fn check_header(file: &str, line: usize, header: &str, names: &[Cow<str>]) -> Result<(), IoError> {
-    let numbers = names.iter().any(|name| name.parse::<f64>().is_ok_and(f64::is_finite));
-    let other_separator = names.len() == 1 && header.contains([';', '\t', ' ']);
-    if !numbers && !other_separator {
-        return Ok(());
-    }
-    /// Enough of a line to recognise it by.
-    const SHOWN: usize = 60;
-    let text = header.chars().take(SHOWN).collect();
-    Err(IoError::NoHeader { file: file.into(), line, text, example: EXAMPLE })
 }
 
 /// Writes contacts with the shortest decimal that reads back to the same number.

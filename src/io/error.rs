@@ -6,6 +6,10 @@ use crate::contact::ContactError;
 
 use super::Place;
 
+/// Every format of contacts, for whoever came with another one.
+const READ: &str = "tables of text with a header such as x,y,z,nx,ny,nz (CSV, XYZ, PTS), NPZ, NPY, PLY, PCD, OBJ, OFF, STL, \
+                    depth images (PNG, NPZ), each also as .gz";
+
 /// A file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -189,6 +193,24 @@ pub enum IoError {
         file: String,
         /// What is wrong and what would be right.
         what: String,
+    },
+    /// The content of a file in one of the other formats.
+    #[error("{file}: not a readable {form}: {what}")]
+    Form {
+        /// Name of the input.
+        file: String,
+        /// Name of the format.
+        form: &'static str,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// A file of a format that is not read.
+    #[error("{file}: this looks like {looks_like}; what is read: {}", READ)]
+    Strange {
+        /// Name of the input.
+        file: String,
+        /// What its first bytes look like.
+        looks_like: &'static str,
     },
     /// A file that is not a saved surface.
     #[error("{file}: not a saved surface: {what}; `palpate fit --save F` writes one")]

@@ -2,27 +2,40 @@
 //!
 //! ```text
 //! CSV, PLY (ascii, binary), NPZ of 1-D arrays      x,y,z [nx,ny,nz | zx,zy] [finger, station] [wz,wx,wy]  -> Contacts
+//! XYZ, PTS, PCD, OBJ, OFF, STL, NPY                x,y,z [nx,ny,nz]                                       -> Contacts
+//! PNG, NPZ with depth                              d(u, v), 0 = missing, and a camera's intrinsics        -> Contacts
 //! NPZ with 1-D x (n), y (m) and 2-D z (n x m)      [zx, zy] [wz, wx, wy], NaN = missing                   -> Grid
 //! ```
 //!
-//! The format is recognised by the first bytes, not by the name, so that a pipe works like a file. What a header says of
-//! the size of the data is checked against the bytes that are there before memory is asked for.
+//! The format is recognised by the first bytes, not by the name, so that a pipe works like a file; each may be packed by
+//! gzip. What a header says of the size of the data is checked against the bytes that are there before memory is asked for.
 
 mod atomic;
+mod clouds;
 mod columns;
 mod csv;
+mod depth;
 mod error;
+mod gather;
 mod imported;
+mod limits;
+mod names;
 mod npy;
 mod npz;
 mod npz_writer;
 mod place;
 mod ply;
+mod recognise;
 mod records;
 mod remark;
+mod same_file;
 pub(crate) mod scene_file;
 mod study_file;
 mod surface_file;
+mod table_form;
+mod together;
+mod unpack;
+mod visible;
 mod write;
 
 use std::io::Read;
@@ -31,26 +44,35 @@ use std::path::Path;
 use crate::contact::{Contacts, Grid};
 
 use columns::Need;
+use depth::DepthImage;
+use recognise::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
+pub(crate) use depth::Intrinsics;
 pub(crate) use error::IoError;
 pub(crate) use imported::import_surface;
+pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
 pub use place::Place;
 pub(crate) use place::Places;
 pub(crate) use records::{RecordFormat, Records, write_parquet};
+pub(crate) use same_file::same_file;
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
 pub use surface_file::read_surface_bytes;
 pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface};
+pub(crate) use together::Together;
+pub(crate) use visible::visible;
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file.
     pub skip_invalid: bool,
     /// Read normals of length zero as normals that are not known, instead of refusing the file.
     pub keep_zero_normals: bool,
+    /// The camera of a depth image that does not bring its own.
+    pub intrinsics: Option<Intrinsics>,
 }
 
 /// Scattered contacts or a grid.
@@ -75,6 +97,10 @@ pub struct Reading {
     pub ignored: Vec<String>,
     /// Where each contact stands; a grid has no rows.
     pub places: Option<Places>,
+    /// What was assumed, left out or made of the file's content.
+    pub notes: Vec<String>,
+    /// Where the scanner or camera stood, where the format says so.
+    pub viewpoint: Option<[f64; 3]>,
 }
 
 /// Reads contacts or a grid from a file, or from standard input where `path` is `-`.
@@ -101,12 +127,15 @@ pub(crate) struct Points {
 /// [`IoError`], as [`read_input`].
 pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
     let (file, bytes) = read_bytes(path)?;
+    let bytes = unpack::unpacked(&file, &bytes)?;
     let strict = ReadOptions::default();
-    if bytes.starts_with(b"PK") {
-        npz::read_columns(&file, &bytes, Need::Points)?.into_points(&file, &Place::Entry)
-    } else {
-        let (columns, lines) = csv::read_columns(&file, &bytes, Need::Points, &strict)?;
-        columns.into_points(&file, &|row| Place::Line(lines.get(row)))
+    match recognise::recognise(&bytes, &ending(&file)) {
+        Ok(Form::Npz) => npz::read_columns(&file, &bytes, Need::Points)?.into_points(&file, &Place::Entry),
+        Ok(_) => {
+            let csv::Table { columns, lines, .. } = csv::read_columns(&file, &bytes, Need::Points, &strict)?;
+            columns.into_points(&file, &|row| Place::Line(lines.get(row)))
+        }
+        Err(looks_like) => Err(IoError::Strange { file, looks_like }),
     }
 }
 
@@ -119,7 +148,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     let (file, outcome) = if path == Path::new("-") {
         ("standard input".to_string(), std::io::stdin().lock().read_to_end(&mut bytes).map(drop))
     } else {
-        (path.display().to_string(), std::fs::read(path).map(|content| bytes = content))
+        (visible(&path.display().to_string()), std::fs::read(path).map(|content| bytes = content))
     };
     match outcome {
         Ok(()) => Ok((file, bytes)),
@@ -127,22 +156,72 @@ pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     }
 }
 
+/// The file name's ending in lower case, without `.gz`.
+fn ending(file: &str) -> String {
+    let name = file.strip_suffix(".gz").unwrap_or(file);
+    Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 /// Reads contacts or a grid from bytes; the format is recognised by the first of them.
 ///
 /// # Errors
 /// Every error of reading a file, with its place.
 pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
-        return npz::read(file, bytes, options);
+    let bytes = &unpack::unpacked(file, bytes)?[..];
+    let mut reading = read_form(file, bytes, options)?;
+    // the camera's own place is that of depth images alone
+    if options.intrinsics.is_some() && reading.viewpoint != Some([0.0; 3]) {
+        reading.notes.push("intrinsics were given and not used: this is no depth image".into());
     }
-    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
-        return ply::read(file, bytes, options);
-    }
-    match Path::new(file).extension().and_then(|e| e.to_str()) {
-        Some("npz") if !bytes.is_empty() => Err(IoError::Zip { file: file.into(), what: "no zip archive".into() }),
-        Some("ply") if !bytes.is_empty() => {
+    Ok(reading)
+}
+
+fn read_form(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
+    match recognise::recognise(bytes, &ending(file)) {
+        Ok(Form::Npz) if !bytes.starts_with(b"PK") => {
+            Err(IoError::Zip { file: file.into(), what: "no zip archive".into() })
+        }
+        Ok(Form::Ply) if !bytes.starts_with(b"ply") => {
             Err(IoError::Ply { file: file.into(), what: "the first line must be ply".into() })
         }
-        _ => csv::read(file, bytes, options),
+        Ok(Form::Npz) => npz::read(file, bytes, options),
+        Ok(Form::Npy) => read_npy(file, bytes, options),
+        Ok(Form::Ply) => ply::read(file, bytes, options),
+        Ok(Form::Pcd) => clouds::read_pcd(file, bytes, options),
+        Ok(Form::Off) => clouds::read_off(file, bytes, options),
+        Ok(Form::Obj) => clouds::read_obj(file, bytes, options),
+        Ok(Form::Stl) => clouds::read_stl(file, bytes, options),
+        Ok(Form::Png) => {
+            let image = depth::read_png(bytes);
+            read_depth(file, "PNG", image, options)
+        }
+        Ok(Form::Table) => csv::read(file, bytes, options),
+        Err(looks_like) => Err(IoError::Strange { file: file.into(), looks_like }),
     }
+}
+
+/// One array: contacts in its rows, or a depth image where a camera is given.
+fn read_npy(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
+    if options.intrinsics.is_none() {
+        return clouds::read_npy(file, bytes, options);
+    }
+    let image = npy::Header::read_whole(bytes).and_then(|(header, values)| {
+        let image = DepthImage::of_array(&header.shape, header.fortran_order, &values);
+        image.ok_or_else(|| format!("its shape is {:?}; a depth image is 2-D, [row, column]", header.shape))
+    });
+    read_depth(file, "NPY", image, options)
+}
+
+fn read_depth(
+    file: &str,
+    form: &'static str,
+    image: Result<DepthImage, String>,
+    options: &ReadOptions,
+) -> Result<Reading, IoError> {
+    let wrong = |what: String| IoError::Form { file: file.into(), form, what };
+    let image = image.map_err(wrong)?;
+    let intrinsics = options.intrinsics.ok_or_else(|| {
+        wrong("an image is read as depths, which takes the camera's --intrinsics FX,FY,CX,CY[,SCALE]".into())
+    })?;
+    depth::read(file, &image, &intrinsics, options)
 }

@@ -56,6 +56,25 @@ impl Header {
         Ok(Header { kind, size, big_endian, fortran_order, shape, data_start })
     }
 
+    /// The header and all numbers of a file that is one array.
+    ///
+    /// # Errors
+    /// What is wrong and what would be right, in words.
+    pub(super) fn read_whole(bytes: &[u8]) -> Result<(Header, Vec<f64>), String> {
+        let header = Header::parse(bytes)?;
+        let there = bytes.len() - header.data_start;
+        match header.data_bytes().filter(|promised| *promised <= there) {
+            Some(promised) => {
+                let values = header.decode(&bytes[header.data_start..header.data_start + promised]);
+                Ok((header, values))
+            }
+            None => Err(format!(
+                "its header promises {:?} numbers, but {there} bytes follow; it may be cut short",
+                header.shape
+            )),
+        }
+    }
+
     /// Bytes of data that the header promises; `None` where that is more than any memory.
     pub(super) fn data_bytes(&self) -> Option<usize> {
         self.shape.iter().try_fold(self.size, |bytes, n| bytes.checked_mul(*n))

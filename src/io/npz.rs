@@ -1,6 +1,7 @@
 //! NPZ: 1-D arrays named like the columns, or 1-D `x` (n), `y` (m) and 2-D `z` (n x m): a grid.
 
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read, Seek, Write};
 
 use ndarray::{Array2, ShapeBuilder};
@@ -9,13 +10,25 @@ use zip::ZipArchive;
 use crate::contact::{Contacts, Grid};
 
 use super::columns::{Column, Columns, Need, columns_of};
+use super::depth::{self, DepthImage, Intrinsics};
+use super::gather::reading_of;
+use super::names::in_our_words;
 use super::npy::Header;
 use super::npz_writer::NpzWriter;
-use super::place::{Place, Places, Runs, Unit};
+use super::place::Unit;
+use super::unpack::{limit, limit_words};
+use super::visible::visible;
 use super::{Input, IoError, ReadOptions, Reading};
 
 /// No deflate stream unpacks to more than this many times its length (RFC 1951: 258 bytes from two bits).
 const DEFLATE_LIMIT: u64 = 1032;
+
+/// Most members of an archive. The largest in use have a few dozen.
+const MOST_MEMBERS: usize = 1000;
+
+/// A depth image, and what may stand beside it.
+const DEPTH: &str = "depth";
+const OF_DEPTH: [&str; 7] = ["fx", "fy", "cx", "cy", "K", "intrinsics", "depth_scale"];
 
 /// An array as it came: shape and numbers in row-major order of that shape.
 struct Array {
@@ -26,20 +39,38 @@ struct Array {
 /// Contacts or a grid from the bytes of an NPZ file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let (arrays, names) = read_arrays(file, bytes)?;
+    if arrays.contains_key(DEPTH) {
+        return read_depth(file, &arrays, options);
+    }
     let two_dimensional = |name: &str| arrays.get(name).is_some_and(|a| a.header.shape.len() == 2);
     if ["z", "zx", "zy"].into_iter().any(two_dimensional) {
         return read_grid(file, arrays, &names, options);
     }
     let (columns, rows) = into_columns(file, arrays, &names, Need::Contacts)?;
-    let made = columns.into_contacts(file, options, &Place::Entry)?;
-    let places = Places::new(Unit::Entry, (0..rows).collect::<Runs>(), made.kept.as_deref());
-    Ok(Reading {
-        input: Input::Contacts(made.contacts),
-        file: file.into(),
-        skipped: made.skipped,
-        ignored: made.ignored,
-        places: Some(places),
-    })
+    reading_of(file, columns, ((0..rows).collect(), Unit::Entry), options)
+}
+
+/// Contacts of a depth image; the intrinsics are those of the options, or arrays beside it.
+fn read_depth(file: &str, arrays: &HashMap<String, Array>, options: &ReadOptions) -> Result<Reading, IoError> {
+    let wrong = |what: String| IoError::Array { file: file.into(), array: DEPTH.into(), what };
+    let image = match arrays.get(DEPTH) {
+        Some(Array { header, values }) => DepthImage::of_array(&header.shape, header.fortran_order, values),
+        None => None,
+    };
+    let image = image.ok_or_else(|| wrong("a depth image is 2-D, [row, column]".into()))?;
+    let numbers = |name: &str| arrays.get(name).map(|array| array.values.as_slice()).unwrap_or_default();
+    let four: Vec<f64> = ["fx", "fy", "cx", "cy"].iter().flat_map(|name| numbers(name)).copied().collect();
+    let beside = [numbers("K"), numbers("intrinsics"), &four].into_iter().find(|values| !values.is_empty());
+    let beside = beside.and_then(Intrinsics::of_array).map(|found| match numbers("depth_scale") {
+        &[scale] if scale.is_finite() && scale > 0.0 => Intrinsics { scale, ..found },
+        _ => found,
+    });
+    let intrinsics = options.intrinsics.or(beside).ok_or_else(|| {
+        wrong(
+            "its intrinsics are missing: give arrays fx, fy, cx, cy, or K (3 x 3), or --intrinsics FX,FY,CX,CY".into(),
+        )
+    })?;
+    depth::read(file, &image, &intrinsics, options)
 }
 
 /// The 1-D arrays of an NPZ file that `need` asks for.
@@ -98,8 +129,9 @@ fn read_grid(
     let mut grid = Grid { x, y, z, zx, zy, wz, wx, wy };
     let skipped = if options.skip_invalid { drop_infinities(&mut grid) } else { 0 };
     grid.check().map_err(|source| IoError::Contact { file: file.into(), source })?;
-    let ignored = names.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect();
-    Ok(Reading { input: Input::Grid(grid), file: file.into(), skipped, ignored, places: None })
+    let ignored = names.iter().filter(|name| !KNOWN.contains(&name.as_str())).map(|name| visible(name)).collect();
+    let (input, file, notes) = (Input::Grid(grid), file.into(), Vec::new());
+    Ok(Reading { input, file, skipped, ignored, places: None, notes, viewpoint: None })
 }
 
 fn axis(file: &str, arrays: &mut HashMap<String, Array>, name: &'static str) -> Result<Vec<f64>, IoError> {
@@ -142,26 +174,50 @@ fn drop_infinities(grid: &mut Grid) -> usize {
 fn read_arrays(file: &str, bytes: &[u8]) -> Result<(HashMap<String, Array>, Vec<String>), IoError> {
     let zip_error = |what: String| IoError::Zip { file: file.into(), what };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| zip_error(e.to_string()))?;
+    if archive.len() > MOST_MEMBERS {
+        return Err(zip_error(format!("{} members; up to {MOST_MEMBERS} are read", archive.len())));
+    }
+    let names = array_names(file, &archive)?;
     let mut arrays = HashMap::new();
-    let mut names: Vec<String> = Vec::new();
-    for index in 0..archive.len() {
-        let mut member = archive.by_index(index).map_err(|e| zip_error(e.to_string()))?;
-        let Some(name) = member.name().strip_suffix(".npy").map(str::to_string) else { continue };
-        if names.contains(&name) {
-            return Err(IoError::DuplicateColumn { file: file.into(), column: name });
-        }
-        if Column::of(&name).is_some() {
+    let mut unpacked = 0_u64;
+    for (index, name) in names.iter().enumerate().filter_map(|(index, name)| Some((index, name.as_ref()?))) {
+        let wanted = Column::of(name).is_some() || name == DEPTH || OF_DEPTH.contains(&name.as_str());
+        if wanted {
+            let mut member = archive.by_index(index).map_err(|e| zip_error(e.to_string()))?;
             let promised = member.size();
+            unpacked = unpacked.saturating_add(promised);
             if promised > member.compressed_size().min(bytes.len() as u64).saturating_mul(DEFLATE_LIMIT) {
                 return Err(zip_error(format!("member {name}.npy claims {promised} bytes")));
+            }
+            if unpacked > limit(bytes.len() as u64) {
+                let words = limit_words(bytes.len() as u64);
+                return Err(zip_error(format!("its arrays up to {name}.npy unpack to {words}")));
             }
             let array = read_array(&mut member, promised);
             let array = array.map_err(|what| IoError::Array { file: file.into(), array: name.clone(), what })?;
             arrays.insert(name.clone(), array);
         }
-        names.push(name);
     }
-    Ok((arrays, names))
+    Ok((arrays, names.into_iter().flatten().collect()))
+}
+
+/// The name of every member's array in our words; `None` for members that are no arrays.
+fn array_names(file: &str, archive: &ZipArchive<Cursor<&[u8]>>) -> Result<Vec<Option<String>>, IoError> {
+    let members: Vec<&str> =
+        (0..archive.len()).map(|index| archive.name_for_index(index).unwrap_or_default()).collect();
+    let theirs: Vec<&str> = members.iter().filter_map(|name| name.strip_suffix(".npy")).collect();
+    if theirs.is_empty() && !members.is_empty() {
+        let is_workbook = members.iter().any(|name| name.starts_with("xl/"));
+        let looks_like = if is_workbook { "an Excel workbook" } else { "a zip archive without arrays of NumPy" };
+        return Err(IoError::Strange { file: file.into(), looks_like });
+    }
+    let mut seen = HashSet::new();
+    if let Some(twice) = theirs.iter().find(|name| !seen.insert(**name)) {
+        return Err(IoError::DuplicateColumn { file: file.into(), column: visible(twice) });
+    }
+    let mut ours = in_our_words(file, &theirs)?.into_iter();
+    let name = |member: &&str| member.ends_with(".npy").then(|| ours.next().map(Cow::into_owned)).flatten();
+    Ok(members.iter().map(name).collect())
 }
 
 /// `promised` is what the archive says the member unpacks to; the header must agree with it before memory is taken.

@@ -7,8 +7,12 @@ pub enum Place {
     Line(usize),
     /// Entry of the arrays, counted from 0 as NumPy does.
     Entry(usize),
-    /// Vertex of a binary PLY, counted from 0.
+    /// Vertex of a mesh or a binary PLY, counted from 0.
     Vertex(usize),
+    /// Point of a binary PCD, counted from 0.
+    Point(usize),
+    /// Pixel of an image, counted from 0 along its rows.
+    Pixel(usize),
 }
 
 impl std::fmt::Display for Place {
@@ -17,6 +21,8 @@ impl std::fmt::Display for Place {
             Place::Line(n) => write!(f, "line {n}"),
             Place::Entry(n) => write!(f, "entry {n}"),
             Place::Vertex(n) => write!(f, "vertex {n}"),
+            Place::Point(n) => write!(f, "point {n}"),
+            Place::Pixel(n) => write!(f, "pixel {n}"),
         }
     }
 }
@@ -76,6 +82,8 @@ pub(super) enum Unit {
     Line,
     Entry,
     Vertex,
+    Point,
+    Pixel,
 }
 
 impl Unit {
@@ -84,6 +92,8 @@ impl Unit {
             Unit::Line => Place::Line(number),
             Unit::Entry => Place::Entry(number),
             Unit::Vertex => Place::Vertex(number),
+            Unit::Point => Place::Point(number),
+            Unit::Pixel => Place::Pixel(number),
         }
     }
 }

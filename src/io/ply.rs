@@ -15,8 +15,10 @@ use ply_rs_bw::writer::Writer;
 use crate::contact::Contacts;
 
 use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
-use super::place::{Place, Places, Runs, Unit};
-use super::{Input, IoError, ReadOptions, Reading};
+use super::gather::reading_of;
+use super::names::in_our_words;
+use super::place::{Place, Runs, Unit};
+use super::{IoError, ReadOptions, Reading};
 
 /// The known columns of one vertex, NaN where the file has none.
 struct Vertex([f64; COLUMNS.len()]);
@@ -57,13 +59,16 @@ impl PropertyAccess for Vertex {
 /// Contacts from the bytes of a PLY file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
+    check_header_size(bytes).map_err(wrong)?;
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Vertex>::new();
-    let header = parser.read_header(&mut reader).map_err(|e| wrong(super::remark::one_line(&e.to_string())))?;
+    let mut header = parser.read_header(&mut reader).map_err(|e| wrong(super::remark::one_line(&e.to_string())))?;
     let header_lines = reader.line();
     let payload: &[u8] = reader.get_ref();
     check_header(&bytes[..bytes.len() - payload.len()], &header, payload.len() as u64).map_err(wrong)?;
-    let vertex = header.elements.get("vertex").ok_or_else(|| wrong("there is no element vertex".into()))?;
+    let vertex = header.elements.get_mut("vertex").ok_or_else(|| wrong("there is no element vertex".into()))?;
+    rename_properties(file, vertex)?;
+    let count = vertex.count;
     let names: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
     let columns = Columns::named(file, &names, Need::Contacts)?;
     let (columns, numbers, unit) = match header.encoding {
@@ -74,17 +79,38 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
         }
         _ => {
             let columns = read_binary(&mut reader, &parser, &header, columns).map_err(wrong)?;
-            (columns, (0..vertex.count).collect::<Runs>(), Unit::Vertex)
+            (columns, (0..count).collect::<Runs>(), Unit::Vertex)
         }
     };
-    let made = columns.into_contacts(file, options, &|row| unit.place(numbers.get(row)))?;
-    Ok(Reading {
-        input: Input::Contacts(made.contacts),
-        file: file.into(),
-        skipped: made.skipped,
-        ignored: made.ignored,
-        places: Some(Places::new(unit, numbers, made.kept.as_deref())),
-    })
+    reading_of(file, columns, (numbers, unit), options)
+}
+
+/// The parser takes seconds over tens of thousands of elements: such headers are refused by their length.
+fn check_header_size(bytes: &[u8]) -> Result<(), String> {
+    /// Longest header that is believed; that of a mesh with colours and normals has 1 KB.
+    const MOST_BYTES: usize = 64 << 10;
+    /// Most lines of it, comments included.
+    const MOST_LINES: usize = 1000;
+    let head = &bytes[..bytes.len().min(MOST_BYTES)];
+    let end = head.windows(10).position(|word| word == b"end_header");
+    if end.is_none() && bytes.len() > MOST_BYTES {
+        return Err(format!("its header does not end within {MOST_BYTES} bytes"));
+    }
+    let lines = head[..end.unwrap_or(head.len())].iter().filter(|b| **b == b'\n').count();
+    if lines > MOST_LINES { Err(format!("its header has more than {MOST_LINES} lines")) } else { Ok(()) }
+}
+
+/// Gives the vertices' properties our names, where other programs have names of their own for them.
+fn rename_properties(file: &str, vertex: &mut ElementDef) -> Result<(), IoError> {
+    let theirs: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
+    let ours = in_our_words(file, &theirs)?;
+    let mut renamed = ElementDef::new(vertex.name.clone());
+    renamed.count = vertex.count;
+    for (name, property) in ours.iter().zip(vertex.properties.values()) {
+        renamed.properties.add(PropertyDef::new(name.to_string(), property.data_type.clone()));
+    }
+    *vertex = renamed;
+    Ok(())
 }
 
 /// What the parser would swallow: names standing twice, and counts that the file is too short for.

@@ -29,7 +29,7 @@ pub struct Site<'a> {
 
 impl Site<'_> {
     /// Calls `body` with this site. For degrees 2, 3 and 4 in both directions the rows have a length that the compiler
-    /// knows, so it may unroll the loops of `body`; the bits are the same either way.
+    /// knows, so it may unroll the loops of `body`; the bits are the same in both cases.
     #[inline(always)]
     pub fn unrolled<T>(&self, body: impl FnOnce(&Site) -> T) -> T {
         match [self.x.len(), self.y.len()] {

@@ -4,6 +4,7 @@
 //! for each replicate: simulate, fit as `palpate fit` would, ask       inside/asked with its binomial interval
 //! linear        the interval that the fit prints (delta method)
 //! Monte Carlo   [y - (q_hi - y0), y - (q_lo - y0)]     y the fit's value; y0 and the quantiles q the study's of this scene
+//! chosen        the interval that the fit prints when no model is named, the contacts being recognised
 //! ```
 //!
 //! The Monte Carlo's interval carries the errors of the study to the fit at hand. Neither kind knows of the error of the
@@ -17,8 +18,9 @@ use super::summary::Summary;
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitOptions};
 use crate::parametric::{FittedSurface, fit_surface};
+use crate::recognition::{Recognition, RecognitionOptions, recognise};
 use crate::scene::Truth;
-use crate::shape::{Interval, compare_with_truth};
+use crate::shape::{Interval, compare_with_truth, spread};
 
 /// How often one kind of interval of one quantity held the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +57,12 @@ pub struct Coverages {
     pub linear: [Held; 2],
     /// Of the Monte Carlo's.
     pub monte_carlo: [Held; 2],
+    /// Of the intervals that are printed when no model is named.
+    pub chosen: [Held; 2],
+    /// Median half width of those intervals over 1.96 sd of their values, for S and R.
+    pub chosen_width: [Option<f64>; 2],
+    /// Mean probability that the reported class was given, and the share in which it is the true one.
+    pub class_forecast: Option<[f64; 2]>,
     /// (noise-free value - truth)/sd of S and of R: how far the model's own error stands out of the noise.
     pub bias: [Option<f64>; 2],
     /// Median u that the fit states over the sd of its values, for S and R.
@@ -100,7 +108,16 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
         Held::new(inside, asked)
     };
     let both = [0, 1];
+    let recognised = crate::threads::map(replicates as usize, 1, |b| {
+        let (contacts, truth) = simulator.simulate(seed, b as u64);
+        let options = RecognitionOptions { level: options.level, ..RecognitionOptions::default() };
+        Some(told(&recognise(&contacts, &options).ok()?, &truth))
+    });
+    let recognised: Vec<Told> = recognised.into_iter().flatten().collect();
     Coverages {
+        chosen: both.map(|q| chosen(&recognised, q)),
+        chosen_width: both.map(|q| width(&recognised, q)),
+        class_forecast: forecast(&recognised),
         fitted: fitted.len() as u64,
         failed: replicates - fitted.len() as u64,
         planes: fitted.iter().filter(|fit| fit.plane).count() as u64,
@@ -118,6 +135,58 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
             Some(stated.get(stated.len() / 2)? / sd)
         }),
     }
+}
+
+/// One recognition: truth, value and interval of S and of R; the probability of its class and whether that is the true one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    truth: [Option<f64>; 2],
+    value: [Option<f64>; 2],
+    interval: [Option<[f64; 2]>; 2],
+    class: (f64, bool),
+}
+
+/// The truth is taken at the places that the means were taken over.
+fn told(found: &Recognition, truth: &Truth) -> Told {
+    let places = found.averaged.iter().filter_map(|(point, normal)| truth.near(*point, *normal));
+    let local: Vec<_> = places.collect();
+    let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    let s = mean(local.iter().filter_map(|l| l.shape_index()).collect());
+    let r = mean(local.iter().map(|l| l.curvedness()).collect());
+    let class = s.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
+    let given = found.class_probability.iter().find(|(c, _)| *c == found.class).map_or(0.0, |(_, p)| *p);
+    Told {
+        truth: [s, r],
+        value: [found.shape_index.map(|e| e.mean), Some(found.curvedness.mean)],
+        interval: [found.shape_index.map(|e| e.interval), Some(found.curvedness.interval)],
+        class: (given, class == found.class),
+    }
+}
+
+/// Rounding of a truth that an interval ends at.
+const ROUNDING: f64 = 1e-9;
+
+fn chosen(told: &[Told], q: usize) -> Held {
+    let pairs = told.iter().filter_map(|t| Some((t.truth[q]?, t.interval[q]?)));
+    let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, [lo, hi])| {
+        (inside + u64::from(lo - ROUNDING <= truth && truth <= hi + ROUNDING), asked + 1)
+    });
+    Held::new(inside, asked)
+}
+
+/// Median half width over 1.96 sd of the values.
+fn width(told: &[Told], q: usize) -> Option<f64> {
+    let values: Vec<f64> = told.iter().filter_map(|t| t.value[q]).collect();
+    let sd = spread(values.iter().copied()).sd.filter(|sd| *sd > 0.0)?;
+    let mut widths: Vec<f64> = told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect();
+    widths.sort_unstable_by(f64::total_cmp);
+    Some(widths.get(widths.len() / 2)? / (1.96 * sd))
+}
+
+fn forecast(told: &[Told]) -> Option<[f64; 2]> {
+    let n = told.len() as f64;
+    let given = told.iter().map(|t| t.class.0).sum::<f64>() / n;
+    (n > 0.0).then(|| [given, told.iter().filter(|t| t.class.1).count() as f64 / n])
 }
 
 /// The study's errors about the value of one fit.

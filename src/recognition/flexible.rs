@@ -28,6 +28,9 @@ const DEGREE: usize = 3;
 /// A coarser field is taken when it predicts as well up to this factor.
 const AS_GOOD: f64 = 1.05;
 
+/// Where the error has risen by this factor above the least, finer fields follow noise, and are not tried.
+const RISEN: f64 = 1.5;
+
 /// Contacts for every unknown at least.
 const PER_UNKNOWN: usize = 3;
 
@@ -60,6 +63,10 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
         match left_out(&few, segments) {
             Ok(error) if error.is_finite() => tried.push((segments, error)),
             _ => break,
+        }
+        let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+        if tried.last().is_some_and(|t| t.1 > RISEN * least) {
+            break;
         }
     }
     let least = tried.iter().map(|t| t.1).min_by(f64::total_cmp)?;

@@ -185,6 +185,7 @@ pub(super) fn summary(
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
         // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
         let [lo, hi] = quantiles(&chosen, pick, level)?;
+        // an end that rounding put on the wrong side of an exact value would lose it
         let interval = [lo.min(mean), hi.max(mean)];
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
         let u_noise = noise[at].min(u);

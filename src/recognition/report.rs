@@ -96,6 +96,7 @@ impl Findings<'_> {
             support: (supported.iter().filter(|s| **s).count(), points.len()),
             map,
             grid: options.grid,
+            averaged: lattice.iter().map(|p| surface.at(p.chart[0], p.chart[1])).collect(),
             surface,
             dropped: self.patch.dropped,
             normals: self.patch.normals,

@@ -247,6 +247,8 @@ pub struct Recognition {
     pub grid: [usize; 2],
     /// The recognised surface, for sampling it elsewhere.
     pub surface: RecognisedSurface,
+    /// Points and unit normals that the means are taken over, input coordinates.
+    pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
     /// What was set aside.
     pub dropped: Dropped,
     /// What the normals were good for.

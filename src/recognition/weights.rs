@@ -3,11 +3,13 @@
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but general and displaced never below 0.1        the interval: no shape is ever exactly a cylinder
-//! 1/40 < rms f / relief < 1/8: f is read as the sensor's systematic error, and no part of the shape
+//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 0.05 of the patch's length:
+//!                                                         f is read as the sensor's systematic error, and no part of the shape
 //! ```
 //!
-//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape; above 1/8 no
-//! sensor errs so much. Exact quadrics leave at most 0.020, other shapes at least 0.185.
+//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor errs by
+//! a share of what it looks at, whatever the relief; where little of a bend is seen, that is much of the relief. What is
+//! above both bounds is shape.
 
 use faer::Mat;
 
@@ -18,6 +20,10 @@ use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
+
+/// Largest error of a sensor as a share of the patch's length, and the share of the relief that it must leave.
+const OF_LENGTH: f64 = 0.05;
+const MOST: f64 = 0.5;
 
 /// Least share of general and of displaced in the interval.
 const DOUBT: f64 = 0.1;
@@ -42,12 +48,15 @@ pub(super) struct Weights {
     pub(super) displaced: f64,
     /// Its root mean square relative to the relief; 0 when it was not looked at.
     pub(super) size: f64,
+    /// The same relative to the patch's length.
+    pub(super) of_length: f64,
 }
 
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
-        SENSOR[0] < self.size && self.size < SENSOR[1]
+        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_length < OF_LENGTH);
+        SENSOR[0] < self.size && small
     }
 }
 
@@ -72,7 +81,8 @@ pub(super) fn weigh(
     let displaced = total(&estimate, nodes, |n| n.g > 0.0);
     let mut weights = Weights { displaced, ..Weights::default() };
     if displaced > 0.05 {
-        weights.size = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0) / relief;
+        weights.of_length = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
+        weights.size = weights.of_length / relief;
     }
     if weights.displacement_is_error() {
         estimate = shares(nodes, |n| n.g == 0.0);

@@ -221,9 +221,8 @@ fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], se
         RecognisedSpline::Height { .. } => ("height", "keep"),
         RecognisedSpline::Parametric { .. } => ("parametric", "auto"),
     };
+    let why = format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described());
     ChosenPart {
-        surface: surface.into(),
-        why: format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described()),
         degree: Some(degree),
         segments: Some(segments),
         frame: Some(frame.into()),
@@ -239,6 +238,7 @@ fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], se
                 rms: Some(t.rms),
             })
             .collect(),
+        ..ChosenPart::new(surface, why)
     }
 }
 
@@ -253,6 +253,12 @@ fn estimate(e: &Estimate) -> MeasurePart {
         level: Some(e.level),
         dof: Some(e.dof),
     }
+}
+
+/// Every class with its probability, those of probability zero too.
+fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
+    let of = |class| found.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
 }
 
 fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
@@ -276,7 +282,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         radius_interval: found.radius.and(found.radius_interval),
         radii: found.radii,
         class: Some(found.class.name().into()),
-        class_probability: shares(&found.class_probability),
+        class_probability: shares(&every_class(&found.class_probability)),
         k1: over_map(|p| p.k1, found.k1),
         k2: over_map(|p| p.k2, found.k2),
         direction_deg: found.direction.filter(|_| level).map(projected),

@@ -97,9 +97,11 @@ pub(crate) struct PromisePart {
 pub(crate) struct ChosenPart {
     /// `height` or `parametric`.
     pub(crate) surface: String,
-    /// Why.
+    /// Why, in one sentence.
     #[serde(default)]
     pub(crate) why: String,
+    /// The same under the key that it had first.
+    pub(crate) reason: String,
     /// Degrees of the surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) degree: Option<[usize; 2]>,
@@ -115,6 +117,13 @@ pub(crate) struct ChosenPart {
     /// All that was tried, likeliest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) tried: Vec<TriedPart>,
+}
+
+impl ChosenPart {
+    /// A kind of surface that was chosen, and why.
+    pub(crate) fn new(surface: &str, why: String) -> ChosenPart {
+        ChosenPart { surface: surface.into(), reason: why.clone(), why, ..ChosenPart::default() }
+    }
 }
 
 /// One shape that was tried.

@@ -105,7 +105,8 @@ fn full() -> FitDocument {
         dof: Some(0.5),
     };
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
-    let shares = ShapeClass::CURVED.iter().map(|class| (class.name().to_string(), 0.5)).collect();
+    let classes = ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]);
+    let shares = classes.map(|class| (class.name().to_string(), 0.5)).collect();
     FitDocument {
         schema: FIT_SCHEMA.into(),
         contacts: 1,
@@ -117,6 +118,7 @@ fn full() -> FitDocument {
             chosen: Some(ChosenPart {
                 surface: "height".into(),
                 why: "asked for".into(),
+                reason: "asked for".into(),
                 degree: Some([4, 4]),
                 segments: Some([2, 2]),
                 frame: Some("keep".into()),
@@ -225,6 +227,10 @@ fn emptied() -> FitDocument {
     let mut document = full();
     document.fit.sigma = Some(SigmaPart::default());
     document.fit.lack_of_fit = Some(LackOfFitPart::default());
+    document.fit.chosen = document.fit.chosen.map(|chosen| ChosenPart::new("height", chosen.why));
+    (document.shape.radius_interval, document.shape.radii) = (None, None);
+    // a named fit has no probability of its own for the plane
+    document.shape.class_probability.iter_mut().for_each(|shares| shares.0.retain(|(name, _)| name != "plane"));
     document.truth = Some(TruthPart::default());
     document
 }

@@ -134,7 +134,7 @@ pub(crate) fn all_positive(key: &str, values: &[f64]) -> Result<(), SceneError> 
     values.iter().try_for_each(|value| positive(key, *value))
 }
 
-/// Radii of either sign; an infinite one means no curvature that way.
+/// Radii of either sign; an infinite one means no curvature in that direction.
 pub(crate) fn all_not_zero(key: &str, values: &[f64]) -> Result<(), SceneError> {
     match values.iter().find(|value| **value == 0.0 || value.is_nan()) {
         Some(value) => Err(SceneError::range(key, *value, "a radius of curvature other than zero is needed")),

@@ -21,10 +21,11 @@ mod truth;
 
 pub use crate::draws::{EffectDraws, NoiseLaw};
 pub use batch::ContactBatch;
-pub use effects::{Effect, Smoothness, Stage};
+pub use effects::Effect;
+pub(crate) use effects::Smoothness;
 pub use error::SceneError;
 pub use simulate::Simulator;
-pub use surface::Surface;
+pub(crate) use surface::Surface;
 #[doc(hidden)]
 pub use surface::SurfacePoint;
 #[doc(hidden)]
@@ -34,6 +35,7 @@ pub use truth::Truth;
 
 /// A world to be touched.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct World {
     /// What the fingers meet.
     pub surface: Surface,
@@ -42,7 +44,21 @@ pub struct World {
     /// What comes between, in any order; each at most once.
     pub effects: Vec<Effect>,
     /// Effects whose errors have another shape than the normal one, by name.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "laws_by_name"))]
     pub laws: Vec<(&'static str, NoiseLaw)>,
+}
+
+/// The laws with the effects' own names, which outlive the text that is read.
+#[cfg(feature = "serde")]
+fn laws_by_name<'de, D: serde::Deserializer<'de>>(reader: D) -> Result<Vec<(&'static str, NoiseLaw)>, D::Error> {
+    use serde::Deserialize;
+    use serde::de::Error;
+    let read: Vec<(String, NoiseLaw)> = Vec::deserialize(reader)?;
+    let named = |(name, law): (String, NoiseLaw)| match Effect::ORDER.iter().find(|known| **known == name) {
+        Some(known) => Ok((*known, law)),
+        None => Err(D::Error::custom(format!("there is no effect {name}, only {}", Effect::ORDER.join(", ")))),
+    };
+    read.into_iter().map(named).collect()
 }
 
 impl World {
@@ -61,5 +77,39 @@ impl World {
     pub fn with_law(mut self, effect: &'static str, law: NoiseLaw) -> World {
         self.laws.push((effect, law));
         self
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::effects::PositionNoise;
+    use super::surface::{Body, Cylinder, Pose, Surface};
+    use super::*;
+
+    fn world() -> World {
+        let mut surface = Surface::new(Body::Cylinder(Cylinder { radius: 10.0 }), 45.0);
+        surface.pose = Pose::new(45.0, [10.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+        let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
+        World::new(surface, sweep).with(PositionNoise::Sigma([0.02; 3])).with_law("position_noise", NoiseLaw::Laplace)
+    }
+
+    #[test]
+    fn a_world_comes_back_from_its_text() {
+        let text = serde_json::to_string(&world()).unwrap();
+        assert_eq!(serde_json::from_str::<World>(&text).unwrap(), world());
+    }
+
+    #[test]
+    fn a_text_that_is_no_world_is_refused() {
+        let text = serde_json::to_string(&world()).unwrap();
+        for (right, wrong, complaint) in [
+            ("[[\"position_noise\"", "[[\"posision_noise\"", "there is no effect posision_noise"),
+            ("\"matrix\":[[", "\"matrix\":[[1", "must be a rotation"),
+            ("\"upright\":false", "\"upright\":true", "must leave the z axis alone"),
+        ] {
+            assert!(text.contains(right), "{text}");
+            let error = serde_json::from_str::<World>(&text.replace(right, wrong)).unwrap_err();
+            assert!(error.to_string().contains(complaint), "{error}");
+        }
     }
 }

@@ -217,6 +217,7 @@ impl Simulator {
     }
 
     /// The touches to be made.
+    #[doc(hidden)]
     pub fn sites(&self) -> Vec<Site> {
         sites(&self.sweeps, &self.touched)
     }

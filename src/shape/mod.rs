@@ -12,6 +12,7 @@ mod gradient;
 mod grid;
 mod grid_gradients;
 mod maps;
+mod outline;
 mod parametric_maps;
 mod plane;
 mod summary;
@@ -22,6 +23,7 @@ pub(crate) use gradient::{by_coefficients, gap_gradient, mean_gradients, shape_g
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
+pub(crate) use outline::Outline;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub use summary::Interval;

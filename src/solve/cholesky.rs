@@ -15,6 +15,7 @@ use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
 use super::band::{BandCholesky, band_flops};
+use super::factor::Factor;
 use super::ordering::nested_dissection;
 use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
@@ -225,30 +226,6 @@ impl Cholesky {
         }
     }
 
-    /// Writes `A^-1` row by row, with n^3/3 multiply-adds, where solving for its columns one by one takes n^3. Returns `false`
-    /// and writes nothing if the factor is not that of a patch of one cell.
-    pub fn write_inverse(&self, out: &mut [f64]) -> bool {
-        let Kind::Patch(patch) = &self.kind else { return false };
-        patch.write_inverse(out);
-        for (row, d) in out.chunks_exact_mut(self.scale.len()).zip(&self.scale) {
-            row.iter_mut().zip(&self.scale).for_each(|(v, e)| *v *= d * e);
-        }
-        true
-    }
-
-    /// `tr A^-1 B` over the unknowns that are not left `out`, computed directly; `None` if the factor is not a band. A must not
-    /// couple these unknowns with those left out.
-    pub fn inverse_trace(&self, b: &StencilMatrix, out: impl Fn(usize) -> bool) -> Option<f64> {
-        let Kind::Band(band) = &self.kind else { return None };
-        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(u, d)| if out(u) { 0.0 } else { *d }).collect();
-        Some(band.inverse_trace(b, &scale))
-    }
-
-    /// `1 / |column|`: the equilibration D.
-    pub fn scale(&self) -> &[f64] {
-        &self.scale
-    }
-
     /// Smallest squared pivot of the equilibrated factor. If it is near the unit roundoff, the rank is in doubt.
     pub fn smallest_pivot(&self) -> f64 {
         self.smallest_pivot
@@ -277,6 +254,37 @@ impl Cholesky {
             Kind::Band(band) => band.entries(),
             Kind::Sparse(sparse) => sparse.factor.len(),
         }
+    }
+}
+
+impl Factor for Cholesky {
+    fn solve(&self, v: &mut [f64]) {
+        Cholesky::solve(self, v);
+    }
+
+    fn condition(&self) -> f64 {
+        Cholesky::condition(self)
+    }
+
+    /// Directly where the factor is a band. A must not couple the unknowns with those left out.
+    fn inverse_trace(&self, b: &StencilMatrix, out: &dyn Fn(usize) -> bool) -> Option<f64> {
+        let Kind::Band(band) = &self.kind else { return None };
+        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(u, d)| if out(u) { 0.0 } else { *d }).collect();
+        Some(band.inverse_trace(b, &scale))
+    }
+
+    /// For a patch of one cell with n^3/3 multiply-adds, where solving for the columns one by one takes n^3.
+    fn write_inverse(&self, out: &mut [f64]) {
+        let Kind::Patch(patch) = &self.kind else { return self.write_inverse_by_solving(out) };
+        patch.write_inverse(out);
+        for (row, d) in out.chunks_exact_mut(self.scale.len()).zip(&self.scale) {
+            row.iter_mut().zip(&self.scale).for_each(|(v, e)| *v *= d * e);
+        }
+    }
+
+    /// `1 / |column|`: the equilibration D.
+    fn column_scales(&self) -> Option<&[f64]> {
+        Some(&self.scale)
     }
 }
 

@@ -17,7 +17,7 @@ use super::SolveError;
 
 /// Eigenvectors and divisors for one pair of axes and one set of weights; reusable buffers.
 #[derive(Clone, Debug)]
-pub struct FastDiagonalisation {
+pub(crate) struct FastDiagonalisation {
     u: Mat<f64>,
     v: Mat<f64>,
     /// `1 / (wz^2 + wx^2 lambda_i + wy^2 mu_j)`, row-major.
@@ -62,7 +62,11 @@ impl FastDiagonalisation {
     ///
     /// # Errors
     /// [`SolveError::NotPositiveDefinite`] where an axis has too few points for its knots.
-    pub fn new(x: [&[Vec<f64>]; 2], y: [&[Vec<f64>]; 2], weights: [f64; 3]) -> Result<FastDiagonalisation, SolveError> {
+    pub(crate) fn new(
+        x: [&[Vec<f64>]; 2],
+        y: [&[Vec<f64>]; 2],
+        weights: [f64; 3],
+    ) -> Result<FastDiagonalisation, SolveError> {
         let (lambda, u) = generalised(x[0], x[1])?;
         let (mu, v) = generalised(y[0], y[1])?;
         let [z, a, b] = weights.map(|w| w * w);
@@ -78,7 +82,7 @@ impl FastDiagonalisation {
     }
 
     /// `R -> C` in place, row-major n x m.
-    pub fn solve(&mut self, right: &mut [f64]) {
+    pub(crate) fn solve(&mut self, right: &mut [f64]) {
         let (n, m) = (self.u.nrows(), self.v.nrows());
         let r = MatRef::from_row_major_slice(&*right, n, m);
         matmul(self.half.as_mut(), Accum::Replace, self.u.transpose(), r, 1.0, Par::Seq);

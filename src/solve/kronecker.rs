@@ -10,6 +10,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::FastDiagonalisation;
+use super::factor::Factor;
 use crate::linalg::{StencilMatrix, inverse_norm1_estimate};
 
 /// Conjugate gradients stop when the preconditioned residual is this fraction of the first; further steps only change
@@ -21,37 +22,26 @@ const CG_STEPS: usize = 1000;
 /// A normal matrix solved through fast diagonalisation: directly if it is exactly what the diagonalisation inverts, by
 /// conjugate gradients if it is only close to it.
 #[derive(Debug)]
-pub struct GridSolver {
+pub(crate) struct GridSolver {
     matrix: StencilMatrix,
     /// The lock protects the buffers that it works in.
     diagonalisation: Mutex<FastDiagonalisation>,
     iterative: bool,
 }
 
-impl Clone for GridSolver {
-    fn clone(&self) -> GridSolver {
-        let diagonalisation = self.diagonalisation.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        GridSolver {
-            matrix: self.matrix.clone(),
-            diagonalisation: Mutex::new(diagonalisation),
-            iterative: self.iterative,
-        }
-    }
-}
-
 impl GridSolver {
     /// `matrix` is exactly what `diagonalisation` inverts.
-    pub fn direct(matrix: StencilMatrix, diagonalisation: FastDiagonalisation) -> GridSolver {
+    pub(crate) fn direct(matrix: StencilMatrix, diagonalisation: FastDiagonalisation) -> GridSolver {
         GridSolver { matrix, diagonalisation: Mutex::new(diagonalisation), iterative: false }
     }
 
     /// `matrix` is close to what `diagonalisation` inverts.
-    pub fn iterative(matrix: StencilMatrix, diagonalisation: FastDiagonalisation) -> GridSolver {
+    pub(crate) fn iterative(matrix: StencilMatrix, diagonalisation: FastDiagonalisation) -> GridSolver {
         GridSolver { matrix, diagonalisation: Mutex::new(diagonalisation), iterative: true }
     }
 
     /// `v <- A^-1 v`; the number of iterations (0: direct).
-    pub fn solve(&self, v: &mut [f64]) -> usize {
+    pub(crate) fn solve(&self, v: &mut [f64]) -> usize {
         if !self.iterative {
             self.precondition(v);
             return 0;
@@ -62,7 +52,7 @@ impl GridSolver {
     }
 
     /// Condition of the equilibrated rows: root of the 1-norm estimate of `D A D`.
-    pub fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let scale: Vec<f64> = self.matrix.diagonal().iter().map(|d| 1.0 / d.sqrt()).collect();
         let solve = |v: &mut [f64]| {
             v.iter_mut().zip(&scale).for_each(|(w, d)| *w /= d);
@@ -105,5 +95,15 @@ impl GridSolver {
             rz = next;
         }
         (x, CG_STEPS)
+    }
+}
+
+impl Factor for GridSolver {
+    fn solve(&self, v: &mut [f64]) {
+        GridSolver::solve(self, v);
+    }
+
+    fn condition(&self) -> f64 {
+        GridSolver::condition(self)
     }
 }

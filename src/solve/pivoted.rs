@@ -7,13 +7,14 @@
 //! `auto`.
 
 use super::SolveError;
+use super::factor::Factor;
 use super::householder::reflector;
 use super::triangular::equilibration;
 use crate::linalg::inverse_norm1_estimate;
 
 /// A dense rank-revealing factor of weighted rows with their right-hand side.
 #[derive(Clone, Debug)]
-pub struct PivotedQr {
+pub(crate) struct PivotedQr {
     columns: usize,
     scale: Vec<f64>,
     /// Column k of the factor is unknown `order[k]`.
@@ -30,7 +31,7 @@ impl PivotedQr {
     ///
     /// # Errors
     /// [`SolveError::NotFinite`].
-    pub fn of_dense(rows: usize, columns: usize, values: &[f64], rhs: &[f64]) -> Result<PivotedQr, SolveError> {
+    pub(crate) fn of_dense(rows: usize, columns: usize, values: &[f64], rhs: &[f64]) -> Result<PivotedQr, SolveError> {
         let norms: Vec<f64> = values.chunks_exact(rows.max(1)).map(norm_squared).collect();
         let filled: Vec<f64> = norms.iter().map(|n| if *n == 0.0 { 1.0 } else { *n }).collect();
         let scale = equilibration(&filled)?;
@@ -63,17 +64,12 @@ impl PivotedQr {
     }
 
     /// Numerical rank.
-    pub fn rank(&self) -> usize {
+    pub(crate) fn rank(&self) -> usize {
         self.rank
     }
 
-    /// Unknowns that the data do not determine once those before them are given, in pivot order.
-    pub fn dependent(&self) -> &[usize] {
-        &self.order[self.rank..]
-    }
-
     /// The basic solution: dependent unknowns zero.
-    pub fn coefficients(&self) -> Vec<f64> {
+    pub(crate) fn coefficients(&self) -> Vec<f64> {
         let mut v = self.rhs.clone();
         v[self.rank..].fill(0.0);
         self.solve_upper(&mut v);
@@ -81,7 +77,7 @@ impl PivotedQr {
     }
 
     /// Directions that the data do not determine, one per dependent unknown: `E z = 0` to rounding, `z = 1` at that unknown.
-    pub fn null_space(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn null_space(&self) -> Vec<Vec<f64>> {
         (self.rank..self.columns)
             .map(|c| {
                 let mut v = vec![0.0; self.columns];
@@ -94,7 +90,7 @@ impl PivotedQr {
     }
 
     /// `v <- (E'E)^+ v` over the determined unknowns.
-    pub fn solve(&self, v: &mut [f64]) {
+    pub(crate) fn solve(&self, v: &mut [f64]) {
         let mut w: Vec<f64> = self.order.iter().map(|&u| v[u] * self.scale[u]).collect();
         self.solve_upper_transposed(&mut w);
         self.solve_upper(&mut w);
@@ -102,7 +98,7 @@ impl PivotedQr {
     }
 
     /// Condition in the 1-norm of the determined columns, equilibrated.
-    pub fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let norm = (0..self.rank)
             .map(|c| (0..=c).map(|k| self.r[c * self.columns + k].abs()).sum::<f64>())
             .fold(0.0, f64::max);
@@ -130,6 +126,16 @@ impl PivotedQr {
             v[k] = (v[k] - dot) / self.r[k * self.columns + k];
         }
         v.iter_mut().skip(self.rank).for_each(|w| *w = 0.0);
+    }
+}
+
+impl Factor for PivotedQr {
+    fn solve(&self, v: &mut [f64]) {
+        PivotedQr::solve(self, v);
+    }
+
+    fn condition(&self) -> f64 {
+        PivotedQr::condition(self)
     }
 }
 

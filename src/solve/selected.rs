@@ -249,7 +249,7 @@ mod tests {
         a
     }
 
-    /// The other way: one solve for each unknown.
+    /// The same trace with one solve for each unknown.
     fn by_unit_vectors(band: &BandCholesky, b: &StencilMatrix, scale: &[f64]) -> f64 {
         let mut sum = 0.0;
         for u in 0..b.order() {

@@ -12,6 +12,7 @@
 //! *Some extensions of an algorithm for sparse linear least squares problems*, SIAM J. Sci. Stat. Comput. 3, 1982).
 
 use super::SolveError;
+use super::factor::Factor;
 use super::householder::Front;
 use crate::linalg::{RowWeights, Sites, Targets, TensorShape, inverse_norm1_estimate};
 
@@ -135,6 +136,16 @@ impl TriangularFactor {
                 tail.iter_mut().zip(&r[row + 1..]).for_each(|(t, a)| *t -= head[0] * a);
             }
         }
+    }
+}
+
+impl Factor for TriangularFactor {
+    fn solve(&self, v: &mut [f64]) {
+        TriangularFactor::solve(self, v);
+    }
+
+    fn condition(&self) -> f64 {
+        TriangularFactor::condition(self)
     }
 }
 

@@ -53,7 +53,7 @@ impl Surface {
 
 fn mean_shape_index(contacts: &Contacts, degree: usize) -> Result<Option<f64>, palpate::fit::FitError> {
     let objective = Objective::Slopes(SlopeWeights::Tangent);
-    let domain = Some([-4.0, 4.0, -4.0, 4.0]);
-    let options = FitOptions { degree: [degree; 2], objective, domain, ..FitOptions::default() };
+    let options =
+        FitOptions::default().with_degree(degree).with_objective(objective).with_domain([-4.0, 4.0, -4.0, 4.0]);
     Ok(fit_contacts(contacts, &options)?.shape().shape_index.mean)
 }

@@ -26,7 +26,7 @@ const FLOORS: [(&str, u8); 25] = [
     ("fit", 4),
     ("parametric", 5),
     ("plans", 5),
-    ("recognition", 6),
+    ("recognition", 5),
     ("montecarlo", 6),
     ("frontier", 6),
     ("explore", 6),

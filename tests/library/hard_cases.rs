@@ -8,13 +8,13 @@ use golden::judge::{Judged, judge};
 use golden::record::{Tolerance, assert_like};
 use golden::{radius, record, table};
 use palpate::fit::{Objective, fit_contacts};
-use palpate::internals::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each, hard_case, hard_cases};
+use palpate::internals::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each};
 use palpate::internals::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 use palpate::internals::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
 
 /// The inputs here and those the reference solved are the same bits.
 fn same_inputs(name: &str) -> (HardCase, Golden) {
-    let case = hard_case(name).unwrap();
+    let case = HardCase::named(name).unwrap();
     let golden = Golden::read(name);
     assert_eq!(format!("{:016x}", case.fingerprint()), format!("{:016x}", golden.inputs), "inputs of {name}");
     (case, golden)
@@ -56,7 +56,7 @@ fn the_recorded_errors_of_s_are_found_again() {
 fn the_recorded_table_holds_every_case() {
     let recorded = record::read("hard-cases");
     assert!(recorded.starts_with(&table::header()));
-    let cases = hard_cases();
+    let cases = HardCase::all();
     let lines: Vec<&str> = recorded.lines().skip(2).collect();
     let names: Vec<&str> = lines.iter().take(cases.len()).filter_map(|line| line.split_whitespace().next()).collect();
     assert_eq!(names, cases.iter().map(|case| case.name).collect::<Vec<_>>());
@@ -146,7 +146,7 @@ macro_rules! each_case {
         #[test]
         fn every_case_of_the_library_is_tested() {
             let tested = [$(stringify!($name)),*];
-            let library: Vec<&str> = hard_cases().iter().map(|case| case.name).collect();
+            let library: Vec<&str> = HardCase::all().iter().map(|case| case.name).collect();
             assert_eq!(tested[..], library[..]);
         }
     };
@@ -172,7 +172,7 @@ each_case! {
 }
 
 fn dense(name: &str, method: DenseMethod) -> Result<DenseSolution, SolveError> {
-    let case = hard_case(name).unwrap();
+    let case = HardCase::named(name).unwrap();
     let CaseData::Rows(DenseRows { rows, rhs }) = &case.data else { panic!() };
     let values: Vec<f64> = rows.t().iter().copied().collect();
     solve_dense(rows.nrows(), rows.ncols(), &values, rhs, method)

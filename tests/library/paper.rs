@@ -11,7 +11,7 @@ use palpate::internals::io::scene_file::builtin;
 fn fit_scene(name: &str, method: Method) -> Fit {
     let scene = builtin(name).unwrap_or_else(|e| panic!("{name}: {e}"));
     let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
-    fit_contacts(&contacts, &palpate::FitOptions { method, ..scene.fit }).unwrap_or_else(|e| panic!("{name}: {e}"))
+    fit_contacts(&contacts, &scene.fit.with_method(method)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 fn run(name: &str) -> Fit {

@@ -7,8 +7,8 @@ use palpate::internals::parametric::choose_surface;
 use palpate::internals::scene::linspace;
 use palpate::parametric::{FittedSurface, ParametricFit, fit_parametric, fit_surface};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
+use palpate::scene::{Sweep, World};
 
 mod shapes;
 
@@ -21,13 +21,11 @@ fn sphere(radius: f64) -> Surface {
 }
 
 fn options(degree: usize) -> FitOptions {
-    FitOptions {
-        surface: SurfaceKind::Parametric,
-        degree: [degree; 2],
-        objective: Objective::Normals(NormalSigma::Known { z: 0.02, normal_deg: 0.03_f64.to_degrees() }),
-        smooth: Smooth::Lambda(30.0),
-        ..FitOptions::default()
-    }
+    FitOptions::default()
+        .with_surface(SurfaceKind::Parametric)
+        .with_degree(degree)
+        .with_objective(Objective::Normals(NormalSigma::Known { z: 0.02, normal_deg: 0.03_f64.to_degrees() }))
+        .with_smooth(Smooth::Lambda(30.0))
 }
 
 /// Mean S and mean R over the contacts' feet.
@@ -93,12 +91,10 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
     let mut refused = 0;
     for (replicate, segments) in [(0, 2), (1, 3), (2, 3), (0, 4)] {
         let (contacts, _) = noisy.simulate(1997, replicate);
-        let thin = FitOptions {
-            segments: [segments; 2],
-            smooth: Smooth::Lambda(0.0),
-            objective: Objective::Normals(sigma(0.1)),
-            ..options(3)
-        };
+        let thin = options(3)
+            .with_segments(segments, segments)
+            .with_smooth(Smooth::Lambda(0.0))
+            .with_objective(Objective::Normals(sigma(0.1)));
         match fit_parametric(&contacts, &thin) {
             Ok(fit) => {
                 let r = at_contacts(&fit)[1] * 5.7;
@@ -113,7 +109,7 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
     }
     assert!(refused >= 3, "only {refused} ran away, so little was tested");
     // the same contacts with the fairness that they call for
-    let fair = FitOptions { segments: [3, 3], smooth: Smooth::Auto, ..options(3) };
+    let fair = options(3).with_segments(3, 3).with_smooth(Smooth::Auto);
     let fit = fit_parametric(&noisy.simulate(1997, 1).0, &fair).unwrap();
     let [s, r] = at_contacts(&fit);
     assert!(s > 0.9 && (r * 5.7 - 1.0).abs() < 0.1, "S {s}, R r {}", r * 5.7);
@@ -124,13 +120,13 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
 fn noisy_normals_do_not_call_for_a_surface_in_space() {
     let scene = palpate::internals::io::scene_file::builtin("poor-normals").unwrap();
     let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
-    let (kind, reason) = choose_surface(&contacts, &FitOptions { surface: SurfaceKind::Auto, ..scene.fit.clone() });
+    let (kind, reason) = choose_surface(&contacts, &scene.fit.clone().with_surface(SurfaceKind::Auto));
     assert_eq!(kind, SurfaceKind::Height, "{reason}");
     assert!(reason.contains("noise"), "{reason}");
     // the same pipe without its noise turns too far for a height field of degree 2
     let bare = World { effects: Vec::new(), ..scene.world };
     let (kind, reason) =
-        choose_surface(&bare.compile().unwrap().noise_free(), &FitOptions { surface: SurfaceKind::Auto, ..scene.fit });
+        choose_surface(&bare.compile().unwrap().noise_free(), &scene.fit.with_surface(SurfaceKind::Auto));
     assert_eq!(kind, SurfaceKind::Parametric, "{reason}");
 }
 
@@ -191,7 +187,7 @@ fn no_direction_of_space_is_special() {
 #[test]
 fn what_goes_round_has_no_seam() {
     let round = |contacts: &Contacts, closed: [bool; 2], segments: usize| {
-        let options = FitOptions { closed, segments: [segments; 2], ..options(3) };
+        let options = options(3).with_closed(closed).with_segments(segments, segments);
         fit_parametric(contacts, &options).unwrap()
     };
     let bar = round(&shapes::ring_of_bar(5.0, 4, 12), [false, true], 1);
@@ -213,7 +209,7 @@ fn what_goes_round_has_no_seam() {
 #[test]
 fn half_balls_are_felt_to_the_rim_with_and_without_lanes() {
     for contacts in [shapes::half_ball(5.0, 5, 9), shapes::scattered_half_ball(5.0, 60)] {
-        let fit = fit_parametric(&contacts, &FitOptions { segments: [2, 2], ..options(3) }).unwrap();
+        let fit = fit_parametric(&contacts, &options(3).with_segments(2, 2)).unwrap();
         let [s, r] = at_contacts(&fit);
         assert!(s > 0.95 && (5.0 * r - 1.0).abs() < 0.05, "S {s}, R r {}", 5.0 * r);
         assert!(fit_contacts(&contacts, &FitOptions::default()).is_err() || s > 0.95);
@@ -261,7 +257,7 @@ fn bad_input_is_refused_or_certified() {
 
 #[test]
 fn auto_stands_up_only_where_it_must() {
-    let auto = FitOptions { surface: SurfaceKind::Auto, ..FitOptions::default() };
+    let auto = FitOptions::default().with_surface(SurfaceKind::Auto);
     let flat = world(sphere(20.0)).compile().unwrap().noise_free();
     assert!(matches!(fit_surface(&flat, &auto).unwrap().0, FittedSurface::Height(_)));
     let steep = world(sphere(5.7)).compile().unwrap().noise_free();

@@ -38,7 +38,11 @@ fn mapped(contacts: &Contacts, f: impl Fn([f64; 5]) -> [f64; 5]) -> Contacts {
 
 fn options(degree: [usize; 2], domain: [f64; 4]) -> FitOptions {
     let objective = Objective::Slopes(SlopeWeights::Tangent);
-    FitOptions { degree, domain: Some(domain), grid: [5, 5], objective, ..FitOptions::default() }
+    FitOptions::default()
+        .with_degrees(degree[0], degree[1])
+        .with_domain(domain)
+        .with_grid(5, 5)
+        .with_objective(objective)
 }
 
 const SQUARE: [f64; 4] = [-4.0, 4.0, -4.0, 4.0];
@@ -163,7 +167,7 @@ proptest! {
     fn refinement_of_a_representable_surface(contacts in patch()) {
         // a cubic in one bicubic segment and in 2 x 1: the same surface
         let one = fitted(&contacts, &options([3, 3], SQUARE));
-        let two = fitted(&contacts, &FitOptions { segments: [2, 1], ..options([3, 3], SQUARE) });
+        let two = fitted(&contacts, &options([3, 3], SQUARE).with_segments(2, 1));
         if two.certificate().unsupported.is_empty() && two.certificate().condition < 1e4 {
             same_shape(&one, &two, |i, j| (i, j), 1.0, 1.0);
         }

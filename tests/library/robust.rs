@@ -43,7 +43,7 @@ fn pipe(share: f64) -> Contacts {
 fn a_pipe_with_five_per_cent_slips_keeps_its_radius() {
     let objective = Objective::Normals(NormalSigma::Known { z: 0.5, normal_deg: 5.0 });
     let radius = |share: f64, robust: Robust| {
-        let options = FitOptions { objective, robust, inset: 0.2, ..FitOptions::default() };
+        let options = FitOptions::default().with_objective(objective).with_robust(robust).with_inset(0.2);
         fit_contacts(&pipe(share), &options).unwrap().shape().radius
     };
     let clean = radius(0.0, Robust::None).unwrap();
@@ -58,11 +58,8 @@ fn a_pipe_with_five_per_cent_slips_keeps_its_radius() {
 
 #[test]
 fn slips_are_counted() {
-    let options = FitOptions {
-        objective: Objective::Slopes(SlopeWeights::Equal),
-        robust: Robust::Tukey,
-        ..FitOptions::default()
-    };
+    let options =
+        FitOptions::default().with_objective(Objective::Slopes(SlopeWeights::Equal)).with_robust(Robust::Tukey);
     let fit = fit_contacts(&pipe(0.05), &options).unwrap();
     let counted = fit.notes().iter().find_map(|n| match n {
         Note::Outliers { sites, .. } => Some(*sites),
@@ -86,7 +83,7 @@ fn smoothing_by_the_data_is_nearer_the_truth_than_none() {
     let contacts = Contacts::from_positions(x, y, z);
     let error = |smooth: Smooth| {
         let options =
-            FitOptions { degree: [3, 3], segments: [12, 12], smooth, method: Method::Auto, ..FitOptions::default() };
+            FitOptions::default().with_degree(3).with_segments(12, 12).with_smooth(smooth).with_method(Method::Auto);
         let fit = fit_contacts(&contacts, &options).unwrap();
         let surface = fit.input_surface().unwrap();
         let mut sum = 0.0;

@@ -49,13 +49,11 @@ fn flattened(grid: &Grid) -> Contacts {
 }
 
 fn options(method: Method) -> FitOptions {
-    FitOptions {
-        degree: [3, 2],
-        segments: [9, 12],
-        objective: Objective::Slopes(SlopeWeights::Explicit([1.0, 0.2, 0.3])),
-        method,
-        ..FitOptions::default()
-    }
+    FitOptions::default()
+        .with_degrees(3, 2)
+        .with_segments(9, 12)
+        .with_objective(Objective::Slopes(SlopeWeights::Explicit([1.0, 0.2, 0.3])))
+        .with_method(method)
 }
 
 fn gap(a: &Fit, b: &Fit) -> f64 {
@@ -125,7 +123,7 @@ fn structured_and_dense_routes_agree_on_scattered_contacts() {
         Contacts::from_positions(x, y, z).with_slopes(zx, zy)
     };
     for method in [Method::Cholesky, Method::Qr] {
-        let fit = fit_contacts(&contacts, &FitOptions { segments: [3, 2], ..options(method) }).unwrap();
+        let fit = fit_contacts(&contacts, &options(method).with_segments(3, 2)).unwrap();
         let expected = oracle(fit.equations());
         let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         for (a, b) in fit.solution().coefficients.iter().zip(&expected) {
@@ -136,14 +134,12 @@ fn structured_and_dense_routes_agree_on_scattered_contacts() {
 
 #[test]
 fn a_large_roughness_leaves_the_best_plane() {
-    let smooth = FitOptions { smooth: Smooth::Lambda(1e9), ..options(Method::Auto) };
+    let smooth = options(Method::Auto).with_smooth(Smooth::Lambda(1e9));
     let fit = fit_grid(&grid(true), &smooth).unwrap();
     let bend = fit.surface().at(0.1, 0.1);
     assert!(bend.zxx.abs() < 1e-5 && bend.zxy.abs() < 1e-5 && bend.zyy.abs() < 1e-5);
-    let matrix_free =
-        fit_grid(&grid(true), &FitOptions { smooth: Smooth::Lambda(1e-3), ..options(Method::Pcg) }).unwrap();
-    let factored =
-        fit_grid(&grid(true), &FitOptions { smooth: Smooth::Lambda(1e-3), ..options(Method::Cholesky) }).unwrap();
+    let matrix_free = fit_grid(&grid(true), &options(Method::Pcg).with_smooth(Smooth::Lambda(1e-3))).unwrap();
+    let factored = fit_grid(&grid(true), &options(Method::Cholesky).with_smooth(Smooth::Lambda(1e-3))).unwrap();
     assert!(gap(&factored, &matrix_free) < 1e-11, "{:e}", gap(&factored, &matrix_free));
     assert_eq!(fit.equations().sites.len(), 60 * 45);
 }

@@ -2,8 +2,8 @@
 //! each other: nothing.
 use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::effects::*;
-use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
+use palpate::scene::{Effect, Simulator, Sweep, World};
 use palpate::{Contacts, Orientation};
 
 const DRAWS: usize = 1_000_000;

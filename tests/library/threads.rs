@@ -38,7 +38,7 @@ fn a_scattered_fit_and_its_maps() -> Result<(), Fault> {
 fn the_public_fit_with_its_certificate() -> Result<(), Fault> {
     let [x, y, z, zx, zy] = scattered(20_000).0;
     let contacts = Contacts::from_positions(x, y, z).with_slopes(zx, zy);
-    let options = FitOptions { degree: [3, 3], segments: [20, 20], ..FitOptions::default() };
+    let options = FitOptions::default().with_degree(3).with_segments(20, 20);
     same(|| {
         let fit = fit_contacts(&contacts, &options)?;
         let mut answer = fit.solution().coefficients.clone();

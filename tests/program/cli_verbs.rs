@@ -189,7 +189,13 @@ fn an_interrupted_write_leaves_nothing() {
     let mut scene = String::from("[surface]\nkind = \"plane\"\n[sweep]\nfrom = -1.0\nto = 1.0\nstations = 1000000\n");
     scene.push_str("fingers = [-1.0, 0.0, 1.0]\n");
     std::fs::write(directory.path().join("s.toml"), scene).unwrap();
-    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("palpate"))
+    // a shell that runs the tests in the background may have told its children to ignore the signal
+    let mut command = std::process::Command::new("env");
+    if cfg!(target_os = "linux") {
+        command.arg("--default-signal");
+    }
+    let child = command
+        .arg(assert_cmd::cargo::cargo_bin("palpate"))
         .current_dir(directory.path())
         .args(["simulate", "s.toml", "-o", "big.csv"])
         .stdout(Stdio::null())

@@ -35,6 +35,20 @@ fn readers_of_contacts() {
 }
 
 #[test]
+fn readers_of_clouds() {
+    const NAMES: [&str; 8] = ["a.xyz", "a.pts", "a.pcd", "a.off", "a.obj", "a.stl", "a.npy", "a.png"];
+    let sound = replay("clouds", |bytes| {
+        let Some((first, rest)) = bytes.split_first() else { return false };
+        let options = ReadOptions { intrinsics: "600,600,320,240".parse().ok(), ..ReadOptions::default() };
+        let read =
+            |options: &ReadOptions| read_input_bytes(NAMES[usize::from(*first) % NAMES.len()], rest, options).is_ok();
+        // all but the image are the same with a camera; the array of rows is then an image too
+        read(&ReadOptions::default()) | read(&options)
+    });
+    assert_eq!(sound, 11);
+}
+
+#[test]
 fn reader_of_scenes() {
     let sound = replay("scene", |bytes| std::str::from_utf8(bytes).is_ok_and(|text| read_scene(text).is_ok()));
     // the paper's cylinder and the least that makes a scene

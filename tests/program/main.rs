@@ -5,7 +5,9 @@
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
+mod files_as_they_come;
 mod fuzz_seeds;
+mod hostile;
 mod npz;
 mod readers;
 mod scene_file;

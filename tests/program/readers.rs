@@ -121,7 +121,7 @@ fn every_bad_csv_says_where_and_what() {
         ("x,y,z\n", &["no rows"]),
         ("x,y\n1,2\n", &["no column z", "it has x,y"]),
         ("x,z\n1,2\n", &["no column y"]),
-        ("X,Y,Z\n1,2,3\n", &["no column x", "X,Y,Z"]),
+        ("a,b,c\n1,2,3\n", &["no column x", "a,b,c"]),
         ("x,y,z,x\n1,2,3,4\n", &["column x stands twice"]),
         ("x,y,z,nx,ny\n1,2,3,4,5\n", &["no column nz"]),
         ("x,y,z,zx\n1,2,3,4\n", &["no column zy"]),
@@ -141,7 +141,6 @@ fn every_bad_csv_says_where_and_what() {
         assert!(message.starts_with("my.csv"), "{message}");
         words.iter().for_each(|word| assert!(message.contains(word), "{text:?}: {message:?} lacks {word:?}"));
     }
-    assert!(read("my.csv", b"x;y;z\n1;2;3\n").unwrap_err().contains("x;y;z"));
     assert!(read("my.csv", b"x,y,z\n1,2,\xff\n").unwrap_err().contains("line 2"));
     assert!(read("my.csv", b"x,y,z,wx\n1,2,3,1\n").unwrap_err().contains("wx weighs"));
     assert!(read("my.csv", b"x,y,zx,zy,wz\n1,2,3,1,1\n").unwrap_err().contains("wz weighs z"));

@@ -219,7 +219,7 @@ fn tables_1_and_2_come_out_of_their_scenes() {
     let run = |name: &str, weights: SlopeWeights| {
         let scene = builtin(name).unwrap();
         let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
-        let options = palpate::FitOptions { objective: Objective::Slopes(weights), ..scene.fit };
+        let options = scene.fit.with_objective(Objective::Slopes(weights));
         let shape = fit_contacts(&contacts, &options).unwrap().shape().clone();
         println!("{name} {weights:?}: S {:?} R {:?}", shape.shape_index, shape.curvedness);
         shape

@@ -52,9 +52,14 @@ fn problem(lcg: &mut Lcg) -> (Contacts, FitOptions, [f64; 3]) {
     let offset = half * pick(lcg, &[0.0, 0.0, 1024.0, 1048576.0]);
     let weights = [0, 1, 2].map(|_| pick(lcg, &[1.0, 1.0, 10.0, 0.01, 1e4, 1e-6]));
     let contacts = touches(lcg, count, half, offset, with_slopes);
-    let domain = Some([offset - half, offset + half, offset - half, offset + half]);
+    let domain = [offset - half, offset + half, offset - half, offset + half];
     let objective = Objective::Slopes(SlopeWeights::Explicit(weights));
-    let options = FitOptions { degree, segments, domain, objective, grid: [5, 5], ..FitOptions::default() };
+    let options = FitOptions::default()
+        .with_degrees(degree[0], degree[1])
+        .with_segments(segments[0], segments[1])
+        .with_domain(domain)
+        .with_objective(objective)
+        .with_grid(5, 5);
     (contacts, options, weights)
 }
 

@@ -1,6 +1,6 @@
 //! The hard-case table with the counts that the guarantee is held to.
 
-use palpate::internals::cases::hard_cases;
+use palpate::internals::cases::HardCase;
 
 use super::golden::judge::judge;
 use super::golden::{Golden, table};
@@ -9,7 +9,7 @@ use super::golden::{Golden, table};
 pub(crate) fn table() -> String {
     let mut lines = vec![table::header()];
     let (mut broken, mut short, mut margins) = (0, 0, Vec::new());
-    for case in hard_cases() {
+    for case in HardCase::all() {
         let judged = judge(&case, &Golden::read(case.name));
         lines.push(table::row(&case, &judged));
         for k in 0..3 {

@@ -1,6 +1,6 @@
 //! Every paper scene under `auto`: which kind it chose, and the errors of both kinds against the truth.
 
-use palpate::fit::{FitOptions, SurfaceKind};
+use palpate::fit::SurfaceKind;
 use palpate::internals::io::scene_file::{builtin, builtin_scenes, family_members};
 use palpate::parametric::{FittedSurface, fit_surface};
 use palpate::scene::Truth;
@@ -12,18 +12,18 @@ pub(crate) fn print() {
         let Ok(file) = builtin(&scene.name) else { continue };
         let Ok(world) = file.world.compile() else { continue };
         let (contacts, truth) = world.simulate(file.seed, 0);
-        let fit = |surface| fit_surface(&contacts, &FitOptions { surface, ..file.fit.clone() });
+        let fit = |surface| fit_surface(&contacts, &file.fit.clone().with_surface(surface));
         let text = |found: Result<(FittedSurface, String), palpate::fit::FitError>| match found {
             Ok((surface, _)) => errors(&surface, &truth),
             Err(error) => error.to_string().chars().take(22).collect(),
         };
-        let auto = FitOptions { surface: SurfaceKind::Auto, ..file.fit.clone() };
+        let auto = file.fit.clone().with_surface(SurfaceKind::Auto);
         let (chosen, why) = palpate::internals::parametric::choose_surface(&contacts, &auto);
-        let space = FitOptions {
-            surface: SurfaceKind::Parametric,
-            degree: file.fit.degree.map(|p| p.max(3)),
-            ..file.fit.clone()
-        };
+        let space = file
+            .fit
+            .clone()
+            .with_surface(SurfaceKind::Parametric)
+            .with_degrees(file.fit.degree.map(|p| p.max(3))[0], file.fit.degree.map(|p| p.max(3))[1]);
         println!(
             "{:<34} {:<11} {:<22} {:<22} {why}",
             scene.name,

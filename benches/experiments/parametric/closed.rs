@@ -1,7 +1,6 @@
 //! Sweeps that go round, and the half ball touched to its rim.
 
 use palpate::Contacts;
-use palpate::fit::FitOptions;
 
 use crate::shapes;
 use crate::worlds;
@@ -27,7 +26,7 @@ pub(crate) fn print() {
 fn tell(name: &str, contacts: &Contacts, closed: [bool; 2], truth: impl Fn([f64; 3]) -> (f64, f64)) {
     // closed directions take 12 segments where one is asked for
     let segments = if closed == [false; 2] { 2 } else { 1 };
-    let options = FitOptions { closed, grid: [16, 16], ..worlds::options(3, segments) };
+    let options = worlds::options(3, segments).with_closed(closed).with_grid(16, 16);
     let fit = match worlds::parametric(contacts, &options) {
         Ok(fit) => fit,
         Err(error) => return println!("  {name}: {error}"),

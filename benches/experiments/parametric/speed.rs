@@ -5,8 +5,8 @@ use std::time::Instant;
 use palpate::fit::Fit;
 use palpate::internals::scene::linspace;
 use palpate::parametric::ParametricFit;
-use palpate::scene::surface::{Body, Sphere};
-use palpate::scene::{Surface, Sweep, World};
+use palpate::scene::surface::{Body, Sphere, Surface};
+use palpate::scene::{Sweep, World};
 
 use crate::worlds::{self, cylinder};
 

@@ -1,6 +1,6 @@
 //! Without noise: the four cases at degrees 2 to 4 and one to three segments, then every angle of cylinders.
 
-use palpate::fit::{FitOptions, NormalSigma, Objective, Smooth};
+use palpate::fit::{NormalSigma, Objective, Smooth};
 
 use crate::worlds::{self, Case, cylinder, sphere};
 
@@ -46,7 +46,7 @@ fn runaways(segments: usize, smooth: Smooth) {
     let auto = Objective::Normals(NormalSigma::Auto);
     let declared = worlds::options(3, segments);
     for (name, objective) in [("sigma declared", declared.objective), ("sigma auto", auto)] {
-        let options = FitOptions { smooth, objective, ..declared.clone() };
+        let options = declared.clone().with_smooth(smooth).with_objective(objective);
         let (mut refused, mut raised, mut most, mut least_s, mut worst_r) = (0, 0, 0.0_f64, 1.0_f64, 0.0_f64);
         let clock = std::time::Instant::now();
         for replicate in 0..10 {

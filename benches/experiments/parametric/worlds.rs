@@ -5,8 +5,8 @@ use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind,
 use palpate::internals::scene::linspace;
 use palpate::parametric::{ParametricFit, fit_parametric};
 use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere};
-use palpate::scene::{Simulator, Surface, Sweep, World};
+use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
+use palpate::scene::{Simulator, Sweep, World};
 
 pub(crate) const SEED: u64 = 1997;
 pub(crate) const SIGMA: f64 = 0.02;
@@ -53,14 +53,12 @@ pub(crate) fn world(case: &Case, noisy: bool) -> Simulator {
 }
 
 pub(crate) fn options(degree: usize, segments: usize) -> FitOptions {
-    FitOptions {
-        surface: SurfaceKind::Parametric,
-        degree: [degree; 2],
-        segments: [segments; 2],
-        objective: Objective::Normals(NormalSigma::Known { z: SIGMA, normal_deg: SIGMA_NORMAL.to_degrees() }),
-        smooth: Smooth::Lambda(30.0),
-        ..FitOptions::default()
-    }
+    FitOptions::default()
+        .with_surface(SurfaceKind::Parametric)
+        .with_degree(degree)
+        .with_segments(segments, segments)
+        .with_objective(Objective::Normals(NormalSigma::Known { z: SIGMA, normal_deg: SIGMA_NORMAL.to_degrees() }))
+        .with_smooth(Smooth::Lambda(30.0))
 }
 
 /// S, its spread, R r at the contacts' feet.
@@ -100,6 +98,6 @@ pub(crate) fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<Pa
 
 /// The height field of the same degree and objective, as far as one has it.
 pub(crate) fn height(contacts: &Contacts, options: &FitOptions) -> Result<Fit, String> {
-    let options = FitOptions { surface: SurfaceKind::Height, smooth: Smooth::None, ..options.clone() };
+    let options = options.clone().with_surface(SurfaceKind::Height).with_smooth(Smooth::None);
     fit_contacts(contacts, &options).map_err(|e| e.to_string())
 }

@@ -6,8 +6,8 @@ use std::time::Instant;
 use criterion::{Criterion, Throughput};
 use palpate::Contacts;
 use palpate::internals::scene::{SurfacePoint, linspace};
-use palpate::scene::surface::{Body, Cylinder};
-use palpate::scene::{Surface, Sweep, Truth, World};
+use palpate::scene::surface::{Body, Cylinder, Surface};
+use palpate::scene::{Sweep, Truth, World};
 
 use crate::instructions;
 

@@ -12,7 +12,7 @@
 //! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
 
 use crate::fit::certificate::backward::Backward;
-use crate::fit::linear::reasons::MethodUsed;
+use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
 use crate::simd::{BoundTerms, DirectedTerms};
 

@@ -12,7 +12,8 @@ pub(super) mod guaranteed_digits;
 mod row_passes;
 
 use crate::fit::describe::shape::Shape;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
+use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
 use backward::backward;
 use guaranteed_digits::{GuaranteedDigits, guaranteed_digits};

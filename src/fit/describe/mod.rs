@@ -7,12 +7,15 @@ pub(super) mod residuals;
 pub(super) mod shape;
 mod uncertainty;
 
+use ndarray::Array2;
+
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
+use crate::fit::placing::data::Data;
 use crate::fit::solved::Solved;
 use crate::shape::{
-    GridGradients, ShapeGrid, ShapeMaps, Spread, class_probabilities, mean_gradients, normal_interval, radius_of,
-    shape_maps, spread,
+    GridGradients, Outline, ShapeGrid, ShapeMaps, Spread, class_probabilities, mean_gradients, normal_interval,
+    radius_of, shape_maps, spread,
 };
 use crate::surface::SurfacePoint;
 use direction::direction;
@@ -27,7 +30,19 @@ const PLANE_SIGNIFICANCE: f64 = 0.01;
 pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let domain = [solved.patch.knots[0].domain(), solved.patch.knots[1].domain()];
     let grid = ShapeGrid::over(domain, solved.options.grid, solved.options.inset);
-    shape_maps(&solved.surface, grid, &solved.fitted.solution.unsupported)
+    let mut maps = shape_maps(&solved.surface, grid, &solved.fitted.solution.unsupported);
+    if let Data::Scattered { contacts, .. } = &solved.data {
+        leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);
+    }
+    maps
+}
+
+/// Leaves out the grid points that lie outside of the contacts; all of them stay where none would be left.
+fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
+    let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| outline.holds(maps.grid.x[i], maps.grid.y[j]));
+    if held.iter().zip(&maps.supported).any(|(held, supported)| *held && *supported) {
+        maps.supported.zip_mut_with(&held, |supported, held| *supported &= held);
+    }
 }
 
 /// Step 5: means, class, radius, direction and their uncertainty, in input units.

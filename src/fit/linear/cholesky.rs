@@ -1,12 +1,15 @@
 //! Cholesky of `D(E'E)D`, the answer refined from the rows.
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::gaps::solve_with_gaps;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::linalg::StencilMatrix;
 use crate::solve::{Cholesky, SolveError};
 
@@ -62,7 +65,7 @@ impl NormalFactor {
         let order = equations.unknowns();
         let mut solution = Solution {
             coefficients: vec![0.0; order],
-            factor: Factor::Cholesky(Box::new(self.cholesky)),
+            factor: Arc::new(self.cholesky),
             method: MethodUsed::Cholesky,
             reasons,
             rank: order - free.len(),

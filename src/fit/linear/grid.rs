@@ -3,12 +3,15 @@
 //! Exact: every pixel measured, one weight per block, slope rows, no roughness. Then `A^-1` needs two small eigenproblems
 //! and four matrix products; elsewhere the same factors, with mean weights, are the preconditioner.
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::refine;
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::fit::placing::sites::DataSites;
 use crate::linalg::{RowWeights, Sites, StencilMatrix};
 use crate::observation::GridSites;
@@ -63,7 +66,7 @@ pub(super) fn solve(
     };
     let mut solution = Solution {
         coefficients,
-        factor: Factor::Grid(Box::new(solver)),
+        factor: Arc::new(solver),
         method: used,
         reasons: vec![Reason::Requested, why],
         rank: order,

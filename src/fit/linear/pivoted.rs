@@ -4,11 +4,14 @@
 //! E = Q R P, rank r      c <- c + Z t,  (Z'PZ) t = -Z'P c       Z the null space, P the roughness
 //! ```
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::reasons::Reason;
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::linalg::StencilMatrix;
 use crate::observation::{roughness_matrix, to_csr};
 use crate::solve::PivotedQr;
@@ -40,7 +43,7 @@ pub(super) fn by_pivoted_qr(
     Ok(Solution {
         coefficients,
         rank,
-        factor: Factor::Pivoted(Box::new(factor)),
+        factor: Arc::new(factor),
         method: MethodUsed::PivotedQr,
         reasons,
         unsupported,

@@ -1,13 +1,16 @@
 //! QR of the rows, where Cholesky would lose too many digits; rank-revealing QR where the rank is in question.
 
+use std::sync::Arc;
+
 use crate::fit::FitError;
 use crate::fit::linear::cholesky;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::pivoted::by_pivoted_qr;
-use crate::fit::linear::reasons::{MethodUsed, Reason};
+use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};
-use crate::fit::linear::solution::{Factor, Solution};
+use crate::fit::linear::solution::Solution;
+use crate::fit::options::method::MethodUsed;
 use crate::linalg::{Sites, StencilMatrix};
 use crate::solve::TriangularFactor;
 
@@ -49,7 +52,7 @@ pub(super) fn by_qr(
     let mut solution = Solution {
         coefficients: factor.coefficients(),
         rank: factor.rank(),
-        factor: Factor::Triangular(Box::new(factor)),
+        factor: Arc::new(factor),
         method: MethodUsed::Qr,
         reasons,
         unsupported: Vec::new(),

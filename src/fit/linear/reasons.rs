@@ -1,36 +1,8 @@
-//! Which method gave the answer and why, decision by decision, in the words of every output.
+//! Why a method gave the answer, decision by decision, in the words of every output.
 //!
 //! ```text
-//! cholesky -> qr -> pivoted qr          kronecker, pcg on grids          (the order of crate::fit::linear)
+//! condition, pivots, rank, weights, gaps -> Reason -> one clause of the sentence that the user reads
 //! ```
-
-/// Method that gave the coefficients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodUsed {
-    /// Cholesky of the normal matrix.
-    Cholesky,
-    /// QR of the rows.
-    Qr,
-    /// Rank-revealing QR with rows sorted and columns pivoted.
-    PivotedQr,
-    /// Fast diagonalisation of a complete grid.
-    Kronecker,
-    /// Preconditioned conjugate gradients.
-    Pcg,
-}
-
-impl MethodUsed {
-    /// The word used in every output.
-    pub fn name(self) -> &'static str {
-        match self {
-            MethodUsed::Cholesky => "cholesky",
-            MethodUsed::Qr => "qr",
-            MethodUsed::PivotedQr => "pivoted qr",
-            MethodUsed::Kronecker => "kronecker",
-            MethodUsed::Pcg => "pcg",
-        }
-    }
-}
 
 /// Why that method, one decision after another.
 #[derive(Clone, Debug, PartialEq)]

@@ -29,7 +29,7 @@ pub(crate) fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2]
 
 /// `trace(A^-1 B)` over the unknowns that the data hold.
 fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
-    let exact = solution.factor.inverse_trace(b, |u| solution.is_free(u));
+    let exact = solution.factor.inverse_trace(b, &|u| solution.is_free(u));
     exact.unwrap_or_else(
         || {
             if b.order() <= UNIT_VECTORS { by_unit_vectors(solution, b) } else { by_probes(solution, b) }

@@ -19,7 +19,7 @@ mod smoothing;
 
 use crate::fit::placing::data::Data;
 use crate::fit::placing::patch::Patch;
-use crate::fit::{FitError, FitOptions, Smooth};
+use crate::fit::{FitError, FitOptions, Robust, Smooth};
 use fitted::Fitted;
 
 /// Forms and solves the rows, with the smoothing and the loss that the options ask for.
@@ -27,8 +27,11 @@ use fitted::Fitted;
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
 pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
-    match options.smooth {
-        Smooth::Auto => smoothing::fit_smoothed(patch, data, options),
-        Smooth::None | Smooth::Lambda(_) => robust::fit_with_loss(patch, data, options),
+    match (options.smooth, options.robust) {
+        (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options),
+        (Smooth::None | Smooth::Lambda(_), Robust::None) => least_squares::fit_plain(patch, data, options),
+        (Smooth::None | Smooth::Lambda(_), Robust::Huber | Robust::Tukey) => {
+            robust::fit_with_loss(patch, data, options)
+        }
     }
 }

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{FrameChoice, Method, NormalSigma, Robust, SlopeWeights, Smooth, SurfaceKind};
+use super::{FrameChoice, NormalSigma, Robust, SlopeWeights, Smooth, SurfaceKind};
 
 /// A text that is no value of an option; says what would be one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,13 +30,13 @@ impl UnknownWord {
     }
 }
 
-/// `a, b or c`.
-fn listed<T>(words: &[(&str, T)]) -> String {
+/// What would be right is one of these words: `a, b or c`.
+pub(super) fn listed<T>(words: &[(&str, T)]) -> UnknownWord {
     let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    match words.split_last() {
+    UnknownWord::new(match words.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => words.concat(),
-    }
+    })
 }
 
 macro_rules! words {
@@ -51,25 +51,24 @@ macro_rules! words {
             }
         }
 
-        impl fmt::Display for $option {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl std::fmt::Display for $option {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str(self.name())
             }
         }
 
-        impl FromStr for $option {
-            type Err = UnknownWord;
+        impl std::str::FromStr for $option {
+            type Err = $crate::fit::UnknownWord;
 
-            fn from_str(text: &str) -> Result<$option, UnknownWord> {
+            fn from_str(text: &str) -> Result<$option, $crate::fit::UnknownWord> {
                 let found = $option::WORDS.iter().find(|(word, _)| *word == text);
-                found.map(|(_, value)| *value).ok_or_else(|| UnknownWord::new(listed($option::WORDS)))
+                found.map(|(_, value)| *value).ok_or_else(|| listed($option::WORDS))
             }
         }
     )*};
 }
 
 words! {
-    Method { "auto" => Auto, "cholesky" => Cholesky, "qr" => Qr, "kronecker" => Kronecker, "pcg" => Pcg }
     Robust { "none" => None, "huber" => Huber, "tukey" => Tukey }
     FrameChoice { "keep" => Keep, "auto" => Auto }
     SurfaceKind { "height" => Height, "parametric" => Parametric, "auto" => Auto }
@@ -192,6 +191,7 @@ impl fmt::Display for Smooth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Method;
 
     #[test]
     fn every_word_is_read_back_from_what_is_shown() {

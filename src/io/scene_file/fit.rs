@@ -4,6 +4,7 @@ use super::SceneFileError;
 use super::section::{Section, as_array, as_count, as_number};
 use crate::bspline::MAX_DEGREE;
 use crate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 
 /// Options of a scene: those of a fit, but `tangent` weights when neither weights nor sigma stand there.
 pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileError> {
@@ -19,10 +20,10 @@ pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileErro
         fit.degree = degree;
     }
     if let Some(segments) = one_or_pair(&section, "segments", 1, u64::from(u32::MAX))? {
-        fit.segments = segments;
+        fit.segments = held(&section, "segments", segments, MOST_SEGMENTS)?;
     }
     if let Some(grid) = one_or_pair(&section, "grid", 1, u64::from(u32::MAX))? {
-        fit.grid = grid;
+        fit.grid = held(&section, "grid", grid, MOST_GRID_POINTS)?;
     }
     fit.domain = read_domain(&section)?;
     if let Some(objective) = read_objective(&section)? {
@@ -59,6 +60,16 @@ fn one_or_pair(
             let range = if most < 100 { format!("from {least} to {most}") } else { format!("of at least {least}") };
             Err(section.value_error(key, value, format!("a whole number {range}, or a pair of them, is needed")))
         }
+    }
+}
+
+/// A pair whose product is not too large to be meant.
+fn held(section: &Section, key: &'static str, pair: [usize; 2], most: usize) -> Result<[usize; 2], SceneFileError> {
+    match section.get(key) {
+        Some(value) if exceeds(pair, most) => {
+            Err(section.value_error(key, value, format!("both directions multiplied may make {most} at most")))
+        }
+        _ => Ok(pair),
     }
 }
 

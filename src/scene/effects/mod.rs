@@ -97,8 +97,9 @@ pub enum Smoothness {
 /// [`Simulator::with_stage`](crate::scene::Simulator::with_stage):
 ///
 /// ```
-/// use palpate::scene::{ContactBatch, EffectDraws, Smoothness, Stage, Surface, Sweep, World};
-/// use palpate::scene::surface::{Body, Sphere};
+/// use palpate::scene::effects::{Smoothness, Stage};
+/// use palpate::scene::surface::{Body, Sphere, Surface};
+/// use palpate::scene::{ContactBatch, EffectDraws, Sweep, World};
 /// use palpate::spline::linspace;
 /// use rand_distr::{Distribution, Gumbel};
 ///

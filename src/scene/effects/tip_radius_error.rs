@@ -1,7 +1,7 @@
 //! The robot believes its tips to have radius `rho + e`: the contact it computes is `C - (rho + e) n = P - e n`.
 //!
 //! `error` e: input units, constant over a scene (positive: tips believed too large), as a calibration leaves it.
-//! Deterministic: mean shift -e n, no spread. Later effects that turn the sensed normal swing the contact about the
+//! Deterministic: mean shift -e n, no spread. Later effects that tilt the sensed normal swing the contact about the
 //! tip's centre with the believed radius.
 //! Source: the contact from tip centre and normal (R. S. Fearing, in *Dextrous Robot Hands*, 1990, the paper's [7]).
 //! Leaves out: tips out of round, a different error per finger.

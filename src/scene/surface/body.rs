@@ -9,11 +9,13 @@ macro_rules! bodies {
     ($($(#[$doc:meta])* $kind:ident($type:ty) => $name:literal;)*) => {
         /// A shape with its apex at the origin and its free side upwards.
         #[derive(Clone, Debug)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
         pub enum Body {
             /// The plane `z = 0`.
             Plane,
             $($(#[$doc])* $kind($type),)*
-            /// A surface that another room supplies, such as a saved fit.
+            /// A surface that another room supplies, such as a saved fit. It is code, so `serde` refuses it.
+            #[cfg_attr(feature = "serde", serde(skip))]
             Imported(Arc<dyn ImportedSurface>),
         }
 

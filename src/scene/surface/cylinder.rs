@@ -11,6 +11,7 @@ use crate::vector::Vector;
 
 /// An endless round bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cylinder {
     /// Radius, input units.
     pub radius: f64,

@@ -2,40 +2,24 @@
 //!
 //! As the quadric `alpha = c/a^2`, `beta = c/b^2`, `gamma = 1/c`: curvatures -c/a^2 and -c/b^2 at the apex.
 
-use super::geometry::Geometry;
-use super::local::Local;
-use super::quadric::Quadric;
+use super::quadric::{Quadric, QuadricBody};
 use crate::scene::error::{SceneError, all_positive};
-use crate::vector::Vector;
 
 /// A stretched ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ellipsoid {
     /// Semi-axes along x, y, z, input units.
     pub semi_axes: [f64; 3],
 }
 
-impl Ellipsoid {
-    fn quadric(&self) -> Quadric {
-        let [a, b, c] = self.semi_axes;
-        Quadric { alpha: c / a / a, beta: c / b / b, gamma: 1.0 / c }
-    }
-}
-
-impl Geometry for Ellipsoid {
+impl QuadricBody for Ellipsoid {
     fn check(&self) -> Result<(), SceneError> {
         all_positive("surface.semi_axes", &self.semi_axes)
     }
 
-    fn height(&self, x: f64, y: f64) -> Option<f64> {
-        self.quadric().height(x, y)
-    }
-
-    fn local(&self, p: Vector) -> Option<Local> {
-        self.quadric().local(p)
-    }
-
-    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
-        self.quadric().hit(o, d)
+    fn quadric(&self) -> Quadric {
+        let [a, b, c] = self.semi_axes;
+        Quadric { alpha: c / a / a, beta: c / b / b, gamma: 1.0 / c }
     }
 }

@@ -11,6 +11,7 @@ use crate::vector::{Vector, along};
 
 /// A hill.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GaussianBump {
     /// Height h of the top above the plain, input units.
     pub height: f64,

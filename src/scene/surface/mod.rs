@@ -50,6 +50,7 @@ use crate::vector::{Vector, scaled};
 
 /// A body in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     /// Its shape, apex at the body's origin.
     pub body: Body,
@@ -110,7 +111,7 @@ impl Surface {
         let origin = self.pose.to_body(o);
         let direction = self.pose.direction_to_body(d);
         if self.concave {
-            // the mirrored line, run the other way
+            // the mirrored line, run in the opposite direction
             let mirrored = [-direction[0], -direction[1], direction[2]];
             self.body.geometry().hit([origin[0], origin[1], -origin[2]], mirrored).map(|t| -t)
         } else {

@@ -11,6 +11,7 @@ use crate::vector::{Vector, along};
 
 /// Three valleys and three ridges.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonkeySaddle {
     /// Length l, input units.
     pub length: f64,

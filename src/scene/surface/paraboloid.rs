@@ -2,39 +2,23 @@
 //!
 //! `r_x, r_y` are the radii of curvature at the apex; an infinite one makes a parabolic cylinder.
 
-use super::geometry::Geometry;
-use super::local::Local;
-use super::quadric::Quadric;
+use super::quadric::{Quadric, QuadricBody};
 use crate::scene::error::{SceneError, all_not_zero};
-use crate::vector::Vector;
 
 /// A dish.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Paraboloid {
     /// Radii of curvature at the apex in x and y, input units.
     pub radii: [f64; 2],
 }
 
-impl Paraboloid {
-    fn quadric(&self) -> Quadric {
-        Quadric { alpha: 1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
-    }
-}
-
-impl Geometry for Paraboloid {
+impl QuadricBody for Paraboloid {
     fn check(&self) -> Result<(), SceneError> {
         all_not_zero("surface.radii", &self.radii)
     }
 
-    fn height(&self, x: f64, y: f64) -> Option<f64> {
-        self.quadric().height(x, y)
-    }
-
-    fn local(&self, p: Vector) -> Option<Local> {
-        self.quadric().local(p)
-    }
-
-    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
-        self.quadric().hit(o, d)
+    fn quadric(&self) -> Quadric {
+        Quadric { alpha: 1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
     }
 }

@@ -5,13 +5,47 @@
 
 use crate::scene::rotation::{Matrix, product, rotated, rotated_back, rotation};
 use crate::vector::Vector;
+#[cfg(feature = "serde")]
+use crate::vector::{cross, dot, minus, norm};
 
 /// Rotation and offset of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredPose"))]
 pub struct Pose {
     matrix: Matrix,
     offset: Vector,
     upright: bool,
+}
+
+/// A pose as `serde` reads it, before its numbers are known to be a rotation.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredPose {
+    matrix: Matrix,
+    offset: Vector,
+    upright: bool,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredPose> for Pose {
+    type Error = &'static str;
+
+    fn try_from(StoredPose { matrix, offset, upright }: StoredPose) -> Result<Pose, &'static str> {
+        let [x, y, z] = matrix;
+        // rounding leaves 1e-15; a text with six digits leaves 1e-6
+        let is_unit = |a: Vector| (dot(a, a) - 1.0).abs() < 1e-5;
+        let is_rotation = is_unit(x) && is_unit(y) && dot(x, y).abs() < 1e-5 && norm(minus(cross(x, y), z)) < 1e-5;
+        if !is_rotation {
+            return Err("the matrix of a pose must be a rotation");
+        }
+        if !offset.iter().all(|v| v.is_finite()) {
+            return Err("the offset of a pose must be three finite numbers");
+        }
+        if upright && (z != [0.0, 0.0, 1.0] || [x[2], y[2]] != [0.0; 2]) {
+            return Err("the matrix of an upright pose must leave the z axis alone");
+        }
+        Ok(Pose { matrix, offset, upright })
+    }
 }
 
 impl Pose {

@@ -9,7 +9,9 @@
 //! The sphere is 1/r, 1/r, 1/r; the cylinder 0, 1/r, 1/r; a paraboloid has gamma = 0. Neither form cancels at any
 //! radius: the sagitta keeps all its digits at r = 1e9.
 
+use super::geometry::Geometry;
 use super::local::Local;
+use crate::scene::error::SceneError;
 use crate::vector::{Vector, dot};
 
 /// `F = z + (alpha x^2 + beta y^2 + gamma z^2)/2`.
@@ -59,5 +61,32 @@ impl Quadric {
         let g = self.gradient(p);
         let length = dot(g, g).sqrt();
         g.map(|v| v / length)
+    }
+}
+
+/// A body that is a quadric and nothing more: its sizes say which.
+pub(crate) trait QuadricBody {
+    /// Checks that every size is in its range.
+    fn check(&self) -> Result<(), SceneError>;
+
+    /// The quadric of these sizes.
+    fn quadric(&self) -> Quadric;
+}
+
+impl<B: QuadricBody> Geometry for B {
+    fn check(&self) -> Result<(), SceneError> {
+        QuadricBody::check(self)
+    }
+
+    fn height(&self, x: f64, y: f64) -> Option<f64> {
+        self.quadric().height(x, y)
+    }
+
+    fn local(&self, p: Vector) -> Option<Local> {
+        self.quadric().local(p)
+    }
+
+    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
+        self.quadric().hit(o, d)
     }
 }

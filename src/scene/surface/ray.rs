@@ -44,7 +44,7 @@ pub(crate) fn through_ball(o: [f64; 3], d: [f64; 3], centre: [f64; 3], radius: f
     (under >= 0.0).then(|| (-b - under.sqrt(), -b + under.sqrt()))
 }
 
-/// Parameters where the line is between two heights; `None` when it runs level or downwards.
+/// Parameters where the line is between two heights; `None` when it runs horizontally or downwards.
 pub(crate) fn through_slab(o: [f64; 3], d: [f64; 3], low: f64, high: f64) -> Option<(f64, f64)> {
     (d[2] > 0.0).then(|| ((low - o[2]) / d[2], (high - o[2]) / d[2]))
 }

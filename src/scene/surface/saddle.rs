@@ -1,38 +1,22 @@
 //! Hyperbolic saddle: `z = x^2/(2 r_x) - y^2/(2 r_y)`: rising along x, falling along y; S = 0 at the origin when r_x = r_y.
 
-use super::geometry::Geometry;
-use super::local::Local;
-use super::quadric::Quadric;
+use super::quadric::{Quadric, QuadricBody};
 use crate::scene::error::{SceneError, all_not_zero};
-use crate::vector::Vector;
 
 /// A pass between two hills.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Saddle {
     /// Radii of curvature at the origin: of the rise along x, of the fall along y; input units.
     pub radii: [f64; 2],
 }
 
-impl Saddle {
-    fn quadric(&self) -> Quadric {
-        Quadric { alpha: -1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
-    }
-}
-
-impl Geometry for Saddle {
+impl QuadricBody for Saddle {
     fn check(&self) -> Result<(), SceneError> {
         all_not_zero("surface.radii", &self.radii)
     }
 
-    fn height(&self, x: f64, y: f64) -> Option<f64> {
-        self.quadric().height(x, y)
-    }
-
-    fn local(&self, p: Vector) -> Option<Local> {
-        self.quadric().local(p)
-    }
-
-    fn hit(&self, o: Vector, d: Vector) -> Option<f64> {
-        self.quadric().hit(o, d)
+    fn quadric(&self) -> Quadric {
+        Quadric { alpha: -1.0 / self.radii[0], beta: 1.0 / self.radii[1], gamma: 0.0 }
     }
 }

@@ -11,6 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Corrugated sheet (one wavelength) or egg box (two).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sinusoid {
     /// Amplitude A of each wave, input units.
     pub amplitude: f64,

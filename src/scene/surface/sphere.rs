@@ -10,6 +10,7 @@ use crate::vector::Vector;
 
 /// A ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
     /// Radius, input units.
     pub radius: f64,

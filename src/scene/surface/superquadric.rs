@@ -17,6 +17,7 @@ use crate::vector::{Vector, along};
 
 /// A body between a ball, a pillow and a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Superquadric {
     /// Semi-axes a, b, c, input units.
     pub semi_axes: [f64; 3],

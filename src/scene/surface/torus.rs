@@ -15,6 +15,7 @@ use crate::vector::{Vector, along, unit};
 
 /// A ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Torus {
     /// Radius a of the ring's centre line, input units.
     pub major: f64,

@@ -9,6 +9,7 @@ use crate::scene::error::SceneError;
 
 /// Parts in the union's frame, each with its own pose.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Union {
     /// At least one.
     pub parts: Vec<Surface>,

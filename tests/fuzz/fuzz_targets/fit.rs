@@ -54,16 +54,14 @@ fn options(head: &[u8]) -> FitOptions {
         Objective::Normals(NormalSigma::Known { z: 0.1, normal_deg: 5.0 }),
     ];
     let pick = |k: usize, choices: usize| usize::from(head[k]) % choices;
-    FitOptions {
-        degree: [1 + pick(1, 4), 1 + pick(2, 4)],
-        segments: [1 + pick(1, 12) / 4, 1 + pick(2, 12) / 4],
-        objective: objectives[pick(3, objectives.len())],
-        method: [Method::Auto, Method::Cholesky, Method::Qr][pick(4, 3)],
-        smooth: [Smooth::None, Smooth::Auto, Smooth::Lambda(0.01)][pick(5, 3)],
-        robust: [Robust::None, Robust::Huber, Robust::Tukey][pick(5, 9) / 3],
-        grid: [3, 3],
-        surface: [SurfaceKind::Height, SurfaceKind::Parametric, SurfaceKind::Auto][pick(0, 9) / 3],
-        closed: [pick(0, 36) / 9 % 2 == 1, pick(0, 36) / 18 == 1],
-        ..FitOptions::default()
-    }
+    FitOptions::default()
+        .with_degrees(1 + pick(1, 4), 1 + pick(2, 4))
+        .with_segments(1 + pick(1, 12) / 4, 1 + pick(2, 12) / 4)
+        .with_objective(objectives[pick(3, objectives.len())])
+        .with_method([Method::Auto, Method::Cholesky, Method::Qr][pick(4, 3)])
+        .with_smooth([Smooth::None, Smooth::Auto, Smooth::Lambda(0.01)][pick(5, 3)])
+        .with_robust([Robust::None, Robust::Huber, Robust::Tukey][pick(5, 9) / 3])
+        .with_grid(3, 3)
+        .with_surface([SurfaceKind::Height, SurfaceKind::Parametric, SurfaceKind::Auto][pick(0, 9) / 3])
+        .with_closed([pick(0, 36) / 9 % 2 == 1, pick(0, 36) / 18 == 1])
 }

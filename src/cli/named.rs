@@ -1,0 +1,25 @@
+//! A model that was named, fitted to contacts or to a grid.
+
+use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
+use crate::io::Input;
+use crate::parametric::{FittedSurface, fit_surface};
+use crate::report::ChosenPart;
+
+/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
+pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
+    let (found, reason) = match input {
+        Input::Contacts(contacts) => fit_surface(contacts, options)?,
+        Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
+            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
+        }
+        Input::Grid(grid) => {
+            (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
+        }
+    };
+    let surface = match &found {
+        FittedSurface::Height(_) => SurfaceKind::Height,
+        FittedSurface::Parametric(_) => SurfaceKind::Parametric,
+    };
+    let asked = options.surface != SurfaceKind::Height;
+    Ok((found, asked.then(|| ChosenPart::new(surface.name(), reason))))
+}

@@ -1,0 +1,43 @@
+//! Whether two names are of one file, by whatever way: links, `..`, another working directory.
+
+use std::path::Path;
+
+/// Both are the same regular file. What is no regular file, such as a terminal, may be read and written.
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+    let (Ok(found_a), Ok(found_b)) = (std::fs::metadata(a), std::fs::metadata(b)) else { return false };
+    if !(found_a.is_file() && found_b.is_file()) {
+        return false;
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        (found_a.dev(), found_a.ino()) == (found_b.dev(), found_b.ino())
+    }
+    #[cfg(not(unix))]
+    {
+        matches!((std::fs::canonicalize(a), std::fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_and_detours_lead_to_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("a"), "").unwrap();
+        std::fs::write(at("b"), "").unwrap();
+        std::fs::create_dir(at("d")).unwrap();
+        std::fs::hard_link(at("a"), at("hard")).unwrap();
+        std::os::unix::fs::symlink(at("a"), at("soft")).unwrap();
+        for same in ["a", "hard", "soft", "d/../a"] {
+            assert!(same_file(&at("a"), &at(same)), "{same}");
+        }
+        for other in ["b", "d", "nothing"] {
+            assert!(!same_file(&at("a"), &at(other)), "{other}");
+        }
+        assert!(!same_file(Path::new("/dev/null"), Path::new("/dev/null")));
+    }
+}

@@ -1,0 +1,238 @@
+//! How a text table is laid out: its separator, where its names stand, and where its rows begin.
+//!
+//! ```text
+//! x,y,z            //X Y Z          12            1.5 2.5 3.5          x;y;z
+//! 1,2,3            1 2 3            1 2 3 77      4.5 5.5 6.5          1,5;2,5;3,5
+//! names            names in a       PTS: a count  no names: by the     decimal commas
+//!                  comment          and no names  count of columns
+//! ```
+//!
+//! The separator is the one that makes the most sense of the line with the names: most columns that palpate knows, then
+//! the order comma, semicolon, tab, blank. Numbers may have a decimal comma wherever the comma does not separate.
+
+use std::borrow::Cow;
+
+use super::columns::{Column, Need};
+use super::{IoError, names};
+
+/// What stands between two fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Separator {
+    Comma,
+    Semicolon,
+    Tab,
+    /// Any run of blanks and tabs.
+    Blank,
+}
+
+const SEPARATORS: [Separator; 4] = [Separator::Comma, Separator::Semicolon, Separator::Tab, Separator::Blank];
+
+impl Separator {
+    /// The character, but for blanks.
+    pub(super) fn character(self) -> Option<char> {
+        match self {
+            Separator::Comma => Some(','),
+            Separator::Semicolon => Some(';'),
+            Separator::Tab => Some('\t'),
+            Separator::Blank => None,
+        }
+    }
+
+    /// Fields of one row, trimmed; separators between double quotes do not separate.
+    pub(super) fn fields(self, row: &str) -> Vec<Cow<'_, str>> {
+        let mut quoted = false;
+        let between = |c: char| {
+            quoted ^= c == '"';
+            !quoted && self.character().map_or(c.is_whitespace(), |separator| c == separator)
+        };
+        let fields = row.split(between).map(|field| {
+            let field = field.trim();
+            match field.strip_prefix('"').and_then(|f| f.strip_suffix('"')) {
+                Some(inner) => Cow::Owned(inner.replace("\"\"", "\"")),
+                None => Cow::Borrowed(field),
+            }
+        });
+        // a run of blanks is one separator
+        fields.filter(|field| self != Separator::Blank || !field.is_empty()).collect()
+    }
+
+    /// A number; with a decimal comma where the comma separates nothing.
+    pub(super) fn number(self, text: &str) -> Option<f64> {
+        // most fields have no blanks to trim
+        let plain = text.parse().or_else(|_| text.trim().parse()).ok();
+        if plain.is_some() || self == Separator::Comma {
+            return plain;
+        }
+        let (whole, fraction) = text.trim().split_once(',')?;
+        let is_decimal = !whole.contains('.') && !fraction.contains([',', '.']);
+        is_decimal.then(|| format!("{whole}.{fraction}").parse().ok()).flatten()
+    }
+}
+
+/// The layout of one table.
+#[derive(Debug)]
+pub(super) struct TableForm {
+    pub(super) separator: Separator,
+    /// In our words, as [`names::in_our_words`] has them.
+    pub(super) names: Vec<String>,
+    /// Index (from 0) of the line of the first row.
+    pub(super) first_row: usize,
+    /// What was assumed because nothing said it.
+    pub(super) note: Option<String>,
+}
+
+/// A line that is no row: empty or a comment.
+pub(super) fn is_aside(line: &str) -> bool {
+    line.is_empty() || line.starts_with('#') || line.starts_with("//")
+}
+
+/// Finds the layout of the table in `text`; `ending` is the file name's, in lower case.
+///
+/// # Errors
+/// [`IoError::Empty`] and [`IoError::NoHeader`].
+pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Result<TableForm, IoError> {
+    let lines = || text.split('\n').map(str::trim).enumerate();
+    let (at, first) = lines().find(|(_, line)| !is_aside(line)).ok_or_else(|| IoError::Empty { file: file.into() })?;
+    /// Longest line of names: room for a hundred thousand columns.
+    const MOST_LINE: usize = 1 << 20;
+    if first.len() > MOST_LINE {
+        return Err(no_header(file, at + 1, first));
+    }
+    if let Some(named) = names_in_line(file, first)? {
+        return Ok(TableForm { first_row: at + 1, note: None, ..named });
+    }
+    // a number stands where names should be
+    let asides: Vec<&str> = lines().take(at).map(|(_, line)| line).filter(|line| !line.is_empty()).collect();
+    /// Comments in which names are looked for, from the last one up.
+    const MOST_ASIDES: usize = 9;
+    if let Some(form) = asides.iter().rev().take(MOST_ASIDES).find_map(|aside| named_by_aside(file, aside, first)) {
+        return Ok(TableForm { first_row: at, ..form });
+    }
+    let is_pts = ending == "pts" && first.parse::<u64>().is_ok();
+    let row = if is_pts { lines().skip(at + 1).find(|(_, line)| !is_aside(line)) } else { Some((at, first)) };
+    let may_be_bare = need == Need::Contacts && ["xyz", "xyzn", "pts", "txt", "asc"].contains(&ending);
+    match row.filter(|_| may_be_bare).and_then(|(at, row)| Some((at, without_names(row, ending)?))) {
+        Some((at, form)) => Ok(TableForm { first_row: at, ..form }),
+        None => Err(no_header(file, at + 1, first)),
+    }
+}
+
+fn no_header(file: &str, line: usize, header: &str) -> IoError {
+    /// Enough of a line to recognise it by.
+    const SHOWN: usize = 60;
+    let text = header.chars().take(SHOWN).collect();
+    IoError::NoHeader { file: file.into(), line, text, example: "x,y,z,nx,ny,nz" }
+}
+
+/// The names in a line and what separates them; `None` where the line holds a number.
+fn names_in_line(file: &str, line: &str) -> Result<Option<TableForm>, IoError> {
+    let mut best: Option<(usize, TableForm)> = None;
+    for separator in SEPARATORS {
+        let fields = separator.fields(line);
+        let fields: Vec<&str> = fields.iter().map(Cow::as_ref).collect();
+        let found = names::in_our_words(file, &fields);
+        let known = found.iter().flatten().filter(|name| Column::of(name).is_some()).count();
+        // of two that know nothing, the one that divides the line
+        let better = best
+            .as_ref()
+            .is_none_or(|(most, form)| known > *most || (*most == 0 && form.names.len() == 1 && fields.len() > 1));
+        if better {
+            let names = found?.into_iter().map(Cow::into_owned).collect();
+            best = Some((known, TableForm { separator, names, first_row: 0, note: None }));
+        }
+    }
+    Ok(best.map(|(_, form)| form).filter(|form| {
+        let number = |name: &String| form.separator.number(name).is_some_and(f64::is_finite);
+        !form.names.iter().any(number)
+    }))
+}
+
+/// The layout where the comment `aside` names the fields of `row`, as CloudCompare and others write it.
+fn named_by_aside(file: &str, aside: &str, row: &str) -> Option<TableForm> {
+    let inner = aside.trim_start_matches(['#', '/']).trim();
+    let form = names_in_line(file, inner).ok()??;
+    let separator = SEPARATORS.into_iter().find(|separator| {
+        let fields = separator.fields(row);
+        fields.len() == form.names.len() && fields.iter().all(|f| separator.number(f).is_some())
+    })?;
+    let has = |column: &str| form.names.iter().any(|name| name == column);
+    (has("x") && has("y")).then_some(TableForm { separator, ..form })
+}
+
+/// The layout of a table without names, by the numbers in its first row.
+fn without_names(row: &str, ending: &str) -> Option<TableForm> {
+    let (separator, values) = SEPARATORS.into_iter().find_map(|separator| {
+        let values: Option<Vec<f64>> = separator.fields(row).iter().map(|f| separator.number(f)).collect();
+        values.filter(|v| v.len() >= 3).map(|v| (separator, v))
+    })?;
+    let colour = |v: &f64| v.fract() == 0.0 && (0.0..=255.0).contains(v);
+    let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    /// A normal of a file that has rounded it, and no triple of other numbers.
+    const UNIT: std::ops::RangeInclusive<f64> = 0.9..=1.1;
+    let (names, words) = match (values.len(), ending) {
+        (3, _) => ("x,y,z", "x,y,z"),
+        (6, _) if UNIT.contains(&length(&values[3..])) => ("x,y,z,nx,ny,nz", "x,y,z,nx,ny,nz"),
+        (6, _) if values[3..].iter().all(colour) => ("x,y,z,red,green,blue", "x,y,z and a colour"),
+        (4, "pts") => ("x,y,z,intensity", "x,y,z and an intensity"),
+        (7, "pts") => ("x,y,z,intensity,red,green,blue", "x,y,z, an intensity and a colour"),
+        _ => return None,
+    };
+    let note = format!("no header: the {} columns are taken as {words}", values.len());
+    let names = names.split(',').map(String::from).collect();
+    Some(TableForm { separator, names, first_row: 0, note: Some(note) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn form(text: &str, ending: &str) -> TableForm {
+        table_form("f", text, ending, Need::Contacts).unwrap()
+    }
+
+    #[test]
+    fn separators_are_found() {
+        let cases = [
+            ("x,y,z\n", Separator::Comma),
+            ("x; y; z\n", Separator::Semicolon),
+            ("X\tY\tZ\n", Separator::Tab),
+            ("x y   z\n", Separator::Blank),
+            ("x, y, z\n", Separator::Comma),
+            ("x [mm];y [mm];z [mm]\n", Separator::Semicolon),
+            ("//X Y Z\n1 2 3\n", Separator::Blank),
+            ("# x y z\n1;2;3\n", Separator::Semicolon),
+        ];
+        for (text, separator) in cases {
+            let form = form(text, "csv");
+            assert_eq!((form.separator, form.names.join(",")), (separator, "x,y,z".to_string()), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn decimal_commas_are_numbers_where_commas_separate_nothing() {
+        assert_eq!(Separator::Semicolon.number(" -1,25e1"), Some(-12.5));
+        assert_eq!(Separator::Blank.number("1.25"), Some(1.25));
+        for (separator, text) in [(Separator::Comma, "1,5"), (Separator::Tab, "1.234,5"), (Separator::Tab, "1,2,3")] {
+            assert_eq!(separator.number(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn tables_without_names_need_a_telling_ending() {
+        assert_eq!(form("1 2 3\n", "xyz").names.join(","), "x,y,z");
+        assert_eq!(form("1,5 2,5 3,5\n", "txt").separator, Separator::Blank);
+        assert_eq!(form("1 2 3 0 0.6 0.8\n", "xyz").names.join(","), "x,y,z,nx,ny,nz");
+        assert_eq!(form("1 2 3 0 60 255\n", "txt").names[3], "red");
+        let pts = form("2\n1 2 3 -700 1 2 3\n1 2 3 4 5 6 7\n", "pts");
+        assert_eq!((pts.first_row, pts.names[3].as_str()), (1, "intensity"));
+        for (text, ending) in [("1 2 3\n", "csv"), ("1 2 3 4\n", "xyz"), ("1 2 3 4 5.5 6\n", "xyz"), ("1 2\n", "xyz")] {
+            assert!(matches!(table_form("f", text, ending, Need::Contacts), Err(IoError::NoHeader { .. })), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_remark_that_mentions_axes_names_nothing() {
+        let text = "# x y z are in millimetres\n1 2 3\n";
+        assert!(form(text, "xyz").note.is_some());
+    }
+}
