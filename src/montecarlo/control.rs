@@ -17,7 +17,7 @@ use statrs::function::erf;
 use super::evaluator::Evaluator;
 use super::linear_rows::LinearRows;
 use super::order::{Ranked, Sorted, symmetric_ranks};
-use super::state::BatchEstimate;
+use super::stopping::BatchEstimate;
 use crate::simd::{Isa, REPLICATES};
 
 /// Step of the gradient in standard deviations of a coefficient. L is normal with any step; a better gradient follows S

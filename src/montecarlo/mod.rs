@@ -56,11 +56,9 @@ pub use order::Coverage;
 pub use order::{Counted, Ranked, Sorted};
 pub use path::Path;
 pub use quantity::{PointQuantity, Quantity};
-#[doc(hidden)]
-pub use state::BatchEstimate;
 pub use state::StudyState;
 #[doc(hidden)]
-pub use stopping::{batch_estimate, batch_size, batches_wanted, numerical_tolerance};
+pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};
 pub use study::{Progress, Stopped, Study, StudyResult};
 pub use summary::{ClassShares, Summary};
 #[doc(hidden)]

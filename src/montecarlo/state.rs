@@ -7,12 +7,9 @@ use super::control::ControlTally;
 use super::engine::{Engine, Values};
 use super::histogram::Bins;
 use super::options::{KEPT, PILOT, StudyOptions};
-use super::stopping::batch_estimate;
+use super::stopping::{BatchEstimate, batch_estimate};
 use super::tally::{OtherBins, Tally};
 use crate::curvature::ShapeClass;
-
-/// Mean, sd, lower and upper end of S and of R over one batch of the stopping rule.
-pub type BatchEstimate = [[f64; 4]; 2];
 
 /// What was seen of replicates `from .. to`.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::options::{StoppingRule, Tolerance};
 use super::order::{Ranked, Sorted};
-use super::state::BatchEstimate;
+
+/// Mean, sd, lower and upper end of S and of R over one batch of the stopping rule.
+pub type BatchEstimate = [[f64; 4]; 2];
 
 /// Batches of the first stage.
 const FIRST: u64 = 10;
