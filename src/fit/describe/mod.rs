@@ -31,7 +31,8 @@ pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let domain = [solved.patch.knots[0].domain(), solved.patch.knots[1].domain()];
     let grid = ShapeGrid::over(domain, solved.options.grid, solved.options.inset);
     let mut maps = shape_maps(&solved.surface, grid, &solved.fitted.solution.unsupported);
-    if let Data::Scattered { contacts, .. } = &solved.data {
+    // who names a domain asks about all of it, as streams and plans answer
+    if let (Data::Scattered { contacts, .. }, None) = (&solved.data, solved.options.domain) {
         leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);
     }
     maps
