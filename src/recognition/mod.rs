@@ -104,7 +104,8 @@ fn recognise_given(given: Given, options: &RecognitionOptions) -> Result<Recogni
         let distance = |m: &Model| weighted_rms(&cells, m);
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
-    let weights = weights::weigh(&evidence, &rows, &nodes, relief, misfit);
+    let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
+    let weights = weights::weigh(&evidence, &rows, &nodes, relief, contacts_per_cell, misfit);
     report::Findings {
         patch: &patch,
         evidence: &evidence,

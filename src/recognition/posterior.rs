@@ -202,7 +202,8 @@ pub(super) fn summary(
         curvedness: estimate(|f| f.r, 1, false)?,
         k1: mean_of(0),
         k2: mean_of(1),
-        classes: classes(&found),
+        // where the contacts cannot tell shape from the sensor's error, the class is as doubtful as the interval
+        classes: classes(&found, usize::from(weights.displacement_is_error())),
         u: pointwise(&found, points.map.len()),
     })
 }
@@ -241,7 +242,8 @@ fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64) -> Option<[f
     Some([at(0.5 * (1.0 - level))?, at(0.5 * (1.0 + level))?])
 }
 
-fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
+/// Shares of the classes under one of the two sets of weights.
+fn classes(found: &[Drawn], set: usize) -> Vec<(ShapeClass, f64)> {
     let mut out: Vec<(ShapeClass, f64)> =
         ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, 0.0)).collect();
     let mut add = |class: ShapeClass, share: f64| {
@@ -249,10 +251,10 @@ fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
     };
     for drawn in found {
         if drawn.kind == Kind::Plane {
-            add(ShapeClass::Plane, drawn.weights[0]);
+            add(ShapeClass::Plane, drawn.weights[set]);
             continue;
         }
-        let share = drawn.weights[0] / drawn.draws.len().max(1) as f64;
+        let share = drawn.weights[set] / drawn.draws.len().max(1) as f64;
         drawn.draws.iter().for_each(|field| add(ShapeClass::of_shape_index(field.s), share));
     }
     let sum: f64 = out.iter().map(|c| c.1).sum();

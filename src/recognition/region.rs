@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! map      nu x nv points from edge to edge of the box of the contacts' chart positions
-//! lattice  midpoints of 12 x 12 equal cells of that box, those supported: their mean is a mean over the area
+//! lattice  the map's supported points, of a fine map every so many-th: means are taken over them
 //! ```
 //!
 //! The map's outermost points lie on the edges of the box, and where those are bent they lie outside of the contacts.
@@ -20,8 +20,8 @@ use super::state::{ChartPoint, State};
 use super::support::Support;
 use super::surface::RecognisedSurface;
 
-/// Cells of the lattice each way.
-const LATTICE: usize = 12;
+/// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of them.
+const LATTICE: usize = 16;
 
 /// The reported surface with its points.
 pub(super) struct Region {
@@ -62,15 +62,12 @@ impl Region {
             // a map so coarse that none of its points lies inside is shown as it is
             supported.fill(true);
         }
-        let all = product(&surface, &midpoints(u), &midpoints(v));
+        let [n, m] = options.grid.map(|n| n.min(LATTICE));
+        let all = product(&surface, &linspace(u[0], u[1], n), &linspace(v[0], v[1], m));
         let held: Vec<ChartPoint> = all.iter().filter(|p| holds(p)).cloned().collect();
         let lattice = if held.is_empty() { all } else { held };
         Region { surface, map, supported, lattice }
     }
-}
-
-fn midpoints([lo, hi]: [f64; 2]) -> Vec<f64> {
-    (0..LATTICE).map(|i| lo + (hi - lo) * (i as f64 + 0.5) / LATTICE as f64).collect()
 }
 
 /// Chart points of the product of two axes, the second running fastest.

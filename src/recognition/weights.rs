@@ -3,13 +3,15 @@
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but general and displaced never below 0.1        the interval: no shape is ever exactly a cylinder
-//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 0.05 of the patch's length:
+//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts:
 //!                                                         f is read as the sensor's systematic error, and no part of the shape
 //! ```
 //!
-//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor errs by
-//! a share of what it looks at, whatever the relief; where little of a bend is seen, that is much of the relief. What is
-//! above both bounds is shape.
+//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor whose
+//! single readings scatter may err as a whole by about as much; where little of a bend is seen, that is much of the relief.
+//! What is above both bounds is shape. Whether it is shape or error the contacts cannot tell: the interval gives either
+//! reading half. A surface that is neither plane, sphere nor cylinder is nothing exact at all, so that the interval
+//! gives the displaced reading half there too.
 
 use faer::Mat;
 
@@ -21,9 +23,13 @@ use super::rows::{Rows, column_of, first_of_displacement};
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
 
-/// Largest error of a sensor as a share of the patch's length, and the share of the relief that it must leave.
-const OF_LENGTH: f64 = 0.05;
+/// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief that it
+/// must leave.
+const OF_SCATTER: f64 = 2.0;
 const MOST: f64 = 0.5;
+
+/// Share of the displaced reading in the interval where the contacts cannot tell it from another one.
+const EITHER: f64 = 0.5;
 
 /// Least share of general and of displaced in the interval.
 const DOUBT: f64 = 0.1;
@@ -48,14 +54,14 @@ pub(super) struct Weights {
     pub(super) displaced: f64,
     /// Its root mean square relative to the relief; 0 when it was not looked at.
     pub(super) size: f64,
-    /// The same relative to the patch's length.
-    pub(super) of_length: f64,
+    /// The same relative to the scatter of single contacts.
+    pub(super) of_scatter: f64,
 }
 
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
-        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_length < OF_LENGTH);
+        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_scatter < OF_SCATTER);
         SENSOR[0] < self.size && small
     }
 }
@@ -75,19 +81,22 @@ pub(super) fn weigh(
     rows: &Rows,
     nodes: &[Node],
     relief: f64,
+    contacts_per_cell: f64,
     misfit: impl Fn(Kind) -> f64,
 ) -> Weights {
     let mut estimate = shares(nodes, |_| true);
     let displaced = total(&estimate, nodes, |n| n.g > 0.0);
     let mut weights = Weights { displaced, ..Weights::default() };
     if displaced > 0.05 {
-        weights.of_length = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
-        weights.size = weights.of_length / relief;
+        let departure = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
+        weights.size = departure / relief;
+        weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
     }
     if weights.displacement_is_error() {
         estimate = shares(nodes, |n| n.g == 0.0);
     }
-    weights.interval = with_doubt(nodes, &estimate, &misfit);
+    let error = weights.displacement_is_error();
+    weights.interval = with_doubt(nodes, &estimate, error, &misfit);
     if weights.displacement_is_error() && displaced > 0.5 {
         for kind in [Kind::Sphere, Kind::Cylinder] {
             let here = |n: &Node| n.kind == kind;
@@ -134,10 +143,20 @@ fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, wi
     }
 }
 
-fn with_doubt(nodes: &[Node], estimate: &[f64], misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
+/// Standard deviation of a single contact's independent error under the likeliest displaced node.
+fn scatter(nodes: &[Node], weights: &[f64], contacts_per_cell: f64) -> f64 {
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.g > 0.0);
+    let best = displaced.max_by(|a, b| a.1.total_cmp(b.1));
+    best.map_or(0.0, |(node, _)| (node.variance * contacts_per_cell).sqrt()).max(f64::MIN_POSITIVE)
+}
+
+/// Weights of the interval; `error` says that a displacement was read as the sensor's error.
+fn with_doubt(nodes: &[Node], estimate: &[f64], error: bool, misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
     let sums = [0, 1, 2].map(|j| total(estimate, nodes, |n| group(n) == j));
-    let general = if sums[2] < 0.5 { sums[1].max(DOUBT) } else { sums[1] };
-    let displaced = sums[2].max(DOUBT);
+    let curved = sums[1] + sums[2];
+    let doubtful = if error { 1.0 } else { curved };
+    let displaced = sums[2].max(EITHER * doubtful).max(DOUBT);
+    let general = if sums[2] < 0.5 { (curved - displaced).max(DOUBT) } else { sums[1].min(1.0 - displaced) };
     let simple = if sums[0] > 0.0 { (1.0 - general - displaced).max(0.0) } else { 0.0 };
     let wanted = [simple, general, displaced];
     let mut out = vec![0.0; nodes.len()];
