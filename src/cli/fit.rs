@@ -70,6 +70,8 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let mut notes = notes(&reading);
     notes.extend(prepared);
     notes.extend(found.notes);
+    let gridded = matches!(reading.input, Input::Grid(_));
+    notes.extend(args.fit.without_effect(found.answer.is_parametric(), gridded));
     let subject =
         Subject { chosen: found.chosen, lack_of_fit: found.lack_of_fit, input: &reading.input, truth: None, notes };
     drop(spinner);

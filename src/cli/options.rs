@@ -89,6 +89,21 @@ impl FitFlags {
             || self.frame == Some(FrameChoice::Keep)
     }
 
+    /// What was typed and means nothing for the kind of surface that was fitted.
+    pub(super) fn without_effect(&self, parametric: bool, gridded: bool) -> Vec<String> {
+        let in_space = "a parametric surface";
+        let on_grid = "a grid, which keeps its axes";
+        let typed = [
+            (parametric && self.method.is_some(), "--method", in_space),
+            (parametric && self.domain.is_some(), "--domain", in_space),
+            (parametric && self.smooth.is_some(), "--smooth", in_space),
+            (parametric && self.frame.is_some(), "--frame", in_space),
+            (gridded && self.frame.is_some(), "--frame", on_grid),
+        ];
+        let empty = typed.iter().filter(|(is, _, _)| *is);
+        empty.map(|(_, option, what)| format!("{option} has no effect on {what}")).collect()
+    }
+
     /// The options with everything that was typed put in.
     pub(super) fn over(&self, mut options: FitOptions) -> FitOptions {
         set(&mut options.surface, self.surface);

@@ -53,6 +53,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     notes.extend(inverse_crime_remark(&truth));
     let (found, chosen) = found;
     let found = Answer::Fitted(found);
+    notes.extend(args.fit.without_effect(found.is_parametric(), false));
     let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };

@@ -28,8 +28,10 @@ const DEGREE: usize = 3;
 /// A coarser field is taken when it predicts as well up to this factor.
 const AS_GOOD: f64 = 1.05;
 
-/// Where the error has risen by this factor above the least, finer fields follow noise, and are not tried.
+/// Where the error has risen by this factor above the least, finer fields follow noise, and are not tried; unless the
+/// least still leaves this share of the relief, so that nothing has been predicted yet.
 const RISEN: f64 = 1.5;
+const UNPREDICTED: f64 = 0.5;
 
 /// Contacts for every unknown at least.
 const PER_UNKNOWN: usize = 3;
@@ -55,6 +57,7 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
     let chosen: Vec<u32> = thinned(&points, ENOUGH).into_iter().map(|i| i as u32).collect();
     let few = Contacts { orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
+    let relief = relief(&points);
     let mut tried: Vec<(usize, f64)> = Vec::new();
     for segments in SEGMENTS {
         if PER_UNKNOWN * (segments + DEGREE).pow(2) > few.len() * (TURNS - 1) / TURNS {
@@ -65,7 +68,7 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
             _ => break,
         }
         let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
-        if tried.last().is_some_and(|t| t.1 > RISEN * least) {
+        if least < UNPREDICTED * relief && tried.last().is_some_and(|t| t.1 > RISEN * least) {
             break;
         }
     }
@@ -76,7 +79,7 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
     // normals that no height field can have are worth less than the positions
     let fit = fit_contacts(contacts, &options)
         .or_else(|_| fit_contacts(&Contacts { orientation: Orientation::None, ..contacts.clone() }, &options));
-    Some(fit.map(|fit| Flexible { fit, tried, error, relief: relief(&points) }))
+    Some(fit.map(|fit| Flexible { fit, tried, error, relief }))
 }
 
 /// Root mean square error over all blocks left out.

@@ -10,7 +10,7 @@
 //! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor whose
 //! single readings scatter may err as a whole by about as much; where little of a bend is seen, that is much of the relief.
 //! What is above both bounds is shape. Whether it is shape or error the contacts cannot tell: the interval gives either
-//! reading half. A surface that is neither plane, sphere nor cylinder is nothing exact at all, so that the interval
+//! reading half, and above 1/8 of the relief the second fades to nothing at 1/4. A surface that is neither plane, sphere nor cylinder is nothing exact at all, so that the interval
 //! gives the displaced reading half there too.
 
 use faer::Mat;
@@ -104,6 +104,12 @@ pub(super) fn weigh(
                 raise(&mut weights.interval, nodes, here, |_| true, DOUBT);
             }
         }
+    }
+    // no sensor's error ends at a sharp edge: just above it the other reading fades
+    let fading = EITHER * (2.0 - weights.size / SENSOR[1]);
+    let plain = |n: &Node| n.g == 0.0;
+    if !error && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {
+        raise(&mut weights.interval, nodes, plain, |_| true, fading.min(EITHER));
     }
     weights.estimate = estimate;
     weights

@@ -23,6 +23,13 @@ pub(crate) enum Answer {
     Recognised(Box<Recognition>),
 }
 
+impl Answer {
+    /// Whether a parametric surface was fitted.
+    pub(crate) fn is_parametric(&self) -> bool {
+        matches!(self, Answer::Fitted(FittedSurface::Parametric(_)))
+    }
+}
+
 /// Computes what a fit computes on first access, so that a caller with a clock can time it.
 pub(crate) fn compute_shape(answer: &Answer) {
     match answer {

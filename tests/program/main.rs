@@ -6,6 +6,7 @@ mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
 mod files_as_they_come;
+mod first_try;
 mod fuzz_seeds;
 mod hostile;
 mod npz;
