@@ -11,7 +11,7 @@ use super::Misfit;
 use super::cells::Cells;
 use super::neighbours::Neighbours;
 
-/// Evidence of shared errors, and of a displacement, above which they are said.
+/// Probability of shared errors, or of a displacement, above which the sentence mentions them.
 const CERTAIN: f64 = 0.95;
 
 /// What the sentence needs to know besides the residuals.
