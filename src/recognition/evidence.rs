@@ -7,6 +7,8 @@
 //! ```
 //!
 //! S and direction are uniform a priori and R half-Cauchy in units of the patch's size, so that no class is favoured.
+//! R. E. Kass, A. E. Raftery, *Bayes factors*, J. Amer. Statist. Assoc. 90 (1995) 773; restricted likelihood: H. D.
+//! Patterson, R. Thompson, *Biometrika* 58 (1971) 545.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 

@@ -4,6 +4,8 @@
 //! r = sum over pairs d_i d_j / mean d^2 / pairs       pairs of nearest cells, each counted once
 //! p = P(Z > r sqrt(pairs))                            for independent residuals
 //! ```
+//!
+//! A correlation of neighbours in the manner of P. A. P. Moran, *Biometrika* 37 (1950) 17.
 
 use statrs::function::erf;
 

@@ -8,6 +8,7 @@
 //!
 //! The exponential kernel is a rough one on purpose: a smooth kernel of long range looks like curvature and would take
 //! the shape for an error. An error as large as the relief would explain anything, so tau is limited.
+//! C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, MIT Press 2006, section 4.2.
 
 use faer::Mat;
 

@@ -1,4 +1,10 @@
 //! The contacts in the frame of the patch, without what does not belong to the surface.
+//!
+//! ```text
+//! normals on one side  ->  frame  ->  robust general surface  ->  outliers set aside  ->  normals used or not
+//! ```
+//!
+//! Refused are contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::contact::Frame;
 use crate::vector::{Vector, dot, minus, norm, scaled};

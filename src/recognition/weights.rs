@@ -13,7 +13,8 @@
 //! relief. Above both bounds a displacement is shape. The contacts cannot tell shape from a sensor's error, so the
 //! interval gives half to either reading; from 1/8 to 1/4 of the relief the share without displacement fades to
 //! nothing. A surface that is neither plane, sphere nor cylinder need not be of constant curvatures, so there too the
-//! displaced reading gets half of the interval.
+//! displaced reading gets half of the interval. That a model's departure and an error cannot be told apart without
+//! knowledge from elsewhere: J. Brynjarsdottir, A. O'Hagan, *Inverse Problems* 30 (2014) 114007.
 
 use faer::Mat;
 
