@@ -8,8 +8,8 @@
 //!
 //! No branch and no division by a curvature: `d` and its derivatives are smooth through k = 0. k > 0 bends towards the
 //! normal. The chart is `(u, v)` as arc lengths; a displacement f along the normal is `Q(u, v, f)`.
-//! Distances of this kind: G. Lukacs, R. Martin, D. Marshall, *Faithful least-squares fitting of spheres, cylinders, cones
-//! and tori*, ECCV 1998, 671.
+//! Distances of this kind: G. Lukacs, R. Martin, D. Marshall, *Faithful least-squares fitting of spheres, cylinders,
+//! cones and tori*, ECCV 1998, 671.
 
 use crate::curvature::Derivatives;
 use crate::vector::Vector;
