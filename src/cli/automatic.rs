@@ -36,8 +36,9 @@ const LEVEL: f64 = 0.7;
 /// It takes the place of the simple shape when its error is below this share of the simple shape's.
 const BETTER: f64 = 0.5;
 
-/// Share of contacts off the surface that are worth a word: more than a sensor's stray readings.
+/// Share of contacts off the surface that are worth a word, and their number: more than a sensor's stray readings.
 const STRAY: f64 = 0.02;
+const STRAYS: usize = 10;
 
 /// What to ask where every normal points down: a scan in camera axes is like that, and so is a file with inward normals.
 const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
@@ -118,7 +119,7 @@ fn simple(found: Recognition) -> Result<Found, Refusal> {
         let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
         return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
     }
-    if strays as f64 > STRAY * (strays + found.contacts) as f64 {
+    if strays >= STRAYS && strays as f64 > STRAY * (strays + found.contacts) as f64 {
         notes.push(format!(
             "{:.0} % of the contacts belong to something else, a background or another part: {FORWARD}",
             100.0 * strays as f64 / (strays + found.contacts) as f64
