@@ -11,10 +11,29 @@
 //!
 //! and from the surface come the principal curvatures `k1 >= k2`, Koenderink's shape index `S` and curvedness `R`.
 //!
+//! ```
+//! use palpate::{Contacts, FitOptions, fit_contacts};
+//!
+//! // a hollow z = (x^2 + y^2) / 8 touched at 25 places
+//! let (x, y): (Vec<f64>, Vec<f64>) = (0..25).map(|r| ((r % 5) as f64 - 2.0, (r / 5) as f64 - 2.0)).unzip();
+//! let z = x.iter().zip(&y).map(|(x, y)| (x * x + y * y) / 8.0).collect();
+//! let fit = fit_contacts(&Contacts::from_positions(x, y, z), &FitOptions::default())?;
+//! assert_eq!(fit.shape().class.name(), "cup");
+//! # Ok::<(), palpate::fit::FitError>(())
+//! ```
+//!
 //! What a user meets: [`Contacts`] or a [`Grid`] go with [`FitOptions`] into [`fit_contacts`] or [`fit_grid`], and a [`Fit`]
-//! comes back. [`parametric`] fits surfaces that no height field can hold, [`plans`] repeats a fit without allocation,
-//! [`scene`] simulates contacts and [`montecarlo`] repeats a fit for noise; [`spline`] and [`geometry`] are the words they
-//! share. `tests/house/public_names.txt` lists every public name.
+//! comes back. [`recognition`] finds the kind of surface where no model is named, [`parametric`] fits surfaces that no
+//! height field can hold, [`plans`] repeats a fit without allocation, [`scene`] simulates contacts and [`montecarlo`]
+//! repeats a fit for noise; [`spline`] and [`geometry`] are the words they share. `tests/house/public_names.txt` lists
+//! every public name.
+//!
+//! # Features
+//!
+//! - `cli` (default): the program `palpate`, file formats and pictures; it brings `serde`.
+//! - `threads` (default): work on several threads, with the same bits as on one.
+//! - `serde`: `Serialize` and `Deserialize` for inputs, options, scenes, surfaces and results.
+//! - `hard-cases`: the library of numerically hard cases as a public module.
 #![warn(missing_docs)]
 
 mod bspline;

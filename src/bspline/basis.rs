@@ -36,6 +36,17 @@ impl Knots {
 
     /// All derivatives from 0 to `order` at `x`, written row after row into `out`, which holds (order + 1)(p + 1)
     /// numbers; returns the index of the first basis function. Derivatives beyond the degree are zero.
+    ///
+    /// ```
+    /// use palpate::spline::Knots;
+    ///
+    /// let knots = Knots::uniform(2, 4, 0.0, 1.0)?;
+    /// let mut values = [0.0; 3];
+    /// // at a knot two parabolas meet with half of the weight each; the third basis function begins there
+    /// assert_eq!(knots.derivatives(0.5, 0, &mut values), 2);
+    /// assert_eq!(values, [0.5, 0.5, 0.0]);
+    /// # Ok::<(), palpate::spline::KnotError>(())
+    /// ```
     pub fn derivatives(&self, x: f64, order: usize, out: &mut [f64]) -> usize {
         let segment = self.segment_of(x);
         self.derivatives_on(segment, x, order, out);

@@ -15,6 +15,19 @@ pub(crate) const MAX_DEGREE: usize = 9;
 const MAX_SEGMENTS: usize = 1 << 20;
 
 /// A knot vector with its degree; clamped unless it is closed.
+///
+/// In a clamped vector the first and last knot stand degree + 1 times, so that the spline begins and ends at its first
+/// and last coefficient. Libraries that take breakpoints and an order (degree + 1) repeat the ends in the same way.
+///
+/// ```
+/// use palpate::spline::Knots;
+///
+/// let knots = Knots::uniform(2, 4, 0.0, 1.0)?; // parabolas, four segments
+/// assert_eq!(knots.as_slice(), [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]);
+/// assert_eq!((knots.n_basis(), knots.n_segments(), knots.domain()), (6, 4, [0.0, 1.0]));
+/// assert_eq!(knots.segment_of(0.5), 2); // a knot belongs to the segment on its right
+/// # Ok::<(), palpate::spline::KnotError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knots {
     degree: usize,

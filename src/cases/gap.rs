@@ -1,5 +1,5 @@
-//! A disc of radius 0.6 without contacts, wider than the support of one basis function: one column of E is empty and its
-//! neighbours hang on a few contacts at the rim.
+//! A disc of radius 0.6 without contacts, wider than the support of one basis function: one column of E is empty and
+//! its neighbours depend on a few contacts at the rim.
 
 use super::inputs::{Lcg, equal, options, with_heights, with_slopes};
 use super::{Expectation, HardCase};

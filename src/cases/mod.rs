@@ -6,7 +6,8 @@
 //!
 //! Every input is made with IEEE `+ - * / sqrt` and one integer generator, in an order that `tests/golden/cases.py`
 //! repeats, so that both sides hold the same bits; [`HardCase::fingerprint`] is compared with the one stored beside the
-//! reference. The references (`tests/golden/<name>.json`) solve the WRITTEN problem by Householder QR in 80 digits.
+//! reference. The references (`tests/golden/<name>.json`) solve the problem as it is written, by Householder QR in 80
+//! digits.
 
 mod clusters;
 mod contradictions;

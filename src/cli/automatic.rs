@@ -1,10 +1,11 @@
-//! `palpate fit INPUT` where nothing names a model: the contacts are recognised, and what cannot be is fitted or refused.
+//! `palpate fit INPUT` where nothing names a model: the contacts are recognised, and what cannot be is fitted or
+//! refused.
 //!
 //! ```text
-//! recognised                 S, R, class and radius with intervals that count doubt about the kind of surface
-//! too few to recognise       the height field of degree 2, with a note
-//! one sheet, no simple shape a height field with as many segments as predict contacts left out
-//! a closed body, many sheets an error that names the way forward
+//! a simple shape                 S, R, class and radius, with intervals that count doubt about the kind of surface
+//! too few to recognise           the height field of degree 2, with a note
+//! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
+//! a closed body, several sheets  an error that says what can be done
 //! ```
 
 use crate::contact::{Contacts, Grid, Orientation};
@@ -18,33 +19,36 @@ use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
 use super::named::fit_input;
 
-/// What to do with contacts that are no patch.
+/// What a user can do with contacts that are not one patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
 
-/// A height field with more segments is an answer when it predicts contacts left out to this share of their relief.
+/// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
 const PREDICTED: f64 = 0.5;
 
-/// Misfit above which a simple shape is no answer: a quarter of the relief, in percent, and a tenth of the contacts'
-/// root mean square spread. A sensor errs by a share of what it looks at, whatever the relief, but not by so much.
+/// A simple shape is no answer when its misfit is above both of these: a quarter of the relief (in percent), and a
+/// tenth of the patch's size. A sensor's error may be large beside the relief of a flat patch, but not beside the
+/// patch's size.
 const UNSAID: f64 = 25.0;
 const OF_LENGTH: f64 = 0.1;
 
-/// Height fields stand over the input's axes: the patch must not be steeper there, by the cosine of its tilt.
+/// Least cosine of the angle between the patch's normal and z. A height field over x and y does not follow a steeper
+/// patch.
 const LEVEL: f64 = 0.7;
 
-/// It takes the place of the simple shape when its error is below this share of the simple shape's.
+/// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
+/// misfit.
 const BETTER: f64 = 0.5;
 
 /// Share of contacts off the surface that are worth a word, and their number: more than a sensor's stray readings.
 const STRAY: f64 = 0.02;
 const STRAYS: usize = 10;
 
-/// What to ask where every normal points down: a scan in camera axes is like that, and so is a file with inward normals.
+/// Note where every normal points down, as in a scan in camera axes, but also in a file with inward normals.
 const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
      if the normals point into the body, reverse them by --flip-normals";
 
-/// What there is to say of an input.
+/// The answer to an input, with what is said beside it.
 pub(super) struct Found {
     pub(super) answer: Answer,
     pub(super) chosen: Option<ChosenPart>,
@@ -100,10 +104,10 @@ fn all_downward(input: &Input) -> bool {
     }
 }
 
-/// Misfit beyond chance.
+/// The pattern of the residuals is more than chance when its p is below this.
 const CHANCE: f64 = 0.01;
 
-/// Whether a simple shape is no answer.
+/// Whether the simple shape is no answer.
 fn leaves_much_unsaid(found: &Recognition) -> bool {
     let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
     let large = best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale);

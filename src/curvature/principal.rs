@@ -79,6 +79,16 @@ pub(crate) fn curvedness(k1: f64, k2: f64) -> f64 {
 /// With `e1 = Q_u/|Q_u|`, `e2` its in-plane complement, `Q_u = l e1`, `Q_v = s e1 + t e2` the operator is
 /// `a = e/l^2`, `b = (f - (s/l) e)/(l t)`, `c = (g - 2 (s/l) f + (s/l)^2 e)/t^2` with `e, f, g` of Eq. 9.
 /// Returns `None` where `Q_u` and `Q_v` are parallel or zero: there is no tangent plane.
+///
+/// ```
+/// use palpate::geometry::{Derivatives, principal_curvatures};
+///
+/// // the top of a ball of radius 7: the surface falls away on all sides, so both curvatures are negative
+/// let ball = principal_curvatures(&Derivatives::of_height(0.0, 0.0, -1.0 / 7.0, 0.0, -1.0 / 7.0)).unwrap();
+/// assert!(ball.k1 < 0.0 && ball.k1 == ball.k2);
+/// assert_eq!(ball.shape_index(), Some(1.0)); // a cap
+/// assert!((ball.curvedness() - 1.0 / 7.0).abs() < 1e-15);
+/// ```
 pub fn principal_curvatures(q: &Derivatives) -> Option<Principal> {
     let normal_scaled = cross(q.u, q.v);
     let area = norm_hypot(normal_scaled);

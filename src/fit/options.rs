@@ -125,31 +125,31 @@ pub enum OutsideDomain {
 pub struct FitOptions {
     /// Height field, parametric surface, or whichever the contacts call for. Default: height field.
     pub surface: SurfaceKind,
-    /// Directions u, v of a parametric surface in which it closes on itself.
+    /// Directions u, v of a parametric surface in which it closes on itself. Default: none.
     pub closed: [bool; 2],
     /// Degrees p (x) and q (y), 1 to 9. Default 2.
     pub degree: [usize; 2],
     /// Uniform segments per direction. Default 1.
     pub segments: [usize; 2],
-    /// Full clamped knot vectors in input units, instead of `segments`.
+    /// Full clamped knot vectors in input units, instead of `segments`. Default: none, so `segments` counts.
     pub knots: Option<[Vec<f64>; 2]>,
     /// `[x0, x1, y0, y1]`, input units. Default: bounding box of the contacts.
     pub domain: Option<[f64; 4]>,
     /// Contacts outside a given domain. Default: refused.
     pub outside: OutsideDomain,
-    /// What is minimised.
+    /// What is minimised. Default: normal rows with normals, slope rows with slopes, their noise estimated.
     pub objective: Objective,
-    /// How it is solved.
+    /// How it is solved. Default: the cheapest method that applies and is accurate enough.
     pub method: Method,
-    /// Roughness penalty.
+    /// Roughness penalty. Default: none.
     pub smooth: Smooth,
-    /// Loss.
+    /// Loss. Default: squares, so that every contact counts fully.
     pub robust: Robust,
     /// Points of the shape grid per direction. Default 8 x 8.
     pub grid: [usize; 2],
     /// Fraction of each side cut at every edge of the shape grid, 0 to below 1/2. Default 0.
     pub inset: f64,
-    /// Axes of the patch. `None`: as `Auto`, but normals that all point down are refused as inward.
+    /// Axes of the patch. Default `None`: as `Auto`, but normals that all point down are refused as inward.
     pub frame: Option<FrameChoice>,
     /// Confidence level of the intervals. Default 0.95.
     pub level: f64,

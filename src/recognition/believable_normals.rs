@@ -1,12 +1,13 @@
-//! Whether a file's normals are measurements, or were computed from its positions and carry no news.
+//! Whether a file's normals are measurements, or were computed from its positions and tell nothing new.
 //!
 //! ```text
 //! a = n - n_surface      b = (normal of the plane through 13 nearest contacts) - n_surface      (tangential parts)
 //! correlation = sum a.b / sqrt(sum a.a sum b.b)          above 0.3: computed from the positions
 //! ```
 //!
-//! The same must hold of differences between contacts a neighbourhood apart: a shape that the surface leaves unsaid moves
-//! both normals alike without either being computed from the other.
+//! The correlation must be as high between the differences of contacts that lie a neighbourhood apart. Where the true
+//! shape departs from the surface, it rotates both normals alike although neither was computed from the other; in the
+//! differences such a departure cancels.
 
 use faer::{Mat, Side};
 
@@ -45,7 +46,7 @@ pub(super) fn derived_from_positions(
     for i in sample {
         let Some((a, b)) = both(&tree, points, normals, surface, i) else { continue };
         whole.add(a, b);
-        // two contacts a neighbourhood apart share what the surface leaves unsaid, and their difference does not
+        // two contacts a neighbourhood apart share the departure of the true shape, which cancels in the difference
         let far = tree.nearest(points[i], NEAREST).last().map(|(_, j)| *j as usize);
         if let Some((c, d)) = far.and_then(|j| both(&tree, points, normals, surface, j)) {
             rough.add(minus(a, c), minus(b, d));

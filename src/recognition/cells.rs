@@ -5,7 +5,8 @@
 //! D = diag(mean count / count)                variance of a mean relative to that of an average cell
 //! ```
 //!
-//! 200 because everything dense costs its cube; 300 changed nothing.
+//! There are at most 200, because work with dense matrices grows with the cube of their number; 300 gave the same
+//! answers.
 
 use std::collections::HashMap;
 
@@ -35,7 +36,7 @@ pub(super) struct Cells {
     pub(super) points: Vec<Vector>,
     /// Variance relative to that of an average cell.
     pub(super) variance: Vec<f64>,
-    /// Weights of the plain refits: counts, but a crowded cell does not outvote the others.
+    /// Weights of the plain refits: the counts, limited so that a crowded cell does not outvote the others.
     pub(super) weights: Vec<f64>,
     /// Two tangents of the robust surface.
     pub(super) tangents: [Vec<Vector>; 2],
@@ -91,7 +92,7 @@ fn cell_normals(of: &[usize], centres: &[Vector], surface: &Model, errors: &[Opt
     let measured = (0..centres.len())
         .map(|c| along(surface.distance_and_normal(centres[c]).1, 1.0 / counts[c].max(1.0), sums[c]))
         .collect();
-    // a cell without normals has the variance of a hundredth of a normal: it says nothing
+    // a cell without normals counts as a hundredth of a normal, so that it has hardly any weight
     counts.iter_mut().for_each(|c| *c = c.max(0.01));
     let mean = counts.iter().sum::<f64>() / counts.len() as f64;
     CellNormals { measured, variance: counts.iter().map(|c| mean / c).collect() }
@@ -114,7 +115,8 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     voxels(points, hi, usize::MAX).unwrap_or((vec![0; points.len()], 1))
 }
 
-/// Voxels numbered as they are met; `None` when there are more than `most`.
+/// The voxel of every point, voxels numbered in the order of their first points; `None` when there are more than
+/// `most`.
 fn voxels(points: &[Vector], size: f64, most: usize) -> Option<(Vec<usize>, usize)> {
     let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
     let mut of = Vec::with_capacity(points.len());

@@ -8,6 +8,8 @@
 //!
 //! No branch and no division by a curvature: `d` and its derivatives are smooth through k = 0. k > 0 bends towards the
 //! normal. The chart is `(u, v)` as arc lengths; a displacement f along the normal is `Q(u, v, f)`.
+//! Distances of this kind: G. Lukacs, R. Martin, D. Marshall, *Faithful least-squares fitting of spheres, cylinders, cones
+//! and tori*, ECCV 1998, 671.
 
 use crate::curvature::Derivatives;
 use crate::vector::Vector;
@@ -22,14 +24,14 @@ pub(super) type Jet = [f64; 6];
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ConstantCurvature {
     pub(super) theta: [f64; 6],
-    /// Rows of `exp([(a, b, 0)]x)` turned by phi: X to (u, v, w + h).
+    /// Rows of `exp([(a, b, 0)]x)` rotated by phi: X to (u, v, w + h).
     axes: [Vector; 3],
     /// Derivatives of the axes by a and by b.
     by_a: [Vector; 3],
     by_b: [Vector; 3],
 }
 
-/// What the distance formula passes through.
+/// Intermediate values of the distance formula.
 struct Profile {
     w1: f64,
     d: f64,
@@ -49,7 +51,7 @@ impl ConstantCurvature {
         ConstantCurvature { theta, axes: turned(rotation), by_a: turned(by_a), by_b: turned(by_b) }
     }
 
-    /// (u, v, w) before the arcs are straightened.
+    /// Coordinates (u, v, w) of a point in the axes of the surface; u and v are not arc lengths yet.
     fn local(&self, x: Vector) -> Vector {
         let y = apply(&self.axes, x);
         [y[0], y[1], y[2] - self.theta[0]]
@@ -161,7 +163,8 @@ fn arc_end(k: f64, s: f64) -> (f64, f64) {
     ((k * s).sin() / k, 2.0 * half * half / k)
 }
 
-/// `exp([(a, b, 0)]x)` and its derivatives by a and b: `I + A K + B K^2`, A = sin t/t, B = (1 - cos t)/t^2, t = |(a, b)|.
+/// `exp([(a, b, 0)]x)` and its derivatives by a and b: `I + A K + B K^2` with `A = sin t/t`, `B = (1 - cos t)/t^2`,
+/// `t = |(a, b)|`.
 fn rotation(a: f64, b: f64) -> [[Vector; 3]; 3] {
     let t2 = a * a + b * b;
     let t = t2.sqrt();

@@ -32,7 +32,7 @@ pub(super) struct Fitted {
     pub(super) scale: f64,
 }
 
-/// `median |v|` by selection; 0 of nothing.
+/// The median, by selection; 0 of an empty list.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     let n = values.len();
     if n == 0 {

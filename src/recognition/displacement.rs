@@ -1,12 +1,13 @@
-//! A smooth displacement f along the normal of the general surface: what two constant curvatures leave unsaid.
+//! A smooth displacement f along the normal of the general surface: how the shape departs from two constant curvatures.
 //!
 //! ```text
 //! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 3 x 3 segments over the chart, 49 coefficients
 //! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
 //! ```
 //!
-//! Surfaces of second degree have no penalty; the curvatures span them already, so they are taken out: the columns are the
-//! eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement of prior size has mean square 1.
+//! A displacement of second degree has no penalty. The general surface's own parameters represent it already, so it is
+//! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
+//! of prior size has mean square 1.
 
 use faer::{Mat, Side};
 
@@ -23,16 +24,17 @@ const WIDTH: usize = DEGREE + 1;
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
 
-/// Cells needed: with fewer, f is all prior.
+/// Cells needed. With fewer, the prior alone would decide what f is.
 const FEWEST: usize = 16;
 
-/// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives swell, and with them the intervals.
+/// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
+/// them.
 const POLE: f64 = 0.5;
 
 /// Margin of the chart's box, relative to its width.
 const MARGIN: f64 = 0.02;
 
-/// Columns of the displacement over the cells, and what makes coefficients of them.
+/// Columns of the displacement at the cells, and the matrix from the columns' weights to spline coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Displacement {
     knots: [Knots; 2],
@@ -87,14 +89,14 @@ impl Displacement {
         rows
     }
 
-    /// Coefficients of columns' weights.
+    /// Spline coefficients for given weights of the columns.
     pub(super) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
         (0..self.to_coefficients.nrows())
             .map(|i| weights.iter().enumerate().map(|(j, w)| self.to_coefficients[(i, j)] * w).sum())
             .collect()
     }
 
-    /// What an evaluation at a chart point needs, so that many displacements can be evaluated there.
+    /// The basis functions at a chart point, with which many displacements can be evaluated there.
     pub(super) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])
     }
@@ -142,7 +144,7 @@ impl JetRow {
     }
 }
 
-/// A jet in axes turned by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
+/// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
 pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     [
@@ -167,7 +169,7 @@ fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
     Knots::uniform(DEGREE, SEGMENTS, lo - margin, hi + margin).ok()
 }
 
-/// Rows of one of the jet's numbers, times the columns' coefficients.
+/// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
 fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(Jet) -> f64) -> Mat<f64> {
     let count = columns.nrows();
     let mut basis = Mat::<f64>::zeros(charts.len(), count);

@@ -5,8 +5,8 @@
 //! signs carried from neighbour to neighbour, then all towards the viewpoint, or towards +z where none is given
 //! ```
 //!
-//! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992. Such normals hold no news: they follow
-//! from the positions, and [`recognise`](super::recognise) uses them for the free side alone.
+//! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992. Such normals tell nothing new:
+//! they follow from the positions, and [`recognise`](super::recognise) uses them for the free side alone.
 
 use crate::contact::{ContactError, Contacts, Orientation};
 use crate::vector::Vector;

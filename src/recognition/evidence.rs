@@ -7,6 +7,8 @@
 //! ```
 //!
 //! S and direction are uniform a priori and R half-Cauchy in units of the patch's size, so that no class is favoured.
+//! R. E. Kass, A. E. Raftery, *Bayes factors*, J. Amer. Statist. Assoc. 90 (1995) 773; restricted likelihood: H. D.
+//! Patterson, R. Thompson, *Biometrika* 58 (1971) 545.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
@@ -25,7 +27,8 @@ use super::rows::{Rows, column_of, first_of_displacement};
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
 const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
 
-/// Degrees of freedom below which the positions alone do not tell their own noise, and the normals help.
+/// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
+/// them.
 const FEW: usize = 3;
 
 /// One hypothesis under one covariance.
@@ -135,8 +138,8 @@ impl<'a> Evidence<'a> {
         })
     }
 
-    /// Log of the share that a node has of its hypothesis' prior: half of general's is displaced, and what is not is
-    /// split between its two references.
+    /// Log of a node's share of the prior of its hypothesis. Half of general's prior belongs to displaced surfaces, and
+    /// torus and paraboloid share the other half.
     fn share(&self, kind: Kind, g: f64) -> f64 {
         let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
         match kind {
@@ -172,8 +175,8 @@ impl<'a> Evidence<'a> {
         Some((rss - explained).max(1e-12 * rss) / (n - p) as f64)
     }
 
-    /// The same where positions are too few for themselves: the fixed point of `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with
-    /// x from positions and normals together.
+    /// The same variance where the positions are too few to determine it alone: the fixed point of
+    /// `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with x from positions and normals together.
     fn joint_variance(&self, kind: Kind, gram: &Mat<f64>) -> Option<f64> {
         let (y, p) = (column_of(kind), kind.unknowns());
         let mut variance = 1e-4;
@@ -230,8 +233,8 @@ impl<'a> Evidence<'a> {
         Mat::from_fn(count, count, |i, j| f64::from(u8::from(i == j)) + g * variance * at(z + i, z + j))
     }
 
-    /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its precision.
-    /// The displacement's columns are scaled to unit prior variance.
+    /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
+    /// precision. The displacement's columns are scaled to unit prior variance.
     pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let (gram, _) = self.grams[node.kernel].as_ref()?;
         let (y, p, z) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());

@@ -1,13 +1,16 @@
-//! A height field for contacts that are one sheet and no simple shape: as many segments as predict contacts left out.
+//! A height field for contacts that are one sheet and no simple shape, with as many segments as predict left-out
+//! contacts.
 //!
 //! ```text
-//! blocks       the contacts' box cut into 6 x 6, every fourth left out in turn along both directions
-//! error(s)     root mean square of z - S_s(x, y) over all blocks left out, S_s fitted to the others with s segments
+//! blocks       the contacts' box cut into 6 x 6; block (i, j) is in group (i + 2 j) mod 4
+//!              one group is left out at a time
+//! error(s)     root mean square of z - S_s(x, y) over the left-out contacts, S_s fitted to the others with s segments
 //! s            the smallest whose error is within 5 % of the least
 //! ```
 //!
-//! Whole blocks are left out, because errors of neighbouring contacts are alike: single contacts left out are predicted by
-//! their neighbours' errors, however many segments follow those. (D. R. Roberts et al., *Ecography* 40 (2017) 913.)
+//! Whole blocks are left out, because errors of neighbouring contacts are alike. A single contact left out would be
+//! predicted the better, the more closely the field follows its neighbours' errors. (D. R. Roberts et al., *Ecography*
+//! 40 (2017) 913.)
 
 use crate::contact::{Contacts, Orientation};
 use crate::fit::{Fit, FitError, FitOptions, fit_contacts};
@@ -15,7 +18,7 @@ use crate::vector::Vector;
 
 use super::start::thinned;
 
-/// Blocks each way, and the number of turns in which they are left out.
+/// Blocks each way, and the number of groups that are left out one after the other.
 const BLOCKS: usize = 6;
 const TURNS: usize = 4;
 
@@ -28,8 +31,9 @@ const DEGREE: usize = 3;
 /// A coarser field is taken when it predicts as well up to this factor.
 const AS_GOOD: f64 = 1.05;
 
-/// Where the error has risen by this factor above the least, finer fields follow noise, and are not tried; unless the
-/// least still leaves this share of the relief, so that nothing has been predicted yet.
+/// Once the error has risen by the first factor above the least, finer fields follow noise and are not tried. While the
+/// least is above the second share of the relief, nothing has been predicted yet, and finer fields are tried all the
+/// same.
 const RISEN: f64 = 1.5;
 const UNPREDICTED: f64 = 0.5;
 
@@ -39,7 +43,7 @@ const PER_UNKNOWN: usize = 3;
 /// Contacts among which blocks are left out; more would take longer and choose the same.
 const ENOUGH: usize = 10_000;
 
-/// A height field with how well it predicts.
+/// A height field, and how well it predicts.
 #[derive(Clone, Debug)]
 pub(crate) struct Flexible {
     /// The fit to all contacts.
@@ -76,7 +80,7 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
     let &(segments, error) = tried.iter().find(|t| t.1 <= AS_GOOD * least)?;
     let mut options = options.clone();
     (options.degree, options.segments) = ([DEGREE; 2], [segments; 2]);
-    // normals that no height field can have are worth less than the positions
+    // a height field cannot take normals that point down; the positions are then fitted without normals
     let fit = fit_contacts(contacts, &options)
         .or_else(|_| fit_contacts(&Contacts { orientation: Orientation::None, ..contacts.clone() }, &options));
     Some(fit.map(|fit| Flexible { fit, tried, error, relief }))

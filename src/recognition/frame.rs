@@ -1,11 +1,11 @@
-//! The frame of the patch, taken from the data alone: it turns, moves and scales with them.
+//! The frame of the patch, taken from the data alone: it rotates, moves and scales with them.
 //!
 //! ```text
 //! c = mean of the points       cov = V diag(w0 <= w1 <= w2) V'        s = sqrt(w1 + w2), the unit of length
 //! e3 = mean unit normal, or v0 without normals      e1 = v2 made orthogonal to e3      e2 = e3 x e1
 //! ```
 //!
-//! The mean turns with the data, which a median by coordinates does not. The sign of e1 is that of the third moment.
+//! The mean rotates with the data, which a median by coordinates does not. The sign of e1 is that of the third moment.
 
 use faer::{Mat, Side};
 
@@ -17,8 +17,8 @@ use super::{RecognitionError, RecognitionOptions};
 /// Mean unit normals shorter than this do not tell a direction.
 const SHORT: f64 = 0.3;
 
-/// Spread across a line, relative to that along it, below which contacts are collinear. Rounding leaves 1e-16 of the
-/// coordinates, and a curve so thin tells nothing of a surface.
+/// Spread across a line, relative to that along it, below which contacts are collinear. Rounding alone leaves 1e-16 of
+/// the coordinates, and contacts so close to a line tell nothing of a surface.
 const THIN: f64 = 1e-6;
 
 /// Mean, principal axes (narrowest first) and principal sds of points.

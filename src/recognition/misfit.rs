@@ -4,6 +4,8 @@
 //! r = sum over pairs d_i d_j / mean d^2 / pairs       pairs of nearest cells, each counted once
 //! p = P(Z > r sqrt(pairs))                            for independent residuals
 //! ```
+//!
+//! A correlation of neighbours in the manner of P. A. P. Moran, *Biometrika* 37 (1950) 17.
 
 use statrs::function::erf;
 
@@ -11,7 +13,7 @@ use super::Misfit;
 use super::cells::Cells;
 use super::neighbours::Neighbours;
 
-/// Evidence of shared errors, and of a displacement, above which they are said.
+/// Probability of shared errors, or of a displacement, above which the sentence mentions them.
 const CERTAIN: f64 = 0.95;
 
 /// What the sentence needs to know besides the residuals.

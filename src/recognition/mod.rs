@@ -1,14 +1,30 @@
-//! Which shape the contacts show, told nothing else: plane, sphere, cylinder or neither, with S, R and how far they go.
+//! Which shape contacts show when no model is named: plane, sphere, cylinder or none of these, with S, R and their
+//! intervals.
 //!
 //! ```text
-//! theta = (h, a, b, k1, k2, phi)        one surface of constant curvatures; plane, cylinder, sphere are k = 0, k2 = 0, k1 = k2
+//! theta = (h, a, b, k1, k2, phi)        two constant curvatures; plane: k = 0, cylinder: k2 = 0, sphere: k1 = k2
 //! d(theta; P) = f(P) + e                signed distance = displacement + error
 //! cov e = s^2 (D + rho exp(-r/l))       neighbours share errors, so many contacts may count as few
 //! P(hypothesis | contacts) ~ integral of likelihood and prior over theta, f, s, rho, l
 //! ```
 //!
-//! S and R are means over the region that contacts support, weighted by those probabilities. Turning, moving, scaling or
-//! shuffling the contacts changes nothing but the coordinates of the answer.
+//! S and R are means over the region that contacts support, weighted by those probabilities. Rotating, moving, scaling
+//! or shuffling the contacts changes the coordinates of the answer and nothing else.
+//!
+//! ```
+//! use palpate::Contacts;
+//! use palpate::recognition::{Hypothesis, RecognitionOptions, recognise};
+//!
+//! // a ridge of radius 6 along y, touched at 36 places
+//! let (x, y): (Vec<f64>, Vec<f64>) = (0..36).map(|r| ((r % 6) as f64 - 2.5, (r / 6) as f64 - 2.5)).unzip();
+//! let z: Vec<f64> = x.iter().map(|x| (36.0 - x * x).sqrt() - 6.0).collect();
+//! let nz = z.iter().map(|z| z + 6.0).collect();
+//! let contacts = Contacts::from_positions(x.clone(), y, z).with_normals(x, vec![0.0; 36], nz);
+//! let found = recognise(&contacts, &RecognitionOptions::default())?;
+//! assert_eq!((found.hypothesis, found.class.name()), (Hypothesis::Cylinder, "ridge"));
+//! assert!((found.radius.unwrap() - 6.0).abs() < 1e-6);
+//! # Ok::<(), palpate::recognition::RecognitionError>(())
+//! ```
 
 mod believable_normals;
 mod cells;

@@ -40,7 +40,7 @@ impl Kind {
         }
     }
 
-    /// The nearest member of this kind: what it does not have free is set to what it must be.
+    /// The surface of this kind with the same free parameters; the others get the values that this kind has fixed.
     pub(super) fn restricted(self, theta: [f64; 6]) -> [f64; 6] {
         let [h, a, b, k1, k2, phi] = theta;
         match self {
@@ -61,7 +61,7 @@ impl Kind {
         self.restricted(out)
     }
 
-    /// Derivatives by theta made derivatives by the free parameters.
+    /// Derivatives by the free parameters from those by theta.
     pub(super) fn columns(self, by: [f64; 6]) -> [f64; 6] {
         let [h, a, b, k1, k2, phi] = by;
         match self {
@@ -126,8 +126,8 @@ impl Model {
         (d, self.kind().columns(by))
     }
 
-    /// Pairs of neighbouring surfaces with the difference of the evidence's coordinate between them: central differences
-    /// for one column of the evidence's Jacobian each.
+    /// Pairs of neighbouring surfaces with the difference of the evidence's coordinate between them: central
+    /// differences for one column of the evidence's Jacobian each.
     pub(super) fn neighbours(&self) -> Vec<(Model, Model, f64)> {
         let (kind, theta) = (self.kind(), self.theta());
         let shifted = |shift: [f64; 6]| Model::new(kind, [0, 1, 2, 3, 4, 5].map(|i| theta[i] + shift[i]));

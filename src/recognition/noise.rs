@@ -6,8 +6,9 @@
 //! limit = max(0.1 relief, 2 e),  e = 1.4826 median |d_i - d_nearest| / sqrt 2
 //! ```
 //!
-//! The exponential kernel of distance is the rough one on purpose: a smooth kernel of long range swallows the shape itself.
-//! An error as large as the relief would explain anything, so tau is limited.
+//! The exponential kernel is a rough one on purpose: a smooth kernel of long range looks like curvature and would take
+//! the shape for an error. An error as large as the relief would explain anything, so tau is limited.
+//! C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, MIT Press 2006, section 4.2.
 
 use faer::Mat;
 
@@ -38,7 +39,7 @@ const SAMPLE: usize = 4000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kernel {
     pub(super) ratio: f64,
-    /// Length of correlation; of no meaning when the ratio is 0.
+    /// Correlation length; without meaning when the ratio is 0.
     pub(super) length: f64,
     /// Log of its prior probability.
     pub(super) log_prior: f64,
@@ -90,7 +91,7 @@ impl Limit {
         Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
     }
 
-    /// Log of the prior of a shared error's size; `None` where it is out of the question.
+    /// Log of the prior of a shared error's size; `None` where the error is too large to be considered.
     pub(super) fn log_prior(&self, tau: f64) -> Option<f64> {
         let size = tau / self.limit;
         (size <= CUT).then_some(-0.5 * size * size)

@@ -70,7 +70,7 @@ pub(super) fn oriented(points: &[Vector], mut normals: Vec<Vector>, viewpoint: O
         normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
     }
     let kept = if reversed { known - kept } else { kept };
-    // a viewpoint settles the side, whatever the file's signs are
+    // a viewpoint decides the side, whatever the file's signs are
     let majority = if viewpoint.is_some() { 1.0 } else { kept as f64 / known as f64 };
     Oriented { normals, of_length_zero, flipped: known - kept, majority, consistent }
 }
@@ -103,8 +103,8 @@ fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
     consistent
 }
 
-/// Whether the mean |cosine| between contacts and their nearest neighbour is that of a surface. The tree's own edges are
-/// no measure of it: they are chosen for being parallel.
+/// Whether the mean |cosine| between contacts and their nearest neighbour is that of a surface. The tree's own edges
+/// are no measure of it: they are chosen for being parallel.
 fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> bool {
     let known = |i: usize| normals[i] != [0.0; 3];
     let pairs = (0..points.len()).filter(|&i| known(i)).filter_map(|i| Some((i, tree.nearest_other(i)?.1)));

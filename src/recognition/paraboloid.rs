@@ -5,8 +5,8 @@
 //! d = (z - q)/sqrt(1 + |grad q|^2)                                  distance to first order in d
 //! ```
 //!
-//! It shares the curvatures of a torus patch in the middle and differs from it in the fourth order, so the two together
-//! span what a general surface may do between.
+//! In the middle it has the curvatures of a torus patch, and it departs from that in the fourth order. Where the two
+//! answer differently, the answer depends on a form that nobody knows, and the interval takes in both.
 
 use crate::curvature::Derivatives;
 use crate::vector::Vector;

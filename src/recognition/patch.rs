@@ -1,4 +1,10 @@
 //! The contacts in the frame of the patch, without what does not belong to the surface.
+//!
+//! ```text
+//! normals on one side  ->  frame  ->  robust general surface  ->  outliers set aside  ->  normals used or not
+//! ```
+//!
+//! Refused are contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::contact::Frame;
 use crate::vector::{Vector, dot, minus, norm, scaled};
@@ -13,7 +19,8 @@ use super::orientation::{Oriented, oriented};
 use super::start::{Start, start};
 use super::{Dropped, NormalsUse, RecognitionError, RecognitionOptions};
 
-/// Mean unit normals shorter than this go around more than half a body: half a cylinder has 0.64, half a ball 0.5.
+/// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
+/// 0.5.
 const ALL_AROUND: f64 = 0.3;
 
 /// Share of outliers above which the contacts are several things, not one with a few errors.
@@ -110,7 +117,7 @@ impl Patch {
         starts.into_iter().filter_map(best).collect()
     }
 
-    /// Contacts averaged into cells, normals used, on average in a cell; for the noise of single ones.
+    /// How many normals a cell averages, on the mean; with it a cell's noise gives that of a single normal.
     pub(super) fn normals_per_cell(&self, cells: usize) -> f64 {
         let used = self.errors.as_ref().map_or(0, |e| e.iter().filter(|e| e.is_some()).count());
         used as f64 / cells as f64

@@ -6,13 +6,14 @@
 //! interval = quantiles of the draws under v      u = half of it / z      u_noise^2 = variance without shared errors
 //! ```
 //!
-//! Curvatures are drawn as a Hessian, so |S| <= 1 is kept and the interval reaches +-1 when a sphere is possible.
+//! Curvatures are drawn as a Hessian, so |S| never exceeds 1, and the interval reaches +-1 when a sphere is possible.
 //!
-//! Where a departure was read as the sensor's error, it is only the part of that error that no simple shape can take up.
-//! The part that looks like curvature is hidden in the answer; it is drawn with the same size, relative to the relief:
+//! Where a displacement was read as the sensor's error, it is only the part of that error that no simple shape can
+//! represent. The part that looks like curvature cannot be seen. It is drawn with the same size, relative to the
+//! relief:
 //!
 //! ```text
-//! Hessian += N(0, (size R)^2) in every coordinate      size = rms of the departure / relief
+//! Hessian += N(0, (size R)^2) in every coordinate      size = rms of the displacement / relief
 //! ```
 
 use statrs::function::erf;
@@ -31,7 +32,7 @@ use super::{Estimate, RecognitionOptions};
 /// Draws in all.
 const DRAWS: f64 = 400.0;
 
-/// Draws of a node at least, so that its own spread is known.
+/// Least number of draws of a node, so that its own spread is known.
 const FEWEST: usize = 4;
 
 /// Weights below which a node is left out.
@@ -40,7 +41,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Draws for the uncertainty without shared errors.
 const NOISE_DRAWS: usize = 100;
 
-/// Numbers drawn at once by the generator at most.
+/// Largest number of gaussians that are drawn at once.
 const AT_ONCE: usize = 64;
 
 /// What the draws tell.
@@ -141,7 +142,8 @@ fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u6
     (0..count).filter_map(one).collect()
 }
 
-/// `sqrt(nu/chi2_nu)` from a gaussian by the cube root that E. B. Wilson and M. M. Hilferty (1931) found nearly gaussian.
+/// `sqrt(nu/chi2_nu)` from a gaussian by the cube root that E. B. Wilson and M. M. Hilferty (1931) found nearly
+/// gaussian.
 fn student(nu: f64, gaussian: f64) -> f64 {
     let part = 2.0 / (9.0 * nu);
     (1.0 - part + gaussian * part.sqrt()).max(0.1).powf(-1.5)
@@ -185,7 +187,7 @@ pub(super) fn summary(
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
         // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
         let [lo, hi] = quantiles(&chosen, pick, level)?;
-        // an end that rounding put on the wrong side of an exact value would lose it
+        // rounding may put an end on the wrong side of an exact mean, which the interval would then miss
         let interval = [lo.min(mean), hi.max(mean)];
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
         let u_noise = noise[at].min(u);

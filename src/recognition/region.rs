@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! map      nu x nv points from edge to edge of the box of the contacts' chart positions
-//! lattice  the map's supported points, of a fine map every so many-th: means are taken over them
+//! lattice  at most 16 x 16 points over the same box, those that contacts support: means are taken over them
 //! ```
 //!
-//! The map's outermost points lie on the edges of the box, and where those are bent they lie outside of the contacts.
+//! The map's outermost points lie on the edges of the box. Where the contacts do not fill their box, some of these
+//! points are not supported. Of a map of up to 16 x 16 points, the lattice is the supported part.
 
 use std::sync::Arc;
 
@@ -20,7 +21,8 @@ use super::state::{ChartPoint, State};
 use super::support::Support;
 use super::surface::RecognisedSurface;
 
-/// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of them.
+/// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of
+/// them.
 const LATTICE: usize = 16;
 
 /// The reported surface with its points.

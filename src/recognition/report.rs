@@ -21,7 +21,7 @@ use super::{
     RecognitionOptions, Tried, weighted_rms,
 };
 
-/// Points of the map whose uncertainty is drawn; a larger map has their mean everywhere.
+/// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;
 
 /// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
@@ -248,8 +248,8 @@ impl Findings<'_> {
     }
 }
 
-/// The hypothesis of largest weight, where general's two references count together; the plane only when it has more than
-/// half of all weight, because the class then is plane too.
+/// The hypothesis of largest weight, where general's two references count together; the plane only when it has more
+/// than half of all weight, because the class then is plane too.
 fn reported(tried: &[Tried]) -> Option<Hypothesis> {
     let weight = |h: Hypothesis| tried.iter().filter(|t| t.hypothesis == h).map(|t| t.weight).sum::<f64>();
     let general = weight(Hypothesis::General) + weight(Hypothesis::Paraboloid);

@@ -1,4 +1,5 @@
-//! What a recognition gives back: the class with its probability, S and R with intervals, the map, and what was set aside.
+//! What a recognition gives back: the class with its probability, S and R with intervals, the map, and what was set
+//! aside.
 
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
@@ -97,7 +98,7 @@ pub struct Estimate {
     pub dof: f64,
 }
 
-/// What the normals were good for.
+/// What the normals were used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum NormalsUse {
@@ -251,7 +252,7 @@ pub struct Recognition {
     pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
     /// What was set aside.
     pub dropped: Dropped,
-    /// What the normals were good for.
+    /// What the normals were used for.
     pub normals: NormalsUse,
     /// What the residuals tell of the sensor.
     pub noise: NoiseFound,

@@ -5,8 +5,8 @@
 //! parametric     (x, y, z)(u, v)  least squares on samples of every coordinate; u and v are arc lengths, input units
 //! ```
 //!
-//! A height field keeps the input's own axes and is taken where the surface stands nowhere steep over them. Segments are
-//! doubled until the spline misses the recognised surface by far less than the contacts do.
+//! A height field keeps the input's own axes and is taken where the surface stands nowhere steep over them. Segments
+//! are doubled until the spline misses the recognised surface by far less than the contacts do.
 
 use ndarray::Array2;
 
@@ -28,13 +28,13 @@ const DEGREE: usize = 4;
 /// Numbers of segments that are tried, the coarsest first.
 const SEGMENTS: [usize; 3] = [2, 4, 8];
 
-/// The spline may miss the surface by this share of what the contacts do.
+/// The spline may miss the recognised surface by this share of the contacts' misfit.
 const OF_MISFIT: f64 = 1e-3;
 
-/// The same by the patch's size, for contacts without noise.
+/// The same as a share of the patch's size, for contacts without noise.
 const OF_SIZE: f64 = 1e-7;
 
-/// Least third component of the unit normals of a height field: 75 degrees from level.
+/// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.
 const STEEP: f64 = 0.25;
 
 /// Cells each way of the supported region as triangles.

@@ -5,8 +5,8 @@
 //! best general fit = least sum of min(|d|, 3 s)^2         outliers: |d| > 6 * 1.4826 median |d| sqrt(n/(n - 6))
 //! ```
 //!
-//! 6 because the errors of real scans are correlated and have heavy shoulders; a redescending weight at 4.7 threw away real
-//! shape.
+//! The factor is 6, because errors of real scans are correlated and large ones are more frequent than among gaussians.
+//! A weight that vanishes beyond 4.7 took contacts of the true shape for outliers.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,10 +16,10 @@ use super::dense;
 use super::descent::{Fitted, distances_of, median, robust};
 use super::model::{Kind, Model};
 
-/// Contacts in the start at most: more do not move it by what the later steps could not mend.
+/// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
 const SAMPLE: usize = 3000;
 
-/// Where the robust start left off.
+/// Result of the robust start.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     pub(super) general: Model,

@@ -1,7 +1,8 @@
 //! One surface of one hypothesis, fixed in all its parameters: where it lies and how it bends at points of the chart.
 //!
 //! ```text
-//! Hessian coordinates (A, C, B)  ->  k1, k2 = mean +- |((A - C)/2, B)|, turned by atan2(2 B, A - C)/2, at most 45 degrees
+//! Hessian coordinates (A, C, B)  ->  k1, k2 = mean +- |((A - C)/2, B)|, axes rotated by atan2(2 B, A - C)/2,
+//!                                    at most 45 degrees
 //! ```
 
 use crate::curvature::{Principal, principal_curvatures};
@@ -25,7 +26,7 @@ pub(super) struct ChartPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct State {
     model: Model,
-    /// Cosine and sine of the turn of the axes against the chart's.
+    /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
     /// Coefficients of the displacement.
     coefficients: Option<Vec<f64>>,
@@ -63,7 +64,7 @@ impl State {
             Kind::General => {
                 let (a, c, b) = (theta[3] + x[3], theta[4] + x[4], x[5]);
                 let half = 0.5 * (a - c);
-                // the turn of at most 45 degrees keeps the order of the curvatures, and with it the chart's axes
+                // a rotation of at most 45 degrees keeps the order of the curvatures, and with it the chart's axes
                 let angle = 0.5 * (b / half).atan();
                 let angle = if angle.is_finite() { angle } else { 0.0 };
                 let gap = if half >= 0.0 { half.hypot(b) } else { -half.hypot(b) };

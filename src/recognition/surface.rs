@@ -15,7 +15,7 @@ use super::model::Kind;
 use super::state::{ChartPoint, State};
 use super::support::Support;
 
-/// A surface of two constant curvatures, its displacement or a paraboloid, in the input's coordinates.
+/// The surface that was recognised, of whichever kind, in the input's coordinates.
 #[derive(Clone, Debug)]
 pub struct RecognisedSurface {
     /// Frame in which the surface is written.

@@ -1,17 +1,20 @@
-//! What the evidence makes of the hypotheses: weights of the estimate, and weights of the interval.
+//! Weights of the hypotheses: those of the estimate follow from the evidence, those of the interval leave room for
+//! doubt.
 //!
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but general and displaced never below 0.1        the interval: no shape is ever exactly a cylinder
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts:
-//!                                                         f is read as the sensor's systematic error, and no part of the shape
+//!                                  f is read as the sensor's systematic error, and no part of the shape
 //! ```
 //!
-//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor whose
-//! single readings scatter may err as a whole by about as much; where little of a bend is seen, that is much of the relief.
-//! What is above both bounds is shape. Whether it is shape or error the contacts cannot tell: the interval gives either
-//! reading half, and above 1/8 of the relief the second fades to nothing at 1/4. A surface that is neither plane, sphere nor cylinder is nothing exact at all, so that the interval
-//! gives the displaced reading half there too.
+//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
+//! whose single readings scatter may err as a whole by about as much; where a patch bends little, that is much of its
+//! relief. Above both bounds a displacement is shape. The contacts cannot tell shape from a sensor's error, so the
+//! interval gives half to either reading; from 1/8 to 1/4 of the relief the share without displacement fades to
+//! nothing. A surface that is neither plane, sphere nor cylinder need not be of constant curvatures, so there too the
+//! displaced reading gets half of the interval. That a model's departure and an error cannot be told apart without
+//! knowledge from elsewhere: J. Brynjarsdottir, A. O'Hagan, *Inverse Problems* 30 (2014) 114007.
 
 use faer::Mat;
 
@@ -23,18 +26,18 @@ use super::rows::{Rows, column_of, first_of_displacement};
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
 
-/// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief that it
-/// must leave.
+/// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief
+/// below which such an error must stay.
 const OF_SCATTER: f64 = 2.0;
 const MOST: f64 = 0.5;
 
-/// Share of the displaced reading in the interval where the contacts cannot tell it from another one.
+/// Share of either reading in the interval where the contacts cannot tell shape from a sensor's error.
 const EITHER: f64 = 0.5;
 
 /// Least share of general and of displaced in the interval.
 const DOUBT: f64 = 0.1;
 
-/// Least share of either reference within general's part of the interval, when neither misfits the more.
+/// Least share of torus and of paraboloid within general's part of the interval, when they fit equally well.
 const REFERENCE: f64 = 0.25;
 
 /// Factor of misfit within which the two references count as equally good.
@@ -52,7 +55,7 @@ pub(super) struct Weights {
     pub(super) interval: Vec<f64>,
     /// Posterior probability of a displacement.
     pub(super) displaced: f64,
-    /// Its root mean square relative to the relief; 0 when it was not looked at.
+    /// Its root mean square relative to the relief; 0 where it is too improbable to matter.
     pub(super) size: f64,
     /// The same relative to the scatter of single contacts.
     pub(super) of_scatter: f64,
@@ -105,7 +108,7 @@ pub(super) fn weigh(
             }
         }
     }
-    // no sensor's error ends at a sharp edge: just above it the other reading fades
+    // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
     let fading = EITHER * (2.0 - weights.size / SENSOR[1]);
     let plain = |n: &Node| n.g == 0.0;
     if !error && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {

@@ -4,9 +4,9 @@
 //! World { surface, sweeps, effects }  --compile-->  Simulator  --(seed, replicate)-->  (Contacts, Truth)
 //! ```
 //!
-//! Nothing here knows splines, so a fit is not tested on surfaces of its own kind. (An imported surface is the exception,
-//! and every output says so.) Compiling a world checks all of it. An effect that a world does not name costs nothing: it
-//! draws no random numbers and is not even asked about.
+//! Nothing here knows splines, so a fit is not tested on surfaces of its own kind. (An imported surface is the
+//! exception, and every output says so.) Compiling a world checks all of it. An effect that a world does not name costs
+//! nothing: it draws no random numbers and is not even asked about.
 
 mod batch;
 pub mod effects;
@@ -43,7 +43,7 @@ pub struct World {
     pub sweeps: Vec<Sweep>,
     /// What comes between, in any order; each at most once.
     pub effects: Vec<Effect>,
-    /// Effects whose errors have another shape than the normal one, by name.
+    /// Effects whose errors have another law than the gaussian one, by name.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "laws_by_name"))]
     pub laws: Vec<(&'static str, NoiseLaw)>,
 }

@@ -52,6 +52,9 @@ fn dissection_flops(shape: TensorShape) -> f64 {
 }
 
 /// A reusable Cholesky solver for one pattern: `factor` as often as the values change, `solve` as often as the data do.
+///
+/// [`Cholesky::plan`] is the symbolic factorisation of other libraries, and every further [`Cholesky::factor`] their
+/// refactorisation. Symmetry cannot be violated, because a [`StencilMatrix`] stores one half.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
     shape: TensorShape,

@@ -1,8 +1,8 @@
 //! Readings that never arrive: each contact is lost with `probability` p, independently.
 //!
-//! The number kept is binomial. A lost contact is in neither the contacts nor the truth of its replicate; other
-//! contacts' draws do not move. It changes the set of sites, so a study cannot keep its factor.
-//! Leaves out: losses in runs.
+//! The number kept is binomial. A lost contact is in neither the contacts nor the truth of its replicate; the
+//! other contacts keep their draws. The set of sites changes, so a study cannot keep its factor.
+//! Leaves out: several losses in a row, as by a loose cable.
 
 use super::{Context, Smoothness, Stage};
 use crate::draws::EffectDraws;

@@ -1,4 +1,4 @@
-//! The normal is ESTIMATED from the sensed force, which is noisy, biased, drifting and quantised:
+//! The normal is estimated from the sensed force, which is noisy, biased, drifting and quantised:
 //!
 //! ```text
 //! f^ = Q(F n + bias + drift W + sigma N),    W: random walk along a finger, one step a contact,    n^ = f^/|f^|

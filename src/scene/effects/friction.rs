@@ -5,7 +5,7 @@
 //! P^ = C - rho n^ = P - rho (n^ - n)
 //! ```
 //!
-//! `mu` dimensionless, `sigma` its sd from contact to contact (Gaussian; 0: constant). The force grows to
+//! `mu` dimensionless, `sigma` its sd from contact to contact (a gaussian law; 0: constant). The force grows to
 //! N sqrt(1 + mu^2). Mean tilt atan mu for sigma = 0.
 //! Source: Coulomb's law on a sliding finger (A. Bicchi, J. K. Salisbury, D. L. Brock, *IJRR* 12 (1993) 249, contact
 //! sensing from force measurements). Leaves out: stick-slip, direction changes at stations, rolling resistance.

@@ -159,8 +159,8 @@ pub trait Stage: std::fmt::Debug + Send + Sync {
     fn draws_per_contact(&self) -> usize;
     /// Whether it leaves x and y of every contact as they are, so that a study can keep its factor.
     fn keeps_sites(&self) -> bool;
-    /// The uniform number at which the effect does what it does on average, or nothing: 1/2 for errors that go both
-    /// ways, 1 for what happens with a probability.
+    /// The uniform number at which the effect has its mean or does not happen: 1/2 for errors of both signs, 1 for
+    /// events that have a probability.
     fn rest(&self) -> f64 {
         0.5
     }
@@ -168,7 +168,7 @@ pub trait Stage: std::fmt::Debug + Send + Sync {
     fn smoothness(&self) -> Smoothness {
         Smoothness::Smooth
     }
-    /// Sds of z and of each slope, where that is all the effect is: a study then needs no contacts.
+    /// Sds of z and of each slope, where the effect is nothing but row noise: a study then needs no contacts.
     fn row_sds(&self) -> Option<[f64; 2]> {
         None
     }

@@ -1,4 +1,4 @@
-//! Independent normal errors of the measured position: `P + L N`, `L L' = Sigma`.
+//! Independent gaussian errors of the measured position: `P + L N`, `L L' = Sigma`.
 //!
 //! `sigma`: one sd for all axes or one each, input units; or `covariance`, 3 x 3, input units squared, factored by
 //! Cholesky with zero pivots allowed. Mean 0, covariance Sigma.

@@ -1,4 +1,4 @@
-//! Independent normal errors on the rows of the fit: `z + sigma_z N`, `zx + sigma_slope N`, `zy + sigma_slope N`.
+//! Independent gaussian errors on the rows of the fit: `z + sigma_z N`, `zx + sigma_slope N`, `zy + sigma_slope N`.
 //!
 //! Units: `sigma_z` input units; `sigma_slope` dimensionless. x and y stay exact. In terms of the normal a slope error
 //! e is `n - nz (ex, ey, 0)`, normalised, which is finite at nz = 0 too.

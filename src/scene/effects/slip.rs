@@ -1,7 +1,7 @@
-//! Now and then a finger slips and the reading is gross: with `probability` p the contact moves by `size` in a direction
-//! uniform on the sphere.
+//! Now and then a finger slips and the reading is gross: with `probability` p the contact moves by `size` in a
+//! direction uniform on the sphere.
 //!
-//! `size`: input units. Mean 0, covariance p size^2/3 per axis, excess kurtosis far above any normal law's; a robust
+//! `size`: input units. Mean 0, covariance p size^2/3 per axis, excess kurtosis far above that of gaussians; a robust
 //! fit is meant to find these. The normal stays.
 //! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Leaves out: slips that last over
 //! several stations, and normals lost with the grip.
