@@ -40,8 +40,9 @@ const LEVEL: f64 = 0.7;
 /// misfit.
 const BETTER: f64 = 0.5;
 
-/// Share of contacts off the surface above which a note says so: more than a sensor's stray readings.
+/// Share of contacts off the surface that are worth a word, and their number: more than a sensor's stray readings.
 const STRAY: f64 = 0.02;
+const STRAYS: usize = 10;
 
 /// Note where every normal points down, as in a scan in camera axes, but also in a file with inward normals.
 const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
@@ -122,7 +123,7 @@ fn simple(found: Recognition) -> Result<Found, Refusal> {
         let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
         return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
     }
-    if strays as f64 > STRAY * (strays + found.contacts) as f64 {
+    if strays >= STRAYS && strays as f64 > STRAY * (strays + found.contacts) as f64 {
         notes.push(format!(
             "{:.0} % of the contacts belong to something else, a background or another part: {FORWARD}",
             100.0 * strays as f64 / (strays + found.contacts) as f64

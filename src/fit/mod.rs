@@ -181,6 +181,12 @@ impl Fit {
         &self.solved.fitted.notes
     }
 
+    /// Where sds were declared: factors by which the residuals of heights and of normals exceed them, `Some` where they
+    /// differ from 1 for certain (p < 0.001 by chi-square) and by more than a quarter.
+    pub fn declared_sigma_off(&self) -> [Option<f64>; 2] {
+        noise::declared::declared_off(&self.solved)
+    }
+
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.
     pub fn condition(&self) -> f64 {
         self.solved.condition()

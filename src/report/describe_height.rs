@@ -17,6 +17,7 @@ use super::description::{
 use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::maps::{write_maps_csv, write_maps_npz};
 use super::picture::{PictureOptions, write_picture};
+use super::table::significant;
 
 /// A height field with its document and its maps.
 pub(super) struct HeightDescription<'a> {
@@ -180,8 +181,31 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         lack_of_fit: subject.lack_of_fit.clone(),
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
-        notes: subject.notes.iter().cloned().chain(fit.notes().iter().map(ToString::to_string)).collect(),
+        notes: (subject.notes.iter().cloned())
+            .chain(fit.notes().iter().map(ToString::to_string))
+            .chain(declared_sigma(fit))
+            .collect(),
     }
+}
+
+/// Declared noise that the contacts contradict, in words.
+fn declared_sigma(fit: &Fit) -> Vec<String> {
+    let words = |what: &str, factor: f64| {
+        let factor_words = significant(factor, 2);
+        if factor > 1.0 {
+            format!(
+                "{what} lie {factor_words} times as far off the surface as the declared sigma says: the noise is larger, \
+                 or the surface is not of this kind; the intervals are too narrow"
+            )
+        } else {
+            format!(
+                "{what} lie {factor_words} times as far off the surface as the declared sigma says: the noise is smaller"
+            )
+        }
+    };
+    let [heights, normals] = fit.declared_sigma_off();
+    let both = [("the heights", heights), ("the normals", normals)];
+    both.into_iter().filter_map(|(what, factor)| Some(words(what, factor?))).collect()
 }
 
 fn shape_part(fit: &Fit) -> ShapePart {

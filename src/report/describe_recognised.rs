@@ -204,12 +204,14 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
 fn set_aside(found: &Recognition) -> Vec<String> {
     let dropped = &found.dropped;
     let counted = [
-        (dropped.outliers, "contacts lie too far off the surface to belong to it and are left out"),
-        (dropped.normals_of_length_zero, "normals of length 0 are left out"),
-        (dropped.normals_flipped, "normals pointed to the other side than their neighbours and were reversed"),
-        (dropped.normals_against, "normals are more than 60 degrees off the surface and are left out"),
+        (dropped.outliers, "contact", "too far off the surface to belong to it: left out"),
+        (dropped.normals_of_length_zero, "normal", "of length 0: left out"),
+        (dropped.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
+        (dropped.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
-    counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let some = counted.iter().filter(|(count, _, _)| *count > 0);
+    some.map(|(count, thing, what)| format!("{count} {thing}{} {what}", plural(*count))).collect()
 }
 
 fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], segments: [usize; 2]) -> ChosenPart {

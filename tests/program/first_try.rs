@@ -203,3 +203,15 @@ fn options_without_effect_are_said() {
     let found = fitted(at, "fit ball.csv --surface parametric --method qr --smooth auto");
     assert!(notes(&found).contains("--method has no effect") && notes(&found).contains("--smooth has no effect"));
 }
+
+#[test]
+fn declared_noise_that_the_contacts_contradict_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let (points, normals) = ball_with_normals();
+    write(at, "ball.csv", &points, Some(&normals));
+    let low = fitted(at, "fit ball.csv --degree 4 --segments 2 --sigma 0.001,5");
+    assert!(notes(&low).contains("the heights lie") && notes(&low).contains("too narrow"), "{}", notes(&low));
+    let high = fitted(at, "fit ball.csv --degree 4 --segments 2 --sigma 1,5");
+    assert!(notes(&high).contains("the noise is smaller"), "{}", notes(&high));
+}

@@ -56,7 +56,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps) -> Shape {
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
     let gradients = GridGradients::new(&solved.surface, &local.rows);
     let of_means = mean_gradients(&solved.surface, local, &gradients);
-    let u_s = standard_uncertainty(solved, &of_means.shape_index);
+    // nothing between -1 and 1 has a larger standard deviation
+    let u_s = standard_uncertainty(solved, &of_means.shape_index).min(1.0);
     let u_r = standard_uncertainty(solved, &of_means.curvedness) / scale;
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);

@@ -37,6 +37,9 @@ const STEEPEST: f64 = 0.9;
 /// Residuals below this in the patch frame (where data are of size 1) are rounding, not noise.
 const NO_NOISE: f64 = 1e-13;
 
+/// Sds of data without noise: the largest power of two below that, so that rows divided by it keep every bit.
+const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+
 /// One fit at given sds.
 pub(crate) struct Trial {
     /// Linear (or linearised) problem.
@@ -96,6 +99,9 @@ pub(crate) fn variance_components(
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
     if rms(&trial).iter().all(|r| *r <= NO_NOISE) {
+        // unit sds would be stated as noise of the size of the patch
+        sds = RowSds { z: ROUNDING, slope: ROUNDING };
+        trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
         return Ok(Estimate { sds, trial, steps, note: Some(Note::NoNoise) });
     }
     let mut secant = Secant::default();

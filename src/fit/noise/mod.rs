@@ -3,9 +3,11 @@
 //! ```text
 //! sds.rs          noise sds and where they come from            components.rs    both estimated with the fit
 //! record.rs       told by the residuals of weighted rows        traces.rs        degrees of freedom of either kind of rows
+//! declared.rs     declared sds checked against the residuals
 //! ```
 
 pub(super) mod components;
+pub(super) mod declared;
 pub(super) mod probes;
 pub(super) mod record;
 pub(super) mod sds;
