@@ -40,7 +40,8 @@ const LEVEL: f64 = 0.7;
 /// misfit.
 const BETTER: f64 = 0.5;
 
-/// Share of contacts off the surface that are worth a word, and their number: more than a sensor's stray readings.
+/// A note says that contacts lie off the surface when both their share and their number are at least these: more than a
+/// sensor's stray readings.
 const STRAY: f64 = 0.02;
 const STRAYS: usize = 10;
 

@@ -1,11 +1,11 @@
-//! Whether declared noise sds agree with what the contacts leave of the surface.
+//! Whether declared noise sds agree with the residuals.
 //!
 //! ```text
 //! factor_b^2 = |weighted residuals of kind b|^2 / nu_b,   nu_b = rows_b - trace H_b       chi-square/nu where the sd is right
 //! ```
 //!
-//! A factor above 1 may also be the model's: a surface that bends too little leaves more than noise, and the words leave the
-//! cause open.
+//! A factor above 1 may have another cause than noise: a surface that bends too little leaves larger residuals. The message
+//! therefore names both causes.
 
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::noise::traces::hat_traces;
@@ -13,10 +13,10 @@ use crate::fit::solved::Solved;
 use crate::linalg::Sites;
 use crate::shape::chi_square_upper_tail;
 
-/// Chance below which a difference is said.
+/// Probability below which a difference is reported.
 const CHANCE: f64 = 1e-3;
 
-/// A difference below this factor changes no decision, however certain it is.
+/// A factor closer to 1 than this changes no decision, however certain it is.
 const SMALL: f64 = 1.25;
 
 /// How far the residuals of heights and of normals are from the declared sds: `Some` where they differ for certain.
