@@ -4,8 +4,8 @@
 //! factor_b^2 = |weighted residuals of kind b|^2 / nu_b,   nu_b = rows_b - trace H_b       chi-square/nu where the sd is right
 //! ```
 //!
-//! A factor above 1 may have another cause than noise: a surface that bends too little leaves larger residuals. The message
-//! therefore names both causes.
+//! A factor above 1 may have another cause than noise: a surface that bends too little leaves larger residuals. The
+//! message therefore names both causes.
 
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::noise::traces::hat_traces;
