@@ -115,7 +115,7 @@ fn leaves_much_unsaid(found: &Recognition) -> bool {
     found.misfit.percent_of_relief > UNSAID && large && found.misfit.p < CHANCE
 }
 
-/// The simple shape, unless it leaves too much unsaid.
+/// The simple shape, unless its misfit is too large for an answer.
 fn simple(found: Recognition) -> Result<Found, Refusal> {
     let mut notes = Vec::new();
     let strays = found.dropped.outliers;
@@ -133,7 +133,7 @@ fn simple(found: Recognition) -> Result<Found, Refusal> {
     Ok(Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes })
 }
 
-/// A height field with more segments, where the simple shape leaves much unsaid that such a field predicts. Both are
+/// A flexible height field, where the simple shape has a large misfit and such a field predicts the contacts. Both are
 /// compared on the contacts that belong to the simple shape, so that strays decide nothing.
 fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
     let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();

@@ -34,7 +34,7 @@ pub(super) struct PreparationFlags {
 }
 
 impl PreparationFlags {
-    /// Normals are computed, so that a viewpoint settles their side even for a model that was named.
+    /// Normals are computed, so that a viewpoint decides their side even for a model that was named.
     pub(super) fn estimates_normals(&self) -> bool {
         self.normals.is_some()
     }

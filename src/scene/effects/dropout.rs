@@ -2,7 +2,7 @@
 //!
 //! The number kept is binomial. A lost contact is in neither the contacts nor the truth of its replicate; the
 //! other contacts keep their draws. The set of sites changes, so a study cannot keep its factor.
-//! Leaves out: several losses in a row, as by a loose cable.
+//! Not modelled: several losses in a row, as by a loose cable.
 
 use super::{Context, Smoothness, Stage};
 use crate::draws::EffectDraws;

@@ -9,7 +9,7 @@
 //! alpha_deg, d, theta_deg) describe the arm; without them three joints stand beside the patch, at the patch's scale.
 //! The force sensor rides on the last link, so the normal rotates with it. The joint angles are those of the touched
 //! site; without sigma the error of a site is the same in every repeat and replicate.
-//! Source: the paper's section 6 (joint angles of a 3-DOF arm); Denavit-Hartenberg as in [`Arm`]. Leaves out: link
+//! Source: the paper's section 6 (joint angles of a 3-DOF arm); Denavit-Hartenberg as in [`Arm`]. Not modelled: link
 //! lengths that are wrong, bending, backlash.
 
 use super::arm::{Arm, Pose};

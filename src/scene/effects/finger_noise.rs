@@ -8,7 +8,7 @@
 //! `sigma`: of the position, one for all axes or three, input units. `sigma_deg`: of the normal per tangent axis,
 //! degrees; the normal rotates by the angle |e| towards e. `length`: correlation length, input units. Repeats of a site
 //! share their error; the fingers are independent of each other.
-//! Source: G. E. Uhlenbeck, L. S. Ornstein, *Phys. Rev.* 36 (1930) 823, in its exact discretisation. Leaves out:
+//! Source: G. E. Uhlenbeck, L. S. Ornstein, *Phys. Rev.* 36 (1930) 823, in its exact discretisation. Not modelled:
 //! correlation between fingers, and between position and normal.
 
 use super::{Context, Stage};

@@ -11,7 +11,7 @@
 //! small errors n^ - n has covariance (sigma/F)^2 per tangent axis and mean bias_t/F.
 //! A reading whose quantised force is zero has no direction and is lost.
 //! Source: the paper's section 6 (normals from a force sensor); Bicchi, Salisbury, Brock, *IJRR* 12 (1993) 249.
-//! Leaves out: cross-talk between axes, hysteresis, temperature; the sensor is zeroed before each finger starts.
+//! Not modelled: cross-talk between axes, hysteresis, temperature; the sensor is zeroed before each finger starts.
 
 use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;

@@ -8,7 +8,7 @@
 //! `mu` dimensionless, `sigma` its sd from contact to contact (a gaussian law; 0: constant). The force grows to
 //! N sqrt(1 + mu^2). Mean tilt atan mu for sigma = 0.
 //! Source: Coulomb's law on a sliding finger (A. Bicchi, J. K. Salisbury, D. L. Brock, *IJRR* 12 (1993) 249, contact
-//! sensing from force measurements). Leaves out: stick-slip, direction changes at stations, rolling resistance.
+//! sensing from force measurements). Not modelled: stick-slip, direction changes at stations, rolling resistance.
 
 use super::{Context, Stage, swing};
 use crate::draws::EffectDraws;

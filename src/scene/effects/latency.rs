@@ -8,7 +8,7 @@
 //! (speed times half a sampling period), input units; uniform, because the two clocks are not synchronised.
 //! Mean lag `distance`, variance jitter^2/3. The lag of every site must stay on the surface; this is checked at its
 //! ends before anything is drawn (a site that falls off in between keeps its unlagged position).
-//! Leaves out: changes of speed between stations, the delay of the force channel, and the rotation of the shift by a
+//! Not modelled: changes of speed between stations, the delay of the force channel, and the rotation of the shift by a
 //! misaligned frame (second order).
 
 use super::{Context, Stage};

@@ -2,7 +2,7 @@
 //!
 //! `rotation_deg` about the fixed axes x, y, z in that order, degrees; `translation`, input units. About the input's
 //! origin. Constant over a scene: deterministic, no spread.
-//! Source: extrinsic calibration error. Leaves out: play of the base, and a frame that moves during the sweep.
+//! Source: extrinsic calibration error. Not modelled: play of the base, and a frame that moves during the sweep.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;

@@ -2,7 +2,7 @@
 //!
 //! `sigma`: one sd for all axes or one each, input units; or `covariance`, 3 x 3, input units squared, factored by
 //! Cholesky with zero pivots allowed. Mean 0, covariance Sigma.
-//! Source: the usual model of a tracked or computed fingertip position. Leaves out: correlation between contacts
+//! Source: the usual model of a tracked or computed fingertip position. Not modelled: correlation between contacts
 //! (see `finger_noise`, `encoder`) and growth with the arm's reach.
 
 use super::{Context, Stage};

@@ -2,7 +2,7 @@
 //!
 //! Units: `sigma_z` input units; `sigma_slope` dimensionless. x and y stay exact. In terms of the normal a slope error
 //! e is `n - nz (ex, ey, 0)`, normalised, which is finite at nz = 0 too.
-//! Source: the observation model of the paper's Eq. 14. Leaves out: that real slopes err in proportion to
+//! Source: the observation model of the paper's Eq. 14. Not modelled: that real slopes err in proportion to
 //! 1 + slope^2, that x and y err too, and every correlation.
 
 use super::{Context, Stage};

@@ -3,7 +3,7 @@
 //!
 //! `size`: input units. Mean 0, covariance p size^2/3 per axis, excess kurtosis far above that of gaussians; a robust
 //! fit is meant to find these. The normal stays.
-//! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Leaves out: slips that last over
+//! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Not modelled: slips that last over
 //! several stations, and normals lost with the grip.
 
 use super::{Context, Smoothness, Stage};

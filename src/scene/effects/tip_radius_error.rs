@@ -4,7 +4,7 @@
 //! Deterministic: mean shift -e n, no spread. Later effects that tilt the sensed normal swing the contact about the
 //! tip's centre with the believed radius.
 //! Source: the contact from tip centre and normal (R. S. Fearing, in *Dextrous Robot Hands*, 1990, the paper's [7]).
-//! Leaves out: tips out of round, a different error per finger.
+//! Not modelled: tips out of round, a different error per finger.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
