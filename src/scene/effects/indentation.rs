@@ -9,8 +9,8 @@
 //! the sampled sensor stops it, uniform because the approach is not synchronised with the sampling). The sensed force
 //! that later stages start from is F.
 //! Mean of delta: `delta(1) (3/5)(b^(5/3) - a^(5/3))/(b - a)`, a, b the least and largest force.
-//! Source: K. L. Johnson, *Contact Mechanics*, 1985, section 4.2. Not modelled: the ellipse of unequal curvatures (their
-//! mean stands in), viscosity, the patch growing beyond small strains, and how the shifted pad tilts the normal.
+//! Source: K. L. Johnson, *Contact Mechanics*, 1985, section 4.2.
+//! Not modelled: the ellipse of unequal curvatures (their mean is taken), viscosity, the patch growing beyond small strains, and how the shifted pad tilts the normal.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;
