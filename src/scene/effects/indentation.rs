@@ -10,7 +10,8 @@
 //! that later stages start from is F.
 //! Mean of delta: `delta(1) (3/5)(b^(5/3) - a^(5/3))/(b - a)`, a, b the least and largest force.
 //! Source: K. L. Johnson, *Contact Mechanics*, 1985, section 4.2.
-//! Not modelled: the ellipse of unequal curvatures (their mean is taken), viscosity, the patch growing beyond small strains, and how the shifted pad tilts the normal.
+//! Not modelled: the ellipse of unequal curvatures (their mean is taken), viscosity, the growth of the
+//! contact area beyond small strains, and how the shifted pad tilts the normal.
 
 use super::{Context, Stage};
 use crate::draws::EffectDraws;

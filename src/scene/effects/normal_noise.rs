@@ -8,8 +8,8 @@
 //! `sigma_deg` is per tangent axis, degrees: rms angle sqrt(2) sigma while it is small. The contact point stays.
 //! `1 - cos` is drawn, not `cos`, so that the smallest sigma keeps its digits.
 //! Source: R. A. Fisher, *Proc. R. Soc. A* 217 (1953) 295; sampling by G. Ulrich, *Appl. Stat.* 33 (1984) 158.
-//! Not modelled: errors that differ along and across the sweep, and the shift of the contact that a wrong normal implies
-//! (`force_noise` has it).
+//! Not modelled: errors that differ along and across the sweep, and the shift of the contact that a wrong normal
+//! implies (`force_noise` has it).
 
 use super::finger_noise::bent;
 use super::{Context, Smoothness, Stage};
