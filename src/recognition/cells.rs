@@ -8,6 +8,7 @@
 //! 200 because everything dense costs its cube; 300 changed nothing.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::vector::{Vector, along, cross, unit};
 
@@ -105,25 +106,63 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     let [mut lo, mut hi] = SIZES;
     for _ in 0..HALVINGS {
         let size = (lo * hi).sqrt();
-        if voxels(points, size, MOST).is_none() {
+        if are_more(points, size, MOST) {
             lo = size;
         } else {
             hi = size;
         }
     }
-    voxels(points, hi, usize::MAX).unwrap_or((vec![0; points.len()], 1))
+    let mut numbers = VoxelNumbers::default();
+    let of = points.iter().map(|p| numbers.of(voxel(*p, hi))).collect();
+    (of, numbers.0.len())
 }
 
-/// Voxels numbered as they are met; `None` when there are more than `most`.
-fn voxels(points: &[Vector], size: f64, most: usize) -> Option<(Vec<usize>, usize)> {
-    let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut of = Vec::with_capacity(points.len());
-    for p in points {
-        let next = numbers.len();
-        of.push(*numbers.entry(p.map(|v| (v / size + 0.5).floor() as i64)).or_insert(next));
-        if numbers.len() > most {
-            return None;
+/// Whether voxels of this size hold more than `most` groups of the points.
+fn are_more(points: &[Vector], size: f64, most: usize) -> bool {
+    let mut numbers = VoxelNumbers::default();
+    points.iter().any(|p| {
+        numbers.of(voxel(*p, size));
+        numbers.0.len() > most
+    })
+}
+
+/// The voxel of a point: `floor(p / size + 1/2)`.
+fn voxel(p: Vector, size: f64) -> [i64; 3] {
+    p.map(|v| {
+        let place = v / size + 0.5;
+        // a conversion cuts towards zero
+        let whole = place as i64;
+        whole - i64::from((whole as f64) > place)
+    })
+}
+
+/// Voxels numbered as they are met.
+#[derive(Default)]
+struct VoxelNumbers(HashMap<[i64; 3], usize, BuildHasherDefault<Mixed>>);
+
+impl VoxelNumbers {
+    fn of(&mut self, voxel: [i64; 3]) -> usize {
+        let next = self.0.len();
+        *self.0.entry(voxel).or_insert(next)
+    }
+}
+
+/// A short hash: voxels are not chosen by an adversary, and a million points are looked up twenty times.
+#[derive(Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn finish(&self) -> u64 {
+        // the upper bits are the well mixed ones
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for part in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..part.len()].copy_from_slice(part);
+            // an odd number near 2^64 / golden ratio
+            self.0 = (self.0.rotate_left(5) ^ u64::from_le_bytes(word)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         }
     }
-    Some((of, numbers.len()))
 }

@@ -39,7 +39,7 @@ impl<'a> Neighbours<'a> {
             depth
         };
         let mut cuts = vec![(0, 0.0); (1 << depth_of(points.len())) - 1];
-        cut(points, &mut order, 0, &mut cuts);
+        cut(points, &mut order, 0, &mut cuts, &mut Vec::with_capacity(points.len()));
         Neighbours { points: Cow::Borrowed(points), order, cuts }
     }
 
@@ -90,7 +90,8 @@ fn keep(found: &mut Vec<Near>, k: usize, new: Near) {
     found.truncate(k);
 }
 
-fn cut(points: &[Vector], order: &mut [u32], node: usize, cuts: &mut [(u8, f64)]) {
+/// `keys` is a buffer: a selection among keys that lie side by side does not jump through memory.
+fn cut(points: &[Vector], order: &mut [u32], node: usize, cuts: &mut [(u8, f64)], keys: &mut Vec<Near>) {
     if node >= cuts.len() {
         return;
     }
@@ -105,12 +106,14 @@ fn cut(points: &[Vector], order: &mut [u32], node: usize, cuts: &mut [(u8, f64)]
     if middle >= order.len() {
         return;
     }
-    let key = |number: &u32| points[*number as usize][axis];
-    order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-    cuts[node] = (axis as u8, key(&order[middle]));
+    keys.clear();
+    keys.extend(order.iter().map(|number| (points[*number as usize][axis], *number)));
+    keys.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    cuts[node] = (axis as u8, keys[middle].0);
+    order.iter_mut().zip(&*keys).for_each(|(number, key)| *number = key.1);
     let (left, right) = order.split_at_mut(middle);
-    cut(points, left, 2 * node + 1, cuts);
-    cut(points, right, 2 * node + 2, cuts);
+    cut(points, left, 2 * node + 1, cuts, keys);
+    cut(points, right, 2 * node + 2, cuts, keys);
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::fit::noise::sds::RowSds;
 use crate::fit::placing::data::Measured;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
-use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, visit_values};
 use crate::observation::{angular_residual_squared, linearise_normals};
 
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
@@ -177,12 +177,11 @@ impl NormalProblem<'_> {
     }
 
     /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
-    fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+    fn each_site(&self, c: &[f64], visit: impl FnMut(usize, [f64; 3])) {
         if let Some(cells) = packed_cells(self.sites) {
             return cells.values(c, visit);
         }
-        let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
-        self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
+        visit_values(self.sites, c, visit);
     }
 
     /// Weighted squares of heights and normals (true chords) at `c`.
