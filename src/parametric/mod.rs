@@ -38,6 +38,7 @@ mod problem;
 mod quadrature;
 mod robust;
 mod start;
+mod thinning;
 mod vector;
 
 use std::sync::OnceLock;
@@ -53,9 +54,10 @@ use crate::contact::Contacts;
 use crate::fit::{FitError, FitOptions, Robust};
 use crate::surface::Parametric;
 use cells::Cells;
-use descent::Solver;
+use descent::{Descent, Solver, State};
 use fit_data::FitData;
 use limit_bending::Limited;
+use noise::Unknown;
 use patch_contacts::PatchContacts;
 use problem::{Problem, Weights};
 
@@ -83,7 +85,11 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
     let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
-    let (mut state, mut reached) = noise::fit(&mut problem, &mut solver, unknown)?;
+    let standing = thinning::thinned(&flat.places, &cells);
+    let (mut state, mut reached) = match &standing {
+        None => noise::fit(&mut problem, &mut solver, unknown)?,
+        Some(standing) => by_few(&mut problem, &mut solver, standing, unknown)?,
+    };
     let weights = problem.weights;
     let mut weighted = contacts.clone();
     if options.robust != Robust::None {
@@ -106,6 +112,7 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         residuals,
         cells,
         contacts: weighted,
+        standing: standing.map(|standing| standing.len()),
     };
     Ok(ParametricFit {
         certificate: ParametricCertificate {
@@ -119,6 +126,27 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         data,
         shape: OnceLock::new(),
     })
+}
+
+/// Fits to the contacts that stand for all, then to all from there; all steps are counted.
+///
+/// # Errors
+/// As [`noise::fit`].
+fn by_few(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    standing: &[usize],
+    unknown: Unknown,
+) -> Result<(State, Descent), FitError> {
+    let few = problem.contacts.chosen(standing);
+    let places: Vec<[f64; 2]> = standing.iter().map(|&r| problem.flattened[r]).collect();
+    let mut small = Problem::new(problem.cells, &few, &places, problem.gauss, problem.weights);
+    let (state, before) = noise::fit(&mut small, solver, unknown)?;
+    problem.weights = small.weights;
+    let (state, mut reached) = noise::finish(problem, solver, state.coefficients, unknown)?;
+    reached.steps += before.steps;
+    reached.folds_refused += before.folds_refused;
+    Ok((state, reached))
 }
 
 /// Checks that there are as many equations as coefficients: of the three unknowns of a coefficient contacts determine the

@@ -8,7 +8,6 @@
 //! 200 because everything dense costs its cube; 300 changed nothing.
 
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::vector::{Vector, along, cross, unit};
 
@@ -103,26 +102,30 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     if points.len() <= MOST {
         return ((0..points.len()).collect(), points.len());
     }
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for p in points {
+        (0..3).for_each(|k| (bounds[0][k], bounds[1][k]) = (bounds[0][k].min(p[k]), bounds[1][k].max(p[k])));
+    }
     let [mut lo, mut hi] = SIZES;
     for _ in 0..HALVINGS {
         let size = (lo * hi).sqrt();
-        if are_more(points, size, MOST) {
+        if are_more(points, bounds, size, MOST) {
             lo = size;
         } else {
             hi = size;
         }
     }
-    let mut numbers = VoxelNumbers::default();
+    let mut numbers = VoxelNumbers::new(bounds, hi);
     let of = points.iter().map(|p| numbers.of(voxel(*p, hi))).collect();
-    (of, numbers.0.len())
+    (of, numbers.count)
 }
 
 /// Whether voxels of this size hold more than `most` groups of the points.
-fn are_more(points: &[Vector], size: f64, most: usize) -> bool {
-    let mut numbers = VoxelNumbers::default();
+fn are_more(points: &[Vector], bounds: [Vector; 2], size: f64, most: usize) -> bool {
+    let mut numbers = VoxelNumbers::new(bounds, size);
     points.iter().any(|p| {
         numbers.of(voxel(*p, size));
-        numbers.0.len() > most
+        numbers.count > most
     })
 }
 
@@ -136,33 +139,42 @@ fn voxel(p: Vector, size: f64) -> [i64; 3] {
     })
 }
 
-/// Voxels numbered as they are met.
-#[derive(Default)]
-struct VoxelNumbers(HashMap<[i64; 3], usize, BuildHasherDefault<Mixed>>);
+/// Voxels of a table that is looked up instead of a hash map.
+const TABLE: usize = 1 << 16;
 
-impl VoxelNumbers {
-    fn of(&mut self, voxel: [i64; 3]) -> usize {
-        let next = self.0.len();
-        *self.0.entry(voxel).or_insert(next)
-    }
+/// Voxels numbered as they are met.
+struct VoxelNumbers {
+    count: usize,
+    /// First voxel and numbers of voxels of the table, and the number of each, 0 where it was not met; empty where the
+    /// points reach over too many voxels.
+    from: [i64; 3],
+    sides: [i64; 3],
+    table: Vec<u32>,
+    map: HashMap<[i64; 3], usize>,
 }
 
-/// A short hash: voxels are not chosen by an adversary, and a million points are looked up twenty times.
-#[derive(Default)]
-struct Mixed(u64);
-
-impl Hasher for Mixed {
-    fn finish(&self) -> u64 {
-        // the upper bits are the well mixed ones
-        self.0 ^ (self.0 >> 32)
+impl VoxelNumbers {
+    /// For points within these bounds.
+    fn new([lo, hi]: [Vector; 2], size: f64) -> VoxelNumbers {
+        let (from, to) = (voxel(lo, size), voxel(hi, size));
+        let sides = [0, 1, 2].map(|k| to[k].saturating_sub(from[k]).saturating_add(1).max(1));
+        let room = sides.iter().try_fold(1_usize, |room, side| room.checked_mul(usize::try_from(*side).ok()?));
+        let table = vec![0; room.filter(|room| *room <= TABLE).unwrap_or(0)];
+        VoxelNumbers { count: 0, from, sides, table, map: HashMap::new() }
     }
 
-    fn write(&mut self, bytes: &[u8]) {
-        for part in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..part.len()].copy_from_slice(part);
-            // an odd number near 2^64 / golden ratio
-            self.0 = (self.0.rotate_left(5) ^ u64::from_le_bytes(word)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    fn of(&mut self, voxel: [i64; 3]) -> usize {
+        let [i, j, k] = [0, 1, 2].map(|d| voxel[d].wrapping_sub(self.from[d]));
+        let at = (i.wrapping_mul(self.sides[1]).wrapping_add(j)).wrapping_mul(self.sides[2]).wrapping_add(k);
+        if let Some(number) = usize::try_from(at).ok().and_then(|at| self.table.get_mut(at)) {
+            if *number == 0 {
+                self.count += 1;
+                *number = self.count as u32;
+            }
+            return *number as usize - 1;
         }
+        let number = *self.map.entry(voxel).or_insert(self.count);
+        self.count += usize::from(number == self.count);
+        number
     }
 }

@@ -190,6 +190,12 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
     if !certificate.fold_free {
         notes.push("the map is not free of folds: do not trust S and R where it folds back".into());
     }
+    if let Some(standing) = fit.standing() {
+        notes.push(format!(
+            "{standing} contacts, evenly spread, stood for all until near the minimum and told the fairness; \
+             the last steps, the noise and u are those of all contacts"
+        ));
+    }
     if certificate.fairness_raised > 0 {
         notes.push(format!(
             "the surface bent more than neighbouring contacts felt: fairness was raised {} times tenfold",
