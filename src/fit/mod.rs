@@ -48,6 +48,7 @@ pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
 #[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
+pub(crate) use linear::free::Free;
 pub use linear::reasons::Reason;
 pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
