@@ -19,6 +19,7 @@ mod descent;
 mod describe;
 mod dual;
 mod fairness;
+mod few;
 mod fingers;
 mod fit_data;
 mod fitted;
@@ -54,10 +55,9 @@ use crate::contact::Contacts;
 use crate::fit::{FitError, FitOptions, Robust};
 use crate::surface::Parametric;
 use cells::Cells;
-use descent::{Descent, Solver, State};
+use descent::Solver;
 use fit_data::FitData;
 use limit_bending::Limited;
-use noise::Unknown;
 use patch_contacts::PatchContacts;
 use problem::{Problem, Weights};
 
@@ -86,9 +86,15 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
     let standing = thinning::thinned(&flat.places, &cells);
+    let mut raised_before = 0;
     let (mut state, mut reached) = match &standing {
         None => noise::fit(&mut problem, &mut solver, unknown)?,
-        Some(standing) => by_few(&mut problem, &mut solver, standing, unknown)?,
+        Some(standing) => {
+            let start = few::fit_few(&problem, &mut solver, &flat, standing, unknown)?;
+            raised_before = start.raised;
+            problem = Problem::new(&cells, &contacts, &flat.places, &gauss, start.weights);
+            few::fit_all(&mut problem, &mut solver, start, unknown)?
+        }
     };
     let weights = problem.weights;
     let mut weighted = contacts.clone();
@@ -119,34 +125,13 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
             parametrisation: format!("{}{reason}", flat.method),
             equations: contacts.equations(),
             unknowns: 3 * data.cells.shape().coefficients(),
-            fairness_raised: raised,
+            fairness_raised: raised_before + raised,
             ..ParametricCertificate::of(&reached, &geometry, last)
         },
         noise: noise_of(&weights, frame.scale, unknown.any()),
         data,
         shape: OnceLock::new(),
     })
-}
-
-/// Fits to the contacts that stand for all, then to all from there; all steps are counted.
-///
-/// # Errors
-/// As [`noise::fit`].
-fn by_few(
-    problem: &mut Problem,
-    solver: &mut Solver,
-    standing: &[usize],
-    unknown: Unknown,
-) -> Result<(State, Descent), FitError> {
-    let few = problem.contacts.chosen(standing);
-    let places: Vec<[f64; 2]> = standing.iter().map(|&r| problem.flattened[r]).collect();
-    let mut small = Problem::new(problem.cells, &few, &places, problem.gauss, problem.weights);
-    let (state, before) = noise::fit(&mut small, solver, unknown)?;
-    problem.weights = small.weights;
-    let (state, mut reached) = noise::finish(problem, solver, state.coefficients, unknown)?;
-    reached.steps += before.steps;
-    reached.folds_refused += before.folds_refused;
-    Ok((state, reached))
 }
 
 /// Checks that there are as many equations as coefficients: of the three unknowns of a coefficient contacts determine the

@@ -108,8 +108,9 @@ pub(super) fn fit(problem: &mut Problem, solver: &mut Solver, unknown: Unknown) 
     Ok((state, reached))
 }
 
-/// Fits from a surface near the minimum and the noise sds and weights of `problem`. The fairness is kept as it is: it
-/// depends on the surface, not on the number of contacts.
+/// Fits from a surface near the minimum and the noise sds and weights of `problem`. The sds are estimated again once, which
+/// leaves a share of 1/g of their last change; the fairness stays, because it depends on the surface and not on the number
+/// of contacts.
 ///
 /// # Errors
 /// As [`Solver::descend`].
@@ -120,9 +121,15 @@ pub(super) fn finish(
     unknown: Unknown,
 ) -> Result<(State, Descent), FitError> {
     let mut state = State { coefficients, feet: Feet { places: problem.flattened.to_vec() } };
+    let mut reached = solver.descend(problem, &mut state, COARSE_TOLERANCE)?;
     let unknown = Unknown { fairness: false, ..unknown };
-    let (mut reached, steps) = descend_and_estimate(problem, solver, &mut state, unknown)?;
-    reached.steps = steps;
+    if unknown.any() {
+        let before = reached;
+        problem.weights = updated(problem, solver, &state, &reached, unknown)?;
+        reached = solver.descend(problem, &mut state, COARSE_TOLERANCE)?;
+        reached.steps += before.steps;
+        reached.folds_refused += before.folds_refused;
+    }
     Ok((state, reached))
 }
 

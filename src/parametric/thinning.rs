@@ -12,7 +12,7 @@ use super::cells::Cells;
 /// Contacts for each coefficient, and least number of contacts, that stand for all: with a few hundred the fairness that is
 /// estimated from them would vary by more than a tenth.
 const FOR_EACH: usize = 30;
-const LEAST: usize = 1500;
+const LEAST: usize = 1200;
 /// Fewer than this many times as many contacts are not thinned: the time saved would be small.
 const WORTH: usize = 3;
 
