@@ -114,3 +114,44 @@ fn scatter(width: [usize; 2], first: [usize; 2], blocks: &[f64], out: &mut Stenc
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bspline::{Knots, linspace};
+    use crate::linalg::{RowWeights, Site, SiteWeights, Sites, StencilMatrix, TensorShape, assemble};
+    use crate::observation::GridSites;
+
+    /// The same sites without their axes, so that they are visited one by one.
+    struct Single(GridSites);
+
+    impl Sites for Single {
+        fn shape(&self) -> TensorShape {
+            self.0.shape()
+        }
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+        fn visit(&self, f: impl FnMut(&Site)) {
+            self.0.visit(f);
+        }
+    }
+
+    #[test]
+    fn sums_along_rows_and_single_pixels_give_the_same_matrix() {
+        for degree in [[2, 2], [3, 3], [2, 3], [4, 4], [5, 1]] {
+            let knots =
+                [Knots::uniform(degree[0], 4, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 3, -1.0, 1.0).unwrap()];
+            let sites = GridSites::new(knots, &linspace(0.0, 1.0, 31), &linspace(-1.0, 1.0, 23));
+            let weight = |r: usize, k: f64| if r % 7 == 0 { 0.0 } else { 1.0 + (r as f64 * k).sin() };
+            let of = |r: usize| SiteWeights { z: weight(r, 0.3), a: weight(r, 0.7), b: 0.0, d: weight(r, 1.1) };
+            let weights = RowWeights::PerSite((0..sites.len()).map(of).collect());
+            let (mut fast, mut slow) = (StencilMatrix::zeros(sites.shape()), StencilMatrix::zeros(sites.shape()));
+            assemble(&sites, &weights, &mut fast);
+            assemble(&Single(sites), &weights, &mut slow);
+            let largest = slow.values().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (a, b) in fast.values().iter().zip(slow.values()) {
+                assert!((a - b).abs() < 1e-13 * largest, "{degree:?}");
+            }
+        }
+    }
+}

@@ -229,3 +229,66 @@ fn add_long_line(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bspline::{Knots, linspace};
+    use crate::linalg::{
+        RowWeights, Site, SiteWeights, Sites, Targets, TensorShape, apply_rows, descent, normal_rhs, residuals,
+        visit_values,
+    };
+    use crate::observation::GridSites;
+
+    /// The same sites without their axes, so that they are visited one by one.
+    struct Single(GridSites);
+
+    impl Sites for Single {
+        fn shape(&self) -> TensorShape {
+            self.0.shape()
+        }
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+        fn visit(&self, f: impl FnMut(&Site)) {
+            self.0.visit(f);
+        }
+    }
+
+    /// Row by row and pixel by pixel: every product has the same bits, in the same order.
+    #[test]
+    fn rows_of_a_grid_have_the_bits_of_single_pixels() {
+        for degree in [[1, 1], [2, 2], [3, 3], [2, 3], [4, 4], [6, 5]] {
+            let knots =
+                [Knots::uniform(degree[0], 5, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 2, -1.0, 1.0).unwrap()];
+            let sites = GridSites::new(knots, &linspace(0.0, 1.0, 29), &linspace(-1.0, 1.0, 37));
+            let single = Single(sites.clone());
+            let value = |r: usize, k: f64| (r as f64 * k).sin();
+            let c: Vec<f64> = (0..sites.shape().unknowns()).map(|u| value(u, 0.77)).collect();
+            let targets: Targets = (0..sites.len()).map(|r| [value(r, 0.3), value(r, 0.5), value(r, 0.9)]).collect();
+            let of = |r: usize| SiteWeights { z: value(r, 1.3), a: value(r, 1.7), b: value(r, 0.1), d: value(r, 2.1) };
+            for weights in [RowWeights::Uniform(of(1)), RowWeights::PerSite((0..sites.len()).map(of).collect())] {
+                let (mut fast, mut slow) = (Targets::new(), Targets::new());
+                apply_rows(&sites, &weights, &c, &mut fast);
+                apply_rows(&single, &weights, &c, &mut slow);
+                assert_eq!(fast, slow, "{degree:?}");
+                residuals(&sites, &weights, &targets, &c, &mut fast);
+                residuals(&single, &weights, &targets, &c, &mut slow);
+                assert_eq!(fast, slow, "{degree:?}");
+                let (mut fast, mut slow) = (vec![0.0; c.len()], vec![0.0; c.len()]);
+                descent(&sites, &weights, &targets, &c, &mut fast);
+                descent(&single, &weights, &targets, &c, &mut slow);
+                assert_eq!(fast, slow, "{degree:?}");
+                normal_rhs(&sites, &weights, &targets, &mut fast);
+                normal_rhs(&single, &weights, &targets, &mut slow);
+                assert_eq!(fast, slow, "{degree:?}");
+            }
+            let visited = |sites: &dyn Fn(&mut dyn FnMut(usize, [f64; 3]))| {
+                let mut all = Vec::new();
+                sites(&mut |r, values| all.push((r, values)));
+                all
+            };
+            let fast = visited(&|f| visit_values(&sites, &c, f));
+            assert_eq!(fast, visited(&|f| visit_values(&single, &c, f)));
+        }
+    }
+}
