@@ -7,7 +7,7 @@
 //!
 //! The terms that only fix the parametrisation grow with the number of contacts. Otherwise they would weigh less and less
 //! against the data, the minimum would lie elsewhere along the surface, and the descent would creep there in hundreds of
-//! steps that change neither S nor R.
+//! steps that change neither S nor R. The uncertainty is taken with these terms as they were.
 
 use super::descent::{Descent, Solver, State};
 use super::flattening::Flattening;

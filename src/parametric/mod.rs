@@ -105,7 +105,13 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let Limited { geometry, raised } =
         limit_bending::limit(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
     let weights = problem.weights;
-    let last = certificate::final_factor(&problem, &mut solver, &state)?;
+    let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
+    if standing.is_some() {
+        let plain = Weights { slack: SLACK, tie: TIE, ..weights };
+        let problem = Problem::new(&cells, &weighted, &flat.places, &gauss, plain);
+        // terms that were only raised to hold the parametrisation are no information, and must not lessen the uncertainty
+        last.condition = certificate::final_factor(&problem, &mut solver, &state)?.condition;
+    }
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let data = FitData {
         options: options.clone(),
