@@ -37,7 +37,7 @@ pub(super) fn describe(
     to: &Destination,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
-    compute_shape(answer);
+    compute_shape(answer, subject.bare);
     let seconds = Seconds {
         read: taken.read,
         fit: taken.fitted,

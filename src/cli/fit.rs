@@ -30,6 +30,9 @@ pub(super) struct FitArgs {
     /// Save the surface and all that is known of it as JSON
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
+    #[arg(long)]
+    bare: bool,
     #[command(flatten)]
     preparation: PreparationFlags,
     #[command(flatten)]
@@ -72,8 +75,14 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     notes.extend(found.notes);
     let gridded = matches!(reading.input, Input::Grid(_));
     notes.extend(args.fit.without_effect(found.answer.is_parametric(), gridded));
-    let subject =
-        Subject { chosen: found.chosen, lack_of_fit: found.lack_of_fit, input: &reading.input, truth: None, notes };
+    let subject = Subject {
+        chosen: found.chosen,
+        lack_of_fit: found.lack_of_fit,
+        input: &reading.input,
+        truth: None,
+        bare: args.bare,
+        notes,
+    };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(
@@ -97,6 +106,11 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
         }
         let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
         return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
+    }
+    if args.bare {
+        let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
+             name a model beside it, as in --degree 2";
+        return Err(Refusal::Shape(what.into()));
     }
     fit.check().map_err(Refusal::Fit)?;
     let viewpoint = viewpoint.or(seen_from(reading));

@@ -23,6 +23,9 @@ pub(super) struct RunArgs {
     /// Save the surface and all that is known of it as JSON
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
+    #[arg(long)]
+    bare: bool,
     #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
@@ -54,7 +57,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let (found, chosen) = found;
     let found = Answer::Fitted(found);
     notes.extend(args.fit.without_effect(found.is_parametric(), false));
-    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), notes };
+    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
     describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })

@@ -48,6 +48,7 @@ pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
 #[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
+pub(crate) use linear::free::Free;
 pub use linear::reasons::Reason;
 pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
@@ -74,6 +75,7 @@ use solved::Solved;
 pub struct Fit {
     solved: Solved,
     shape: OnceLock<Shape>,
+    bare_shape: OnceLock<Shape>,
     certificate: OnceLock<Certificate>,
 }
 
@@ -103,14 +105,23 @@ pub fn fit_grid(grid: &Grid, options: &FitOptions) -> Result<Fit, FitError> {
 
 impl Fit {
     fn new(solved: Solved) -> Fit {
-        Fit { solved, shape: OnceLock::new(), certificate: OnceLock::new() }
+        Fit { solved, shape: OnceLock::new(), bare_shape: OnceLock::new(), certificate: OnceLock::new() }
     }
 
     /// S, R, class, radius and their uncertainty over the options' grid; computed on first access.
     pub fn shape(&self) -> &Shape {
         self.shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
-            describe::classify(&self.solved, &maps)
+            describe::classify(&self.solved, &maps, true)
+        })
+    }
+
+    /// The same without uncertainties, intervals, probabilities and direction, which may take longer than the fit;
+    /// computed on first access.
+    pub(crate) fn bare_shape(&self) -> &Shape {
+        self.bare_shape.get_or_init(|| {
+            let maps = describe::shape_over_grid(&self.solved);
+            describe::classify(&self.solved, &maps, false)
         })
     }
 
@@ -169,6 +180,16 @@ impl Fit {
     /// Noise sds or weights, declared or found; under weights the sds are computed from the residuals on first access.
     pub fn noise(&self) -> &NoiseSds {
         self.solved.noise()
+    }
+
+    /// Where the weights of the rows come from, and the noise sds where the fit itself needed them.
+    pub(crate) fn noise_at_hand(&self) -> (NoiseSource, Option<NoiseSds>) {
+        let record = &self.solved.fitted.noise;
+        let known = match record {
+            noise::record::NoiseRecord::Known(sds) => Some(*sds),
+            noise::record::NoiseRecord::Weighted { .. } => None,
+        };
+        (record.source(), known)
     }
 
     /// Root mean square residuals, input units.

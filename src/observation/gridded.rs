@@ -1,7 +1,7 @@
 //! Data on a grid, the product of two axes: the factors `N (n_x x n)` and `M (n_y x m)` are stored separately, as bands.
 
 use crate::bspline::Knots;
-use crate::linalg::{Site, Sites, TensorShape};
+use crate::linalg::{GridAxis, Site, Sites, TensorShape};
 
 /// Basis values along one axis: row r has its p + 1 values at `first[r]`.
 #[derive(Clone, Debug)]
@@ -80,6 +80,16 @@ impl Sites for GridSites {
 
     fn len(&self) -> usize {
         self.axes[0].first.len() * self.axes[1].first.len()
+    }
+
+    fn grid_axes(&self) -> Option<[GridAxis<'_>; 2]> {
+        Some(self.axes.each_ref().map(|axis| GridAxis {
+            first: &axis.first,
+            values: &axis.values,
+            slopes: &axis.slopes,
+            runs: &axis.runs,
+            width: axis.knots.degree() + 1,
+        }))
     }
 
     fn visit(&self, mut f: impl FnMut(&Site)) {

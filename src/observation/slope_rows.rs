@@ -1,5 +1,7 @@
 //! Slope rows: `wz (z - S)`, `wx (zx - S_x)`, `wy (zy - S_y)` with `(zx, zy) = (-nx/nz, -ny/nz)` (paper Eq. 13, 14).
 
+use ndarray::Array2;
+
 use crate::contact::{Contacts, Grid, Orientation};
 use crate::linalg::{RowWeights, SiteWeights, Targets};
 
@@ -40,7 +42,10 @@ pub(crate) fn slope_rows(contacts: &Contacts, block: [f64; 3]) -> (RowWeights, T
 
 /// The same for a grid. `origin` and `scale` bring its heights into the patch frame; NaN gets weight zero.
 pub(crate) fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: f64) -> (RowWeights, Targets) {
-    let at = |array: &Option<ndarray::Array2<f64>>, i: usize, j: usize, otherwise: f64| {
+    if let Some(uniform) = uniform_weights(grid, block) {
+        return (RowWeights::Uniform(uniform), uniform_targets(grid, &uniform, origin, scale));
+    }
+    let at = |array: &Option<Array2<f64>>, i: usize, j: usize, otherwise: f64| {
         array.as_ref().map_or(otherwise, |a| a[[i, j]])
     };
     let mut site_weights = Vec::with_capacity(grid.len());
@@ -62,4 +67,27 @@ pub(crate) fn grid_slope_rows(grid: &Grid, block: [f64; 3], origin: f64, scale: 
         RowWeights::PerSite(site_weights)
     };
     (row_weights, targets)
+}
+
+/// The weights of every pixel of a grid without weight maps and without missing numbers.
+fn uniform_weights(grid: &Grid, block: [f64; 3]) -> Option<SiteWeights> {
+    let is_whole = |array: &Array2<f64>| array.iter().all(|v| !v.is_nan());
+    let has_maps = [&grid.wz, &grid.wx, &grid.wy].iter().any(|map| map.is_some());
+    let slopes = [&grid.zx, &grid.zy];
+    if has_maps || !is_whole(&grid.z) || !slopes.iter().all(|s| s.as_ref().is_none_or(is_whole)) {
+        return None;
+    }
+    let [a, d] = [0, 1].map(|k| if slopes[k].is_some() { block[1 + k] } else { 0.0 });
+    Some(SiteWeights { z: block[0], a, b: 0.0, d })
+}
+
+fn uniform_targets(grid: &Grid, w: &SiteWeights, origin: f64, scale: f64) -> Targets {
+    let height = |z: &f64| if w.z == 0.0 { 0.0 } else { w.z * ((z - origin) / scale) };
+    let mut targets: Targets = grid.z.iter().map(|z| [height(z), 0.0, 0.0]).collect();
+    for (k, weight, slopes) in [(1, w.a, &grid.zx), (2, w.d, &grid.zy)] {
+        if let (Some(slopes), true) = (slopes, weight != 0.0) {
+            targets.iter_mut().zip(slopes).for_each(|(target, slope)| target[k] = weight * slope);
+        }
+    }
+    targets
 }

@@ -31,6 +31,8 @@ pub(super) struct FitData {
     pub solver: Solver,
     /// Where contacts reach.
     pub support: UvSupport,
+    /// Contacts that stood for all until near the minimum, where there were many.
+    pub standing: Option<usize>,
     /// Distance and difference of the normals, for every contact.
     pub residuals: Vec<[f64; 2]>,
 }

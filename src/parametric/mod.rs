@@ -19,6 +19,7 @@ mod descent;
 mod describe;
 mod dual;
 mod fairness;
+mod few;
 mod fingers;
 mod fit_data;
 mod fitted;
@@ -38,6 +39,7 @@ mod problem;
 mod quadrature;
 mod robust;
 mod start;
+mod thinning;
 mod vector;
 
 use std::sync::OnceLock;
@@ -83,7 +85,17 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
     let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
-    let (mut state, mut reached) = noise::fit(&mut problem, &mut solver, unknown)?;
+    let standing = thinning::thinned(&flat.places, &cells);
+    let mut raised_before = 0;
+    let (mut state, mut reached) = match &standing {
+        None => noise::fit(&mut problem, &mut solver, unknown)?,
+        Some(standing) => {
+            let start = few::fit_few(&problem, &mut solver, &flat, standing, unknown)?;
+            raised_before = start.raised;
+            problem = Problem::new(&cells, &contacts, &flat.places, &gauss, start.weights);
+            few::fit_all(&mut problem, &mut solver, start, unknown)?
+        }
+    };
     let weights = problem.weights;
     let mut weighted = contacts.clone();
     if options.robust != Robust::None {
@@ -93,7 +105,13 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let Limited { geometry, raised } =
         limit_bending::limit(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
     let weights = problem.weights;
-    let last = certificate::final_factor(&problem, &mut solver, &state)?;
+    let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
+    if standing.is_some() {
+        let plain = Weights { slack: SLACK, tie: TIE, ..weights };
+        let problem = Problem::new(&cells, &weighted, &flat.places, &gauss, plain);
+        // terms that were only raised to hold the parametrisation are no information, and must not lessen the uncertainty
+        last.condition = certificate::final_factor(&problem, &mut solver, &state)?.condition;
+    }
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let data = FitData {
         options: options.clone(),
@@ -106,13 +124,14 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         residuals,
         cells,
         contacts: weighted,
+        standing: standing.map(|standing| standing.len()),
     };
     Ok(ParametricFit {
         certificate: ParametricCertificate {
             parametrisation: format!("{}{reason}", flat.method),
             equations: contacts.equations(),
             unknowns: 3 * data.cells.shape().coefficients(),
-            fairness_raised: raised,
+            fairness_raised: raised_before + raised,
             ..ParametricCertificate::of(&reached, &geometry, last)
         },
         noise: noise_of(&weights, frame.scale, unknown.any()),

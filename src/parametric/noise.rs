@@ -13,6 +13,7 @@ use super::descent::{COARSE_TOLERANCE, Descent, Solver, State, TOLERANCE};
 use super::foot::Feet;
 use super::problem::{Parts, Problem, Weights};
 use super::start::start;
+use super::vector::Vector;
 use crate::fit::{FitError, NormalSigma, Objective, Signs, SlopeWeights, Smooth};
 
 /// The estimates have converged when none of them moves by more than this share of itself.
@@ -104,6 +105,31 @@ pub(super) fn fit(problem: &mut Problem, solver: &mut Solver, unknown: Unknown) 
     }
     let (mut reached, steps) = descend_and_estimate(problem, solver, &mut state, unknown)?;
     reached.steps = before + steps;
+    Ok((state, reached))
+}
+
+/// Fits from a surface near the minimum and the noise sds and weights of `problem`. The sds are estimated again once, which
+/// leaves a share of 1/g of their last change; the fairness stays, because it depends on the surface and not on the number
+/// of contacts.
+///
+/// # Errors
+/// As [`Solver::descend`].
+pub(super) fn finish(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    coefficients: Vec<Vector>,
+    unknown: Unknown,
+) -> Result<(State, Descent), FitError> {
+    let mut state = State { coefficients, feet: Feet { places: problem.flattened.to_vec() } };
+    let mut reached = solver.descend(problem, &mut state, COARSE_TOLERANCE)?;
+    let unknown = Unknown { fairness: false, ..unknown };
+    if unknown.any() {
+        let before = reached;
+        problem.weights = updated(problem, solver, &state, &reached, unknown)?;
+        reached = solver.descend(problem, &mut state, COARSE_TOLERANCE)?;
+        reached.steps += before.steps;
+        reached.folds_refused += before.folds_refused;
+    }
     Ok((state, reached))
 }
 

@@ -98,6 +98,11 @@ impl ParametricFit {
         &self.noise
     }
 
+    /// Number of contacts that stood for all until near the minimum; `None` where all took part in every step.
+    pub(crate) fn standing(&self) -> Option<usize> {
+        self.data.standing
+    }
+
     /// (u, v) of the feet of the contacts, input units.
     pub fn feet(&self) -> Vec<[f64; 2]> {
         self.data.feet.places.iter().map(|p| p.map(|t| t * self.data.frame.scale)).collect()

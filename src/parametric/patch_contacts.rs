@@ -43,6 +43,19 @@ impl PatchContacts {
         })
     }
 
+    /// The contacts with these numbers.
+    pub(super) fn chosen(&self, numbers: &[usize]) -> PatchContacts {
+        let vectors = |of: &[Vector]| numbers.iter().map(|&r| of[r]).collect();
+        let weights = |of: &[f64]| numbers.iter().map(|&r| of[r]).collect();
+        PatchContacts {
+            points: vectors(&self.points),
+            normals: vectors(&self.normals),
+            position_weight: weights(&self.position_weight),
+            normal_weight: weights(&self.normal_weight),
+            labels: self.labels.as_ref().map(|labels| numbers.iter().map(|&r| labels[r]).collect()),
+        }
+    }
+
     /// Number of contacts.
     pub(super) fn len(&self) -> usize {
         self.points.len()

@@ -80,8 +80,8 @@ pub enum PlanError {
         /// The offending value.
         value: f64,
     },
-    /// A pixel is NaN or infinite; plans take complete images alone.
-    #[error("pixel ({}, {}) of {image} is {value}, not a finite number; fit images with missing pixels by fit_grid", index[0], index[1])]
+    /// A pixel is NaN or infinite; plans take finite pixels alone, where they have a weight.
+    #[error("pixel ({}, {}) of {image} is {value}, not a finite number; images with missing pixels go to a MaskedImagePlan or to fit_grid", index[0], index[1])]
     Pixel {
         /// Name of the image.
         image: &'static str,

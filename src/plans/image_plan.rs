@@ -1,18 +1,17 @@
 //! Repeated fits of complete images with slopes: planned once, then fitted frame by frame.
 //!
 //! ```text
-//! C = U ((U' B V) / D) V',   B = N' Wz^2 Z M + N'' Wx^2 Zx M + N' Wy^2 Zy M'     N' transposed along x, M along y
-//! images, pixels_x x pixels_y  ->  half, n x pixels_y  ->  B, n x m  ->  C, n x m (fast diagonalisation)
+//! C = U ((U' B V) / D) V',   B the images times the basis (contraction.rs)     n x m, by fast diagonalisation
 //! ```
 //!
 //! R. E. Lynch, J. R. Rice, D. H. Thomas, *Numer. Math.* 6 (1964) 185. No fit after the first allocates memory.
 
 use ndarray::ArrayView2;
 
-use super::error::{PlanError, all_finite, check_weights};
+use super::contraction::{Contraction, check_axis};
+use super::error::{PlanError, check_weights};
 use crate::bspline::Knots;
 use crate::observation::GridSites;
-use crate::simd::{BandTerm, Isa, contract_rows};
 use crate::solve::FastDiagonalisation;
 
 /// A stream of complete images with slopes under fixed axes, knots and weights.
@@ -35,17 +34,10 @@ use crate::solve::FastDiagonalisation;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ImagePlan {
-    sites: GridSites,
-    /// N, N' and N again along x, times the squared weights of values, x slopes and y slopes.
-    weighted: [Vec<f64>; 3],
+    contraction: Contraction,
     solver: FastDiagonalisation,
-    /// `B_x' Z` of values with x slopes, and of y slopes: n x pixels in y.
-    half: [Vec<f64>; 2],
-    /// The same transposed.
-    transposed: [Vec<f64>; 2],
     /// One row of pixels of each image, converted, for images that are not contiguous rows of `f64`.
     converted: [Vec<f64>; 3],
-    right: Vec<f64>,
     coefficients: Vec<f64>,
 }
 
@@ -91,19 +83,12 @@ impl ImagePlan {
         let grams = [ax, ay].map(|axis| [axis.gram(0, None), axis.gram(1, None)]);
         let [gx, gy] = &grams;
         let solver = FastDiagonalisation::new([&gx[0], &gx[1]], [&gy[0], &gy[1]], weights)?;
-        let (n, m) = (gx[0].len(), gy[0].len());
-        let half = n * y.len();
-        let scaled = |table: &[f64], w: f64| table.iter().map(|v| v * w * w).collect();
-        let weighted = [scaled(&ax.values, weights[0]), scaled(&ax.slopes, weights[1]), scaled(&ax.values, weights[2])];
+        let unknowns = gx[0].len() * gy[0].len();
         Ok(ImagePlan {
-            weighted,
+            contraction: Contraction::new(sites, weights),
             solver,
-            half: [vec![0.0; half], vec![0.0; half]],
-            transposed: [vec![0.0; half], vec![0.0; half]],
             converted: std::array::from_fn(|_| vec![0.0; y.len()]),
-            right: vec![0.0; n * m],
-            coefficients: vec![0.0; n * m],
-            sites,
+            coefficients: vec![0.0; unknowns],
         })
     }
 
@@ -113,16 +98,16 @@ impl ImagePlan {
     /// [`PlanError::Length`] for an image that is not as large as the axes say; [`PlanError::Pixel`] for a NaN or
     /// infinite pixel; [`PlanError::Overflow`].
     pub fn fit_frame(&mut self, z: &[f64], zx: &[f64], zy: &[f64]) -> Result<&[f64], PlanError> {
-        let [_, along_y] = self.pixels();
-        let expected = self.pixels().iter().product();
+        let [_, along_y] = self.contraction.pixels();
+        let expected = self.contraction.pixels().iter().product();
         for (column, image) in IMAGES.into_iter().zip([z, zx, zy]) {
             if image.len() != expected {
                 return Err(PlanError::Length { column, found: image.len(), expected });
             }
         }
-        self.half.iter_mut().for_each(|h| h.fill(0.0));
-        self.contract_x(0, [z, zx, zy]);
-        let is_finite = self.contract_y();
+        self.contraction.clear();
+        self.contraction.contract_x(0, [z, zx, zy]);
+        let is_finite = self.contraction.contract_y();
         if !is_finite {
             return Err(culprit([z, zx, zy].map(|image| image.iter().copied()), along_y));
         }
@@ -142,7 +127,7 @@ impl ImagePlan {
         zx: ArrayView2<'_, T>,
         zy: ArrayView2<'_, T>,
     ) -> Result<&[f64], PlanError> {
-        let (views, expected) = ([z, zx, zy], self.pixels());
+        let (views, expected) = ([z, zx, zy], self.contraction.pixels());
         for (image, view) in IMAGES.into_iter().zip(&views) {
             let found = [view.nrows(), view.ncols()];
             if found != expected {
@@ -152,77 +137,26 @@ impl ImagePlan {
         if let [Some(z), Some(zx), Some(zy)] = views.each_ref().map(|view| view.as_slice().and_then(T::as_f64)) {
             return self.fit_frame(z, zx, zy);
         }
-        self.half.iter_mut().for_each(|h| h.fill(0.0));
+        self.contraction.clear();
         let mut rows = std::mem::take(&mut self.converted);
         for i in 0..expected[0] {
             for (row, view) in rows.iter_mut().zip(&views) {
                 row.iter_mut().zip(view.row(i)).for_each(|(to, from)| *to = (*from).into());
             }
-            self.contract_x(i, rows.each_ref().map(|row| &row[..]));
+            self.contraction.contract_x(i, rows.each_ref().map(|row| &row[..]));
         }
         self.converted = rows;
-        if !self.contract_y() {
+        if !self.contraction.contract_y() {
             return Err(culprit(views.each_ref().map(|view| view.iter().map(|v| (*v).into())), expected[1]));
         }
         Ok(self.solve())
     }
 
-    /// Pixels in x and in y.
-    fn pixels(&self) -> [usize; 2] {
-        self.sites.axes().each_ref().map(|axis| axis.first.len())
-    }
-
-    /// Adds consecutive rows of the images, the first of them number `from`, to `half`.
-    fn contract_x(&mut self, from: usize, images: [&[f64]; 3]) {
-        let isa = Isa::active();
-        let [ax, ay] = self.sites.axes();
-        let (width, pixels) = (ax.knots.degree() + 1, ay.first.len());
-        let rows = from..from + images[0].len() / pixels;
-        let first = &ax.first[rows.clone()];
-        let [values, slopes, across] =
-            self.weighted.each_ref().map(|table| &table[rows.start * width..rows.end * width]);
-        let term = |values, image| BandTerm { values, image };
-        let along = [term(values, images[0]), term(slopes, images[1])];
-        contract_rows(isa, width, first, &along, pixels, &mut self.half[0]);
-        contract_rows(isa, width, first, &[term(across, images[2])], pixels, &mut self.half[1]);
-    }
-
-    /// From `half` to the right-hand side; whether all of it is finite.
-    fn contract_y(&mut self) -> bool {
-        let [ax, ay] = self.sites.axes();
-        let (n, pixels) = (ax.knots.n_basis(), ay.first.len());
-        for (transposed, half) in self.transposed.iter_mut().zip(&self.half) {
-            transpose(half, n, pixels, transposed);
-        }
-        self.right.fill(0.0);
-        let term = |values, image| BandTerm { values, image };
-        let terms = [term(&ay.values[..], &self.transposed[0][..]), term(&ay.slopes[..], &self.transposed[1][..])];
-        contract_rows(Isa::active(), ay.knots.degree() + 1, &ay.first, &terms, n, &mut self.right);
-        all_finite(&self.right)
-    }
-
     fn solve(&mut self) -> &[f64] {
-        let [n, m] = self.sites.axes().each_ref().map(|axis| axis.knots.n_basis());
-        transpose(&self.right, m, n, &mut self.coefficients);
+        self.contraction.write_right_side(&mut self.coefficients);
         self.solver.solve(&mut self.coefficients);
         &self.coefficients
     }
-}
-
-/// Checks a pixel axis.
-fn check_axis(axis: &'static str, values: &[f64]) -> Result<(), PlanError> {
-    if values.is_empty() {
-        return Err(PlanError::Length { column: axis, found: 0, expected: 1 });
-    }
-    for (index, &value) in values.iter().enumerate() {
-        if !value.is_finite() {
-            return Err(PlanError::Axis { axis, index, value, expected: "a finite number" });
-        }
-        if index > 0 && value <= values[index - 1] {
-            return Err(PlanError::Axis { axis, index, value, expected: "above the entry before it" });
-        }
-    }
-    Ok(())
 }
 
 /// The pixel that made a sum NaN or infinite; `images` are row-major with rows of `along_y` pixels.
@@ -234,20 +168,6 @@ fn culprit(images: [impl Iterator<Item = f64>; 3], along_y: usize) -> PlanError 
         }
     }
     PlanError::Overflow
-}
-
-/// `out (columns x rows) = from'`, in squares that stay in the first-level cache.
-fn transpose(from: &[f64], rows: usize, columns: usize, out: &mut [f64]) {
-    const SIDE: usize = 8;
-    for i0 in (0..rows).step_by(SIDE) {
-        for j0 in (0..columns).step_by(SIDE) {
-            for j in j0..(j0 + SIDE).min(columns) {
-                for i in i0..(i0 + SIDE).min(rows) {
-                    out[j * rows + i] = from[i * columns + j];
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -6,8 +6,10 @@
 //!
 //! Nothing is allocated after the plan is made, and data are checked by way of the sums that are formed anyway.
 
+mod contraction;
 mod error;
 mod image_plan;
+mod masked_plan;
 mod slope_plan;
 mod stream;
 
@@ -16,5 +18,6 @@ pub(crate) use error::{check_noise_sds, check_shape_grid};
 pub use image_plan::ImagePlan;
 #[doc(hidden)]
 pub use image_plan::Pixel;
+pub use masked_plan::MaskedImagePlan;
 pub use slope_plan::{SlopeColumns, SlopePlan};
 pub use stream::{StreamShape, Touch, TouchStream};

@@ -10,12 +10,11 @@
 //! the knots.
 
 use super::error::{PlanError, check_noise_sds, check_shape_grid};
-use crate::bspline::{BasisRow, Knots, MAX_DEGREE};
-use crate::curvature::principal_curvatures;
+use crate::bspline::{Knots, MAX_DEGREE};
 use crate::linalg::{StencilMatrix, TensorShape};
-use crate::shape::{by_coefficients, shape_gradient};
+use crate::shape::RepeatedGradients;
 use crate::solve::Cholesky;
-use crate::surface::SurfacePoint;
+use crate::surface::CurvatureGrid;
 
 const WIDTH: usize = MAX_DEGREE + 1;
 
@@ -46,7 +45,10 @@ pub struct TouchStream {
     right: Vec<f64>,
     factor: Cholesky,
     coefficients: Vec<f64>,
-    grid: [Vec<BasisRow>; 2],
+    grid: CurvatureGrid,
+    point_gradients: RepeatedGradients,
+    /// S and R at the points of the grid.
+    maps: [Vec<f64>; 2],
     /// d(mean S)/dc and d(mean R)/dc.
     gradients: [Vec<f64>; 2],
     /// One of the gradients times `A^-1`.
@@ -94,14 +96,22 @@ impl TouchStream {
             TensorShape { basis: knots.each_ref().map(Knots::n_basis), degree: knots.each_ref().map(Knots::degree) };
         let factor = Cholesky::plan(shape)?;
         let zeros = vec![0.0; shape.unknowns()];
-        let axis = |k: usize| grid[k].iter().map(|&at| knots[k].basis(at)).collect();
+        // means do not depend on the order of the points
+        let [x, y] = grid.map(|axis| {
+            let mut axis = axis.to_vec();
+            axis.sort_unstable_by(f64::total_cmp);
+            axis
+        });
+        let map = vec![0.0; x.len() * y.len()];
         Ok(TouchStream {
             weights: sigma.map(|sd| 1.0 / sd),
             matrix: StencilMatrix::zeros(shape),
             right: zeros.clone(),
             factor,
             coefficients: zeros.clone(),
-            grid: [axis(0), axis(1)],
+            grid: CurvatureGrid::new(&knots, &x, &y),
+            point_gradients: RepeatedGradients::new(&knots, &x, &y),
+            maps: [map.clone(), map],
             gradients: [zeros.clone(), zeros.clone()],
             solved: zeros,
             contacts: 0,
@@ -183,29 +193,19 @@ impl TouchStream {
 
     /// Mean S and R over the grid, and their gradients.
     fn means(&mut self) -> (Option<f64>, f64) {
-        let TensorShape { basis: [_, m], .. } = self.matrix.shape();
+        let [index_map, curvedness_map] = &mut self.maps;
+        self.grid.maps(&self.coefficients, index_map, curvedness_map);
         let [of_index, of_curvedness] = &mut self.gradients;
-        of_index.fill(0.0);
-        of_curvedness.fill(0.0);
-        let (mut index, mut defined, mut curved) = (0.0, 0_usize, 0.0);
-        for bx in &self.grid[0] {
-            for by in &self.grid[1] {
-                let point = SurfacePoint::of_rows(bx, by, |i, j| self.coefficients[i * m + j]);
-                let Some(principal) = principal_curvatures(&point.derivatives()) else { continue };
-                let gradient = shape_gradient(&point);
-                let at = |a: usize, b: usize| (bx.first + a) * m + by.first + b;
-                curved += principal.curvedness();
-                by_coefficients(&gradient.curvedness, bx, by, |a, b, value| of_curvedness[at(a, b)] += value);
-                if let Some(here) = principal.shape_index() {
-                    index += here;
-                    defined += 1;
-                    by_coefficients(&gradient.shape_index, bx, by, |a, b, value| of_index[at(a, b)] += value);
-                }
-            }
+        self.point_gradients.sums(&self.coefficients, index_map, [of_index, of_curvedness]);
+        let (mut index, mut defined) = (0.0, 0_usize);
+        for here in index_map.iter().filter(|here| !here.is_nan()) {
+            index += here;
+            defined += 1;
         }
-        let points = (self.grid[0].len() * self.grid[1].len()) as f64;
+        let points = curvedness_map.len() as f64;
         of_index.iter_mut().for_each(|g| *g /= defined.max(1) as f64);
         of_curvedness.iter_mut().for_each(|g| *g /= points);
+        let curved: f64 = curvedness_map.iter().sum();
         ((defined > 0).then(|| index / defined as f64), curved / points)
     }
 

@@ -103,29 +103,79 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     if points.len() <= MOST {
         return ((0..points.len()).collect(), points.len());
     }
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for p in points {
+        (0..3).for_each(|k| (bounds[0][k], bounds[1][k]) = (bounds[0][k].min(p[k]), bounds[1][k].max(p[k])));
+    }
     let [mut lo, mut hi] = SIZES;
     for _ in 0..HALVINGS {
         let size = (lo * hi).sqrt();
-        if voxels(points, size, MOST).is_none() {
+        if are_more(points, bounds, size, MOST) {
             lo = size;
         } else {
             hi = size;
         }
     }
-    voxels(points, hi, usize::MAX).unwrap_or((vec![0; points.len()], 1))
+    let mut numbers = VoxelNumbers::new(bounds, hi);
+    let of = points.iter().map(|p| numbers.of(voxel(*p, hi))).collect();
+    (of, numbers.count)
 }
 
-/// The voxel of every point, voxels numbered in the order of their first points; `None` when there are more than
-/// `most`.
-fn voxels(points: &[Vector], size: f64, most: usize) -> Option<(Vec<usize>, usize)> {
-    let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut of = Vec::with_capacity(points.len());
-    for p in points {
-        let next = numbers.len();
-        of.push(*numbers.entry(p.map(|v| (v / size + 0.5).floor() as i64)).or_insert(next));
-        if numbers.len() > most {
-            return None;
-        }
+/// Whether voxels of this size hold more than `most` groups of the points.
+fn are_more(points: &[Vector], bounds: [Vector; 2], size: f64, most: usize) -> bool {
+    let mut numbers = VoxelNumbers::new(bounds, size);
+    points.iter().any(|p| {
+        numbers.of(voxel(*p, size));
+        numbers.count > most
+    })
+}
+
+/// The voxel of a point: `floor(p / size + 1/2)`.
+fn voxel(p: Vector, size: f64) -> [i64; 3] {
+    p.map(|v| {
+        let place = v / size + 0.5;
+        // a conversion cuts towards zero
+        let whole = place as i64;
+        whole - i64::from((whole as f64) > place)
+    })
+}
+
+/// Voxels of a table that is looked up instead of a hash map.
+const TABLE: usize = 1 << 16;
+
+/// Voxels numbered as they are met.
+struct VoxelNumbers {
+    count: usize,
+    /// First voxel and numbers of voxels of the table, and the number of each, 0 where it was not met; empty where the
+    /// points reach over too many voxels.
+    from: [i64; 3],
+    sides: [i64; 3],
+    table: Vec<u32>,
+    map: HashMap<[i64; 3], usize>,
+}
+
+impl VoxelNumbers {
+    /// For points within these bounds.
+    fn new([lo, hi]: [Vector; 2], size: f64) -> VoxelNumbers {
+        let (from, to) = (voxel(lo, size), voxel(hi, size));
+        let sides = [0, 1, 2].map(|k| to[k].saturating_sub(from[k]).saturating_add(1).max(1));
+        let room = sides.iter().try_fold(1_usize, |room, side| room.checked_mul(usize::try_from(*side).ok()?));
+        let table = vec![0; room.filter(|room| *room <= TABLE).unwrap_or(0)];
+        VoxelNumbers { count: 0, from, sides, table, map: HashMap::new() }
     }
-    Some((of, numbers.len()))
+
+    fn of(&mut self, voxel: [i64; 3]) -> usize {
+        let [i, j, k] = [0, 1, 2].map(|d| voxel[d].wrapping_sub(self.from[d]));
+        let at = (i.wrapping_mul(self.sides[1]).wrapping_add(j)).wrapping_mul(self.sides[2]).wrapping_add(k);
+        if let Some(number) = usize::try_from(at).ok().and_then(|at| self.table.get_mut(at)) {
+            if *number == 0 {
+                self.count += 1;
+                *number = self.count as u32;
+            }
+            return *number as usize - 1;
+        }
+        let number = *self.map.entry(voxel).or_insert(self.count);
+        self.count += usize::from(number == self.count);
+        number
+    }
 }

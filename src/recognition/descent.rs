@@ -7,6 +7,7 @@
 //!
 //! J. J. More, *The Levenberg-Marquardt algorithm*, 1978. P. J. Huber, *Robust Statistics*, 1981.
 
+use crate::threads;
 use crate::vector::Vector;
 
 use super::dense;
@@ -23,6 +24,9 @@ const STEPS: usize = 60;
 
 /// Levenberg-Marquardt damping at the start, and where a fit gives up.
 const DAMPING: [f64; 2] = [1e-4, 1e12];
+
+/// Points of one task; fewer, at 30 ns each, take less than handing them over.
+pub(super) const TASK: usize = 1 << 13;
 
 /// A fit with its distances and their robust scale.
 #[derive(Clone, Debug)]
@@ -81,7 +85,10 @@ pub(super) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64;
 }
 
 pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
-    points.iter().map(|p| model.distance(*p)).collect()
+    if points.len() <= TASK {
+        return points.iter().map(|p| model.distance(*p)).collect();
+    }
+    threads::map(points.len(), TASK, |k| model.distance(points[k]))
 }
 
 fn scale_of(distances: &[f64]) -> f64 {

@@ -95,18 +95,18 @@ impl Given {
             let (found, needed) = (self.points.len(), NEEDED[kind]);
             return Err(RecognitionError::TooFew { found, needed, kind: ["without", "with"][kind] });
         }
-        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
-        let key = |i: u32| (self.points[i as usize], self.normals.as_ref().map_or([0.0; 3], |n| n[i as usize]));
-        order.sort_unstable_by(|&i, &j| {
-            let ((p, n), (q, m)) = (key(i), key(j));
-            p.iter()
-                .chain(&n)
-                .zip(q.iter().chain(&m))
-                .map(|(a, b)| a.total_cmp(b))
-                .find(|o| o.is_ne())
-                .unwrap_or(i.cmp(&j))
-        });
-        let taken = |of: &[Vector]| order.iter().map(|&i| of[i as usize]).collect::<Vec<Vector>>();
+        // x stands beside the number, so that contacts of different x are compared without a jump through memory
+        let mut order: Vec<(f64, u32)> = self.points.iter().zip(0..).map(|(p, i)| (p[0], i)).collect();
+        let rest = |i: u32| {
+            let (p, n) = (self.points[i as usize], self.normals.as_ref().map_or([0.0; 3], |n| n[i as usize]));
+            [p[1], p[2], n[0], n[1], n[2]]
+        };
+        let compare_rest = |i: u32, j: u32| {
+            let (p, q) = (rest(i), rest(j));
+            p.iter().zip(&q).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne()).unwrap_or(i.cmp(&j))
+        };
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| compare_rest(a.1, b.1)));
+        let taken = |of: &[Vector]| order.iter().map(|&(_, i)| of[i as usize]).collect::<Vec<Vector>>();
         Ok(Given { points: taken(&self.points), normals: self.normals.as_deref().map(taken), ..self })
     }
 }

@@ -29,7 +29,7 @@ type Near = (f64, u32);
 
 impl<'a> Neighbours<'a> {
     pub(super) fn new(points: &'a [Vector]) -> Neighbours<'a> {
-        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        let mut items: Vec<(Vector, u32)> = points.iter().copied().zip(0..).collect();
         let depth_of = |mut count: usize| {
             let mut depth = 0;
             while count > LEAF {
@@ -39,7 +39,8 @@ impl<'a> Neighbours<'a> {
             depth
         };
         let mut cuts = vec![(0, 0.0); (1 << depth_of(points.len())) - 1];
-        cut(points, &mut order, 0, &mut cuts);
+        cut(&mut items, 0, &mut cuts);
+        let order = items.into_iter().map(|(_, number)| number).collect();
         Neighbours { points: Cow::Borrowed(points), order, cuts }
     }
 
@@ -90,27 +91,26 @@ fn keep(found: &mut Vec<Near>, k: usize, new: Near) {
     found.truncate(k);
 }
 
-fn cut(points: &[Vector], order: &mut [u32], node: usize, cuts: &mut [(u8, f64)]) {
+/// Points move with their numbers, so that no level jumps through memory.
+fn cut(items: &mut [(Vector, u32)], node: usize, cuts: &mut [(u8, f64)]) {
     if node >= cuts.len() {
         return;
     }
     let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &number in order.iter() {
-        let p = points[number as usize];
+    for (p, _) in items.iter() {
         (0..3).for_each(|i| (lo[i], hi[i]) = (lo[i].min(p[i]), hi[i].max(p[i])));
     }
     let width = minus(hi, lo);
     let axis = if width[0] >= width[1] && width[0] >= width[2] { 0 } else { 1 + usize::from(width[2] > width[1]) };
-    let middle = order.len().div_ceil(2);
-    if middle >= order.len() {
+    let middle = items.len().div_ceil(2);
+    if middle >= items.len() {
         return;
     }
-    let key = |number: &u32| points[*number as usize][axis];
-    order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-    cuts[node] = (axis as u8, key(&order[middle]));
-    let (left, right) = order.split_at_mut(middle);
-    cut(points, left, 2 * node + 1, cuts);
-    cut(points, right, 2 * node + 2, cuts);
+    items.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+    cuts[node] = (axis as u8, items[middle].0[axis]);
+    let (left, right) = items.split_at_mut(middle);
+    cut(left, 2 * node + 1, cuts);
+    cut(right, 2 * node + 2, cuts);
 }
 
 #[cfg(test)]

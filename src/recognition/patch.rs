@@ -7,11 +7,12 @@
 //! Refused are contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::contact::Frame;
+use crate::threads;
 use crate::vector::{Vector, dot, minus, norm, scaled};
 
 use super::believable_normals::{AGAINST, derived_from_positions};
 use super::cells::{Cells, cells};
-use super::descent::plain;
+use super::descent::{TASK, plain};
 use super::frame::{mean_of, patch_frame};
 use super::input::Given;
 use super::model::{Kind, Model};
@@ -65,7 +66,8 @@ impl Patch {
                 100.0 * start.distances.iter().map(|d| d * d).sum::<f64>().sqrt() / (points.len() as f64).sqrt();
             return Err(RecognitionError::NotOneSheet { misfit, outliers: 100.0 * outliers });
         }
-        let surface_normals: Vec<Vector> = points.iter().map(|p| start.general.distance_and_normal(*p).1).collect();
+        let surface_normals: Vec<Vector> =
+            threads::map(points.len(), TASK, |k| start.general.distance_and_normal(points[k]).1);
         let length = norm(mean_of(&surface_normals));
         if length < ALL_AROUND {
             return Err(RecognitionError::AllAround { mean_length: length });

@@ -68,7 +68,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 
 /// Convex hull, to the left around (A. M. Andrew, 1979).
 fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut sorted = points.to_vec();
+    let mut sorted = near_the_outline(points);
     sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();
     let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
@@ -85,6 +85,34 @@ fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut lower = chain(&mut sorted.iter().copied());
     lower.extend(chain(&mut sorted.iter().rev().copied()));
     lower
+}
+
+/// The points without those well inside the octagon of the farthest points in eight directions, which no hull has as
+/// corners (S. G. Akl and G. T. Toussaint, *Inf. Process. Lett.* 7 (1978) 219).
+fn near_the_outline(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    /// Share of the octagon's area by which a point has to be inside each side.
+    const WELL: f64 = 1e-9;
+    const DIRECTIONS: [[f64; 2]; 8] =
+        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
+    let Some(&first) = points.first() else { return Vec::new() };
+    let mut corners = [first; 8];
+    let mut farthest = [f64::NEG_INFINITY; 8];
+    for p in points {
+        for (k, d) in DIRECTIONS.iter().enumerate() {
+            let along = d[0] * p[0] + d[1] * p[1];
+            if along > farthest[k] {
+                (farthest[k], corners[k]) = (along, *p);
+            }
+        }
+    }
+    let size = (farthest[0] + farthest[4]).abs() * (farthest[2] + farthest[6]).abs();
+    let is_well_inside = |p: &[f64; 2]| {
+        (0..8).all(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 8]);
+            a == b || turn(a, b, *p) > WELL * size
+        })
+    };
+    points.iter().filter(|p| !is_well_inside(p)).copied().collect()
 }
 
 /// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge.

@@ -31,8 +31,11 @@ impl Answer {
 }
 
 /// Computes what a fit computes on first access, so that a caller with a clock can time it.
-pub(crate) fn compute_shape(answer: &Answer) {
+pub(crate) fn compute_shape(answer: &Answer, bare: bool) {
     match answer {
+        Answer::Fitted(FittedSurface::Height(fit)) if bare => {
+            let _ = fit.bare_shape();
+        }
         Answer::Fitted(FittedSurface::Height(fit)) => {
             let _ = fit.shape();
             let _ = fit.certificate();

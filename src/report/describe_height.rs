@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, NoiseSource};
+use crate::fit::{Fit, FitError, NoiseSource, Shape};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
@@ -44,16 +44,16 @@ impl<'a> HeightDescription<'a> {
         let surface = fit.input_surface()?;
         let mut document = document(fit, &surface, subject, seconds);
         if subject.lack_of_fit.is_some() {
-            let maps = &fit.shape().maps;
+            let maps = &shape_of(fit, subject).maps;
             let places = maps.supported.indexed_iter().map(|(at, _)| at);
             take_back_class(&mut document, places.filter_map(|(i, j)| maps.shape_index_at(i, j)));
         }
         Ok(HeightDescription {
             document,
             surface: Cow::Owned(surface),
-            maps: Cow::Borrowed(&fit.shape().maps),
+            maps: Cow::Borrowed(&shape_of(fit, subject).maps),
             grid: fit.options().grid,
-            unsupported: &fit.certificate().unsupported,
+            unsupported: &fit.solution().unsupported,
             contacts: match subject.input {
                 Input::Contacts(contacts) => Some((contacts, fit.frame())),
                 Input::Grid(_) => None,
@@ -132,9 +132,9 @@ fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Second
         },
         frame: SavedFrame::of(fit.frame()),
         fit: fit_part(fit, surface, subject),
-        shape: shape_part(fit),
-        truth: subject.truth.map(|truth| truth_part(fit, truth)),
-        surface: SavedSurface::of(surface, &fit.certificate().unsupported),
+        shape: shape_part(fit, shape_of(fit, subject)),
+        truth: subject.truth.map(|truth| truth_part(fit, shape_of(fit, subject), truth)),
+        surface: SavedSurface::of(surface, &fit.solution().unsupported),
         seconds,
     }
 }
@@ -146,44 +146,47 @@ fn measured_pixels(grid: &Grid) -> usize {
 }
 
 fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
-    let (certificate, noise, rms) = (fit.certificate(), fit.noise(), fit.rms());
-    let sigma = SigmaPart {
+    let (solution, rms) = (fit.solution(), fit.rms());
+    let certificate = (!subject.bare).then(|| fit.certificate());
+    let (source, noise) = fit.noise_at_hand();
+    let noise = if subject.bare { noise } else { Some(*fit.noise()) };
+    let sigma = noise.map_or_else(SigmaPart::default, |noise| SigmaPart {
         z: noise.sigma_z,
         normal_deg: noise.sigma_normal_deg,
         slope: noise.sigma_slope,
         ..SigmaPart::default()
-    };
+    });
     let finite = |v: f64| v.is_finite().then_some(v);
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
         degree: [0, 1].map(|k| surface.knots()[k].degree()),
         segments: [0, 1].map(|k| surface.knots()[k].n_segments()),
-        weights: match noise.source {
+        weights: match source {
             NoiseSource::Weights(weights) => Some(weights),
             _ => None,
         },
         sigma: known.then_some(sigma),
-        method: certificate.method.name().into(),
-        reason: certificate.reasons.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-        equations: certificate.equations,
-        unknowns: certificate.unknowns,
-        rank: certificate.rank,
-        condition: finite(certificate.condition),
-        backward_error: finite(certificate.backward_error),
-        promise: Some(PromisePart {
+        method: solution.method.name().into(),
+        reason: solution.reasons.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        equations: fit.equations().count(),
+        unknowns: fit.equations().unknowns(),
+        rank: solution.rank,
+        condition: certificate.and_then(|certificate| finite(certificate.condition)),
+        backward_error: certificate.and_then(|certificate| finite(certificate.backward_error)),
+        promise: certificate.map(|certificate| PromisePart {
             coefficients: certificate.guaranteed_digits.coefficients,
             shape_index: certificate.guaranteed_digits.shape_index,
             curvedness: certificate.guaranteed_digits.curvedness,
         }),
-        refinements: certificate.refinements,
+        refinements: solution.refinements,
         smooth: fit.smoothing(),
         chosen: subject.chosen.clone(),
         lack_of_fit: subject.lack_of_fit.clone(),
         parametric: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
-        notes: (subject.notes.iter().cloned())
+        notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
-            .chain(declared_sigma(fit))
+            .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
             .collect(),
     }
 }
@@ -208,8 +211,12 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
     both.into_iter().filter_map(|(what, factor)| Some(words(what, factor?))).collect()
 }
 
-fn shape_part(fit: &Fit) -> ShapePart {
-    let shape = fit.shape();
+/// The shape, without its uncertainties where they were declined.
+fn shape_of<'a>(fit: &'a Fit, subject: &Subject) -> &'a Shape {
+    if subject.bare { fit.bare_shape() } else { fit.shape() }
+}
+
+fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
     ShapePart {
         grid: fit.options().grid,
         shape_index: measure(&shape.shape_index),
@@ -228,8 +235,8 @@ fn shape_part(fit: &Fit) -> ShapePart {
     }
 }
 
-fn truth_part(fit: &Fit, truth: &Truth) -> TruthPart {
-    let (frame, shape) = (fit.frame(), fit.shape());
+fn truth_part(fit: &Fit, shape: &Shape, truth: &Truth) -> TruthPart {
+    let frame = fit.frame();
     let found = compare_with_truth(&shape.maps, |point| {
         let [x, y, _] = if frame.keeps_axes() { point } else { frame.rotate_back(point) };
         let local = truth.at(x, y)?.local;

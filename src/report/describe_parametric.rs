@@ -42,7 +42,13 @@ impl<'a> ParametricDescription<'a> {
     ) -> Result<ParametricDescription<'a>, FitError> {
         let surface = fit.input_surface()?;
         Ok(ParametricDescription {
-            document: document(fit, &surface, subject, seconds),
+            document: {
+                let mut document = document(fit, &surface, subject, seconds);
+                if subject.bare {
+                    decline(&mut document);
+                }
+                document
+            },
             surface: Cow::Owned(surface),
             support: Cow::Owned(fit.input_support()),
             maps: Cow::Borrowed(&fit.shape().maps),
@@ -120,6 +126,17 @@ fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, second
     }
 }
 
+/// Takes out what was declined. A parametric fit computes it on its way, at little cost.
+fn decline(document: &mut FitDocument) {
+    let (fit, shape) = (&mut document.fit, &mut document.shape);
+    (fit.condition, fit.backward_error) = (None, None);
+    for part in [&mut shape.shape_index, &mut shape.curvedness] {
+        (part.u, part.interval) = (None, None);
+    }
+    shape.class_probability = None;
+    (shape.direction_deg, shape.direction) = (None, None);
+}
+
 fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
     let (certificate, levels, rms) = (fit.certificate(), fit.noise(), fit.rms());
     let knots = fit.surface().knots();
@@ -160,7 +177,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
         refinements: 0,
         smooth: levels.fairness,
         rms: RmsPart { z: Some(rms[0]), normal_deg: Some(rms[1].to_degrees()), ..RmsPart::default() },
-        notes: subject.notes.iter().cloned().chain(notes(fit)).collect(),
+        notes: subject.remarks().chain(notes(fit)).collect(),
     }
 }
 
@@ -172,6 +189,12 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
     }
     if !certificate.fold_free {
         notes.push("the map is not free of folds: do not trust S and R where it folds back".into());
+    }
+    if let Some(standing) = fit.standing() {
+        notes.push(format!(
+            "{standing} contacts, evenly spread, stood for all until near the minimum and told the fairness; \
+             the last steps, the noise and u are those of all contacts"
+        ));
     }
     if certificate.fairness_raised > 0 {
         notes.push(format!(

@@ -53,6 +53,8 @@ pub(crate) struct Subject<'a> {
     pub input: &'a Input,
     /// What is true, in a simulated world.
     pub truth: Option<&'a Truth>,
+    /// Whether certificate, uncertainties and intervals were declined.
+    pub bare: bool,
     /// Remarks of the reader.
     pub notes: Vec<String>,
     /// Kind of surface and why, where that was a question.
@@ -70,6 +72,14 @@ pub(crate) struct ShownGrid {
     pub inset: f64,
     /// Whether the grid is another one than the saved one, so that the shape is taken again.
     pub again: bool,
+}
+
+impl Subject<'_> {
+    /// The remarks, and that on what was declined.
+    pub(super) fn remarks(&self) -> impl Iterator<Item = String> {
+        let declined = "certificate, uncertainties, intervals and direction were declined (--bare)";
+        self.notes.iter().cloned().chain(self.bare.then(|| declined.to_string()))
+    }
 }
 
 /// What every output says of contacts that were made on an imported surface.

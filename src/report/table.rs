@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::document::{FitDocument, MeasurePart, ParametricPart};
+use super::document::{FitDocument, FitPart, MeasurePart, ParametricPart};
 
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
@@ -154,6 +154,17 @@ fn equation_lines(document: &FitDocument, lines: &mut Lines) {
         parametric_lines(part, lines);
     }
     lines.add("method", format!("{}: {}", fit.method, fit.reason));
+    if fit.condition.is_some() || fit.backward_error.is_some() || fit.promise.is_some() {
+        certificate_lines(fit, lines);
+    }
+    let mut rms: Vec<String> =
+        rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3)))).collect();
+    rms.extend(fit.rms.normal_deg.map(|value| format!("normals {} deg", significant(value, 3))));
+    lines.add("rms", rms.join("  "));
+}
+
+/// How far to trust the numbers.
+fn certificate_lines(fit: &FitPart, lines: &mut Lines) {
     let certificate = |value: Option<f64>| value.map_or("unknown".to_string(), |v| significant(v, 2));
     let (condition, backward) = (certificate(fit.condition), certificate(fit.backward_error));
     lines.add("numbers", format!("condition {condition}, backward error {backward}"));
@@ -166,10 +177,6 @@ fn equation_lines(document: &FitDocument, lines: &mut Lines) {
         );
         lines.add("digits", format!("at least {digits}"));
     }
-    let mut rms: Vec<String> =
-        rms.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", significant(value?, 3)))).collect();
-    rms.extend(fit.rms.normal_deg.map(|value| format!("normals {} deg", significant(value, 3))));
-    lines.add("rms", rms.join("  "));
 }
 
 fn parametric_lines(part: &ParametricPart, lines: &mut Lines) {

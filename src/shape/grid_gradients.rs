@@ -75,6 +75,11 @@ impl GridGradients {
         GridGradients { kept: Some(kept) }
     }
 
+    /// The gradients of any surface, none of them computed yet.
+    pub(crate) fn unkept() -> GridGradients {
+        GridGradients { kept: None }
+    }
+
     /// Visits all points in groups of up to eight: for each group in y, all x in turn. `surface` and `rows` are those of [`Self::new`].
     pub(crate) fn visit(&self, surface: &HeightField, rows: &[Vec<BasisRow>; 2], mut f: impl FnMut(&EightPoints)) {
         let Some(Kept { heads, entries }) = &self.kept else {

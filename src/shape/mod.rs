@@ -15,17 +15,21 @@ mod maps;
 mod outline;
 mod parametric_maps;
 mod plane;
+mod repeated_gradients;
 mod summary;
 mod truth;
 mod uv_support;
 
-pub(crate) use gradient::{by_coefficients, gap_gradient, mean_gradients, shape_gradient};
+#[cfg(test)]
+pub(crate) use gradient::{by_coefficients, shape_gradient};
+pub(crate) use gradient::{gap_gradient, mean_gradients};
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
 pub(crate) use outline::Outline;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub(crate) use repeated_gradients::RepeatedGradients;
 pub use summary::Interval;
 pub(crate) use summary::{Spread, class_probabilities, normal_interval, radius_of, spread};
 pub(crate) use truth::compare_with_truth;

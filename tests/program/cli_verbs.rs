@@ -42,6 +42,42 @@ fn run_without_anything_tells_the_shape_of_the_cylinder() {
     assert!(text(directory.path(), &["run", "--quiet"]).is_empty());
 }
 
+/// What is declined is null in the document, has no line in the table, and is said; all else stays to the digit.
+#[test]
+fn bare_declines_certificate_and_intervals_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let (mut whole, mut bare) = (json(here, &["run", "--json"]), json(here, &["run", "--json", "--bare"]));
+    let declined = [
+        "/fit/condition",
+        "/fit/backward_error",
+        "/fit/promise",
+        "/fit/sigma",
+        "/shape/S/u",
+        "/shape/S/interval",
+        "/shape/R/u",
+        "/shape/R/interval",
+        "/shape/class_probability",
+        "/shape/direction_deg",
+    ];
+    for key in declined {
+        assert!(bare.pointer(key).unwrap().is_null(), "{key}");
+        assert!(!std::mem::take(whole.pointer_mut(key).unwrap()).is_null(), "{key}");
+    }
+    let notes = std::mem::take(bare.pointer_mut("/fit/notes").unwrap());
+    whole["fit"]["notes"].take();
+    assert!(notes[0].as_str().unwrap().contains("--bare"), "{notes}");
+    assert_eq!(without_seconds(whole), without_seconds(bare));
+    let table = text(here, &["run", "--bare"]);
+    assert!(!table.contains("numbers ") && !table.contains("digits ") && !table.contains("u ="), "{table}");
+    text(here, &["simulate", "paper-cylinder", "-o", "c.csv"]);
+    let refused = palpate(here, &["fit", "c.csv", "--bare"]).output().unwrap();
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && message.contains("--degree"), "{message}");
+    let space = json(here, &["run", "--bare", "--surface", "parametric", "--json"]);
+    assert!(space["shape"]["S"]["u"].is_null() && space["fit"]["condition"].is_null());
+}
+
 #[test]
 fn contacts_of_a_scene_fit_alike_from_every_format_and_from_a_pipe() {
     let directory = tempfile::tempdir().unwrap();

@@ -21,7 +21,7 @@ pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
     let equations = &fitted.equations;
     let freedom = fitted.solution.rank as f64 - 3.0;
     let rest = equations.count() as f64 - fitted.solution.rank as f64;
-    if freedom <= 0.0 || (solved.noise().source != NoiseSource::Sigma && rest <= 0.0) {
+    if freedom <= 0.0 || (fitted.noise.source() != NoiseSource::Sigma && rest <= 0.0) {
         return None;
     }
     let of_fit: f64 = equations.residual_squares(&fitted.solution.coefficients).iter().sum();
@@ -31,7 +31,7 @@ pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
         return Some(1.0);
     }
     let rise = (plane.squares - of_fit).max(0.0);
-    Some(match solved.noise().source {
+    Some(match fitted.noise.source() {
         NoiseSource::Sigma => chi_square_upper_tail(rise, freedom),
         NoiseSource::Weights(_) | NoiseSource::Estimated => {
             f_upper_tail((rise / freedom) / (of_fit / rest), freedom, rest)

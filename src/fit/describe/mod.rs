@@ -14,14 +14,14 @@ use crate::curvature::ShapeClass;
 use crate::fit::placing::data::Data;
 use crate::fit::solved::Solved;
 use crate::shape::{
-    GridGradients, Outline, ShapeGrid, ShapeMaps, Spread, class_probabilities, mean_gradients, normal_interval,
-    radius_of, shape_maps, spread,
+    GridGradients, Outline, ShapeGrid, ShapeMaps, Spread, class_probabilities, normal_interval, radius_of, shape_maps,
+    spread,
 };
 use crate::surface::SurfacePoint;
 use direction::direction;
 use flatness::{is_flat, plane_probability};
 use shape::{Shape, Statistic, supported_points};
-use uncertainty::standard_uncertainty;
+use uncertainty::Uncertainties;
 
 /// The significance at which the best plane is rejected; below it the patch is taken as a plane.
 const PLANE_SIGNIFICANCE: f64 = 0.01;
@@ -46,19 +46,16 @@ fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
     }
 }
 
-/// Step 5: means, class, radius, direction and their uncertainty, in input units.
-pub(super) fn classify(solved: &Solved, local: &ShapeMaps) -> Shape {
+/// Step 5: means, class, radius, and with `uncertain` their uncertainty and the direction, in input units.
+pub(super) fn classify(solved: &Solved, local: &ShapeMaps, uncertain: bool) -> Shape {
     let scale = solved.patch.frame.scale;
     let defined = supported_points(local).filter(|&(i, j)| local.shape_index_at(i, j).is_some());
     let s = spread(defined.map(|at| local.shape_index[at]));
     let r = spread(supported_points(local).map(|at| local.curvedness[at] / scale));
     let plane_p = plane_probability(solved);
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
-    let gradients = GridGradients::new(&solved.surface, &local.rows);
-    let of_means = mean_gradients(&solved.surface, local, &gradients);
-    // nothing between -1 and 1 has a larger standard deviation
-    let u_s = standard_uncertainty(solved, &of_means.shape_index).min(1.0);
-    let u_r = standard_uncertainty(solved, &of_means.curvedness) / scale;
+    let u = uncertain.then(|| Uncertainties::new(solved, local));
+    let [u_s, u_r] = [u.as_ref().map(|u| u.of_shape_index), u.as_ref().map(|u| u.of_curvedness)];
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let level = solved.options.level;
@@ -66,25 +63,25 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps) -> Shape {
         shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, level, [-1.0, 1.0])),
         curvedness: statistic(r, u_r, level, [0.0, f64::INFINITY]),
         class,
-        class_probability: curved.map_or(Vec::new(), |mean| class_probabilities(mean, u_s)),
+        class_probability: curved.zip(u_s).map_or(Vec::new(), |(mean, u)| class_probabilities(mean, u)),
         radius: r.mean.and_then(|mean| radius_of(class, mean)),
         k1: spread(supported_points(local).map(|at| local.k1[at] / scale)),
         k2: spread(supported_points(local).map(|at| local.k2[at] / scale)),
-        direction_deg: curved.and_then(|_| direction(solved)),
+        direction_deg: curved.filter(|_| uncertain).and_then(|_| direction(solved)),
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
         maps: in_input_units(&solved.patch.frame, local),
-        gradients,
+        gradients: u.map_or_else(GridGradients::unkept, |u| u.gradients),
     }
 }
 
-/// Mean and spread with the uncertainty `u` of the mean and its interval within these bounds.
-fn statistic(spread: Spread, u: f64, level: f64, [floor, ceiling]: [f64; 2]) -> Statistic {
+/// Mean and spread with the uncertainty `u` of the mean, where it is known, and its interval within these bounds.
+fn statistic(spread: Spread, u: Option<f64>, level: f64, [floor, ceiling]: [f64; 2]) -> Statistic {
     Statistic {
         mean: spread.mean,
         sd: spread.sd,
-        u: spread.mean.map(|_| u),
-        interval: spread.mean.map(|m| normal_interval(m, u, level, floor, ceiling)),
+        u: spread.mean.and(u),
+        interval: spread.mean.zip(u).map(|(m, u)| normal_interval(m, u, level, floor, ceiling)),
     }
 }
 

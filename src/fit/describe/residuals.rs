@@ -1,7 +1,7 @@
 //! Root mean square residuals of heights, slopes and normals, unweighted.
 
 use crate::fit::solved::Solved;
-use crate::linalg::{SiteWeights, Sites, site_rows};
+use crate::linalg::visit_values;
 use crate::observation::angular_residual_squared;
 
 /// Root mean square residuals of the rows whose weight is not zero.
@@ -20,22 +20,19 @@ pub struct Rms {
 /// Residuals of the final surface.
 pub(crate) fn rms(solved: &Solved) -> Rms {
     let sites = &solved.fitted.equations.sites;
-    let columns = sites.shape().basis[1];
-    let measured = solved.data.measured();
-    let one = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+    let readings = solved.data.readings();
     let (mut sums, mut counts) = ([0.0; 4], [0usize; 4]);
-    sites.visit(|site| {
-        let r = site.index;
-        let [s, p, q] = site_rows(site, &one, &solved.fitted.solution.coefficients, columns);
+    visit_values(sites, &solved.fitted.solution.coefficients, |r, [s, p, q]| {
+        let measured = readings.at(r);
         let mut add = |k: usize, square: f64| {
             sums[k] += square;
             counts[k] += 1;
         };
-        if measured.z_weight[r] != 0.0 {
-            add(0, (measured.z[r] - s).powi(2));
+        if measured.z_weight != 0.0 {
+            add(0, (measured.z - s).powi(2));
         }
-        if measured.normal_weight[r] != 0.0 {
-            let n = measured.normals[r];
+        if measured.normal_weight != 0.0 {
+            let n = measured.normal;
             add(1, (-n[0] / n[2] - p).powi(2));
             add(2, (-n[1] / n[2] - q).powi(2));
             add(3, angular_residual_squared(n, p, q));

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::fit::placing::sites::DataSites;
 use crate::linalg::{
     RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
+    visit_grid_rows,
 };
 use crate::observation::{CellAssembly, PackedCells, PackedRows, kronecker_normal_matrix};
 
@@ -55,6 +56,27 @@ impl Equations {
         Equations { sites, row_weights, targets, roughness, packed: OnceLock::new() }
     }
 
+    /// The same sites with other rows, written over these ones: rows of a million contacts take 130 MB, and fetching them
+    /// anew takes longer than filling them. `fill` gets weights and targets of all sites, whatever they held.
+    pub(crate) fn refilled(mut self, fill: impl FnOnce(&mut [SiteWeights], &mut Targets)) -> Equations {
+        let mut weights = match self.row_weights {
+            RowWeights::PerSite(weights) => weights,
+            RowWeights::Uniform(one) => {
+                // packed rows of one weight have no room for many
+                self.packed.take();
+                vec![one; self.sites.len()]
+            }
+        };
+        fill(&mut weights, &mut self.targets);
+        self.row_weights = RowWeights::PerSite(weights);
+        let rows = self.packed.take().and_then(|rows| Arc::try_unwrap(rows).ok());
+        if let (Some(mut rows), Some(cells)) = (rows, packed_cells(&self.sites)) {
+            cells.refill(&mut rows, &self.row_weights, &self.targets);
+            self.packed = OnceLock::from(Arc::new(rows));
+        }
+        self
+    }
+
     /// The same rows under another roughness penalty, or none.
     pub fn with_roughness(&self, roughness: Option<(f64, StencilMatrix)>) -> Equations {
         Equations { roughness, ..self.clone() }
@@ -99,7 +121,9 @@ impl Equations {
     pub fn residual_squares(&self, c: &[f64]) -> [f64; 2] {
         match self.packed() {
             Some((cells, rows)) => cells.squares(rows, true, c),
-            None => block_squares(&self.residuals(c)),
+            None => self
+                .grid_squares(c, |r, row| [0, 1, 2].map(|k| self.targets[r][k] - row[k]))
+                .unwrap_or_else(|| self.residuals(c).iter().fold([0.0, 0.0], add_squares)),
         }
     }
 
@@ -108,9 +132,21 @@ impl Equations {
         if let Some((cells, rows)) = self.packed() {
             return cells.squares(rows, false, v);
         }
+        if let Some(squares) = self.grid_squares(v, |_, row| row) {
+            return squares;
+        }
         let mut rows = Targets::new();
         apply_rows(&self.sites, &self.row_weights, v, &mut rows);
-        block_squares(&rows)
+        rows.iter().fold([0.0, 0.0], add_squares)
+    }
+
+    /// Sums of squares of `rows(site, E c)` over a grid, without writing the rows down; `None` for scattered data.
+    fn grid_squares(&self, c: &[f64], rows: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Option<[f64; 2]> {
+        let mut sums = [0.0, 0.0];
+        let visited = visit_grid_rows(&self.sites, &self.row_weights, c, |r, row| {
+            sums = add_squares(sums, &rows(r, row));
+        });
+        visited.then_some(sums)
     }
 
     /// `b - E c`, row by row.
@@ -162,7 +198,7 @@ pub(crate) fn packed_cells(sites: &DataSites) -> Option<&PackedCells> {
     }
 }
 
-/// Sum of squares of the weighted rows of either kind: `[heights, slopes]`.
-fn block_squares(rows: &Targets) -> [f64; 2] {
-    rows.iter().fold([0.0, 0.0], |s, r| [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]])
+/// Sums of squares of the weighted rows of either kind, `[heights, slopes]`, with those of one more site.
+fn add_squares(s: [f64; 2], r: &[f64; 3]) -> [f64; 2] {
+    [s[0] + r[0] * r[0], s[1] + r[1] * r[1] + r[2] * r[2]]
 }

@@ -17,7 +17,7 @@ const RIM: f64 = 0.25;
 
 /// Which unknowns are free.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Free {
+pub(crate) struct Free {
     flags: Vec<bool>,
     count: usize,
     pinned: Option<usize>,
@@ -25,7 +25,7 @@ pub(super) struct Free {
 
 impl Free {
     /// Finds columns without data or nearly so; with a roughness penalty no column is free.
-    pub(super) fn find(matrix: &StencilMatrix, penalised: bool) -> Free {
+    pub(crate) fn find(matrix: &StencilMatrix, penalised: bool) -> Free {
         if penalised {
             return Free::default();
         }
@@ -43,7 +43,7 @@ impl Free {
     }
 
     /// The same with the constant held still: the best determined coefficient that is not free is pinned to zero.
-    pub(super) fn pin_constant(mut self, matrix: &StencilMatrix) -> Free {
+    pub(crate) fn pin_constant(mut self, matrix: &StencilMatrix) -> Free {
         let diagonal = matrix.diagonal();
         self.flags.resize(diagonal.len(), false);
         let held = (0..diagonal.len()).filter(|&u| !self.flags[u]);
@@ -52,48 +52,48 @@ impl Free {
     }
 
     /// Number of free and pinned unknowns.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.count + usize::from(self.pinned.is_some())
     }
 
     /// Whether no unknown is free or pinned.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Number of free unknowns, without the pinned one.
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 
     /// Whether unknown `u` is free; the pinned one is not.
-    pub(super) fn has(&self, u: usize) -> bool {
+    pub(crate) fn has(&self, u: usize) -> bool {
         self.flags[u]
     }
 
     /// The coefficient pinned to zero in place of the constant.
-    pub(super) fn pinned(&self) -> Option<usize> {
+    pub(crate) fn pinned(&self) -> Option<usize> {
         self.pinned
     }
 
     /// Numbers of the free unknowns; the pinned one is as well determined as the others, up to the constant.
-    pub(super) fn list(&self) -> Vec<usize> {
+    pub(crate) fn list(&self) -> Vec<usize> {
         (0..self.flags.len()).filter(|&u| self.flags[u]).collect()
     }
 
     /// Sets the entries of free and pinned unknowns to zero.
-    pub(super) fn clear(&self, v: &mut [f64]) {
+    pub(crate) fn clear(&self, v: &mut [f64]) {
         self.flags.iter().zip(&mut *v).filter(|(free, _)| **free).for_each(|(_, w)| *w = 0.0);
         self.pinned.iter().for_each(|&u| v[u] = 0.0);
     }
 
     /// The matrix with free and pinned rows and columns replaced by those of the identity; `None` when there are none.
-    pub(super) fn mask(&self, matrix: &StencilMatrix) -> Option<StencilMatrix> {
+    pub(crate) fn mask(&self, matrix: &StencilMatrix) -> Option<StencilMatrix> {
         (!self.is_empty()).then(|| masked(matrix, |u| self.flags[u] || self.pinned == Some(u)))
     }
 
     /// The matrix with all other rows and columns replaced by those of the identity.
-    pub(super) fn keep(&self, matrix: &StencilMatrix) -> StencilMatrix {
+    pub(crate) fn keep(&self, matrix: &StencilMatrix) -> StencilMatrix {
         masked(matrix, |u| !self.flags[u])
     }
 }

@@ -7,7 +7,7 @@
 
 mod cholesky;
 pub(super) mod equations;
-mod free;
+pub(super) mod free;
 mod gaps;
 mod grid;
 mod pivoted;

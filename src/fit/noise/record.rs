@@ -42,6 +42,14 @@ impl NoiseRecord {
         }
     }
 
+    /// Where the weights of the rows come from, at no cost.
+    pub(crate) fn source(&self) -> NoiseSource {
+        match self {
+            NoiseRecord::Known(sds) => sds.source,
+            NoiseRecord::Weighted { weights, .. } => NoiseSource::Weights(*weights),
+        }
+    }
+
     /// The power of two that extreme weights were multiplied by; 1 for all others.
     pub(crate) fn unit(&self) -> f64 {
         match self {

@@ -4,6 +4,8 @@
 //! where they are too few) and stops when no coefficient moves by more than 1e-10 of the largest. The final answer is then
 //! polished until its steps are rounding: the steps contract linearly, so after a step of 1e-10 the error may be larger.
 
+use std::cell::RefCell;
+
 use crate::fit::linear;
 use crate::fit::linear::equations::{Equations, packed_cells};
 use crate::fit::linear::solution::Solution;
@@ -11,7 +13,7 @@ use crate::fit::noise::sds::RowSds;
 use crate::fit::placing::data::Measured;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
-use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, site_rows};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, visit_values};
 use crate::observation::{angular_residual_squared, linearise_normals};
 
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
@@ -51,6 +53,8 @@ pub(super) struct NormalProblem<'a> {
     pub roughness: Option<(f64, StencilMatrix)>,
     /// Linear solver.
     pub method: Method,
+    /// Equations that are no longer needed, whose memory the next ones take.
+    pub spare: &'a RefCell<Option<Equations>>,
 }
 
 impl NormalProblem<'_> {
@@ -79,6 +83,7 @@ impl NormalProblem<'_> {
                 solution.coefficients = current;
                 return Ok(Minimum { equations, solution, steps, moved });
             }
+            self.spare.replace(Some(equations));
         }
         Err(FitError::NotSettled { steps: MAX_STEPS, moved })
     }
@@ -104,7 +109,9 @@ impl NormalProblem<'_> {
             }
             last = moved;
             from = solution.coefficients.clone();
-            found = Minimum { equations, solution, steps: found.steps + 1, moved };
+            let steps = found.steps + 1;
+            let replaced = std::mem::replace(&mut found, Minimum { equations, solution, steps, moved });
+            self.spare.replace(Some(replaced.equations));
             if moved <= POLISHED {
                 break;
             }
@@ -160,29 +167,34 @@ impl NormalProblem<'_> {
 
     /// The rows of one Gauss-Newton step about `c`.
     pub(super) fn linearised(&self, c: &[f64]) -> Equations {
-        let mut site_weights = vec![SiteWeights::default(); self.sites.len()];
-        let mut targets = vec![[0.0; 3]; self.sites.len()];
+        let equations = self.spare.take().unwrap_or_else(|| {
+            let weights = RowWeights::PerSite(vec![SiteWeights::default(); self.sites.len()]);
+            let targets = vec![[0.0; 3]; self.sites.len()];
+            Equations::new(self.sites.clone(), weights, targets, self.roughness.clone())
+        });
+        equations.refilled(|site_weights, targets| self.linearise_into(c, site_weights, targets))
+    }
+
+    fn linearise_into(&self, c: &[f64], site_weights: &mut [SiteWeights], targets: &mut Targets) {
         self.each_site(c, |r, [_, p, q]| {
             let z = self.measured.z_weight[r] / self.sds.z;
             let w = self.measured.normal_weight[r] / self.sds.slope;
-            site_weights[r].z = z;
-            targets[r][0] = z * self.measured.z[r];
+            site_weights[r] = SiteWeights { z, ..SiteWeights::default() };
+            targets[r] = [z * self.measured.z[r], 0.0, 0.0];
             if w != 0.0 {
                 let (u, [first, second]) = linearise_normals(self.measured.normals[r], p, q);
                 site_weights[r] = SiteWeights { z, a: w * u.a, b: w * u.b, d: w * u.d };
                 (targets[r][1], targets[r][2]) = (w * first, w * second);
             }
         });
-        Equations::new(self.sites.clone(), RowWeights::PerSite(site_weights), targets, self.roughness.clone())
     }
 
     /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
-    fn each_site(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+    fn each_site(&self, c: &[f64], visit: impl FnMut(usize, [f64; 3])) {
         if let Some(cells) = packed_cells(self.sites) {
             return cells.values(c, visit);
         }
-        let (columns, plain) = (self.sites.shape().basis[1], SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 });
-        self.sites.visit(|site| visit(site.index, site_rows(site, &plain, c, columns)));
+        visit_values(self.sites, c, visit);
     }
 
     /// Weighted squares of heights and normals (true chords) at `c`.

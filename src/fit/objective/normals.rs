@@ -4,6 +4,8 @@
 //! minimise  sum ((z - S)/Z)^2 + |n - n^(S_x, S_y)|^2 / sigma^2,      Z, sigma declared or estimated with the fit
 //! ```
 
+use std::cell::RefCell;
+
 use crate::fit::noise::components::{CONVERGED, Estimate, Trial, TrialRequest, variance_components};
 use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource, RowSds};
@@ -21,7 +23,9 @@ use crate::linalg::Sites;
 pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitted, FitError> {
     setting.data.check_normals()?;
     let measured = setting.data.measured();
+    let spare = RefCell::new(None);
     let at = |sds: RowSds| NormalProblem {
+        spare: &spare,
         sites: &setting.sites,
         measured: &measured,
         sds,
@@ -29,7 +33,9 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         method: setting.method,
     };
     let any_sds = RowSds { z: 1.0, slope: 1.0 };
-    check_count(&at(any_sds).linearised(&vec![0.0; setting.sites.shape().unknowns()]))?;
+    let first = at(any_sds).linearised(&vec![0.0; setting.sites.shape().unknowns()]);
+    check_count(&first)?;
+    spare.replace(Some(first));
     let trial_at = |request: TrialRequest| trial(&at(request.sds), request);
     let (Estimate { sds, trial, steps, note }, source) = match sigma {
         NormalSigma::Known { z, normal_deg } => {

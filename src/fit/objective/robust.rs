@@ -17,7 +17,7 @@ use crate::fit::objective::least_squares::fit_plain;
 use crate::fit::placing::data::Data;
 use crate::fit::placing::patch::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
-use crate::linalg::{SiteWeights, Sites, site_rows};
+use crate::linalg::{Sites, visit_values};
 use crate::observation::angular_residual_squared;
 
 const HUBER: f64 = 1.345;
@@ -88,10 +88,11 @@ fn reweight(
     let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0 };
     for step in 1..=MAX_STEPS {
         let distances = distances(data, options, &found.fitted);
-        let next = [weigh(&distances.z, OF_HEIGHTS, loss), weigh(&distances.slope, OF_NORMALS, loss)];
+        let scales = [scale(&distances.z, OF_HEIGHTS), scale(&distances.slope, OF_NORMALS)];
+        let next = [weigh(&distances.z, scales[0], loss), weigh(&distances.slope, scales[1], loss)];
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
-        let declared = with_scales(patch, data, options, &distances);
+        let declared = with_scales(patch, data, options, scales);
         let mut fitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared)?;
         let is_last = moved < CONVERGED || step == MAX_STEPS;
         if is_last && declared.objective != options.objective {
@@ -107,8 +108,8 @@ fn reweight(
 }
 
 /// Square roots of the loss's weights; rows whose scale is zero to rounding keep their weight.
-fn weigh(distances: &[Option<f64>], factor: f64, loss: Loss) -> Vec<f64> {
-    let Some(scale) = scale(distances, factor) else { return vec![1.0; distances.len()] };
+fn weigh(distances: &[Option<f64>], scale: Option<f64>, loss: Loss) -> Vec<f64> {
+    let Some(scale) = scale else { return vec![1.0; distances.len()] };
     let weight = |size: f64| {
         let t = size / scale;
         match loss {
@@ -131,9 +132,8 @@ fn scale(distances: &[Option<f64>], factor: f64) -> Option<f64> {
 }
 
 /// The options with the robust scales declared as noise sds, where sds were to be estimated.
-fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, found: &Distances) -> FitOptions {
-    let (z, slope) = (scale(&found.z, OF_HEIGHTS), scale(&found.slope, OF_NORMALS));
-    let (Some(z), Some(slope)) = (z, slope) else { return options.clone() };
+fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, scales: [Option<f64>; 2]) -> FitOptions {
+    let [Some(z), Some(slope)] = scales else { return options.clone() };
     let z = z * patch.frame.scale;
     let normals = Objective::Normals(NormalSigma::Known { z, normal_deg: slope.to_degrees() });
     let objective = match options.objective {
@@ -148,20 +148,23 @@ fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, found: &Distanc
 }
 
 fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
-    let measured = data.measured();
+    let readings = data.readings();
     let sites = &fitted.equations.sites;
-    let columns = sites.shape().basis[1];
     let by_angle = data.has_normals() && !matches!(options.objective, Objective::Slopes(_));
-    let one = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
     let mut found = Distances { z: vec![None; sites.len()], slope: vec![None; sites.len()] };
-    sites.visit(|site| {
-        let r = site.index;
-        let [s, p, q] = site_rows(site, &one, &fitted.solution.coefficients, columns);
-        if measured.z_weight[r] != 0.0 {
-            found.z[r] = Some((measured.z[r] - s).abs());
+    let is_grid = sites.grid_axes().is_some();
+    visit_values(sites, &fitted.solution.coefficients, |r, [s, p, q]| {
+        let (z, z_weight) = readings.height(r);
+        if z_weight != 0.0 {
+            found.z[r] = Some((z - s).abs());
         }
-        if measured.normal_weight[r] != 0.0 {
-            let n = measured.normals[r];
+        if is_grid {
+            found.slope[r] = readings.slopes(r).map(|[zx, zy]| ((zx - p).powi(2) + (zy - q).powi(2)).sqrt());
+            return;
+        }
+        let measured = readings.at(r);
+        if measured.normal_weight != 0.0 {
+            let n = measured.normal;
             found.slope[r] = Some(if by_angle {
                 angular_residual_squared(n, p, q).sqrt()
             } else {

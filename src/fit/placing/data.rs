@@ -30,6 +30,50 @@ pub(crate) enum Data {
     },
 }
 
+/// The measured numbers of one site; weight zero means missing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Datum {
+    /// Height in the patch.
+    pub z: f64,
+    /// Weight of the height row.
+    pub z_weight: f64,
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Weight of the normal.
+    pub normal_weight: f64,
+}
+
+/// The measured numbers, made site by site where they are asked for.
+pub(crate) struct Readings<'a> {
+    data: &'a Data,
+    row_weights: RowWeights,
+    targets: Targets,
+}
+
+impl Readings<'_> {
+    /// Those of one site.
+    #[inline]
+    pub(crate) fn at(&self, r: usize) -> Datum {
+        let ((z, z_weight), m) = (self.height(r), self.row_weights.at(r));
+        let (normal, normal_weight) = self.data.normal_and_weight(r, &m, &self.targets[r]);
+        Datum { z, z_weight, normal, normal_weight }
+    }
+
+    /// Height in the patch and the weight of its row.
+    #[inline]
+    pub(crate) fn height(&self, r: usize) -> (f64, f64) {
+        let weight = self.row_weights.at(r).z;
+        (if weight == 0.0 { 0.0 } else { self.targets[r][0] / weight }, weight)
+    }
+
+    /// Slopes in x and y of a site whose slope rows count.
+    #[inline]
+    pub(crate) fn slopes(&self, r: usize) -> Option<[f64; 2]> {
+        let m = self.row_weights.at(r);
+        (m.a.min(m.d) != 0.0).then(|| [self.targets[r][1] / m.a, self.targets[r][2] / m.d])
+    }
+}
+
 /// Heights and unit normals with their row weights; weight zero means missing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Measured {
@@ -126,17 +170,25 @@ impl Data {
 
     /// Heights and unit normals for normal rows.
     pub(crate) fn measured(&self) -> Measured {
-        let (row_weights, targets) = self.slope_rows([1.0, 1.0, 1.0]);
-        let mut measured = Measured::default();
-        for (r, target) in targets.iter().enumerate() {
-            let m = row_weights.at(r);
-            measured.z.push(if m.z == 0.0 { 0.0 } else { target[0] / m.z });
-            measured.z_weight.push(m.z);
-            let (normal, weight) = self.normal_and_weight(r, &m, target);
+        let readings = self.readings();
+        let count = readings.targets.len();
+        let room = || Vec::with_capacity(count);
+        let mut measured =
+            Measured { z: room(), z_weight: room(), normals: Vec::with_capacity(count), normal_weight: room() };
+        for r in 0..count {
+            let Datum { z, z_weight, normal, normal_weight } = readings.at(r);
+            measured.z.push(z);
+            measured.z_weight.push(z_weight);
             measured.normals.push(normal);
-            measured.normal_weight.push(weight);
+            measured.normal_weight.push(normal_weight);
         }
         measured
+    }
+
+    /// Heights and unit normals, site by site.
+    pub(crate) fn readings(&self) -> Readings<'_> {
+        let (row_weights, targets) = self.slope_rows([1.0, 1.0, 1.0]);
+        Readings { data: self, row_weights, targets }
     }
 
     fn normal_and_weight(&self, r: usize, m: &SiteWeights, target: &[f64; 3]) -> ([f64; 3], f64) {
@@ -190,9 +242,9 @@ impl Data {
                 Some(weights) => contacts.z.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(z, _)| z * z).sum(),
             },
             Data::Gridded { .. } => {
-                let measured = self.measured();
-                let counting = measured.z.iter().zip(&measured.z_weight).filter(|(_, w)| **w != 0.0);
-                counting.map(|(z, _)| z * z).sum()
+                let readings = self.readings();
+                let heights = (0..readings.targets.len()).map(|r| readings.height(r));
+                heights.filter(|(_, w)| *w != 0.0).map(|(z, _)| z * z).sum()
             }
         };
         sum.sqrt()

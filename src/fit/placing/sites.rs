@@ -1,7 +1,7 @@
 //! Where the data lie under the spline: scattered contacts and grids stay what they are, down to the solver.
 
 use crate::bspline::Knots;
-use crate::linalg::{Site, Sites, TensorShape};
+use crate::linalg::{GridAxis, Site, Sites, TensorShape};
 use crate::observation::{GridSites, ScatteredSites};
 
 /// Sites of the data of one fit.
@@ -35,6 +35,13 @@ impl Sites for DataSites {
         match self {
             DataSites::Scattered(sites) => sites.len(),
             DataSites::Gridded(sites) => sites.len(),
+        }
+    }
+
+    fn grid_axes(&self) -> Option<[GridAxis<'_>; 2]> {
+        match self {
+            DataSites::Scattered(_) => None,
+            DataSites::Gridded(sites) => sites.grid_axes(),
         }
     }
 

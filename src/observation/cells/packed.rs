@@ -102,6 +102,12 @@ impl PackedCells {
                 RowWeights::PerSite(_) => LaneWeights::PerSite(vec![[[0.0; SITES]; 4]; groups]),
             },
         };
+        self.refill(&mut made, row_weights, targets);
+        made
+    }
+
+    /// Writes weights and targets over others of the same kind.
+    pub(crate) fn refill(&self, made: &mut PackedRows, row_weights: &RowWeights, targets: &Targets) {
         for (cell, &start) in self.starts[..self.counts.len()].iter().enumerate() {
             for k in 0..self.counts[cell] {
                 let (group, lane) = (start + k / SITES, k % SITES);
@@ -119,7 +125,6 @@ impl PackedCells {
                 }
             }
         }
-        made
     }
 
     /// Visits all groups of contacts with the values of their basis functions: `visit(first basis functions, sites, b)`.

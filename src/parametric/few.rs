@@ -1,0 +1,74 @@
+//! A fit of many contacts that starts from the fit of a few, which stand for all.
+//!
+//! ```text
+//! m of g contacts   descend, estimate Z, sigma, lambda, limit the bending        tie, slack
+//! all g             descend from there, estimate Z and sigma again               tie g/m, slack g/m
+//! ```
+//!
+//! The terms that only fix the parametrisation grow with the number of contacts. Otherwise they would weigh less and less
+//! against the data, the minimum would lie elsewhere along the surface, and the descent would creep there in hundreds of
+//! steps that change neither S nor R. The uncertainty is taken with these terms as they were.
+
+use super::descent::{Descent, Solver, State};
+use super::flattening::Flattening;
+use super::limit_bending::limit;
+use super::noise::{self, Unknown};
+use super::problem::{Problem, Weights};
+use super::vector::Vector;
+use crate::fit::FitError;
+
+/// What the few contacts found.
+pub(super) struct Start {
+    /// Noise sds and weights for the fit of all.
+    pub weights: Weights,
+    /// How often fairness was raised.
+    pub raised: usize,
+    coefficients: Vec<Vector>,
+    steps: usize,
+    folds_refused: usize,
+}
+
+/// Fits to the contacts with the numbers `standing`.
+///
+/// # Errors
+/// As [`noise::fit`].
+pub(super) fn fit_few(
+    all: &Problem,
+    solver: &mut Solver,
+    flat: &Flattening,
+    standing: &[usize],
+    unknown: Unknown,
+) -> Result<Start, FitError> {
+    let few = all.contacts.chosen(standing);
+    let places: Vec<[f64; 2]> = standing.iter().map(|&r| all.flattened[r]).collect();
+    let mut problem = Problem::new(all.cells, &few, &places, all.gauss, all.weights);
+    let (mut state, mut reached) = noise::fit(&mut problem, solver, unknown)?;
+    // where these contacts do not allow a surface, all of them are asked
+    let flat = Flattening { places: places.clone(), period: flat.period, triangles: Vec::new(), method: flat.method };
+    let limited = limit(&mut problem, solver, &flat, unknown, &mut state, &mut reached);
+    let times = all.flattened.len() as f64 / standing.len() as f64;
+    let weights = problem.weights;
+    Ok(Start {
+        weights: Weights { slack: times * weights.slack, tie: times * weights.tie, ..weights },
+        raised: limited.map_or(0, |limited| limited.raised),
+        coefficients: state.coefficients,
+        steps: reached.steps,
+        folds_refused: reached.folds_refused,
+    })
+}
+
+/// Fits to all contacts from there; `problem` has the weights of the start, and all steps are counted.
+///
+/// # Errors
+/// As [`noise::finish`].
+pub(super) fn fit_all(
+    problem: &mut Problem,
+    solver: &mut Solver,
+    start: Start,
+    unknown: Unknown,
+) -> Result<(State, Descent), FitError> {
+    let (state, mut reached) = noise::finish(problem, solver, start.coefficients, unknown)?;
+    reached.steps += start.steps;
+    reached.folds_refused += start.folds_refused;
+    Ok((state, reached))
+}
