@@ -17,9 +17,9 @@ use super::{RecognitionError, RecognitionOptions};
 /// Mean unit normals shorter than this do not tell a direction.
 const SHORT: f64 = 0.3;
 
-/// Spread across a line, relative to that along it, below which contacts are collinear. Rounding alone leaves 1e-16 of
-/// the coordinates, and contacts so close to a line tell nothing of a surface.
-const THIN: f64 = 1e-6;
+/// Spread across over spread along below which contacts are on one line: one finger's path, whose sideways errors say
+/// nothing of the bend across it. Three paths a tenth of their length apart have 0.08.
+const THIN: f64 = 0.03;
 
 /// Mean, principal axes (narrowest first) and principal sds of points.
 pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {

@@ -20,6 +20,7 @@ use statrs::function::erf;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::draws::EffectDraws;
+use crate::shape::spread;
 use crate::threads;
 
 use super::dense;
@@ -82,7 +83,7 @@ impl Points<'_> {
         let bent: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).collect();
         let shapes: Vec<[f64; 2]> = bent.iter().map(|k| shape(*k)).collect();
         let mean = |of: &[[f64; 2]], k: usize| of.iter().map(|v| v[k]).sum::<f64>() / of.len().max(1) as f64;
-        let sd = |k: usize| super::weights::standard_deviation(&shapes.iter().map(|v| v[k]).collect::<Vec<_>>());
+        let sd = |k: usize| spread(shapes.iter().map(|v| v[k])).sd.unwrap_or(0.0);
         Field {
             s: mean(&shapes, 0),
             r: mean(&shapes, 1),
