@@ -85,17 +85,7 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
     let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
     let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
     let mut solver = Solver::new(&problem)?;
-    let standing = thinning::thinned(&flat.places, &cells);
-    let mut raised_before = 0;
-    let (mut state, mut reached) = match &standing {
-        None => noise::fit(&mut problem, &mut solver, unknown)?,
-        Some(standing) => {
-            let start = few::fit_few(&problem, &mut solver, &flat, standing, unknown)?;
-            raised_before = start.raised;
-            problem = Problem::new(&cells, &contacts, &flat.places, &gauss, start.weights);
-            few::fit_all(&mut problem, &mut solver, start, unknown)?
-        }
-    };
+    let (mut state, mut reached, few) = few::fit(&mut problem, &mut solver, &flat, unknown)?;
     let weights = problem.weights;
     let mut weighted = contacts.clone();
     if options.robust != Robust::None {
@@ -106,11 +96,8 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         limit_bending::limit(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
     let weights = problem.weights;
     let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
-    if standing.is_some() {
-        let plain = Weights { slack: SLACK, tie: TIE, ..weights };
-        let problem = Problem::new(&cells, &weighted, &flat.places, &gauss, plain);
-        // terms that were only raised to hold the parametrisation are no information, and must not lessen the uncertainty
-        last.condition = certificate::final_factor(&problem, &mut solver, &state)?.condition;
+    if few.standing.is_some() {
+        last.condition = few::unraised_factor(&problem, [SLACK, TIE], &mut solver, &state)?;
     }
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let data = FitData {
@@ -124,14 +111,14 @@ pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<Param
         residuals,
         cells,
         contacts: weighted,
-        standing: standing.map(|standing| standing.len()),
+        standing: few.standing,
     };
     Ok(ParametricFit {
         certificate: ParametricCertificate {
             parametrisation: format!("{}{reason}", flat.method),
             equations: contacts.equations(),
             unknowns: 3 * data.cells.shape().coefficients(),
-            fairness_raised: raised_before + raised,
+            fairness_raised: few.raised + raised,
             ..ParametricCertificate::of(&reached, &geometry, last)
         },
         noise: noise_of(&weights, frame.scale, unknown.any()),
