@@ -108,18 +108,22 @@ fn all_downward(input: &Input) -> bool {
 /// The pattern of the residuals is more than chance when its p is below this.
 const CHANCE: f64 = 0.01;
 
-/// Whether the simple shape is no answer.
+/// Whether much of the relief has a pattern that the simple shape leaves unsaid.
 fn leaves_much_unsaid(found: &Recognition) -> bool {
+    found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
+}
+
+/// Whether that is more than any sensor errs, so that the simple shape is no answer.
+fn is_no_answer(found: &Recognition) -> bool {
     let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
-    let large = best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale);
-    found.misfit.percent_of_relief > UNSAID && large && found.misfit.p < CHANCE
+    leaves_much_unsaid(found) && best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale)
 }
 
 /// The simple shape, unless its misfit is too large for an answer.
 fn simple(found: Recognition) -> Result<Found, Refusal> {
     let mut notes = Vec::new();
     let strays = found.dropped.outliers;
-    if leaves_much_unsaid(&found) {
+    if is_no_answer(&found) {
         let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
         let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
         return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
