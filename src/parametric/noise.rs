@@ -23,13 +23,16 @@ pub(super) struct Until {
     pub near: f64,
     /// No estimate moves by more than this share of itself.
     pub smallest_move: f64,
+    /// Most updates of the estimates.
+    pub updates: usize,
 }
 
 impl Until {
     /// A fit that is the answer.
-    pub(super) const SETTLED: Until = Until { near: TOLERANCE, smallest_move: 1e-4 };
-    /// A fit that starts another one, in which the sds are estimated again; fairness known to 1 % is known well enough.
-    pub(super) const STARTED: Until = Until { near: COARSE_TOLERANCE, smallest_move: 1e-2 };
+    pub(super) const SETTLED: Until = Until { near: TOLERANCE, smallest_move: 1e-4, updates: MAX_UPDATES };
+    /// A fit that starts another one, in which the sds are estimated again. Fairness known to 1 % is known well enough;
+    /// where it creeps, the contacts hardly feel it, and each update takes some ten steps.
+    pub(super) const STARTED: Until = Until { near: COARSE_TOLERANCE, smallest_move: 1e-2, updates: 12 };
 }
 /// Most updates. Each halves the distance to the estimate or better.
 const MAX_UPDATES: usize = 60;
@@ -169,10 +172,10 @@ fn descend_and_estimate(
     let mut reached = solver.descend(problem, state, COARSE_TOLERANCE)?;
     let (mut steps, mut folds) = (reached.steps, reached.folds_refused);
     let mut path = vec![problem.weights];
-    for update in 1..=MAX_UPDATES {
+    for update in 1..=until.updates {
         let next = updated(problem, solver, state, &reached, unknown)?;
         path.push(next);
-        let last = relative_move(&problem.weights, &next) < until.smallest_move || update == MAX_UPDATES;
+        let last = relative_move(&problem.weights, &next) < until.smallest_move || update == until.updates;
         problem.weights = next;
         if let ([before, between, after], false) = (&path[..], last) {
             problem.weights = ahead([before, between, after]);
