@@ -13,7 +13,7 @@ use super::certificate::final_factor;
 use super::descent::{Descent, Solver, State};
 use super::flattening::Flattening;
 use super::limit_bending::limit;
-use super::noise::{self, Unknown};
+use super::noise::{self, Unknown, Until};
 use super::problem::{Problem, Weights};
 use super::thinning::thinned;
 use super::vector::Vector;
@@ -49,7 +49,7 @@ pub(super) fn fit(
     unknown: Unknown,
 ) -> Result<(State, Descent, Few), FitError> {
     let Some(standing) = thinned(problem.flattened, problem.cells) else {
-        let (state, reached) = noise::fit(problem, solver, unknown)?;
+        let (state, reached) = noise::fit(problem, solver, unknown, Until::SETTLED)?;
         return Ok((state, reached, Few { standing: None, raised: 0 }));
     };
     let start = fit_few(problem, solver, flat, &standing, unknown)?;
@@ -91,7 +91,7 @@ fn fit_few(
     let few = all.contacts.chosen(standing);
     let places: Vec<[f64; 2]> = standing.iter().map(|&r| all.flattened[r]).collect();
     let mut problem = Problem::new(all.cells, &few, &places, all.gauss, all.weights);
-    let (mut state, mut reached) = noise::fit(&mut problem, solver, unknown)?;
+    let (mut state, mut reached) = noise::fit(&mut problem, solver, unknown, Until::STARTED)?;
     // where these contacts do not allow a surface, all of them are asked
     let flat = Flattening { places: places.clone(), period: flat.period, triangles: Vec::new(), method: flat.method };
     let limited = limit(&mut problem, solver, &flat, unknown, &mut state, &mut reached);

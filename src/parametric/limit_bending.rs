@@ -9,7 +9,7 @@ use super::certificate::{self, GeometryCheck};
 use super::descent::{Descent, Solver, State};
 use super::flattening::Flattening;
 use super::layout;
-use super::noise::{self, Unknown};
+use super::noise::{self, Unknown, Until};
 use super::problem::Problem;
 use crate::fit::FitError;
 
@@ -46,7 +46,7 @@ pub(super) fn limit(
     while !geometry.bends_within_limit() && unknown.fairness && raised < MOST_RAISES {
         problem.weights.fairness = (10.0 * problem.weights.fairness).max(1.0);
         raised += 1;
-        let (again, descent) = noise::fit(problem, solver, Unknown::NOTHING)?;
+        let (again, descent) = noise::fit(problem, solver, Unknown::NOTHING, Until::SETTLED)?;
         *state = again;
         *reached = Descent { steps: reached.steps + descent.steps, ..descent };
         geometry = check(problem, state);
