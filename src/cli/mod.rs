@@ -49,11 +49,11 @@ struct Line {
 #[derive(Subcommand)]
 enum Verb {
     /// Sweep, fit and describe one scene
-    Run(run::RunArgs),
+    Run(Box<run::RunArgs>),
     /// Write the contacts of a scene and nothing else
     Simulate(simulate::SimulateArgs),
     /// Fit a surface to contacts or a grid and describe its shape
-    Fit(fit::FitArgs),
+    Fit(Box<fit::FitArgs>),
     /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
     Study(Box<study_plan::StudyArgs>),
     /// Join parts of a study made with --range to the bits of one run

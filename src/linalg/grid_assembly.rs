@@ -142,7 +142,7 @@ mod tests {
             let knots =
                 [Knots::uniform(degree[0], 4, 0.0, 1.0).unwrap(), Knots::uniform(degree[1], 3, -1.0, 1.0).unwrap()];
             let sites = GridSites::new(knots, &linspace(0.0, 1.0, 31), &linspace(-1.0, 1.0, 23));
-            let weight = |r: usize, k: f64| if r % 7 == 0 { 0.0 } else { 1.0 + (r as f64 * k).sin() };
+            let weight = |r: usize, k: f64| if r.is_multiple_of(7) { 0.0 } else { 1.0 + (r as f64 * k).sin() };
             let of = |r: usize| SiteWeights { z: weight(r, 0.3), a: weight(r, 0.7), b: 0.0, d: weight(r, 1.1) };
             let weights = RowWeights::PerSite((0..sites.len()).map(of).collect());
             let (mut fast, mut slow) = (StencilMatrix::zeros(sites.shape()), StencilMatrix::zeros(sites.shape()));

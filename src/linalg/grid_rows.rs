@@ -282,7 +282,8 @@ mod tests {
                 normal_rhs(&single, &weights, &targets, &mut slow);
                 assert_eq!(fast, slow, "{degree:?}");
             }
-            let visited = |sites: &dyn Fn(&mut dyn FnMut(usize, [f64; 3]))| {
+            type Visit<'a> = &'a mut dyn FnMut(usize, [f64; 3]);
+            let visited = |sites: &dyn Fn(Visit)| {
                 let mut all = Vec::new();
                 sites(&mut |r, values| all.push((r, values)));
                 all

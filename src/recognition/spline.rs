@@ -107,10 +107,12 @@ impl Samples {
         let points: Vec<Vector> = self.used().map(|i| self.points[i]).collect();
         let normals: Vec<Vector> = self.used().map(|i| self.normals[i]).collect();
         let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-        let mut options = FitOptions::default();
-        options.degree = [DEGREE; 2];
-        options.frame = Some(FrameChoice::Keep);
-        options.objective = Objective::Slopes(SlopeWeights::Equal);
+        let mut options = FitOptions {
+            degree: [DEGREE; 2],
+            frame: Some(FrameChoice::Keep),
+            objective: Objective::Slopes(SlopeWeights::Equal),
+            ..FitOptions::default()
+        };
         let mut best: Option<Fit> = None;
         for segments in SEGMENTS {
             options.segments = [segments; 2];
@@ -130,9 +132,7 @@ impl Samples {
         let [u, v] = [&self.u, &self.v].map(|axis| axis.iter().map(|t| t * scale).collect::<Vec<f64>>());
         let mut best = None;
         for segments in SEGMENTS {
-            let mut options = FitOptions::default();
-            options.degree = [DEGREE; 2];
-            options.segments = [segments; 2];
+            let options = FitOptions { degree: [DEGREE; 2], segments: [segments; 2], ..FitOptions::default() };
             let coordinate = |k: usize| {
                 let z = Array2::from_shape_fn((SAMPLES, SAMPLES), |(i, j)| self.points[i * SAMPLES + j][k]);
                 fit_grid(&Grid::new(u.clone(), v.clone(), z), &options)

@@ -36,7 +36,7 @@ pub(crate) fn declared_off(solved: &Solved) -> [Option<f64>; 2] {
         }
         let factor = (squares[b] / freedom).sqrt();
         let above = chi_square_upper_tail(squares[b], freedom);
-        let off = above < CHANCE || above > 1.0 - CHANCE;
+        let off = !(CHANCE..=1.0 - CHANCE).contains(&above);
         (off && !(1.0 / SMALL..=SMALL).contains(&factor)).then_some(factor)
     })
 }
