@@ -118,7 +118,7 @@ impl Fit {
 
     /// The same without uncertainties, intervals, probabilities and direction, which may take longer than the fit;
     /// computed on first access.
-    pub(crate) fn bare_shape(&self) -> &Shape {
+    pub fn bare_shape(&self) -> &Shape {
         self.bare_shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
             describe::classify(&self.solved, &maps, false)
@@ -183,7 +183,7 @@ impl Fit {
     }
 
     /// Where the weights of the rows come from, and the noise sds where the fit itself needed them.
-    pub(crate) fn noise_at_hand(&self) -> (NoiseSource, Option<NoiseSds>) {
+    pub fn noise_at_hand(&self) -> (NoiseSource, Option<NoiseSds>) {
         let record = &self.solved.fitted.noise;
         let known = match record {
             noise::record::NoiseRecord::Known(sds) => Some(*sds),

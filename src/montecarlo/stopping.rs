@@ -24,7 +24,7 @@ const FIRST: u64 = 10;
 const CONTROLLED: f64 = 4096.0;
 
 /// Replicates of a batch: JCGM 101, 7.9.4 b, raised to a multiple of 1024. With the linear law as a control the Guide's
-/// 10,000 become [`CONTROLLED`].
+/// 10,000 become `CONTROLLED`.
 pub fn batch_size(level: f64, controlled: bool) -> u64 {
     let least = (100.0 / (1.0 - level)).ceil().max(if controlled { CONTROLLED } else { 10_000.0 });
     (least as u64).next_multiple_of(1024)

@@ -99,7 +99,7 @@ impl ParametricFit {
     }
 
     /// Number of contacts that stood for all until near the minimum; `None` where all took part in every step.
-    pub(crate) fn standing(&self) -> Option<usize> {
+    pub fn standing(&self) -> Option<usize> {
         self.data.standing
     }
 

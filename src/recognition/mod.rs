@@ -35,6 +35,7 @@ mod displacement;
 mod error;
 mod estimated_normals;
 mod evidence;
+#[cfg(feature = "cli")]
 mod flexible;
 mod frame;
 mod input;
@@ -63,6 +64,7 @@ mod weights;
 
 pub use error::RecognitionError;
 pub use estimated_normals::estimate_normals;
+#[cfg(feature = "cli")]
 pub(crate) use flexible::{Flexible, flexible};
 pub use options::RecognitionOptions;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
