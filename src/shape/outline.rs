@@ -10,14 +10,21 @@
 //! moves the contacts of its edges. Contacts fall into a circle of 2.5 s about twenty at a time where they lie evenly;
 //! fingers may lie a few times farther apart than stations follow each other.
 
-/// Directions in which the outline is measured; the outline is exact to 1 - cos(pi/16), 2 % of its size.
-const DIRECTIONS: usize = 16;
+/// Cosines of multiples of 22.5 degrees: the outline is measured along 16 directions, and is exact to 1 - cos(pi/16), 2 % of
+/// its size.
+const COSINES: [f64; 5] = [1.0, 0.923_879_532_511_286_7, std::f64::consts::FRAC_1_SQRT_2, 0.382_683_432_365_089_8, 0.0];
+
+/// Half of the directions; the other half are their opposites.
+const HALF: usize = 8;
 
 /// Distance, in spacings, up to which a contact supports what is around it.
 const NEAR: f64 = 2.5;
 
 /// Contacts that are looked at; of more, every so many-th, whose spacing is larger accordingly.
 const ENOUGH: usize = 4096;
+
+/// Up to so many contacts one cell holds all: looking at each takes less than finding the cells around a point.
+const FEW: usize = 64;
 
 /// The outline of contacts in x and y, with the contacts themselves in square cells.
 pub(crate) struct Outline {
@@ -28,61 +35,73 @@ pub(crate) struct Outline {
     /// Corner of the first cell, and cells along x and y.
     corner: [f64; 2],
     cells: [usize; 2],
-    /// Direction and farthest contact along it, one spacing added.
-    edges: [([f64; 2], f64); DIRECTIONS],
+    /// Least and largest place of the contacts along each half of the directions, one spacing added.
+    ends: [[f64; 2]; HALF],
     /// Distance up to which a contact supports: the side of a cell.
     near: f64,
+}
+
+/// Unit vector number k of the first half of the directions.
+fn direction(k: usize) -> [f64; 2] {
+    if k <= 4 { [COSINES[k], COSINES[4 - k]] } else { [-COSINES[8 - k], COSINES[k - 4]] }
+}
+
+/// Least and largest place along a direction.
+fn ends_along(contacts: &[[f64; 2]], [a, b]: [f64; 2]) -> [f64; 2] {
+    let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+    for c in contacts {
+        let place = a * c[0] + b * c[1];
+        ends = [ends[0].min(place), ends[1].max(place)];
+    }
+    ends
 }
 
 impl Outline {
     /// Of contacts at these places.
     pub(crate) fn new(x: &[f64], y: &[f64]) -> Outline {
         let step = x.len().div_ceil(ENOUGH).max(1);
-        let some = || x.iter().zip(y).step_by(step).map(|(x, y)| [*x, *y]);
-        let count = some().count();
-        let least = |k: usize| some().map(|c| c[k]).fold(f64::INFINITY, f64::min);
-        let most = |k: usize| some().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
-        let corner = [least(0), least(1)];
-        let sides = [most(0) - corner[0], most(1) - corner[1]];
-        let spacing = (sides[0] * sides[1] / count.max(1) as f64).sqrt();
-        let edge = |k: usize| {
-            let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
-            let farthest = some().map(|c| cos * c[0] + sin * c[1]).fold(f64::NEG_INFINITY, f64::max);
-            ([cos, sin], farthest + spacing)
-        };
+        let given: Vec<[f64; 2]> = (0..x.len()).step_by(step).map(|r| [x[r], y[r]]).collect();
+        let [along_x, along_y] = [ends_along(&given, [1.0, 0.0]), ends_along(&given, [0.0, 1.0])];
+        let sides = [along_x[1] - along_x[0], along_y[1] - along_y[0]];
+        let spacing = (sides[0] * sides[1] / given.len().max(1) as f64).sqrt();
         let near = NEAR * spacing;
         // contacts on one line have no area: one cell then holds them all
-        let cells = sides.map(|side| if near > 0.0 { (side / near) as usize + 1 } else { 1 }.min(ENOUGH));
-        let mut outline = Outline {
-            contacts: vec![[0.0; 2]; count],
-            starts: vec![0; cells[0] * cells[1] + 1],
-            corner,
-            cells,
-            edges: std::array::from_fn(edge),
-            near,
-        };
-        outline.fill(some);
+        let split = near > 0.0 && given.len() > FEW;
+        let cells = sides.map(|side| if split { (side / near) as usize + 1 } else { 1 }.min(ENOUGH));
+        let ends = std::array::from_fn(|k| {
+            let [lo, hi] = ends_along(&given, direction(k));
+            [lo - spacing, hi + spacing]
+        });
+        let corner = [along_x[0], along_y[0]];
+        let mut outline = Outline { contacts: Vec::new(), starts: vec![0, given.len()], corner, cells, ends, near };
+        if split {
+            outline.fill(&given);
+        } else {
+            outline.contacts = given;
+        }
         outline
     }
 
     /// Sorts the contacts by their cells, by counting.
-    fn fill<I: Iterator<Item = [f64; 2]>>(&mut self, some: impl Fn() -> I) {
-        for c in some() {
-            let cell = self.cell(c);
+    fn fill(&mut self, given: &[[f64; 2]]) {
+        self.starts = vec![0; self.cells[0] * self.cells[1] + 1];
+        for c in given {
+            let cell = self.cell(*c);
             self.starts[cell + 1] += 1;
         }
         (1..self.starts.len()).for_each(|k| self.starts[k] += self.starts[k - 1]);
         let mut next = self.starts.clone();
-        for c in some() {
-            let cell = self.cell(c);
-            self.contacts[next[cell]] = c;
+        self.contacts = vec![[0.0; 2]; given.len()];
+        for c in given {
+            let cell = self.cell(*c);
+            self.contacts[next[cell]] = *c;
             next[cell] += 1;
         }
     }
 
     /// Place of a coordinate among the cells along one direction, those beyond the ends at the ends.
     fn along(&self, k: usize, value: f64) -> usize {
-        if self.near > 0.0 { (((value - self.corner[k]) / self.near) as usize).min(self.cells[k] - 1) } else { 0 }
+        if self.cells[k] == 1 { 0 } else { (((value - self.corner[k]) / self.near) as usize).min(self.cells[k] - 1) }
     }
 
     fn cell(&self, c: [f64; 2]) -> usize {
@@ -91,7 +110,12 @@ impl Outline {
 
     /// Whether contacts support the point.
     pub(crate) fn holds(&self, x: f64, y: f64) -> bool {
-        self.edges.iter().all(|(d, farthest)| d[0] * x + d[1] * y <= *farthest) && self.is_near(x, y)
+        let within = |(k, [lo, hi]): (usize, &[f64; 2])| {
+            let [a, b] = direction(k);
+            let place = a * x + b * y;
+            *lo <= place && place <= *hi
+        };
+        self.is_near(x, y) && self.ends.iter().enumerate().all(within)
     }
 
     fn is_near(&self, x: f64, y: f64) -> bool {
