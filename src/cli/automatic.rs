@@ -13,7 +13,7 @@ use crate::fit::{FitError, FitOptions};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
 use crate::recognition::{
-    Flexible, Recognition, RecognitionError, RecognitionOptions, flexible, recognise, recognise_grid,
+    Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, recognise, recognise_grid, shown,
 };
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
@@ -22,23 +22,6 @@ use super::named::fit_input;
 /// What a user can do with contacts that are not one patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
-
-/// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
-const PREDICTED: f64 = 0.5;
-
-/// A simple shape is no answer when its misfit is above both of these: a quarter of the relief (in percent), and a
-/// tenth of the patch's size. A sensor's error may be large beside the relief of a flat patch, but not beside the
-/// patch's size.
-const UNSAID: f64 = 25.0;
-const OF_LENGTH: f64 = 0.1;
-
-/// Least cosine of the angle between the patch's normal and z. A height field over x and y does not follow a steeper
-/// patch.
-const LEVEL: f64 = 0.7;
-
-/// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
-/// misfit.
-const BETTER: f64 = 0.5;
 
 /// A note says that contacts lie off the surface when both their share and their number are at least these: more than a
 /// sensor's stray readings.
@@ -71,11 +54,11 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Input::Contacts(contacts) => recognise(contacts, options),
         Input::Grid(grid) => recognise_grid(grid, options),
     };
-    match found {
-        Ok(found) => {
-            let mut found = match flexible_instead(input, &found, fit) {
-                Some(bent) => bent,
-                None => simple(found)?,
+    match shown(found, || contacts_of(input), fit) {
+        Ok(answer) => {
+            let mut found = match answer {
+                Shown::Simple(found) => simple(found),
+                Shown::Flexible(field, simple) => flexible_field(*field, simple.as_deref()),
             };
             found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
             Ok(found)
@@ -86,14 +69,9 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
             let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
-        Err(error @ RecognitionError::NotOneSheet { .. }) => {
-            let bent = flexible(&contacts_of(input), fit).and_then(Result::ok);
-            match bent.filter(|bent| bent.error < PREDICTED * bent.relief) {
-                Some(bent) => Ok(bent_found(bent, None)),
-                None => Err(Refusal::Shape(format!("{error}: {FORWARD}"))),
-            }
+        Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
+            Err(Refusal::Shape(format!("{error}: {FORWARD}")))
         }
-        Err(error @ RecognitionError::AllAround { .. }) => Err(Refusal::Shape(format!("{error}: {FORWARD}"))),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
 }
@@ -105,64 +83,22 @@ fn all_downward(input: &Input) -> bool {
     }
 }
 
-/// The pattern of the residuals is more than chance when its p is below this.
-const CHANCE: f64 = 0.01;
-
-/// Whether much of the relief has a pattern that the simple shape leaves unsaid.
-fn leaves_much_unsaid(found: &Recognition) -> bool {
-    found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
-}
-
-/// Whether that is more than any sensor errs, so that the simple shape is no answer.
-fn is_no_answer(found: &Recognition) -> bool {
-    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
-    leaves_much_unsaid(found) && best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale)
-}
-
-/// The simple shape, unless its misfit is too large for an answer.
-fn simple(found: Recognition) -> Result<Found, Refusal> {
-    let mut notes = Vec::new();
+/// A simple shape, with a note where many contacts lie off it.
+fn simple(found: Box<Recognition>) -> Found {
     let strays = found.dropped.outliers;
-    if is_no_answer(&found) {
-        let outliers = 100.0 * strays as f64 / (strays + found.contacts) as f64;
-        let error = RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers };
-        return Err(Refusal::Shape(format!("{error}: {FORWARD}")));
-    }
-    if strays >= STRAYS && strays as f64 > STRAY * (strays + found.contacts) as f64 {
-        notes.push(format!(
-            "{:.0} % of the contacts belong to something else, a background or another part: {FORWARD}",
-            100.0 * strays as f64 / (strays + found.contacts) as f64
-        ));
-    }
-    Ok(Found { answer: Answer::Recognised(Box::new(found)), chosen: None, lack_of_fit: None, notes })
+    let share = strays as f64 / (strays + found.contacts) as f64;
+    let elsewhere = (strays >= STRAYS && share > STRAY).then(|| {
+        let percent = 100.0 * share;
+        format!("{percent:.0} % of the contacts belong to something else, a background or another part: {FORWARD}")
+    });
+    Found { answer: Answer::Recognised(found), chosen: None, lack_of_fit: None, notes: elsewhere.into_iter().collect() }
 }
 
-/// A flexible height field, where the simple shape has a large misfit and such a field predicts the contacts. Both are
-/// compared on the contacts that belong to the simple shape, so that strays decide nothing.
-fn flexible_instead(input: &Input, found: &Recognition, fit: &FitOptions) -> Option<Found> {
-    let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
-    if !leaves_much_unsaid(found) || up < LEVEL {
-        return None;
-    }
-    let contacts = contacts_of(input);
-    let distance = |r: usize| found.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]).abs();
-    let mut order: Vec<(f64, u32)> = (0..contacts.len()).map(|r| (distance(r), r as u32)).collect();
-    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.truncate(contacts.len().saturating_sub(found.dropped.outliers));
-    let rms = (order.iter().map(|(d, _)| d * d).sum::<f64>() / order.len().max(1) as f64).sqrt();
-    let belonging: Vec<u32> = order.iter().map(|(_, r)| *r).collect();
-    let bent = flexible(&contacts.in_order(&belonging), fit)?.ok()?;
-    if up * bent.error >= BETTER * rms {
-        return None;
-    }
-    let bent = if belonging.len() == contacts.len() { bent } else { flexible(&contacts, fit)?.ok()? };
-    Some(bent_found(bent, Some(found)))
-}
-
-fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
-    let segments = bent.fit.options().segments;
-    let unsaid = 100.0 * bent.error / bent.relief;
-    let mut tried: Vec<TriedPart> = bent
+/// A flexible height field, with the simple shape that it takes the place of.
+fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
+    let segments = field.fit.options().segments;
+    let unsaid = 100.0 * field.error / field.relief;
+    let mut tried: Vec<TriedPart> = field
         .tried
         .iter()
         .map(|(n, error)| TriedPart {
@@ -184,9 +120,9 @@ fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
         segments[0], segments[1]
     );
     let chosen = ChosenPart {
-        degree: Some(bent.fit.options().degree),
+        degree: Some(field.fit.options().degree),
         segments: Some(segments),
-        frame: Some(if bent.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
+        frame: Some(if field.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
         tried,
         ..ChosenPart::new("height", why)
     };
@@ -196,7 +132,7 @@ fn bent_found(bent: Flexible, simple: Option<&Recognition>) -> Found {
         words: "the surface is not one simple shape: S and R change from place to place, see the maps of --out".into(),
     };
     let note = "the intervals count noise alone, not what more segments would change".to_string();
-    let answer = Answer::Fitted(FittedSurface::Height(Box::new(bent.fit)));
+    let answer = Answer::Fitted(FittedSurface::Height(Box::new(field.fit)));
     Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes: vec![note] }
 }
 

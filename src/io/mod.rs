@@ -16,6 +16,7 @@ mod columns;
 mod csv;
 mod depth;
 mod error;
+mod form;
 mod gather;
 mod imported;
 mod limits;
@@ -25,7 +26,6 @@ mod npz;
 mod npz_writer;
 mod place;
 mod ply;
-mod recognise;
 mod records;
 mod remark;
 mod same_file;
@@ -45,7 +45,7 @@ use crate::contact::{Contacts, Grid};
 
 use columns::Need;
 use depth::DepthImage;
-use recognise::Form;
+use form::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
 pub(crate) use depth::Intrinsics;
@@ -129,7 +129,7 @@ pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
     let (file, bytes) = read_bytes(path)?;
     let bytes = unpack::unpacked(&file, &bytes)?;
     let strict = ReadOptions::default();
-    match recognise::recognise(&bytes, &ending(&file)) {
+    match form::form_of(&bytes, &ending(&file)) {
         Ok(Form::Npz) => npz::read_columns(&file, &bytes, Need::Points)?.into_points(&file, &Place::Entry),
         Ok(_) => {
             let csv::Table { columns, lines, .. } = csv::read_columns(&file, &bytes, Need::Points, &strict)?;
@@ -177,7 +177,7 @@ pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Resu
 }
 
 fn read_form(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    match recognise::recognise(bytes, &ending(file)) {
+    match form::form_of(bytes, &ending(file)) {
         Ok(Form::Npz) if !bytes.starts_with(b"PK") => {
             Err(IoError::Zip { file: file.into(), what: "no zip archive".into() })
         }

@@ -118,23 +118,9 @@ fn scatter(width: [usize; 2], first: [usize; 2], blocks: &[f64], out: &mut Stenc
 #[cfg(test)]
 mod tests {
     use crate::bspline::{Knots, linspace};
-    use crate::linalg::{RowWeights, Site, SiteWeights, Sites, StencilMatrix, TensorShape, assemble};
+    use crate::linalg::single_sites::Single;
+    use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, assemble};
     use crate::observation::GridSites;
-
-    /// The same sites without their axes, so that they are visited one by one.
-    struct Single(GridSites);
-
-    impl Sites for Single {
-        fn shape(&self) -> TensorShape {
-            self.0.shape()
-        }
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn visit(&self, f: impl FnMut(&Site)) {
-            self.0.visit(f);
-        }
-    }
 
     #[test]
     fn sums_along_rows_and_single_pixels_give_the_same_matrix() {

@@ -233,26 +233,11 @@ fn add_long_line(
 #[cfg(test)]
 mod tests {
     use crate::bspline::{Knots, linspace};
+    use crate::linalg::single_sites::Single;
     use crate::linalg::{
-        RowWeights, Site, SiteWeights, Sites, Targets, TensorShape, apply_rows, descent, normal_rhs, residuals,
-        visit_values,
+        RowWeights, SiteWeights, Sites, Targets, apply_rows, descent, normal_rhs, residuals, visit_values,
     };
     use crate::observation::GridSites;
-
-    /// The same sites without their axes, so that they are visited one by one.
-    struct Single(GridSites);
-
-    impl Sites for Single {
-        fn shape(&self) -> TensorShape {
-            self.0.shape()
-        }
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn visit(&self, f: impl FnMut(&Site)) {
-            self.0.visit(f);
-        }
-    }
 
     /// Row by row and pixel by pixel: every product has the same bits, in the same order.
     #[test]

@@ -17,6 +17,8 @@ mod grid_assembly;
 mod grid_axis;
 mod grid_rows;
 mod row_products;
+#[cfg(test)]
+mod single_sites;
 mod site_groups;
 mod sites;
 mod stencil;

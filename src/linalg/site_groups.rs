@@ -150,23 +150,9 @@ impl SiteGroups {
 mod tests {
     use super::*;
     use crate::bspline::Knots;
-    use crate::linalg::{Site, SiteWeights, TensorShape};
+    use crate::linalg::SiteWeights;
+    use crate::linalg::single_sites::Single;
     use crate::observation::ScatteredSites;
-
-    /// Sites that can only be visited one by one.
-    struct Single(ScatteredSites);
-
-    impl Sites for Single {
-        fn shape(&self) -> TensorShape {
-            self.0.shape()
-        }
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn visit(&self, f: impl FnMut(&Site)) {
-            self.0.visit(f);
-        }
-    }
 
     #[test]
     fn groups_hold_every_site_in_order() {

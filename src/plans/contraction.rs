@@ -5,9 +5,14 @@
 //! images, pixels_x x pixels_y  ->  half, n x pixels_y  ->  B, n x m
 //! ```
 
+use ndarray::ArrayView2;
+
 use super::error::{PlanError, all_finite};
 use crate::observation::GridSites;
 use crate::simd::{BandTerm, Isa, contract_rows};
+
+/// What the images of a frame are called in messages.
+pub(super) const IMAGES: [&str; 3] = ["z", "zx", "zy"];
 
 /// Axes, bases and buffers; nothing is allocated after they are made.
 #[derive(Clone, Debug)]
@@ -42,6 +47,21 @@ impl Contraction {
     /// Pixels in x and in y.
     pub(super) fn pixels(&self) -> [usize; 2] {
         self.sites.axes().each_ref().map(|axis| axis.first.len())
+    }
+
+    /// Checks that every image is as large as the axes say.
+    ///
+    /// # Errors
+    /// [`PlanError::Shape`].
+    pub(super) fn check_views<T>(&self, views: &[ArrayView2<'_, T>; 3]) -> Result<(), PlanError> {
+        let expected = self.pixels();
+        for (image, view) in IMAGES.into_iter().zip(views) {
+            let found = [view.nrows(), view.ncols()];
+            if found != expected {
+                return Err(PlanError::Shape { image, found, expected });
+            }
+        }
+        Ok(())
     }
 
     /// Begins another frame.

@@ -8,7 +8,7 @@
 
 use ndarray::ArrayView2;
 
-use super::contraction::{Contraction, check_axis};
+use super::contraction::{Contraction, IMAGES, check_axis};
 use super::error::{PlanError, check_weights};
 use crate::bspline::Knots;
 use crate::observation::GridSites;
@@ -65,8 +65,6 @@ mod sealed {
     impl Sealed for f32 {}
     impl Sealed for f64 {}
 }
-
-const IMAGES: [&str; 3] = ["z", "zx", "zy"];
 
 impl ImagePlan {
     /// Plans for pixels at `x` by `y`, both increasing, these knots and the block weights `[wz, wx, wy]`, which multiply
@@ -128,12 +126,7 @@ impl ImagePlan {
         zy: ArrayView2<'_, T>,
     ) -> Result<&[f64], PlanError> {
         let (views, expected) = ([z, zx, zy], self.contraction.pixels());
-        for (image, view) in IMAGES.into_iter().zip(&views) {
-            let found = [view.nrows(), view.ncols()];
-            if found != expected {
-                return Err(PlanError::Shape { image, found, expected });
-            }
-        }
+        self.contraction.check_views(&views)?;
         if let [Some(z), Some(zx), Some(zy)] = views.each_ref().map(|view| view.as_slice().and_then(T::as_f64)) {
             return self.fit_frame(z, zx, zy);
         }

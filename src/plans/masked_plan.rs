@@ -10,7 +10,7 @@
 
 use ndarray::ArrayView2;
 
-use super::contraction::{Contraction, check_axis};
+use super::contraction::{Contraction, IMAGES, check_axis};
 use super::error::{PlanError, check_weights};
 use super::image_plan::Pixel;
 use crate::bspline::Knots;
@@ -23,7 +23,6 @@ use crate::solve::Cholesky;
 const ROWS: usize = 8;
 /// Alternations of held and free coefficients at most, as in a single fit.
 const MAX_ALTERNATIONS: usize = 40;
-const IMAGES: [&str; 3] = ["z", "zx", "zy"];
 const MAPS: [&str; 3] = ["wz", "wx", "wy"];
 
 /// A stream of images with slopes under fixed axes, knots and weight maps; a weight of 0 masks a pixel.
@@ -139,12 +138,7 @@ impl MaskedImagePlan {
         zy: ArrayView2<'_, T>,
     ) -> Result<&[f64], PlanError> {
         let (views, expected) = ([z, zx, zy], self.contraction.pixels());
-        for (image, view) in IMAGES.into_iter().zip(&views) {
-            let found = [view.nrows(), view.ncols()];
-            if found != expected {
-                return Err(PlanError::Shape { image, found, expected });
-            }
-        }
+        self.contraction.check_views(&views)?;
         self.contraction.clear();
         for from in (0..expected[0]).step_by(ROWS) {
             let to = (from + ROWS).min(expected[0]);

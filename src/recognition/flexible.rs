@@ -20,7 +20,7 @@ use super::start::thinned;
 
 /// Blocks each way, and the number of groups that are left out one after the other.
 const BLOCKS: usize = 6;
-const TURNS: usize = 4;
+const GROUPS: usize = 4;
 
 /// Segments that are tried.
 const SEGMENTS: [usize; 7] = [1, 2, 4, 8, 12, 16, 24];
@@ -64,7 +64,7 @@ pub(crate) fn flexible(contacts: &Contacts, options: &FitOptions) -> Option<Resu
     let relief = relief(&points);
     let mut tried: Vec<(usize, f64)> = Vec::new();
     for segments in SEGMENTS {
-        if PER_UNKNOWN * (segments + DEGREE).pow(2) > few.len() * (TURNS - 1) / TURNS {
+        if PER_UNKNOWN * (segments + DEGREE).pow(2) > few.len() * (GROUPS - 1) / GROUPS {
             break;
         }
         match left_out(&few, segments) {
@@ -94,15 +94,15 @@ fn left_out(contacts: &Contacts, segments: usize) -> Result<f64, FitError> {
     };
     let (x, y) = (range(&contacts.x), range(&contacts.y));
     let block = |v: f64, [lo, hi]: [f64; 2]| ((BLOCKS as f64 * (v - lo) / (hi - lo)) as usize).min(BLOCKS - 1);
-    let turn = |r: usize| (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % TURNS;
+    let group = |r: usize| (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % GROUPS;
     let mut options = FitOptions::default();
     (options.degree, options.segments) = ([DEGREE; 2], [segments; 2]);
     options.domain = Some([x[0], x[1], y[0], y[1]]);
     let (mut sum, mut count) = (0.0, 0_usize);
-    for out in 0..TURNS {
-        let kept: Vec<u32> = (0..contacts.len() as u32).filter(|&r| turn(r as usize) != out).collect();
+    for out in 0..GROUPS {
+        let kept: Vec<u32> = (0..contacts.len() as u32).filter(|&r| group(r as usize) != out).collect();
         let surface = fit_contacts(&contacts.in_order(&kept), &options)?.input_surface()?;
-        for r in (0..contacts.len()).filter(|&r| turn(r) == out) {
+        for r in (0..contacts.len()).filter(|&r| group(r) == out) {
             sum += (contacts.z[r] - surface.at(contacts.x[r], contacts.y[r]).z).powi(2);
             count += 1;
         }

@@ -53,6 +53,8 @@ mod region;
 mod report;
 mod result;
 mod rows;
+#[cfg(feature = "cli")]
+mod shown;
 mod spline;
 mod start;
 mod state;
@@ -64,10 +66,13 @@ mod weights;
 
 pub use error::RecognitionError;
 pub use estimated_normals::estimate_normals;
+// only the program asks for a fit where nothing is recognised
 #[cfg(feature = "cli")]
-pub(crate) use flexible::{Flexible, flexible};
+pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+#[cfg(feature = "cli")]
+pub(crate) use shown::{Shown, shown};
 pub use spline::RecognisedSpline;
 pub use surface::RecognisedSurface;
 

@@ -192,12 +192,8 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
         let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis)?;
         return Some(best.rms);
     };
-    let distance = |r: usize| found.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]);
-    let mut squares: Vec<f64> = (0..contacts.len()).map(|r| distance(r).powi(2)).filter(|d| d.is_finite()).collect();
-    // those that lie farthest off are the ones set aside
-    squares.sort_unstable_by(f64::total_cmp);
-    let kept = &squares[..found.contacts.min(squares.len())];
-    (!kept.is_empty()).then(|| (kept.iter().sum::<f64>() / kept.len() as f64).sqrt())
+    let kept = found.belonging(contacts);
+    (!kept.is_empty()).then(|| (kept.iter().map(|(d, _)| d * d).sum::<f64>() / kept.len() as f64).sqrt())
 }
 
 /// Contacts and normals that were set aside or changed, in words.

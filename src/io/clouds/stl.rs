@@ -2,9 +2,9 @@
 //! 50 bytes a triangle). The facets' own normals are not read: they say no more than the order of the corners, and are
 //! often zero. [`super::soup`] joins the corners and finds normals.
 
+use crate::io::form::is_binary_stl;
 use crate::io::gather::reading_of;
 use crate::io::place::Unit;
-use crate::io::recognise::is_binary_stl;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::soup::Soup;

@@ -57,7 +57,7 @@ const HEAD: usize = 4096;
 ///
 /// # Errors
 /// What the bytes look like, in words, where that is no format that is read.
-pub(super) fn recognise(bytes: &[u8], ending: &str) -> Result<Form, &'static str> {
+pub(super) fn form_of(bytes: &[u8], ending: &str) -> Result<Form, &'static str> {
     if let Some(form) = by_magic(bytes) {
         return Ok(form);
     }
@@ -178,10 +178,10 @@ mod tests {
             (b"off,on,x\n", Form::Table),
         ];
         for (bytes, form) in cases {
-            assert_eq!(recognise(bytes, ""), Ok(form), "{:?}", String::from_utf8_lossy(bytes));
+            assert_eq!(form_of(bytes, ""), Ok(form), "{:?}", String::from_utf8_lossy(bytes));
         }
-        assert_eq!(recognise(b"nonsense", "obj"), Ok(Form::Obj));
-        assert_eq!(recognise(b"", "ply"), Ok(Form::Table));
+        assert_eq!(form_of(b"nonsense", "obj"), Ok(Form::Obj));
+        assert_eq!(form_of(b"", "ply"), Ok(Form::Table));
     }
 
     #[test]
@@ -195,7 +195,7 @@ mod tests {
             (b"version https://git-lfs.github.com/spec/v1", "Git LFS"),
         ];
         for (bytes, word) in cases {
-            assert!(recognise(bytes, "csv").unwrap_err().contains(word), "{word}");
+            assert!(form_of(bytes, "csv").unwrap_err().contains(word), "{word}");
         }
     }
 }

@@ -1,0 +1,111 @@
+//! What contacts show: a simple shape, or a flexible height field where a simple shape leaves too much unsaid.
+//!
+//! ```text
+//! unsaid       misfit > 1/4 of the relief, with a pattern (p < 0.01)
+//!              flexible field, where its error at left-out contacts is below half of the simple shape's misfit
+//! no answer    unsaid, no such field, and misfit > 0.1 of the patch's size: more than a sensor errs
+//! ```
+
+use crate::contact::Contacts;
+use crate::fit::FitOptions;
+
+use super::flexible::{Flexible, flexible};
+use super::{Recognition, RecognitionError};
+
+/// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
+const PREDICTED: f64 = 0.5;
+
+/// A simple shape is no answer when its misfit is above both of these: a quarter of the relief (in percent), and a
+/// tenth of the patch's size. A sensor's error may be large beside the relief of a flat patch, but not beside the
+/// patch's size.
+const UNSAID: f64 = 25.0;
+const OF_LENGTH: f64 = 0.1;
+
+/// The pattern of the residuals is more than chance when its p is below this.
+const CHANCE: f64 = 0.01;
+
+/// Least cosine of the angle between the patch's normal and z. A height field over x and y does not follow a steeper
+/// patch.
+const LEVEL: f64 = 0.7;
+
+/// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
+/// misfit.
+const BETTER: f64 = 0.5;
+
+/// What contacts show.
+pub(crate) enum Shown {
+    /// A simple shape.
+    Simple(Box<Recognition>),
+    /// One sheet of no simple shape, with the simple shape that it takes the place of, where one was found.
+    Flexible(Box<Flexible>, Option<Box<Recognition>>),
+}
+
+/// Keeps what was recognised, or puts a flexible height field in its place. `contacts` gives the contacts, which most
+/// answers do not need again; `fit` holds the options of such a field.
+///
+/// # Errors
+/// That of the recognition; [`RecognitionError::NotOneSheet`] where neither is an answer.
+pub(crate) fn shown(
+    found: Result<Recognition, RecognitionError>,
+    contacts: impl Fn() -> Contacts,
+    fit: &FitOptions,
+) -> Result<Shown, RecognitionError> {
+    match found {
+        Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), fit) {
+            Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
+            None if is_no_answer(&found) => {
+                let strays = found.dropped.outliers as f64;
+                let outliers = 100.0 * strays / (strays + found.contacts as f64);
+                Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
+            }
+            None => Ok(Shown::Simple(Box::new(found))),
+        },
+        Ok(found) => Ok(Shown::Simple(Box::new(found))),
+        Err(error @ RecognitionError::NotOneSheet { .. }) => {
+            let field = flexible(&contacts(), fit).and_then(Result::ok);
+            let field = field.filter(|field| field.error < PREDICTED * field.relief).ok_or(error)?;
+            Ok(Shown::Flexible(Box::new(field), None))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether much of the relief has a pattern that the simple shape leaves unsaid.
+fn leaves_much_unsaid(found: &Recognition) -> bool {
+    found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
+}
+
+/// Whether that is more than any sensor errs.
+fn is_no_answer(found: &Recognition) -> bool {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale)
+}
+
+/// A flexible height field that predicts the contacts far better than the simple shape explains them. Both are compared
+/// on the contacts that belong to the simple shape, so that strays decide nothing.
+fn instead(found: &Recognition, contacts: &Contacts, fit: &FitOptions) -> Option<Flexible> {
+    let up = found.frame.rotate_back([0.0, 0.0, 1.0])[2].abs();
+    if up < LEVEL {
+        return None;
+    }
+    let belonging = found.belonging(contacts);
+    let rms = (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt();
+    let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
+    let field = flexible(&contacts.in_order(&numbers), fit)?.ok()?;
+    if up * field.error >= BETTER * rms {
+        return None;
+    }
+    if numbers.len() == contacts.len() { Some(field) } else { flexible(contacts, fit)?.ok() }
+}
+
+impl Recognition {
+    /// Distances, nearest first, and numbers of the contacts that belong to the surface: the farthest were set aside.
+    pub(crate) fn belonging(&self, contacts: &Contacts) -> Vec<(f64, u32)> {
+        let distance = |r: usize| self.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]).abs();
+        let all = (0..contacts.len()).map(|r| (distance(r), r as u32));
+        let mut order: Vec<(f64, u32)> = all.filter(|(d, _)| d.is_finite()).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.truncate(self.contacts);
+        order
+    }
+}
