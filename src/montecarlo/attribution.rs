@@ -3,7 +3,12 @@
 //! ```text
 //! A: replicates b        B: the same effects' draws of replicates b + 2^41        C_e: A with B's draws of effect e alone
 //! first-order share   corr(B, C_e): what e alone brings          total share   (mean (A - C_e)^2 / 2)/V: with all its company
+//! share               (first-order + total)/2: its own part, and half of what it brings together with one other effect
 //! ```
+//!
+//! First-order shares leave out what effects bring only together, total shares count it for each of them: neither adds up. The
+//! mean of both is Shapley's share wherever effects meet in pairs (A. B. Owen, *SIAM/ASA J. Uncertainty Quantification* 2
+//! (2014) 245), and these shares sum to one; a sum whose interval misses one tells of three effects that act together.
 //!
 //! Estimators of A. Janon et al. (*ESAIM: P&S* 18 (2014) 342) and M. Jansen (*Comp. Phys. Comm.* 117 (1999) 35). Intervals by
 //! a jackknife over 32 groups of replicates, cut to [0, 1]; a share whose estimate falls below 0 by chance is given as 0. An
@@ -36,6 +41,8 @@ pub struct Share {
 pub struct EffectShare {
     /// Its name.
     pub name: String,
+    /// Shares of S and R: the mean of the first-order and the total share, which sums to one where effects meet in pairs.
+    pub share: [Share; 2],
     /// First-order shares of S and R.
     pub first: [Share; 2],
     /// Total shares of S and R.
@@ -53,7 +60,7 @@ pub struct Attribution {
     pub replicates: usize,
     /// One entry an effect that is compiled in.
     pub effects: Vec<EffectShare>,
-    /// Sums of the first-order shares of S and R, with intervals; 1 where effects do not meet.
+    /// Sums of the shares of S and R, with intervals; 1 where no three effects act together.
     pub sum: [Share; 2],
 }
 
@@ -65,14 +72,15 @@ pub fn attribute(engine: &Engine, seed: u64, count: usize, linear: &LinearLaw) -
     let b = engine.values_from(&|stage| simulator.draws(stage, seed).later(BEYOND), 0, count).columns;
     let rest = AtRest::shared(simulator);
     let mut effects = Vec::new();
-    let mut groups_of_first = [vec![0.0; GROUPS + 1], vec![0.0; GROUPS + 1]];
+    let mut groups_of_sum = [vec![0.0; GROUPS + 1], vec![0.0; GROUPS + 1]];
     let all: f64 = 0.0;
     let linear_sum = linear.by_stage.iter().fold([all; 2], |sum, (_, v)| [sum[0] + v[0], sum[1] + v[1]]);
     for (number, stage) in simulator.stages().iter().enumerate() {
         let mut own = EffectShare { name: stage.name().into(), ..EffectShare::default() };
         if stage.draws_per_contact() == 0 {
             let zero = Share { share: Some(0.0), interval: Some(Interval { lo: 0.0, hi: 0.0 }) };
-            (own.first, own.total, own.alone, own.linear) = ([zero; 2], [zero; 2], [Some(0.0); 2], [Some(0.0); 2]);
+            (own.share, own.first, own.total) = ([zero; 2], [zero; 2], [zero; 2]);
+            (own.alone, own.linear) = ([Some(0.0); 2], [Some(0.0); 2]);
             effects.push(own);
             continue;
         }
@@ -88,7 +96,9 @@ pub fn attribute(engine: &Engine, seed: u64, count: usize, linear: &LinearLaw) -
         for q in 0..2 {
             let first = jackknife(|keep| correlation(&b[q], &c[q], keep));
             let total = jackknife(|keep| correlation(&a[q], &c[q], keep).map(|r| 1.0 - r));
-            groups_of_first[q].iter_mut().zip(&first).for_each(|(sum, share)| *sum += share.max(0.0));
+            let both: Vec<f64> = first.iter().zip(&total).map(|(first, total)| 0.5 * (first + total)).collect();
+            groups_of_sum[q].iter_mut().zip(&both).for_each(|(sum, share)| *sum += share);
+            own.share[q] = share(&both);
             own.first[q] = share(&first);
             own.total[q] = share(&total);
             own.alone[q] = sd(&alone[q]);
@@ -98,7 +108,7 @@ pub fn attribute(engine: &Engine, seed: u64, count: usize, linear: &LinearLaw) -
         effects.push(own);
     }
     let random = simulator.stages().iter().any(|stage| stage.draws_per_contact() > 0);
-    let sum = groups_of_first.map(|groups| if random { share_up_to(&groups, f64::INFINITY) } else { Share::default() });
+    let sum = groups_of_sum.map(|groups| if random { share_up_to(&groups, f64::INFINITY) } else { Share::default() });
     Attribution { replicates: count, effects, sum }
 }
 

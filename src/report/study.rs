@@ -109,7 +109,15 @@ pub(crate) struct EffectPart {
     pub interval_S: Option<[f64; 2]>,
     /// Its interval.
     pub interval_R: Option<[f64; 2]>,
-    /// Share with all its company.
+    /// First-order share: what the effect brings alone.
+    pub first_S: Option<f64>,
+    /// Of R.
+    pub first_R: Option<f64>,
+    /// Its interval.
+    pub first_interval_S: Option<[f64; 2]>,
+    /// Its interval.
+    pub first_interval_R: Option<[f64; 2]>,
+    /// Total share: with all that it brings together with others.
     pub total_S: Option<f64>,
     /// Of R.
     pub total_R: Option<f64>,
@@ -271,10 +279,14 @@ fn ends(share: &Share) -> Option<[f64; 2]> {
 pub(crate) fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<EffectPart> {
     let on = attribution.effects.iter().map(|effect| EffectPart {
         name: effect.name.clone(),
-        share_S: effect.first[0].share,
-        share_R: effect.first[1].share,
-        interval_S: ends(&effect.first[0]),
-        interval_R: ends(&effect.first[1]),
+        share_S: effect.share[0].share,
+        share_R: effect.share[1].share,
+        interval_S: ends(&effect.share[0]),
+        interval_R: ends(&effect.share[1]),
+        first_S: effect.first[0].share,
+        first_R: effect.first[1].share,
+        first_interval_S: ends(&effect.first[0]),
+        first_interval_R: ends(&effect.first[1]),
         total_S: effect.total[0].share,
         total_R: effect.total[1].share,
         total_interval_S: ends(&effect.total[0]),
@@ -292,6 +304,10 @@ pub(crate) fn effect_parts(attribution: &Attribution, off: &[&str]) -> Vec<Effec
         share_R: nothing,
         interval_S: none,
         interval_R: none,
+        first_S: nothing,
+        first_R: nothing,
+        first_interval_S: none,
+        first_interval_R: none,
         total_S: nothing,
         total_R: nothing,
         total_interval_S: none,

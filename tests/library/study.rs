@@ -109,7 +109,7 @@ fn parts_merge_to_the_bits_of_one_run() {
     }
 }
 
-/// Shares of two effects: first-order shares add up, totals are no smaller, the same bits twice, and off means 0.
+/// Shares of two effects sum to one, lie between the first-order and the total ones, repeat to the bit, and off means 0.
 #[test]
 fn shares_add_up_and_repeat() {
     let world = world()
@@ -125,10 +125,12 @@ fn shares_add_up_and_repeat() {
     for q in 0..2 {
         let sum = shares.sum[q];
         let interval = sum.interval.unwrap();
-        assert!(interval.lo <= 1.0 && interval.hi >= 0.9, "{q}: {sum:?}");
+        assert!(interval.lo <= 1.0 && interval.hi >= 1.0, "{q}: {sum:?}");
         for effect in &shares.effects {
             let (first, total) = (effect.first[q].share.unwrap(), effect.total[q].share.unwrap());
             assert!((0.0..=1.0).contains(&first) && total > first - 0.1, "{effect:?}");
+            let share = effect.share[q].share.unwrap();
+            assert!(share >= first.min(total) && share <= first.max(total), "{effect:?}");
         }
     }
     assert_eq!(study.result(&state, 2000), result);
