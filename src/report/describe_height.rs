@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, NoiseSource, Shape};
+use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape, Statistic};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
@@ -187,6 +187,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
+            .chain(if subject.bare { Vec::new() } else { model_words(fit) })
             .collect(),
     }
 }
@@ -211,6 +212,36 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
     both.into_iter().filter_map(|(what, factor)| Some(words(what, factor?))).collect()
 }
 
+/// What the intervals count besides noise, in words.
+fn model_words(fit: &Fit) -> Vec<String> {
+    match fit.model_reading() {
+        ModelReading::NotAsked => Vec::new(),
+        ModelReading::Unknown { why } => vec![format!("the intervals count noise alone: {why}")],
+        ModelReading::Found(other) => {
+            let both = [("S", &fit.shape().shape_index), ("R", &fit.shape().curvedness)];
+            let words = |(name, found): (&str, &Statistic)| {
+                let (noise, model) =
+                    (found.u_noise?, found.u_model.filter(|model| *model > found.u_noise.unwrap_or(0.0))?);
+                let (mean, interval) = (found.mean?, found.interval?);
+                let [mean, lo, hi, noise, model] =
+                    [(mean, 4), (interval.lo, 4), (interval.hi, 4), (noise, 2), (model, 2)]
+                        .map(|(v, n)| significant(v, n));
+                let level = significant(100.0 * fit.options().level, 2);
+                Some(format!("{name} {mean}, {level} % interval {lo} to {hi}: noise {noise}, model {model}"))
+            };
+            let found: Vec<String> = both.into_iter().filter_map(words).collect();
+            if found.is_empty() {
+                return found;
+            }
+            let why = format!(
+                "{} explains the contacts too and would differ; palpate fit without a named model chooses between such surfaces",
+                other.name
+            );
+            vec![format!("{}; {why}", found.join("; "))]
+        }
+    }
+}
+
 /// The shape, without its uncertainties where they were declined.
 fn shape_of<'a>(fit: &'a Fit, subject: &Subject) -> &'a Shape {
     if subject.bare { fit.bare_shape() } else { fit.shape() }
@@ -219,8 +250,8 @@ fn shape_of<'a>(fit: &'a Fit, subject: &Subject) -> &'a Shape {
 fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
     ShapePart {
         grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index),
-        curvedness: measure(&shape.curvedness),
+        shape_index: measure(&shape.shape_index, fit.options().level),
+        curvedness: measure(&shape.curvedness, fit.options().level),
         radius: shape.radius,
         radius_interval: None,
         radii: None,

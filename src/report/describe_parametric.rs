@@ -215,8 +215,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
     let shape = fit.shape();
     ShapePart {
         grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index),
-        curvedness: measure(&shape.curvedness),
+        shape_index: measure(&shape.shape_index, fit.options().level),
+        curvedness: measure(&shape.curvedness, fit.options().level),
         radius: shape.radius,
         radius_interval: None,
         radii: None,

@@ -249,6 +249,7 @@ fn estimate(e: &Estimate) -> MeasurePart {
         u_noise: Some(e.u_noise),
         u_model: Some(e.u_model),
         level: Some(e.level),
+        coverage_factor: None,
         dof: Some(e.dof),
     }
 }

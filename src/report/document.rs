@@ -271,7 +271,10 @@ pub(crate) struct MeasurePart {
     /// Level of the interval.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) level: Option<f64>,
-    /// Degrees of freedom behind `u`.
+    /// Factor by which `u` reaches the farther end of the interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) coverage_factor: Option<f64>,
+    /// Degrees of freedom behind `u`, or behind `u_noise` of a named model; not there where the noise was declared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) dof: Option<f64>,
 }

@@ -102,6 +102,7 @@ fn full() -> FitDocument {
         u_noise: Some(0.5),
         u_model: Some(0.5),
         level: Some(0.5),
+        coverage_factor: Some(0.5),
         dof: Some(0.5),
     };
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };

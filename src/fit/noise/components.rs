@@ -64,6 +64,8 @@ pub(crate) struct Estimate {
     pub steps: usize,
     /// A remark, where an sd could not be estimated.
     pub note: Option<Note>,
+    /// Degrees of freedom of both sds.
+    pub dof: [f64; 2],
 }
 
 /// What the next trial has to do.
@@ -102,11 +104,13 @@ pub(crate) fn variance_components(
         // unit sds would be stated as noise of the size of the patch
         sds = RowSds { z: ROUNDING, slope: ROUNDING };
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
-        return Ok(Estimate { sds, trial, steps, note: Some(Note::NoNoise) });
+        return Ok(Estimate { sds, trial, steps, note: Some(Note::NoNoise), dof: [f64::INFINITY; 2] });
     }
     let mut secant = Secant::default();
+    let mut dof = [f64::INFINITY; 2];
     for _ in 0..MAX_STEPS {
-        let next = residual_sds(sds, &trial, rows);
+        let (next, freedom) = residual_sds(sds, &trial, rows);
+        dof = freedom;
         let moved = (next.z / sds.z - 1.0).abs().max((next.slope / sds.slope - 1.0).abs());
         let converged = moved < SDS_CONVERGED;
         if converged && trial.moved <= CONVERGED {
@@ -120,11 +124,11 @@ pub(crate) fn variance_components(
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
     let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE;
-    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished) })
+    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished), dof })
 }
 
-/// The sds of a trial's residuals; rows of a kind that leave no degree of freedom keep the sd they had.
-fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> RowSds {
+/// The sds of a trial's residuals with their degrees of freedom; rows of a kind that leave none keep the sd they had.
+fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> (RowSds, [f64; 2]) {
     let traces = hat_traces(&trial.equations, &trial.solution);
     let update = |sd: f64, b: usize| {
         let freedom = rows[b] - traces[b];
@@ -133,7 +137,7 @@ fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> RowSds {
         }
         (sd * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
     };
-    RowSds { z: update(sds.z, 0), slope: update(sds.slope, 1) }
+    (RowSds { z: update(sds.z, 0), slope: update(sds.slope, 1) }, [0, 1].map(|b| rows[b] - traces[b]))
 }
 
 /// The log ratio of the sds before and after the last step.

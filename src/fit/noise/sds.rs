@@ -28,6 +28,8 @@ pub struct NoiseSds {
     pub sigma_slope: Option<f64>,
     /// Variances of the weighted rows, `[heights, slopes]`: 1 where the weights are inverse noise sds.
     pub row_variances: [f64; 2],
+    /// Degrees of freedom behind the noise of heights and of slopes or normals; infinite where it was declared.
+    pub dof: [f64; 2],
 }
 
 /// Noise sds in the patch frame, by which rows are divided.

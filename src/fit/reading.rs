@@ -1,0 +1,44 @@
+//! S and R of the same points as another kind of surface has them. Rooms above the fit provide it; the shape counts it.
+//!
+//! ```text
+//! total interval = hull of [mean - k u_noise, mean + k u_noise] and of the other reading
+//! ```
+
+use crate::curvature::ShapeClass;
+
+/// Intervals of S and R over the fit's points, from surfaces of other kinds.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Reading {
+    /// The likeliest kind, as part of a sentence.
+    pub(crate) name: &'static str,
+    /// Interval of S at the level of the options; `None` on a plane.
+    pub(crate) shape_index: Option<[f64; 2]>,
+    /// Interval of R, input units.
+    pub(crate) curvedness: [f64; 2],
+    /// Probability of every class.
+    pub(crate) classes: Vec<(ShapeClass, f64)>,
+}
+
+/// Whether another kind of surface was asked, and what it said.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ModelReading {
+    /// It was not; intervals count noise alone.
+    NotAsked,
+    /// It was, and cannot say; intervals count noise alone.
+    Unknown {
+        /// Why.
+        why: String,
+    },
+    /// It was, and intervals cover what it says.
+    Found(Reading),
+}
+
+impl ModelReading {
+    /// What it said.
+    pub(crate) fn found(&self) -> Option<&Reading> {
+        match self {
+            ModelReading::Found(reading) => Some(reading),
+            ModelReading::NotAsked | ModelReading::Unknown { .. } => None,
+        }
+    }
+}
