@@ -199,7 +199,7 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
         if factor > 1.0 {
             format!(
                 "{what} lie {factor_words} times as far off the surface as the declared sigma says: the noise is larger, \
-                 or the surface is not of this kind; the intervals are too narrow"
+                 or the surface is not of this kind; the intervals take it for noise"
             )
         } else {
             format!(
@@ -216,6 +216,12 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
 fn model_words(fit: &Fit) -> Vec<String> {
     match fit.model_reading() {
         ModelReading::NotAsked => Vec::new(),
+        _ if fit.shape().curvedness.u.is_none() && fit.shape().curvedness.mean.is_some() => {
+            let (measured, unknowns) = (fit.equations().count(), fit.solution().rank);
+            vec![format!(
+                "no intervals: {measured} measurements for {unknowns} unknowns leave nothing to tell noise from; declare --sigma, or take more contacts"
+            )]
+        }
         ModelReading::Unknown { why } => vec![format!("the intervals count noise alone: {why}")],
         ModelReading::Found(other) => {
             let both = [("S", &fit.shape().shape_index), ("R", &fit.shape().curvedness)];

@@ -50,6 +50,8 @@ pub(super) fn statistic(
     [floor, ceiling]: [f64; 2],
 ) -> Statistic {
     let bare = Statistic { mean: spread.mean, sd: spread.sd, ..Statistic::default() };
+    // where noise cannot be told, other kinds of surface still say something
+    let noise = noise.or(other.map(|_| NoisePart { u: 0.0, dof: f64::INFINITY }));
     let Some((mean, noise)) = spread.mean.zip(noise) else { return bare };
     let k = coverage_factor(noise.dof, level);
     let reach = k * noise.u;

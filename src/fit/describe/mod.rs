@@ -55,7 +55,7 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let plane_p = plane_probability(solved);
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
     let u = model.map(|_| Uncertainties::new(solved, local));
-    let [u_s, u_r] = [u.as_ref().map(|u| u.of_shape_index), u.as_ref().map(|u| u.of_curvedness)];
+    let [u_s, u_r] = [u.as_ref().and_then(|u| u.of_shape_index), u.as_ref().and_then(|u| u.of_curvedness)];
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let level = solved.options.level;

@@ -7,24 +7,28 @@
 //! With rows of unit variance this is `g'(E'E)^-1 g`. Preset weights are not inverse noise sds; then the variances `s_b^2`
 //! of the residuals take their place (a sandwich estimator), so the answer does not rest on the weights.
 
+use crate::fit::Robust;
 use crate::fit::describe::interval::NoisePart;
+use crate::fit::noise::declared::declared_off;
+use crate::fit::noise::sds::NoiseSource;
 use crate::fit::solved::Solved;
 use crate::shape::{GridGradients, ShapeMaps, mean_gradients};
 
 /// Standard uncertainty of `g'c`.
 pub(super) fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
-    noise_part(solved, gradient).u
+    noise_part(solved, gradient, [1.0; 2]).u
 }
 
-/// Standard uncertainty of `g'c` with its degrees of freedom.
-fn noise_part(solved: &Solved, gradient: &[f64]) -> NoisePart {
+/// Standard uncertainty of `g'c` with its degrees of freedom; `above` are factors by which the noise sds are larger than
+/// declared.
+fn noise_part(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> NoisePart {
     let fitted = &solved.fitted;
     let mut v = gradient.to_vec();
     fitted.solution.clear_free(&mut v);
     fitted.solution.factor.solve(&mut v);
     let squares = fitted.equations.row_squares(&v);
     let noise = solved.noise();
-    let parts = [0, 1].map(|b| noise.row_variances[b] * squares[b]);
+    let parts = [0, 1].map(|b| above[b] * above[b] * noise.row_variances[b] * squares[b]);
     NoisePart { u: (parts[0] + parts[1]).sqrt(), dof: degrees_of_freedom(parts, noise.dof) }
 }
 
@@ -33,7 +37,26 @@ fn degrees_of_freedom(parts: [f64; 2], dof: [f64; 2]) -> f64 {
     let total = parts[0] + parts[1];
     // the shares first: the square of a small variance would underflow
     let spread: f64 = (0..2).map(|b| if parts[b] > 0.0 { (parts[b] / total).powi(2) / dof[b] } else { 0.0 }).sum();
-    if spread > 0.0 { (1.0 / spread).max(1.0) } else { f64::INFINITY }
+    if spread > 0.0 { 1.0 / spread } else { f64::INFINITY }
+}
+
+/// Of a mean of S or of R; `None` where the measurements leave nothing from which noise could be told.
+fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+    let fitted = &solved.fitted;
+    let source = fitted.noise.source();
+    if source != NoiseSource::Sigma && fitted.equations.count() <= fitted.solution.rank {
+        return None;
+    }
+    if source == NoiseSource::Estimated
+        && solved.options.robust == Robust::None
+        && let Some(levels) = solved.levels()
+    {
+        let [u, dof] = levels.uncertainty(gradient);
+        return Some(NoisePart { u, dof });
+    }
+    let part = noise_part(solved, gradient, above);
+    // beside no degree of freedom at all even Student's law has no interval
+    (part.dof >= 1.0).then_some(part)
 }
 
 /// Standard uncertainties of mean S and mean R, and the gradients that they come from.
@@ -41,9 +64,9 @@ pub(super) struct Uncertainties {
     /// Gradients of S and R over the grid.
     pub gradients: GridGradients,
     /// Of mean S.
-    pub of_shape_index: NoisePart,
+    pub of_shape_index: Option<NoisePart>,
     /// Of mean R, 1/length in input units.
-    pub of_curvedness: NoisePart,
+    pub of_curvedness: Option<NoisePart>,
 }
 
 impl Uncertainties {
@@ -52,10 +75,11 @@ impl Uncertainties {
         let gradients = GridGradients::new(&solved.surface, &local.rows);
         let of_means = mean_gradients(&solved.surface, local, &gradients);
         // nothing between -1 and 1 has a larger standard deviation
-        let of_shape_index = noise_part(solved, &of_means.shape_index);
-        let of_shape_index = NoisePart { u: of_shape_index.u.min(1.0), ..of_shape_index };
-        let of_curvedness = noise_part(solved, &of_means.curvedness);
-        let of_curvedness = NoisePart { u: of_curvedness.u / solved.patch.frame.scale, ..of_curvedness };
+        let above = declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0));
+        let of_shape_index = of_mean(solved, &of_means.shape_index, above);
+        let of_shape_index = of_shape_index.map(|part| NoisePart { u: part.u.min(1.0), ..part });
+        let of_curvedness = of_mean(solved, &of_means.curvedness, above);
+        let of_curvedness = of_curvedness.map(|part| NoisePart { u: part.u / solved.patch.frame.scale, ..part });
         Uncertainties { gradients, of_shape_index, of_curvedness }
     }
 }

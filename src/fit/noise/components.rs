@@ -37,6 +37,9 @@ const STEEPEST: f64 = 0.9;
 /// Residuals below this in the patch frame (where data are of size 1) are rounding, not noise.
 const NO_NOISE: f64 = 1e-13;
 
+/// Fewer degrees of freedom than this tell no sd: the surface goes through those rows, and the sd falls as long as it may.
+const LEAST_DOF: f64 = 0.5;
+
 /// Sds of data without noise: the largest power of two below that, so that rows divided by it keep every bit.
 const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
@@ -123,7 +126,7 @@ pub(crate) fn variance_components(
     if trial.moved > CONVERGED {
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
-    let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE;
+    let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE || (0..2).any(|b| rows[b] > 0.0 && dof[b] < LEAST_DOF);
     Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished), dof })
 }
 

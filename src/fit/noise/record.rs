@@ -42,6 +42,14 @@ impl NoiseRecord {
         }
     }
 
+    /// By which factor an F ratio of sums of squares is too large under a robust loss; 1 without one.
+    pub(crate) fn efficiency(&self) -> f64 {
+        match self {
+            NoiseRecord::Known(sds) => sds.efficiency,
+            NoiseRecord::Weighted { .. } => 1.0,
+        }
+    }
+
     /// Where the weights of the rows come from, at no cost.
     pub(crate) fn source(&self) -> NoiseSource {
         match self {
@@ -76,6 +84,7 @@ pub(crate) fn sds_of_weights(
         sigma_slope: sd(1),
         row_variances,
         dof: [f64::INFINITY; 2],
+        efficiency: 1.0,
     }
 }
 

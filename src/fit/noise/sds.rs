@@ -30,6 +30,8 @@ pub struct NoiseSds {
     pub row_variances: [f64; 2],
     /// Degrees of freedom behind the noise of heights and of slopes or normals; infinite where it was declared.
     pub dof: [f64; 2],
+    /// Factor that corrects an F ratio of sums of squares for a robust loss; 1 without one.
+    pub(crate) efficiency: f64,
 }
 
 /// Noise sds in the patch frame, by which rows are divided.

@@ -61,6 +61,7 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         sigma_slope: None,
         row_variances: [1.0, 1.0],
         dof,
+        efficiency: 1.0,
     };
     Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move: moved })
 }
