@@ -15,6 +15,8 @@ pub(crate) struct Reading {
     pub(crate) shape_index: Option<[f64; 2]>,
     /// Interval of R, input units.
     pub(crate) curvedness: [f64; 2],
+    /// Sd of errors that neighbouring contacts share, and the distance over which they fade, input units.
+    pub(crate) shared: Option<[f64; 2]>,
     /// Probability of every class.
     pub(crate) classes: Vec<(ShapeClass, f64)>,
 }

@@ -82,6 +82,7 @@ fn reading(found: &Recognition, scale: f64) -> Reading {
         name: found.hypothesis.described(),
         shape_index: found.shape_index.map(|s| s.interval),
         curvedness: found.curvedness.interval.map(|r| r / scale),
+        shared: found.noise.correlation_length.map(|length| [found.noise.sd_correlated * scale, length * scale]),
         classes: found.class_probability.clone(),
     }
 }

@@ -235,15 +235,19 @@ fn model_words(fit: &Fit) -> Vec<String> {
                 let level = significant(100.0 * fit.options().level, 2);
                 Some(format!("{name} {mean}, {level} % interval {lo} to {hi}: noise {noise}, model {model}"))
             };
+            let shared = other.shared.map(|[sd, length]| {
+                let [sd, length] = [sd, length].map(|v| significant(v, 2));
+                format!("neighbouring contacts share errors of {sd} over a distance of {length}: they count as fewer, in the interval's model part")
+            });
             let found: Vec<String> = both.into_iter().filter_map(words).collect();
             if found.is_empty() {
-                return found;
+                return Vec::new();
             }
             let why = format!(
                 "{} explains the contacts too and would differ; palpate fit without a named model chooses between such surfaces",
                 other.name
             );
-            vec![format!("{}; {why}", found.join("; "))]
+            std::iter::once(format!("{}; {why}", found.join("; "))).chain(shared).collect()
         }
     }
 }

@@ -21,6 +21,15 @@ pub(super) struct NoisePart {
     pub(super) u: f64,
     /// Its degrees of freedom.
     pub(super) dof: f64,
+    /// A value that the interval has to reach.
+    pub(super) reaches: Option<f64>,
+}
+
+impl NoisePart {
+    /// Of a value whose errors have this law about it.
+    pub(super) fn new(u: f64, dof: f64) -> NoisePart {
+        NoisePart { u, dof, reaches: None }
+    }
 }
 
 /// Number of standard uncertainties to either side that hold the truth with this probability.
@@ -51,18 +60,21 @@ pub(super) fn statistic(
 ) -> Statistic {
     let bare = Statistic { mean: spread.mean, sd: spread.sd, ..Statistic::default() };
     // where noise cannot be told, other kinds of surface still say something
-    let noise = noise.or(other.map(|_| NoisePart { u: 0.0, dof: f64::INFINITY }));
+    let noise = noise.or(other.map(|_| NoisePart::new(0.0, f64::INFINITY)));
     let Some((mean, noise)) = spread.mean.zip(noise) else { return bare };
     let k = coverage_factor(noise.dof, level);
-    let reach = k * noise.u;
-    let [lo, hi] = other.map_or([mean; 2], |[lo, hi]| [lo.min(mean), hi.max(mean)]);
+    let end = noise.reaches.unwrap_or(mean);
+    let own = [(mean - k * noise.u).min(end), (mean + k * noise.u).max(end)];
+    let hull = other.map_or(own, |[lo, hi]| [lo.min(own[0]), hi.max(own[1])]);
     // half an interval of no width is no uncertainty
-    let u = if k > 0.0 { ((mean - lo).max(hi - mean) / k).max(noise.u) } else { noise.u };
+    let reach = |[lo, hi]: [f64; 2], u: f64| if k > 0.0 { ((mean - lo).max(hi - mean) / k).max(u) } else { u };
+    let u_noise = reach(own, noise.u);
+    let u = reach(hull, u_noise);
     Statistic {
         u: Some(u),
-        interval: Some(Interval { lo: (mean - reach).min(lo).max(floor), hi: (mean + reach).max(hi).min(ceiling) }),
-        u_noise: Some(noise.u),
-        u_model: other.map(|_| (u * u - noise.u * noise.u).max(0.0).sqrt()),
+        interval: Some(Interval { lo: hull[0].max(floor), hi: hull[1].min(ceiling) }),
+        u_noise: Some(u_noise),
+        u_model: other.map(|_| (u * u - u_noise * u_noise).max(0.0).sqrt()),
         dof: Some(noise.dof),
         coverage_factor: Some(k),
         ..bare
@@ -79,7 +91,7 @@ mod tests {
         assert!((coverage_factor(5.0, 0.95) - 2.570_581_835_636_314).abs() < 1e-9);
         assert!((coverage_factor(40.0, 0.95) - 2.021_075_390_306_273).abs() < 1e-7);
         let spread = Spread { mean: Some(1.0), sd: Some(0.5), count: 4 };
-        let noise = Some(NoisePart { u: 0.1, dof: f64::INFINITY });
+        let noise = Some(NoisePart::new(0.1, f64::INFINITY));
         let alone = statistic(spread, noise, None, 0.95, [0.0, f64::INFINITY]);
         assert!((alone.interval.unwrap().hi - 1.195_996_398).abs() < 1e-8 && alone.u_model.is_none());
         let both = statistic(spread, noise, Some([1.3, 1.4]), 0.95, [0.0, f64::INFINITY]);

@@ -19,7 +19,7 @@ use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabili
 use crate::surface::SurfacePoint;
 use direction::direction;
 use flatness::{is_flat, plane_probability};
-use interval::statistic;
+use interval::{NoisePart, statistic};
 use shape::{Shape, Statistic, supported_points};
 use uncertainty::Uncertainties;
 
@@ -54,8 +54,9 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let r = spread(supported_points(local).map(|at| local.curvedness[at] / scale));
     let plane_p = plane_probability(solved);
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
-    let u = model.map(|_| Uncertainties::new(solved, local));
+    let u = model.map(|_| Uncertainties::new(solved, local, s.mean));
     let [u_s, u_r] = [u.as_ref().and_then(|u| u.of_shape_index), u.as_ref().and_then(|u| u.of_curvedness)];
+    let u_s = u_s.map(|part| NoisePart { reaches: u.as_ref().and_then(|u| u.end_of_shape_index), ..part });
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let level = solved.options.level;

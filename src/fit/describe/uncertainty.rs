@@ -12,7 +12,7 @@ use crate::fit::describe::interval::NoisePart;
 use crate::fit::noise::declared::declared_off;
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::solved::Solved;
-use crate::shape::{GridGradients, ShapeMaps, mean_gradients};
+use crate::shape::{GridGradients, ShapeMaps, chi_square_upper_tail, f_upper_tail, mean_gradients, umbilic_gradients};
 
 /// Standard uncertainty of `g'c`.
 pub(super) fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
@@ -29,7 +29,7 @@ fn noise_part(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> NoisePart {
     let squares = fitted.equations.row_squares(&v);
     let noise = solved.noise();
     let parts = [0, 1].map(|b| above[b] * above[b] * noise.row_variances[b] * squares[b]);
-    NoisePart { u: (parts[0] + parts[1]).sqrt(), dof: degrees_of_freedom(parts, noise.dof) }
+    NoisePart::new((parts[0] + parts[1]).sqrt(), degrees_of_freedom(parts, noise.dof))
 }
 
 /// Of a sum of two variances with their own degrees of freedom (F. E. Satterthwaite, *Biometrics Bull.* 2 (1946) 110).
@@ -52,11 +52,44 @@ fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePa
         && let Some(levels) = solved.levels()
     {
         let [u, dof] = levels.uncertainty(gradient);
-        return Some(NoisePart { u, dof });
+        return Some(NoisePart::new(u, dof));
     }
     let part = noise_part(solved, gradient, above);
     // beside no degree of freedom at all even Student's law has no interval
     (part.dof >= 1.0).then_some(part)
+}
+
+/// S beyond which the surface may be an umbilic throughout, where S is +-1 and cannot exceed it.
+const NEAR_UMBILIC: f64 = 0.6;
+
+/// Significance at which equal curvatures are rejected, that of the 95 % interval.
+const UMBILIC_SIGNIFICANCE: f64 = 0.05;
+
+/// Whether the curvatures in the middle of the patch may be equal. Noise separates two equal curvatures, always in the same
+/// direction, so that the mean of S lies some 2.5 standard uncertainties below 1 on a ball.
+///
+/// ```text
+/// T = d'C^-1 d,   d = ((a - c)/2, b),   C its covariance       T/2 ~ F(2, dof)
+/// ```
+fn may_be_umbilic(solved: &Solved, above: [f64; 2]) -> bool {
+    let middle = [0, 1].map(|k| {
+        let [lo, hi] = solved.patch.knots[k].domain();
+        0.5 * (lo + hi)
+    });
+    let [(p, by_p), (q, by_q)] = umbilic_gradients(&solved.surface, middle[0], middle[1]);
+    let sum: Vec<f64> = by_p.iter().zip(&by_q).map(|(a, b)| a + b).collect();
+    let parts = [&by_p, &by_q, &sum].map(|g| of_mean(solved, g, above));
+    let [Some(of_p), Some(of_q), Some(of_sum)] = parts else { return true };
+    let [pp, qq] = [of_p, of_q].map(|part| part.u * part.u);
+    let pq = 0.5 * (of_sum.u * of_sum.u - pp - qq);
+    let determinant = pp * qq - pq * pq;
+    if determinant.is_nan() || determinant <= 0.0 {
+        return false;
+    }
+    let t = (p * p * qq - 2.0 * p * q * pq + q * q * pp) / determinant;
+    let dof = of_p.dof.min(of_q.dof);
+    let chance = if dof.is_finite() { f_upper_tail(0.5 * t, 2.0, dof) } else { chi_square_upper_tail(t, 2.0) };
+    chance > UMBILIC_SIGNIFICANCE
 }
 
 /// Standard uncertainties of mean S and mean R, and the gradients that they come from.
@@ -67,11 +100,13 @@ pub(super) struct Uncertainties {
     pub of_shape_index: Option<NoisePart>,
     /// Of mean R, 1/length in input units.
     pub of_curvedness: Option<NoisePart>,
+    /// The end of S, 1 or -1, that its interval has to reach because the curvatures may be equal.
+    pub end_of_shape_index: Option<f64>,
 }
 
 impl Uncertainties {
     /// Over the points of the maps.
-    pub(super) fn new(solved: &Solved, local: &ShapeMaps) -> Uncertainties {
+    pub(super) fn new(solved: &Solved, local: &ShapeMaps, mean_shape_index: Option<f64>) -> Uncertainties {
         let gradients = GridGradients::new(&solved.surface, &local.rows);
         let of_means = mean_gradients(&solved.surface, local, &gradients);
         // nothing between -1 and 1 has a larger standard deviation
@@ -80,6 +115,8 @@ impl Uncertainties {
         let of_shape_index = of_shape_index.map(|part| NoisePart { u: part.u.min(1.0), ..part });
         let of_curvedness = of_mean(solved, &of_means.curvedness, above);
         let of_curvedness = of_curvedness.map(|part| NoisePart { u: part.u / solved.patch.frame.scale, ..part });
-        Uncertainties { gradients, of_shape_index, of_curvedness }
+        let near = mean_shape_index.filter(|s| s.abs() > NEAR_UMBILIC);
+        let end_of_shape_index = near.filter(|_| may_be_umbilic(solved, above)).map(f64::signum);
+        Uncertainties { gradients, of_shape_index, of_curvedness, end_of_shape_index }
     }
 }
