@@ -38,6 +38,7 @@ mod objective;
 mod options;
 mod placing;
 mod reading;
+mod richer;
 mod solved;
 
 #[doc(hidden)]
@@ -65,6 +66,7 @@ pub use placing::patch::Patch;
 #[doc(hidden)]
 pub use placing::sites::DataSites;
 pub(crate) use reading::{ModelReading, Reading};
+pub(crate) use richer::richer_reading;
 
 use std::sync::OnceLock;
 
@@ -147,6 +149,12 @@ impl Fit {
             let maps = describe::shape_over_grid(&self.solved);
             describe::classify(&self.solved, &maps, None)
         })
+    }
+
+    /// Covariance of the noise in mean S and mean R, 1/length; computed at every call.
+    #[cfg(feature = "cli")]
+    pub(crate) fn covariance_of_means(&self) -> Option<f64> {
+        describe::covariance_of_means(&self.solved)
     }
 
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.

@@ -17,8 +17,33 @@ pub(crate) struct Reading {
     pub(crate) curvedness: [f64; 2],
     /// Sd of errors that neighbouring contacts share, and the distance over which they fade, input units.
     pub(crate) shared: Option<[f64; 2]>,
+    /// Seed of the draws behind it; `None` without draws.
+    pub(crate) seed: Option<u64>,
     /// Probability of every class.
     pub(crate) classes: Vec<(ShapeClass, f64)>,
+}
+
+impl Reading {
+    /// The hull of two readings; their classes are equally likely. It is named after the first.
+    pub(crate) fn or(self, other: Reading) -> Reading {
+        let hull = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        let share = |list: &[(ShapeClass, f64)], class| list.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+        let all = ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]);
+        let both = all.map(|class| (class, 0.5 * (share(&self.classes, class) + share(&other.classes, class))));
+        Reading {
+            name: self.name,
+            shape_index: self
+                .shape_index
+                .zip(other.shape_index)
+                .map(|(a, b)| hull(a, b))
+                .or(self.shape_index)
+                .or(other.shape_index),
+            curvedness: hull(self.curvedness, other.curvedness),
+            shared: self.shared.or(other.shared),
+            seed: self.seed.or(other.seed),
+            classes: both.collect(),
+        }
+    }
 }
 
 /// Whether another kind of surface was asked, and what it said.

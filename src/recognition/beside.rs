@@ -3,13 +3,14 @@
 //! ```text
 //! named         mean +- k u_noise       right where the true surface is of the kind that was named
 //! recognised    [lo, hi]                plane, sphere, cylinder, general, paraboloid, displaced, weighed by their evidence
-//! total         the hull of both        u_model from how far it reaches beyond noise
+//! richer        [lo, hi]                height fields of higher degree, where they explain the contacts significantly better
+//! total         the hull of all         u_model from how far it reaches beyond noise
 //! ```
 //!
 //! A paraboloid bends less at its edges than the ball or cylinder that was touched, and its residuals need not show that.
 //! The kinds that are recognised do not have this bias in common.
 
-use crate::fit::{Fit, ModelReading, Reading};
+use crate::fit::{Fit, ModelReading, Reading, richer_reading};
 use crate::vector::Vector;
 
 use super::{Recognition, RecognitionError, RecognitionOptions, recognise_over};
@@ -44,9 +45,14 @@ const CHANCE: f64 = 0.01;
 /// # Ok::<(), palpate::fit::FitError>(())
 /// ```
 pub fn count_model_error(fit: Fit) -> Fit {
-    let reading = match read(&fit) {
+    let recognised = match read(&fit) {
         Ok(found) => found,
         Err(error) => ModelReading::Unknown { why: error.to_string() },
+    };
+    let reading = match (richer_reading(&fit), recognised) {
+        (Some(richer), ModelReading::Found(simple)) => ModelReading::Found(richer.or(simple)),
+        (Some(richer), _) => ModelReading::Found(richer),
+        (None, recognised) => recognised,
     };
     fit.with_model_reading(reading)
 }
@@ -73,7 +79,7 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
     if found.frame.rotate_back([0.0, 0.0, 1.0])[2] < 0.0 {
         return unknown("the normals show another free side than the fit has");
     }
-    Ok(ModelReading::Found(reading(&found, fit.frame().scale)))
+    Ok(ModelReading::Found(Reading { seed: Some(options.seed), ..reading(&found, fit.frame().scale) }))
 }
 
 /// The intervals in input units; curvatures in the patch are larger by its length.
@@ -83,6 +89,7 @@ fn reading(found: &Recognition, scale: f64) -> Reading {
         shape_index: found.shape_index.map(|s| s.interval),
         curvedness: found.curvedness.interval.map(|r| r / scale),
         shared: found.noise.correlation_length.map(|length| [found.noise.sd_correlated * scale, length * scale]),
+        seed: None,
         classes: found.class_probability.clone(),
     }
 }

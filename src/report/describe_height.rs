@@ -8,13 +8,16 @@ use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape, Statistic};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::simd::Isa;
 use crate::surface::HeightField;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
     take_back_class,
 };
-use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
+use super::document::{
+    FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
+};
 use super::maps::{write_maps_csv, write_maps_npz};
 use super::picture::{PictureOptions, write_picture};
 use super::table::significant;
@@ -273,6 +276,22 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         direction: None,
         support: shape.support,
         plane_p: shape.plane_p,
+        covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),
+        intervals: shape.curvedness.u_noise.map(|_| intervals_part(fit, shape)),
+    }
+}
+
+fn intervals_part(fit: &Fit, shape: &Shape) -> IntervalsPart {
+    let estimated = shape.curvedness.dof.is_some_and(f64::is_finite);
+    let other = match fit.model_reading() {
+        ModelReading::Found(other) => Some(other),
+        ModelReading::NotAsked | ModelReading::Unknown { .. } => None,
+    };
+    IntervalsPart {
+        law: if estimated { "student_t" } else { "normal" }.into(),
+        beside: other.map(|other| other.name.into()),
+        seed: other.and_then(|other| other.seed),
+        isa: Isa::active().name().into(),
     }
 }
 

@@ -177,6 +177,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
         shape.class = class.map(|c| c.name().to_string());
     }
     shape.class_probability = None;
+    (shape.covariance, shape.intervals) = (None, None);
     (shape.radius_interval, shape.radii) = (None, None);
     shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));

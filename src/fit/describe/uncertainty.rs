@@ -59,6 +59,20 @@ fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePa
     (part.dof >= 1.0).then_some(part)
 }
 
+/// Covariance of the noise in two means, from their gradients: half of what the variance of the sum of both, in units of
+/// their own uncertainties, exceeds 2 by.
+pub(super) fn covariance(solved: &Solved, gradients: [&[f64]; 2]) -> Option<f64> {
+    let above = declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0));
+    let [a, b] = gradients.map(|g| of_mean(solved, g, above));
+    let [a, b] = [a?.u, b?.u];
+    if a <= 0.0 || b <= 0.0 {
+        return None;
+    }
+    let sum: Vec<f64> = gradients[0].iter().zip(gradients[1]).map(|(x, y)| x / a + y / b).collect();
+    let variance = of_mean(solved, &sum, above)?.u.powi(2);
+    Some((0.5 * variance - 1.0).clamp(-1.0, 1.0) * a * b)
+}
+
 /// S beyond which the surface may be an umbilic throughout, where S is +-1 and cannot exceed it.
 const NEAR_UMBILIC: f64 = 0.6;
 

@@ -192,3 +192,66 @@ fn lower_bands(matrix: &StencilMatrix, factor: f64) -> Vec<Vec<f64>> {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Contacts;
+    use crate::draws::EffectDraws;
+    use crate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
+
+    /// A saddle touched at `n` x `n` places of [-1, 1]^2, with errors of heights and slopes.
+    fn saddle(n: usize, sds: [f64; 2], replicate: u64) -> Contacts {
+        let mut errors = vec![0.0; 3 * n * n];
+        EffectDraws::new(7, "levels").gaussians(replicate, 0, 3 * n * n, &mut errors);
+        let place = |k: usize| 2.0 * k as f64 / (n as f64 - 1.0) - 1.0;
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..n * n).map(|r| (place(r % n), place(r / n))).unzip();
+        let with = |value: f64, k: usize, sd: f64| value + sd * errors[k];
+        let z = (0..n * n).map(|r| with(0.1 * (x[r] * x[r] - y[r] * y[r]), r, sds[0])).collect();
+        let zx = (0..n * n).map(|r| with(0.2 * x[r], n * n + r, sds[1])).collect();
+        let zy = (0..n * n).map(|r| with(-0.2 * y[r], 2 * n * n + r, sds[1])).collect();
+        Contacts::from_positions(x, y, z).with_slopes(zx, zy)
+    }
+
+    fn fitted(contacts: &Contacts, weights: SlopeWeights) -> Fit {
+        fit_contacts(contacts, &FitOptions::default().with_objective(Objective::Slopes(weights))).unwrap()
+    }
+
+    #[test]
+    fn what_a_ratio_leaves_is_what_a_fit_at_that_ratio_leaves() {
+        let contacts = saddle(4, [0.01, 0.03], 0);
+        let fit = fitted(&contacts, SlopeWeights::Tangent);
+        let levels = Levels::new(fit.equations(), fit.solution()).unwrap();
+        let mut checked = 0;
+        levels
+            .mean(|factors, rss| {
+                let [z, slope] = [factors[0].sqrt(), 10.0 * factors[1].sqrt()];
+                let again = fitted(&contacts, SlopeWeights::Explicit([z, slope, slope]));
+                let squares: f64 = again.equations().residual_squares(&again.solution().coefficients).iter().sum();
+                assert!((rss / squares - 1.0).abs() < 1e-9, "{factors:?}: {rss} {squares}");
+                checked += 1;
+                Some(1.0)
+            })
+            .unwrap();
+        assert!(checked > 10, "{checked}");
+        let total: f64 = levels.nodes.iter().map(|node| node.share).sum();
+        assert!((total - 1.0).abs() < 1e-12);
+    }
+
+    /// With 9 contacts the likeliest height sd vanishes in a third of the fits, and an interval at that sd alone holds the
+    /// truth in half of them.
+    #[test]
+    fn the_intervals_of_nine_contacts_hold_the_truth() {
+        let (mut held, mut collapsed, count) = (0, 0, 300);
+        for replicate in 0..count {
+            let fit = fitted(&saddle(3, [0.005, 0.035], replicate), SlopeWeights::Auto);
+            collapsed += u64::from(!fit.notes().is_empty());
+            let interval = fit.shape().curvedness.interval.unwrap();
+            // mean R of the saddle over the 8 x 8 grid, from its own coefficients
+            let truth = fitted(&saddle(3, [0.0, 0.0], 0), SlopeWeights::Equal).shape().curvedness.mean.unwrap();
+            held += u64::from(interval.lo <= truth && truth <= interval.hi);
+        }
+        assert!(collapsed * 5 > count, "{collapsed}");
+        assert!(held * 100 >= 89 * count, "{held} of {count}");
+    }
+}
