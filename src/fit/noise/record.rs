@@ -50,6 +50,15 @@ impl NoiseRecord {
         }
     }
 
+    /// Whether the weights are preset ones, which differ by factors of ten at most.
+    pub(crate) fn is_preset(&self) -> bool {
+        let word = match self {
+            NoiseRecord::Known(sds) => sds.weights,
+            NoiseRecord::Weighted { word, .. } => Some(*word),
+        };
+        matches!(word, Some(SlopeWeights::Tangent | SlopeWeights::Position | SlopeWeights::Equal))
+    }
+
     /// Where the weights of the rows come from, at no cost.
     pub(crate) fn source(&self) -> NoiseSource {
         match self {

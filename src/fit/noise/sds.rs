@@ -2,6 +2,10 @@
 
 use crate::fit::SlopeWeights;
 
+/// A robust loss measures in scales that come from medians, which tell as much as this share of the residuals would by their
+/// squares (F. R. Hampel, *J. Am. Stat. Assoc.* 69 (1974) 383).
+pub(crate) const MEDIAN_EFFICIENCY: f64 = 0.37;
+
 /// Where the weights of the rows come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseSource {

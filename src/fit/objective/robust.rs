@@ -10,7 +10,7 @@
 //! Where the noise sds are to be estimated, the robust scales are the estimate, because variance components count the slips.
 
 use crate::fit::noise::record::NoiseRecord;
-use crate::fit::noise::sds::{NoiseSds, NoiseSource};
+use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::Fitted;
@@ -160,7 +160,7 @@ fn loss_sums(distances: &[Option<f64>], scale: f64, loss: Loss, components: f64,
     LossSums {
         variance,
         efficiency: (sums[4] / dof) / (correction * sums[3] / dof / slope),
-        dof: (dof * weight).max(1.0),
+        dof: (dof * weight * MEDIAN_EFFICIENCY).max(1.0),
         freedom: (rows / dof).sqrt(),
     }
 }
@@ -184,7 +184,7 @@ fn robust_noise(
         let found = loss_sums(sizes, scale, loss, components, traces[b]);
         // the rows need not be divided by this scale: their own sum of squares tells their unit
         let unit = squares[b] / weighted_squares(sizes, scale, loss);
-        if !(found.variance * unit).is_finite() || found.dof < 1.0 {
+        if !(found.variance * unit).is_finite() || found.variance <= 0.0 {
             continue;
         }
         (sds.row_variances[b], sds.dof[b]) = (found.variance * unit, found.dof);
