@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape, Statistic};
+use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
@@ -18,6 +18,7 @@ use super::description::{
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
 };
+use super::interval_words::interval_words;
 use super::maps::{write_maps_csv, write_maps_npz};
 use super::picture::{PictureOptions, write_picture};
 use super::table::significant;
@@ -190,7 +191,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
-            .chain(if subject.bare { Vec::new() } else { model_words(fit) })
+            .chain(if subject.bare { Vec::new() } else { interval_words(fit) })
             .collect(),
     }
 }
@@ -213,46 +214,6 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
     let [heights, normals] = fit.declared_sigma_off();
     let both = [("the heights", heights), ("the normals", normals)];
     both.into_iter().filter_map(|(what, factor)| Some(words(what, factor?))).collect()
-}
-
-/// What the intervals count besides noise, in words.
-fn model_words(fit: &Fit) -> Vec<String> {
-    match fit.model_reading() {
-        ModelReading::NotAsked => Vec::new(),
-        _ if fit.shape().curvedness.u.is_none() && fit.shape().curvedness.mean.is_some() => {
-            let (measured, unknowns) = (fit.equations().count(), fit.solution().rank);
-            vec![format!(
-                "no intervals: {measured} measurements for {unknowns} unknowns leave nothing to tell noise from; declare --sigma, or take more contacts"
-            )]
-        }
-        ModelReading::Unknown { why } => vec![format!("the intervals count noise alone: {why}")],
-        ModelReading::Found(other) => {
-            let both = [("S", &fit.shape().shape_index), ("R", &fit.shape().curvedness)];
-            let words = |(name, found): (&str, &Statistic)| {
-                let (noise, model) =
-                    (found.u_noise?, found.u_model.filter(|model| *model > found.u_noise.unwrap_or(0.0))?);
-                let (mean, interval) = (found.mean?, found.interval?);
-                let [mean, lo, hi, noise, model] =
-                    [(mean, 4), (interval.lo, 4), (interval.hi, 4), (noise, 2), (model, 2)]
-                        .map(|(v, n)| significant(v, n));
-                let level = significant(100.0 * fit.options().level, 2);
-                Some(format!("{name} {mean}, {level} % interval {lo} to {hi}: noise {noise}, model {model}"))
-            };
-            let shared = other.shared.map(|[sd, length]| {
-                let [sd, length] = [sd, length].map(|v| significant(v, 2));
-                format!("neighbouring contacts share errors of {sd} over a distance of {length}: they count as fewer, in the interval's model part")
-            });
-            let found: Vec<String> = both.into_iter().filter_map(words).collect();
-            if found.is_empty() {
-                return Vec::new();
-            }
-            let why = format!(
-                "{} explains the contacts too and would differ; palpate fit without a named model chooses between such surfaces",
-                other.name
-            );
-            std::iter::once(format!("{}; {why}", found.join("; "))).chain(shared).collect()
-        }
-    }
 }
 
 /// The shape, without its uncertainties where they were declined.
