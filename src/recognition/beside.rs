@@ -17,7 +17,7 @@ use super::{Recognition, RecognitionError, RecognitionOptions, recognise_over};
 
 /// Contacts that are recognised at most. More would narrow a reading that is dominated by the kind of surface, and
 /// would take longer than the fit.
-const MOST_CONTACTS: usize = 20_000;
+const MOST_CONTACTS: usize = 5_000;
 
 /// Points of the shape grid each way over which the recognised surface is averaged at most.
 const MOST_POINTS: usize = 16;
