@@ -120,6 +120,7 @@ impl Fit {
     }
 
     /// What another kind of surface said of the fit's points.
+    #[cfg(feature = "cli")]
     pub(crate) fn model_reading(&self) -> &ModelReading {
         &self.model_reading
     }

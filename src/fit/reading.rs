@@ -7,6 +7,7 @@
 use crate::curvature::ShapeClass;
 
 /// Intervals of S and R over the fit's points, from surfaces of other kinds.
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only the program puts all of it into words"))]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Reading {
     /// The likeliest kind, as part of a sentence.
@@ -47,6 +48,7 @@ impl Reading {
 }
 
 /// Whether another kind of surface was asked, and what it said.
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only the program puts all of it into words"))]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ModelReading {
     /// It was not; intervals count noise alone.

@@ -15,9 +15,7 @@ use crate::curvature::ShapeClass;
 use crate::fit::placing::data::Data;
 use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
-use crate::shape::{
-    GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, mean_gradients, radius_of, shape_maps, spread,
-};
+use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, shape_maps, spread};
 use crate::surface::SurfacePoint;
 use direction::direction;
 use flatness::{is_flat, plane_probability};
@@ -86,10 +84,11 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
 }
 
 /// Covariance of the noise in mean S and mean R, 1/length in input units.
+#[cfg(feature = "cli")]
 pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
     let local = shape_over_grid(solved);
     let gradients = GridGradients::new(&solved.surface, &local.rows);
-    let of_means = mean_gradients(&solved.surface, &local, &gradients);
+    let of_means = crate::shape::mean_gradients(&solved.surface, &local, &gradients);
     let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
     Some(found / solved.patch.frame.scale)
 }

@@ -61,6 +61,7 @@ fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePa
 
 /// Covariance of the noise in two means, from their gradients: half of what the variance of the sum of both, in units of
 /// their own uncertainties, exceeds 2 by.
+#[cfg(feature = "cli")]
 pub(super) fn covariance(solved: &Solved, gradients: [&[f64]; 2]) -> Option<f64> {
     let above = declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0));
     let [a, b] = gradients.map(|g| of_mean(solved, g, above));
