@@ -25,7 +25,9 @@ const SLIPS: &str = "[effects.position_noise]\nsigma = [0.0, 0.0, 0.02]\n[effect
 const DECLARED: &str = "sigma = [0.02, 2.0]";
 
 /// Surface, fingers x stations, effects with their word, `[fit]`.
-const ROWS: &[(&str, [usize; 2], (&str, &str), &str)] = &[
+type Row = (&'static str, [usize; 2], (&'static str, &'static str), &'static str);
+
+const ROWS: &[Row] = &[
     ("saddle", [3, 9], ("medium", MEDIUM), DECLARED),
     ("saddle", [3, 9], ("small", SMALL), "sigma = [0.002, 0.2]"),
     ("saddle", [3, 9], ("large", LARGE), "sigma = [0.1, 8.0]"),
@@ -73,7 +75,7 @@ const ROWS: &[(&str, [usize; 2], (&str, &str), &str)] = &[
 
 /// `(name, TOML)` of every row.
 pub(crate) fn all() -> Vec<(String, String)> {
-    let one = |(surface, [fingers, stations], (noise, effects), fit): &(&str, [usize; 2], (&str, &str), &str)| {
+    let one = |(surface, [fingers, stations], (noise, effects), fit): &Row| {
         let toml = SURFACES.iter().find(|(word, _)| word == surface).map_or("", |(_, toml)| toml);
         let named = fit.replace('\n', ", ").replace('"', "").replace(" = ", " ");
         let name = format!("{surface}, {} contacts, {noise}, {named}", fingers * stations);
