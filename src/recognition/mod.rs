@@ -27,6 +27,7 @@
 //! ```
 
 mod believable_normals;
+mod beside;
 mod cells;
 mod constant_curvature;
 mod dense;
@@ -64,6 +65,7 @@ mod surface;
 mod tests;
 mod weights;
 
+pub use beside::count_model_error;
 pub use error::RecognitionError;
 pub use estimated_normals::estimate_normals;
 // only the program asks for a fit where nothing is recognised
@@ -77,6 +79,7 @@ pub use spline::RecognisedSpline;
 pub use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
+use crate::vector::Vector;
 
 use displacement::Displacement;
 use evidence::Evidence;
@@ -93,7 +96,17 @@ use rows::Rows;
 /// When the contacts are faulty, too few, on one line, or not one sheet.
 pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, options)
+    recognise_given(Given::from_contacts(contacts, options)?, None, options)
+}
+
+/// The same, with S and R averaged over these places of the input instead of the region that contacts support.
+fn recognise_over(
+    contacts: &Contacts,
+    places: &[Vector],
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
+    input::check_options(options)?;
+    recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
 }
 
 /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
@@ -103,11 +116,15 @@ pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Re
 pub fn recognise_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     input::check_options(options)?;
     let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-    recognise_given(Given::from_grid(grid, options)?, &upward)
+    recognise_given(Given::from_grid(grid, options)?, None, &upward)
 }
 
 /// The steps, top to bottom.
-fn recognise_given(given: Given, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+fn recognise_given(
+    given: Given,
+    places: Option<&[Vector]>,
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
     let patch = Patch::new(given, options)?;
     let cells = patch.cells();
     let models = patch.fitted(&cells);
@@ -137,6 +154,7 @@ fn recognise_given(given: Given, options: &RecognitionOptions) -> Result<Recogni
         relief,
         normal_noise,
         distances: &distances,
+        places,
     }
     .recognition(options)
 }

@@ -11,6 +11,7 @@
 use std::sync::Arc;
 
 use crate::bspline::linspace;
+use crate::vector::Vector;
 
 use super::RecognitionOptions;
 use super::constant_curvature::ConstantCurvature;
@@ -40,6 +41,7 @@ impl Region {
         evidence: &Evidence,
         base: &ConstantCurvature,
         state: State,
+        places: Option<&[Vector]>,
         options: &RecognitionOptions,
     ) -> Region {
         let charts: Vec<[f64; 2]> = patch.points.iter().map(|p| base.chart(*p)).collect();
@@ -63,6 +65,11 @@ impl Region {
         if !supported.contains(&true) {
             // a map so coarse that none of its points lies inside is shown as it is
             supported.fill(true);
+        }
+        if let Some(places) = places {
+            let at = |place: &Vector| base.chart(patch.frame.to_patch(*place));
+            let lattice = places.iter().map(at).map(|[u, v]| surface.chart_point(u, v)).collect();
+            return Region { surface, map, supported, lattice };
         }
         let [n, m] = options.grid.map(|n| n.min(LATTICE));
         let all = product(&surface, &linspace(u[0], u[1], n), &linspace(v[0], v[1], m));

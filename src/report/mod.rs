@@ -13,6 +13,7 @@ mod describe_parametric;
 mod describe_recognised;
 mod description;
 mod document;
+mod interval_words;
 mod json;
 mod maps;
 mod parametric;

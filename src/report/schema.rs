@@ -102,6 +102,7 @@ fn full() -> FitDocument {
         u_noise: Some(0.5),
         u_model: Some(0.5),
         level: Some(0.5),
+        coverage_factor: Some(0.5),
         dof: Some(0.5),
     };
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
@@ -171,6 +172,13 @@ fn full() -> FitDocument {
             direction: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
+            covariance: Some(0.5),
+            intervals: Some(IntervalsPart {
+                law: "student_t".into(),
+                beside: Some("a cylinder".into()),
+                seed: Some(1),
+                isa: "portable".into(),
+            }),
         },
         truth: Some(TruthPart {
             shape_index: Some(0.5),
@@ -229,6 +237,7 @@ fn emptied() -> FitDocument {
     document.fit.lack_of_fit = Some(LackOfFitPart::default());
     document.fit.chosen = document.fit.chosen.map(|chosen| ChosenPart::new("height", chosen.why));
     (document.shape.radius_interval, document.shape.radii) = (None, None);
+    document.shape.intervals = Some(IntervalsPart::default());
     // a named fit has no probability of its own for the plane
     document.shape.class_probability.iter_mut().for_each(|shares| shares.0.retain(|(name, _)| name != "plane"));
     document.truth = Some(TruthPart::default());
@@ -256,6 +265,7 @@ fn bare() -> FitDocument {
     document.shape.k2 = SpreadPart::default();
     document.shape.direction_deg = None;
     document.shape.plane_p = None;
+    (document.shape.covariance, document.shape.intervals) = (None, None);
     document.truth = None;
     document
 }
