@@ -61,6 +61,8 @@ pub struct Coverages {
     pub chosen: [Held; 2],
     /// Median half width of those intervals over 1.96 sd of their values, for S and R.
     pub chosen_width: [Option<f64>; 2],
+    /// Median half width of those intervals.
+    pub chosen_half_width: [Option<f64>; 2],
     /// Mean probability that the reported class was given, and the share in which it is the true one.
     pub class_forecast: Option<[f64; 2]>,
     /// (noise-free value - truth)/sd of S and of R: how far the model's own error stands out of the noise.
@@ -117,6 +119,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     Coverages {
         chosen: both.map(|q| chosen(&recognised, q)),
         chosen_width: both.map(|q| width(&recognised, q)),
+        chosen_half_width: both.map(|q| half_width(&recognised, q)),
         class_forecast: forecast(&recognised),
         fitted: fitted.len() as u64,
         failed: replicates - fitted.len() as u64,
@@ -178,9 +181,14 @@ fn chosen(told: &[Told], q: usize) -> Held {
 fn width(told: &[Told], q: usize) -> Option<f64> {
     let values: Vec<f64> = told.iter().filter_map(|t| t.value[q]).collect();
     let sd = spread(values.iter().copied()).sd.filter(|sd| *sd > 0.0)?;
+    Some(half_width(told, q)? / (1.96 * sd))
+}
+
+/// Median half width.
+fn half_width(told: &[Told], q: usize) -> Option<f64> {
     let mut widths: Vec<f64> = told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect();
     widths.sort_unstable_by(f64::total_cmp);
-    Some(widths.get(widths.len() / 2)? / (1.96 * sd))
+    widths.get(widths.len() / 2).copied()
 }
 
 fn forecast(told: &[Told]) -> Option<[f64; 2]> {
