@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! bumps          z = sum_k h_k exp(-|(x, y) - c_k|^2/(2 w_k^2)),  k = 1..3
-//! torus          radii 6 to 14 and 12 to 34, tilted, either side
+//! torus          radii 8 to 16 and 14 to 36, tilted, either side
 //! superquadric   semi-axes 9 to 18, exponents 0.6 to 1, tilted, either side
 //! contacts       27 to 200 over a square of half width 4; sd of z 0.005 to 0.05, of normals 60 degrees a unit of that
 //! ```
@@ -76,7 +76,7 @@ impl RandomSurface {
                 ("bumps", Body::Imported(Arc::new(Bumps(bumps.clone()))))
             }
             1 => {
-                let minor = between(8, 6.0, 14.0);
+                let minor = between(8, 8.0, 16.0);
                 ("torus", Body::Torus(Torus { major: minor + between(9, 6.0, 20.0), minor }))
             }
             _ => {
@@ -88,15 +88,18 @@ impl RandomSurface {
         let mut surface = Surface::new(body, 0.0);
         if seed % 3 > 0 {
             surface.pose =
-                Pose::new(between(0, 0.0, 180.0), [between(1, -15.0, 15.0), between(2, -15.0, 15.0), 0.0], [0.0; 3]);
+                Pose::new(between(0, 0.0, 180.0), [between(1, -10.0, 10.0), between(2, -10.0, 10.0), 0.0], [0.0; 3]);
             surface.concave = numbers[3] < 0.5;
         }
-        let sweep = SWEEPS[((numbers[4] * SWEEPS.len() as f64) as usize).min(SWEEPS.len() - 1)];
+        let [fingers, stations] = SWEEPS[((numbers[4] * SWEEPS.len() as f64) as usize).min(SWEEPS.len() - 1)];
+        let mut sweep = Sweep::new(linspace(-4.0, 4.0, fingers), linspace(-4.0, 4.0, stations));
+        // a tilted body may leave a corner out of reach
+        sweep.skip_unreachable = true;
         let sd = 0.005 * 10_f64.powf(numbers[5]);
-        let world = World::new(surface, Sweep::new(linspace(-4.0, 4.0, sweep[0]), linspace(-4.0, 4.0, sweep[1])))
+        let world = World::new(surface, sweep)
             .with(PositionNoise::Sigma([0.0, 0.0, sd]))
             .with(NormalNoise { sigma_deg: 60.0 * sd });
-        RandomSurface { name: format!("{kind}-{}-seed{seed}", sweep[0] * sweep[1]), world, bumps }
+        RandomSurface { name: format!("{kind}-{}-seed{seed}", fingers * stations), world, bumps }
     }
 
     /// The family that the surface belongs to.
