@@ -69,9 +69,10 @@ impl Findings<'_> {
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
-        let Region { surface, map: points, supported, lattice } =
+        let Region { surface, map: points, supported, lattice, within_map } =
             Region::new(self.patch, self.evidence, base, state, self.places, options);
-        let over = Points { all: &lattice, map: &points[..points.len().min(MAPPED)] };
+        let map = &points[..points.len().min(MAPPED)];
+        let over = Points { all: &lattice, map, within: within_map.as_deref().filter(|_| map.len() == points.len()) };
         let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
         let map = self.map(&surface, &points, &supported, &found);
