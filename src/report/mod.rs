@@ -13,6 +13,10 @@ mod describe_parametric;
 mod describe_recognised;
 mod description;
 mod document;
+mod frontier;
+mod frontier_columns;
+mod frontier_samples;
+mod frontier_table;
 mod json;
 mod maps;
 mod parametric;
@@ -30,8 +34,13 @@ mod table;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
+pub(crate) use frontier::{
+    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, SecondsPart, StagePart,
+};
+pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
+pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
-pub use schema::{fit_schema, study_schema};
+pub use schema::{fit_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

@@ -1,17 +1,17 @@
-//! `palpate.fit/1`, `palpate.study/1`: the committed schemas are the generated ones, and what the program prints obeys them.
+//! `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`: the committed schemas are the generated ones, and what the program prints obeys them.
 
 use assert_cmd::Command;
 use serde_json::Value;
 
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
 const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
+const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.frontier-1.json");
 
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
-    for (file, schema) in
-        [(FIT, palpate::internals::report::fit_schema()), (STUDY, palpate::internals::report::study_schema())]
-    {
+    use palpate::internals::report::{fit_schema, frontier_schema, study_schema};
+    for (file, schema) in [(FIT, fit_schema()), (STUDY, study_schema()), (FRONTIER, frontier_schema())] {
         let generated = serde_json::to_string_pretty(&schema).unwrap() + "\n";
         if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
             std::fs::write(file, &generated).unwrap();
