@@ -30,7 +30,11 @@ pub(super) fn count(arguments: &[&str], calls: usize) -> Counts {
     let folder = tempfile::tempdir().map_err(|e| format!("not counted: {e}"))?;
     let program = std::env::current_exe().map_err(|e| format!("not counted: {e}"))?;
     let outcome = Command::new("valgrind")
-        .args(["--tool=callgrind", "--toggle-collect=*counted_region*", "--dump-after=*counted_region*"])
+        .args([
+            "--tool=callgrind",
+            "--toggle-collect=*counted_region*",
+            "--dump-after=palpate::frontier::clock::counted_region",
+        ])
         .args(["--compress-pos=yes", "--dump-line=no"])
         .arg(format!("--callgrind-out-file={}", folder.path().join("counts").display()))
         .arg(program)

@@ -6,8 +6,8 @@
 
 use crate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights, SurfaceKind};
 
-/// Degrees that are tried; beyond 5 the rows of a few dozen contacts determine little more.
-const DEGREES: [usize; 4] = [2, 3, 4, 5];
+/// Degrees across and along the fingers that are tried; beyond 5 the rows of a few dozen contacts determine little more.
+const DEGREES: [[usize; 2]; 6] = [[2, 2], [3, 3], [4, 4], [5, 5], [2, 4], [4, 2]];
 /// Segments across and along the fingers. Fingers are few and stations many, so that some pairs cut along them alone.
 const SEGMENTS: [[usize; 2]; 4] = [[1, 1], [1, 2], [2, 2], [1, 4]];
 /// Weights that are tried besides the scene's own.
@@ -64,10 +64,10 @@ pub(crate) fn candidates(own: &FitOptions, stations: &[Option<usize>], normals: 
             found.push(configuration);
         }
     };
-    let with = |degree: usize, segments: [usize; 2], objective: Objective| FitOptions {
+    let with = |degree: [usize; 2], segments: [usize; 2], objective: Objective| FitOptions {
         surface: SurfaceKind::Height,
         closed: [false; 2],
-        degree: [degree; 2],
+        degree,
         segments,
         knots: None,
         objective,
@@ -89,7 +89,7 @@ pub(crate) fn candidates(own: &FitOptions, stations: &[Option<usize>], normals: 
     }
     for (degree, segments) in PARAMETRIC.into_iter().filter(|_| normals) {
         let objective = Objective::Normals(NormalSigma::Auto);
-        let options = FitOptions { surface: SurfaceKind::Parametric, ..with(degree, segments, objective) };
+        let options = FitOptions { surface: SurfaceKind::Parametric, ..with([degree; 2], segments, objective) };
         add(Configuration { options, stations: stations.first().copied().flatten() });
     }
     found
@@ -104,7 +104,7 @@ mod tests {
         let own = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
         let found = candidates(&own, &[None, Some(12)], true);
         assert_eq!(found[0], Configuration { options: own, stations: None });
-        assert_eq!(found.len(), 4 * 4 * 5 * 2 + 2);
+        assert_eq!(found.len(), 6 * 4 * 5 * 2 + 2);
         let mut labels: Vec<String> = found.iter().map(Configuration::label).collect();
         labels.sort();
         labels.dedup();
