@@ -9,7 +9,9 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::frontier::{Choice, Frontier, FrontierError, Measured, Request, Subject, check_truth, choose, mark};
+use crate::frontier::{
+    Choice, Frontier, FrontierError, Measured, REPLICATES, Request, Subject, check_truth, choose, mark,
+};
 use crate::io::scene_file::SceneFile;
 use crate::io::{write_atomically, write_parquet};
 use crate::report::{
@@ -55,6 +57,9 @@ pub(super) struct FrontierArgs {
     /// Seconds for timing the ways of fitting
     #[arg(long, value_name = "S", value_parser = values::seconds, default_value_t = SECONDS)]
     seconds: f64,
+    /// Leave out the calls that compute intervals
+    #[arg(long)]
+    bare: bool,
     /// Leave out the count of instructions
     #[arg(long)]
     uncounted: bool,
@@ -92,14 +97,17 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
         request.check().map_err(wrong)?;
     }
     let seed = args.seed.unwrap_or(scene.seed);
+    let prepared = |most: u64| {
+        let subject = Subject::with_replicates(&scene.world, &scene.fit, seed, !args.keep_stations, most);
+        subject.map(|subject| if args.bare { subject.bare() } else { subject }).map_err(wrong)
+    };
     if args.counted {
-        let subject =
-            Subject::with_replicates(&scene.world, &scene.fit, seed, !args.keep_stations, 1).map_err(wrong)?;
+        let subject = prepared(1)?;
         crate::threads::alone(|| make_calls(&mut subject.calls()));
         return Ok(());
     }
     args.output.prepare(&[args.scene.as_ref()], args.emit.as_slice())?;
-    let subject = Subject::new(&scene.world, &scene.fit, seed, !args.keep_stations).map_err(wrong)?;
+    let subject = prepared(REPLICATES)?;
     if let Some(request) = &request {
         check_truth(&subject, request).map_err(wrong)?;
     }
@@ -107,9 +115,9 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     let mut measured = subject.measure(args.seconds);
     drop(spinner);
     let spinner = args.output.spinner("counting instructions");
-    let counts = counts(args, seed, 2 * measured.len());
+    let counts = counts(args, seed, subject.calls_each() * measured.len());
     drop(spinner);
-    take_counts(&mut measured, &counts);
+    take_counts(&mut measured, &counts, subject.calls_each());
     let picked = request.as_ref().map(|request| choose(&measured, request)).transpose().map_err(wrong)?;
     let mut document = document(&scene, seed, &measured, &counts)?;
     if let (Some(choice), Some(request)) = (&picked, &request) {
@@ -140,13 +148,15 @@ fn counts(args: &FrontierArgs, seed: u64, calls: usize) -> Counts {
     let seed = seed.to_string();
     let mut arguments = vec!["frontier", &args.scene, "--seed", &seed];
     arguments.extend(args.keep_stations.then_some("--keep-stations"));
+    arguments.extend(args.bare.then_some("--bare"));
     count(&arguments, calls)
 }
 
-fn take_counts(measured: &mut [Measured], counts: &Counts) {
+fn take_counts(measured: &mut [Measured], counts: &Counts, each: usize) {
     let Ok(counts) = counts else { return };
-    for (measured, both) in measured.iter_mut().zip(counts.chunks_exact(2)) {
-        (measured.point.instructions, measured.point.instructions_interval) = (Some(both[0]), Some(both[1]));
+    for (measured, own) in measured.iter_mut().zip(counts.chunks_exact(each)) {
+        measured.point.instructions = own.first().copied();
+        measured.point.instructions_interval = own.get(1).copied();
     }
     mark(measured);
 }

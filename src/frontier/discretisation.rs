@@ -47,6 +47,8 @@ pub(crate) struct Subject {
     curvedness: f64,
     /// Whether S and R are defined somewhere.
     defined: [bool; 2],
+    /// Whether calls with intervals are timed besides those without.
+    intervals: bool,
 }
 
 impl Subject {
@@ -82,7 +84,7 @@ impl Subject {
         let curvedness =
             truth.map_or(0.0, |truth| (0..points).map(|r| truth.curvedness(r)).sum::<f64>() / points.max(1) as f64);
         let has_index = truth.is_some_and(|truth| (0..points).any(|r| truth.shape_index(r).is_some()));
-        Ok(Subject { touches, candidates, curvedness, defined: [has_index, points > 0] })
+        Ok(Subject { touches, candidates, curvedness, defined: [has_index, points > 0], intervals: true })
     }
 
     /// Whether S and R are defined somewhere on the true surface.
@@ -90,10 +92,21 @@ impl Subject {
         self.defined
     }
 
+    /// The same without calls that compute intervals.
+    pub(crate) fn bare(self) -> Subject {
+        Subject { intervals: false, ..self }
+    }
+
+    /// Calls of each candidate.
+    pub(crate) fn calls_each(&self) -> usize {
+        if self.intervals { 2 } else { 1 }
+    }
+
     /// Every call of the frontier: without and with intervals, candidate by candidate.
     pub(crate) fn calls(&self) -> Vec<Call<'_, Answer>> {
-        let both = self.candidates.iter().flat_map(|candidate| [(candidate, false), (candidate, true)]);
-        both.map(|(candidate, interval)| -> Call<'_, Answer> {
+        let kinds = &[false, true][..self.calls_each()];
+        let all = self.candidates.iter().flat_map(|candidate| kinds.iter().map(move |interval| (candidate, *interval)));
+        all.map(|(candidate, interval)| -> Call<'_, Answer> {
             let replicates = &self.touches_of(candidate).replicates;
             Box::new(move |number| {
                 let (contacts, _) = &replicates[(number % replicates.len() as u64) as usize];
@@ -118,10 +131,11 @@ impl Subject {
         let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); count];
         let mut held: Vec<Vec<[Option<bool>; 2]>> = vec![Vec::new(); count];
         let memory: Vec<Cell<Option<u64>>> = vec![Cell::new(None); count];
+        let each = self.calls_each();
         let mut calls = self.calls();
         let limits = Limits { least: LEAST, most: MOST, seconds, each: EACH };
         let times = rounds(&mut calls, limits, |k, number, answer| {
-            let (candidate, interval) = (k / 2, k % 2 == 1);
+            let (candidate, interval) = (k / each, k % each == 1);
             let touches = self.touches_of(&self.candidates[candidate]);
             // a replicate that comes round again was judged before
             let Some((contacts, truth)) = touches.replicates.get(number as usize) else { return };
@@ -141,8 +155,8 @@ impl Subject {
                 if point.failed.is_none() {
                     point.memory = memory[k].get();
                 }
-                point.seconds = Some(times[2 * k]);
-                point.seconds_interval = Some(times[2 * k + 1]);
+                point.seconds = Some(times[each * k]);
+                point.seconds_interval = self.intervals.then(|| times[each * k + 1]);
                 let rms = |judged: &Judged, q: usize| judged.deviations[q].rms().unwrap_or(f64::NAN);
                 let runs = judged[k].iter().map(|judged| [rms(judged, 0), rms(judged, 1)]).collect();
                 Measured { configuration: self.candidates[k].clone(), point, runs }

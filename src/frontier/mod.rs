@@ -31,3 +31,5 @@ pub use pick::{Choice, Request, pick};
 pub(crate) use pick::{check_truth, choose};
 #[cfg(feature = "cli")]
 pub(crate) use point::{Frontier, Point};
+#[cfg(feature = "cli")]
+pub(crate) use touches::REPLICATES;

@@ -128,7 +128,7 @@ pub struct Choice {
 /// A scene that cannot be simulated, or a request that cannot be understood.
 pub fn pick(world: &World, own: &FitOptions, seed: u64, request: &Request) -> Result<Choice, FrontierError> {
     request.check()?;
-    let subject = Subject::new(world, own, seed, !request.keep_stations)?;
+    let subject = Subject::new(world, own, seed, !request.keep_stations)?.bare();
     check_truth(&subject, request)?;
     choose(&subject.measure(SECONDS), request)
 }
