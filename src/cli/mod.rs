@@ -14,6 +14,8 @@ mod fit;
 mod frontier;
 mod frontier_counts;
 mod frontier_emit;
+mod frontier_input;
+mod frontier_scene;
 mod gathered;
 mod merge;
 mod named;

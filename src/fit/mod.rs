@@ -38,6 +38,8 @@ mod objective;
 mod options;
 mod placing;
 mod solved;
+#[cfg(feature = "cli")]
+pub(crate) mod stages;
 
 #[doc(hidden)]
 pub use crate::solve::Factor;

@@ -44,11 +44,16 @@ pub(crate) struct Limits {
 pub(crate) type Call<'a, R> = Box<dyn FnMut(u64) -> R + 'a>;
 
 /// Times every call in rounds. `keep(k, number, result)` gets what the timed calls returned.
-pub(crate) fn rounds<R>(
+pub(crate) fn rounds<R>(calls: &mut [Call<'_, R>], limits: Limits, keep: impl FnMut(usize, u64, R)) -> Vec<Clocked> {
+    round_times(calls, limits, keep).iter().map(|rounds| clocked(rounds)).collect()
+}
+
+/// The time of every call in every round, seconds.
+pub(crate) fn round_times<R>(
     calls: &mut [Call<'_, R>],
     limits: Limits,
     mut keep: impl FnMut(usize, u64, R),
-) -> Vec<Clocked> {
+) -> Vec<Vec<f64>> {
     let began = Instant::now();
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); calls.len()];
     let mut numbers = vec![0; calls.len()];
@@ -77,7 +82,7 @@ pub(crate) fn rounds<R>(
             times[k].push(least.as_secs_f64());
         }
     }
-    times.iter().map(|rounds| clocked(rounds)).collect()
+    times
 }
 
 /// What a counter of instructions is told to look at: never inlined, so that it finds the name.

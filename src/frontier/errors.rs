@@ -13,8 +13,8 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::cases::Lcg;
 
-/// Quantities that are judged, in the order of every array of five here.
-pub(crate) const QUANTITIES: [&str; 5] = ["S", "R", "k1", "height", "slope"];
+/// Quantities that are judged, in the order of every array of six here; the normal's error is an angle in degrees.
+pub(crate) const QUANTITIES: [&str; 6] = ["S", "R", "k1", "height", "slope", "normal_deg"];
 
 /// Samples of the bootstrap of an rms.
 const SAMPLES: usize = 200;
@@ -53,8 +53,8 @@ impl Deviation {
 /// What is judged of one answer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Judged {
-    /// Errors of the five quantities.
-    pub deviations: [Deviation; 5],
+    /// Errors of the six quantities.
+    pub deviations: [Deviation; 6],
     /// Whether the intervals of S and of R hold the truth; `None` where there is no interval or no truth.
     pub held: [Option<bool>; 2],
     /// Points used over points of the grid.

@@ -10,6 +10,8 @@ use crate::fit::{Fit, FitOptions, Shape};
 use crate::parametric::{FittedSurface, ParametricFit, fit_surface};
 use crate::scene::Truth;
 
+use crate::vector::{cross, dot, norm, unit};
+
 use super::errors::{Deviation, Judged, QUANTITIES};
 
 const S: usize = 0;
@@ -17,7 +19,14 @@ const R: usize = 1;
 const K1: usize = 2;
 const HEIGHT: usize = 3;
 const SLOPE: usize = 4;
-const _: () = assert!(QUANTITIES.len() == 5);
+const NORMAL: usize = 5;
+const _: () = assert!(QUANTITIES.len() == 6);
+
+/// Angle in degrees between the upward normal of these slopes and a unit normal.
+fn angle([zx, zy]: [f64; 2], normal: [f64; 3]) -> f64 {
+    let own = unit([-zx, -zy, 1.0]);
+    norm(cross(own, normal)).atan2(dot(own, normal)).to_degrees()
+}
 
 /// What a timed call gives back.
 pub(crate) type Answer = Result<FittedSurface, String>;
@@ -71,6 +80,7 @@ fn judge_height(fit: &Fit, truth: &Truth, interval: bool) -> Judged {
             // slopes are those over the input's own x and y, and a wall has none
             if frame.keeps_axes() && nz > 0.0 {
                 d[SLOPE].add((found.zx + nx / nz).hypot(found.zy + ny / nz));
+                d[NORMAL].add(angle([found.zx, found.zy], there.local.normal));
             }
         }
     }
@@ -86,6 +96,33 @@ fn judge_height(fit: &Fit, truth: &Truth, interval: bool) -> Judged {
         let true_mean = mean - judged.deviations[q].shift()?;
         Some(interval.lo <= true_mean && true_mean <= interval.hi)
     });
+    judged
+}
+
+/// Holds a fit against contacts that it has not seen: heights and, where they are known, normals.
+pub(crate) fn judge_contacts(answer: &Answer, unseen: &Contacts) -> Judged {
+    let fit = match answer {
+        Err(why) => return Judged { failed: Some(why.clone()), ..Judged::default() },
+        Ok(FittedSurface::Parametric(_)) => {
+            let why = "a parametric surface has no height over x and y".to_string();
+            return Judged { failed: Some(why), ..Judged::default() };
+        }
+        Ok(FittedSurface::Height(fit)) => fit,
+    };
+    let surface = match fit.input_surface() {
+        Ok(surface) => surface,
+        Err(why) => return Judged { failed: Some(why.to_string()), ..Judged::default() },
+    };
+    let mut judged = Judged { support: fit.bare_shape().support, ..Judged::default() };
+    for r in 0..unseen.len() {
+        let found = surface.at(unseen.x[r], unseen.y[r]);
+        judged.deviations[HEIGHT].add(found.z - unseen.z[r]);
+        if let Some(normal) = unseen.unit_normal(r).filter(|normal| normal[2] > 0.0) {
+            judged.deviations[NORMAL].add(angle([found.zx, found.zy], normal));
+            let slopes = [-normal[0] / normal[2], -normal[1] / normal[2]];
+            judged.deviations[SLOPE].add((found.zx - slopes[0]).hypot(found.zy - slopes[1]));
+        }
+    }
     judged
 }
 

@@ -173,6 +173,9 @@ pub(crate) fn choose(measured: &[Measured], request: &Request) -> Result<Choice,
 /// The errors that are kept over those that are asked for, the larger of both; 0 where none is asked for.
 fn error_ratio(m: &Measured, request: &Request) -> f64 {
     let asked = [request.error_s, request.error_r];
+    if asked == [None, None] {
+        return 0.0;
+    }
     let ratio = |run: &[f64; 2]| {
         let each = [0, 1].map(|q| asked[q].map_or(0.0, |asked| run[q] / asked));
         if each.iter().any(|ratio| ratio.is_nan()) { f64::INFINITY } else { each[0].max(each[1]) }

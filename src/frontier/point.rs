@@ -46,13 +46,15 @@ pub(crate) struct Point {
     pub stations: Option<usize>,
     /// Contacts of the first replicate.
     pub contacts: usize,
-    /// Errors of S, R, k1, height, slope.
-    pub errors: [Option<Errors>; 5],
+    /// Errors of S, R, k1, height, slope, normal.
+    pub errors: [Option<Errors>; 6],
     /// Root mean square of S and R together: `sqrt(error_S^2 + (error_R/R)^2)`; of a solver 10^-digits, of an interval the
     /// error of its ends. The axis of the pictures.
     pub error: Option<f64>,
     /// Its interval.
     pub error_interval: Option<[f64; 2]>,
+    /// Condition of the problem (solvers).
+    pub condition: Option<f64>,
     /// Right digits of the coefficients (solvers).
     pub digits: Option<f64>,
     /// Share of the intervals of S and of R that hold the truth.

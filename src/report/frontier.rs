@@ -41,7 +41,7 @@ pub(crate) struct ErrorsPart {
     pub upper: f64,
 }
 
-/// Errors of the five quantities; null where they are undefined or not judged.
+/// Errors of the six quantities; null where they are undefined or not judged.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct AllErrorsPart {
     /// Shape index.
@@ -56,6 +56,8 @@ pub(crate) struct AllErrorsPart {
     pub height: Option<ErrorsPart>,
     /// Slope.
     pub slope: Option<ErrorsPart>,
+    /// Angle between the normals, degrees.
+    pub normal_deg: Option<ErrorsPart>,
 }
 
 /// How often an interval held the truth.
@@ -120,6 +122,8 @@ pub(crate) struct FrontierRecord {
     pub error_interval: Option<[f64; 2]>,
     /// All errors with their uncertainties.
     pub errors: AllErrorsPart,
+    /// Condition of the problem (solver).
+    pub condition: Option<f64>,
     /// Right digits of the coefficients (solver).
     pub digits: Option<f64>,
     /// Coverage of the intervals.
@@ -246,8 +250,8 @@ impl From<Share> for SharePart {
 impl FrontierRecord {
     /// The record of a point of `frontier` on the scene or file `subject`.
     pub(crate) fn new(frontier: Frontier, subject: &str, point: &Point) -> FrontierRecord {
-        const { assert!(QUANTITIES.len() == 5) };
-        let [s, r, k1, height, slope] = point.errors.map(|errors| errors.map(ErrorsPart::from));
+        const { assert!(QUANTITIES.len() == 6) };
+        let [s, r, k1, height, slope, normal_deg] = point.errors.map(|errors| errors.map(ErrorsPart::from));
         let [covered_s, covered_r] = point.coverage.map(|share| share.map(SharePart::from));
         FrontierRecord {
             frontier: frontier.name().into(),
@@ -266,7 +270,8 @@ impl FrontierRecord {
             error_R: r.map(|part| part.rms),
             error: point.error,
             error_interval: point.error_interval,
-            errors: AllErrorsPart { shape_index: s, curvedness: r, k1, height, slope },
+            errors: AllErrorsPart { shape_index: s, curvedness: r, k1, height, slope, normal_deg },
+            condition: point.condition,
             digits: point.digits,
             coverage: CoveragePart { shape_index: covered_s, curvedness: covered_r },
             seconds: point.seconds.map(SecondsPart::from),

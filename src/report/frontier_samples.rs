@@ -25,7 +25,15 @@ pub(super) fn full_frontier() -> FrontierDocument {
         error_R: half,
         error: half,
         error_interval: Some([0.5; 2]),
-        errors: AllErrorsPart { shape_index: errors, curvedness: errors, k1: errors, height: errors, slope: errors },
+        errors: AllErrorsPart {
+            shape_index: errors,
+            curvedness: errors,
+            k1: errors,
+            height: errors,
+            slope: errors,
+            normal_deg: errors,
+        },
+        condition: half,
         digits: half,
         coverage: CoveragePart { shape_index: share, curvedness: share },
         seconds: Some(seconds),
@@ -76,6 +84,7 @@ pub(super) fn empty_frontier() -> FrontierDocument {
     let mut document = full_frontier();
     for record in &mut document.points {
         (record.stations, record.digits, record.support, record.failed) = (None, None, None, None);
+        record.condition = None;
         (record.error_S, record.error_R, record.error, record.error_interval) = (None, None, None, None);
         (record.errors, record.coverage) = (AllErrorsPart::default(), CoveragePart::default());
         (record.seconds, record.seconds_interval) = (None, None);

@@ -15,6 +15,7 @@ mod description;
 mod document;
 mod frontier;
 mod frontier_columns;
+mod frontier_orders;
 mod frontier_samples;
 mod frontier_table;
 mod json;
@@ -34,10 +35,9 @@ mod table;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
-pub(crate) use frontier::{
-    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, SecondsPart, StagePart,
-};
+pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
+pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
 pub use schema::{fit_schema, frontier_schema, study_schema};

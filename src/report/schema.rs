@@ -60,7 +60,7 @@ const FRONTIER_WORDS: &str = "A record of `points` is one way of computing S and
     hi}, contacts, failed (null, or why there is no answer); a record that lacks other keys is read as if they were null. \
     error_S and error_R are root mean squares over the shape grid and the replicates, R in 1/length; `error` is \
     sqrt(error_S^2 + (error_R/true R)^2), of a solver 10^-digits, of an interval the error of its ends over its half width. \
-    `errors` holds rms, interval, worst, bias, sd, upper of S, R, k1, height, slope. `seconds` is a call without intervals, \
+    `errors` holds rms, interval, worst, bias, sd, upper of S, R, k1, height, slope and normal_deg. `seconds` is a call without intervals, \
     `seconds_interval` one with them. frontier.csv has one line a record, nested keys joined by a full stop, in the order of \
     `points`; frontier.parquet has its numbers.";
 
