@@ -4,6 +4,7 @@
 //! candidates -> timed and judged in rounds -> instructions by callgrind -> those that no other beats -> a choice
 //! ```
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,8 +14,8 @@ use crate::frontier::{FrontierError, Request, orders};
 use crate::io::scene_file::builtin_text;
 use crate::io::write_parquet;
 use crate::report::{
-    FrontierDocument, OrdersDocument, frontier_columns, write_frontier_csv, write_frontier_table, write_json,
-    write_orders_table,
+    FrontierDocument, OrdersDocument, PICTURES, frontier_columns, has_picture, write_frontier_csv,
+    write_frontier_picture, write_frontier_table, write_json, write_orders_table, write_stages_picture,
 };
 
 use super::failure::Failure;
@@ -122,6 +123,17 @@ fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failu
     if args.output.out.is_some() {
         let (names, columns) = frontier_columns(&document.points);
         args.output.file("frontier.parquet", &mut |out| write_parquet("point", &names, &columns, out))?;
+    }
+    for which in PICTURES.into_iter().filter(|which| has_picture(document, *which)) {
+        let name = if which.frontier == "discretisation" { "frontier" } else { which.frontier };
+        for (ending, png) in [("svg", false), ("png", true)] {
+            let mut fill = |out: &mut dyn Write| write_frontier_picture(document, which, png, out);
+            args.output.file(&format!("{name}.{ending}"), &mut fill)?;
+        }
+    }
+    if !document.stages.is_empty() {
+        args.output.file("stages.svg", &mut |out| write_stages_picture(document, false, out))?;
+        args.output.file("stages.png", &mut |out| write_stages_picture(document, true, out))?;
     }
     args.output.publish()?;
     if args.output.json {

@@ -22,7 +22,19 @@ const FAMILIES: [&[&str]; 5] = [
     &["study.json", "study.svg"],
     &["sweep.json", "sweep.csv", "sweep.svg"],
     &["coverage.json", "coverage.csv"],
-    &["frontier.json", "frontier.csv", "frontier.parquet"],
+    &[
+        "frontier.json",
+        "frontier.csv",
+        "frontier.parquet",
+        "frontier.svg",
+        "frontier.png",
+        "solver.svg",
+        "solver.png",
+        "interval.svg",
+        "interval.png",
+        "stages.svg",
+        "stages.png",
+    ],
 ];
 
 impl OutputFlags {

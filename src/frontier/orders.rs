@@ -26,7 +26,7 @@ use crate::surface::HeightField;
 /// Half the side of the patch, in units in which the bodies have sizes of 1 to 3.
 const HALF: f64 = 1.0;
 /// Segments each way; the orders are those of the last two halvings.
-const SEGMENTS: [usize; 3] = [8, 16, 32];
+const SEGMENTS: [usize; 3] = [16, 32, 64];
 /// Intervals between stations of a segment: with both ends, 7 stations.
 const STATIONS: usize = 6;
 /// Gauss points of a segment for the errors.
@@ -66,7 +66,7 @@ pub(crate) struct Order {
     pub degree: usize,
     /// Rows.
     pub rows: OrderRows,
-    /// Errors of heights, slopes and curvatures at 8, 16 and 32 segments.
+    /// Errors of heights, slopes and curvatures at 16, 32 and 64 segments.
     pub errors: [[f64; 3]; 3],
 }
 
@@ -127,7 +127,9 @@ fn axis(segments: usize, rows: OrderRows) -> (Vec<f64>, Vec<f64>) {
 
 /// Gauss points of every segment with their weights.
 fn gauss(segments: usize, points: usize) -> (Vec<f64>, Vec<f64>) {
-    let (nodes, weights) = gauss_legendre(points);
+    let (mut nodes, weights) = gauss_legendre(points);
+    // the axis of a grid rises; the weights are the same from both ends
+    nodes.sort_unstable_by(f64::total_cmp);
     let half = HALF / segments as f64;
     let middles = (0..segments).map(|k| -HALF + (2 * k + 1) as f64 * half);
     let all = middles.flat_map(|middle| nodes.iter().zip(&weights).map(move |(t, w)| (middle + half * t, half * w)));

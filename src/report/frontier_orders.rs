@@ -20,7 +20,7 @@ pub(crate) struct OrderPart {
     pub found: [f64; 3],
     /// What theory says.
     pub theory: [f64; 3],
-    /// Root mean square errors at 8, 16 and 32 segments.
+    /// Root mean square errors at 16, 32 and 64 segments.
     pub errors: [[f64; 3]; 3],
 }
 
