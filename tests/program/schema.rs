@@ -99,6 +99,26 @@ fn every_study_obeys_the_schema() {
     }
 }
 
+/// Documents of a scene with noise, of one without, of a request, and of a file.
+#[test]
+fn every_frontier_obeys_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(FRONTIER).unwrap()).unwrap();
+    let mut simulate = Command::cargo_bin("palpate").unwrap();
+    simulate.current_dir(folder.path()).args(["simulate", "paper-table2", "-o", "contacts.csv"]).assert().success();
+    let lines = [
+        "frontier paper-cylinder --uncounted --keep-stations --seconds 0.01 --error-r 1e-12",
+        "frontier paper-table2 --bare --uncounted --keep-stations --seconds 0.01 --budget 1ms",
+        "frontier contacts.csv --seconds 0.01 --budget 1s",
+    ];
+    for line in lines {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        let output = command.current_dir(folder.path()).args(line.split(' ')).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+}
+
 /// Every key of the design's section 4, spelt out here once more.
 #[test]
 fn no_promised_key_is_missing() {
