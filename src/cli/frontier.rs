@@ -24,7 +24,7 @@ use super::output::print;
 use super::{frontier_input, frontier_scene, values};
 
 /// Seconds that the ways of fitting are timed for, where nothing else is said: noisy machines want more.
-const SECONDS: f64 = 30.0;
+const SECONDS: f64 = 20.0;
 
 /// Arguments of `palpate frontier`.
 #[derive(Args)]
