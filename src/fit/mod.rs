@@ -40,6 +40,8 @@ mod placing;
 mod reading;
 mod richer;
 mod solved;
+#[cfg(feature = "cli")]
+pub(crate) mod stages;
 
 #[doc(hidden)]
 pub use crate::solve::Factor;
