@@ -7,8 +7,10 @@
 //! object, complex, text, masked entries TypeError or ValueError that names the argument
 //! ```
 
-use numpy::ndarray::{ArrayViewD, IxDyn};
-use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::ndarray::{ArrayViewD, Ix2};
+use numpy::{
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -42,7 +44,8 @@ impl<'py> Numbers<'py> {
             Err(_) => {
                 let made = numpy_module(py)?.call_method1(intern!(py, "asarray"), (argument,));
                 let made = made.map_err(|error| named(py, name, &error))?;
-                made.cast_into::<PyUntypedArray>().map_err(|_| wrong_type(name, "numpy.asarray makes no array of it"))?
+                made.cast_into::<PyUntypedArray>()
+                    .map_err(|_| wrong_type(name, "numpy.asarray makes no array of it"))?
             }
         };
         refuse_masked(&array, name)?;
@@ -95,7 +98,7 @@ impl<'py> Numbers<'py> {
     /// A column of its own: the crate's `Contacts` own their columns, so this is the one copy that a fit makes.
     pub(crate) fn column(self) -> PyResult<Vec<f64>> {
         let one = self.of_dimensions(1)?;
-        Ok(one.view().iter().copied().collect())
+        Ok(one.slice().map_or_else(|| one.view().iter().copied().collect(), <[f64]>::to_vec))
     }
 }
 
@@ -122,8 +125,9 @@ pub(crate) fn columns<const N: usize>(
         let what = format!("{name} has shape {shape:?}: (contacts, {N}) wanted, or a tuple of {N} columns");
         return Err(PyValueError::new_err(what));
     }
-    let view = numbers.view();
-    Ok(std::array::from_fn(|k| (0..shape[0]).map(|r| view[IxDyn(&[r, k])]).collect()))
+    let view = numbers.view().into_dimensionality::<Ix2>();
+    let view = view.map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
+    Ok(std::array::from_fn(|k| view.column(k).to_vec()))
 }
 
 /// Whole numbers that label contacts.

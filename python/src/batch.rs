@@ -10,7 +10,7 @@
 //! are fitted in chunks, and each chunk's columns stand at once, so that the memory is that of the answer.
 
 use numpy::IntoPyArray;
-use numpy::ndarray::{Array2, ArrayViewD, Axis, Ix2};
+use numpy::ndarray::{Array2, ArrayViewD, Axis, Ix2, Slice};
 use palpate::cli::embedded::{FitAnswer, FitRefusal};
 use palpate::fit::{FitOptions, Statistic};
 use palpate::internals::io::Input;
@@ -35,9 +35,18 @@ struct Row {
     class: i8,
 }
 
-const COLUMNS: [&str; 10] =
-    ["shape_index", "shape_index_sd", "shape_index_u", "curvedness", "curvedness_sd", "curvedness_u", "k1", "k2",
-     "radius", "direction_deg"];
+const COLUMNS: [&str; 10] = [
+    "shape_index",
+    "shape_index_sd",
+    "shape_index_u",
+    "curvedness",
+    "curvedness_sd",
+    "curvedness_u",
+    "k1",
+    "k2",
+    "radius",
+    "direction_deg",
+];
 
 const MISSING: Row = Row { values: [f64::NAN; COLUMNS.len()], class: -1 };
 
@@ -62,18 +71,12 @@ impl Batch<'_> {
 
     /// The patch's own part of a column, or of vectors as columns.
     fn column(&self, of: &ArrayViewD<'_, f64>, k: usize) -> Vec<f64> {
-        match &self.offsets {
-            Some(offsets) => {
-                let part = of.view().into_shape_with_order(of.len());
-                let range = offsets[k]..offsets[k + 1];
-                part.map_or_else(
-                    |_| of.iter().skip(range.start).take(range.len()).copied().collect(),
-                    |part| range.clone().map(|r| part[r]).collect(),
-                )
-            }
-            None if of.ndim() == 1 => of.iter().copied().collect(),
-            None => of.index_axis(Axis(0), k).iter().copied().collect(),
-        }
+        let part = match &self.offsets {
+            Some(offsets) => of.slice_axis(Axis(0), Slice::from(offsets[k]..offsets[k + 1])),
+            None if of.ndim() == 1 => of.view(),
+            None => of.index_axis(Axis(0), k),
+        };
+        part.as_slice().map_or_else(|| part.iter().copied().collect(), <[f64]>::to_vec)
     }
 
     fn vectors<const N: usize>(&self, of: &ArrayViewD<'_, f64>, k: usize) -> [Vec<f64>; N] {
@@ -84,6 +87,7 @@ impl Batch<'_> {
     fn input(&self, k: usize) -> Input {
         if self.offsets.is_none() && self.z.ndim() == 3 {
             let z = self.z.index_axis(Axis(0), k).into_dimensionality::<Ix2>();
+            // it has three dimensions, so that one less leaves two
             let z = z.map_or_else(|_| Array2::zeros((0, 0)), |z| z.to_owned());
             return Input::Grid(Grid::new(self.column(&self.x, k), self.column(&self.y, k), z));
         }
@@ -129,7 +133,8 @@ fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
     }
     let Some(found) = answer.recognition() else { return Ok(MISSING) };
     let direction = found.direction.map(on_the_map);
-    let estimate = |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), interval: None };
+    let estimate =
+        |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), interval: None };
     let s = found.shape_index.map_or(Statistic::default(), |s| estimate(s.mean, s.sd, s.u));
     let r = estimate(found.curvedness.mean, found.curvedness.sd, found.curvedness.u);
     Ok(row([&s, &r], [Some(found.k1), Some(found.k2), found.radius, direction], found.class.name()))
@@ -230,7 +235,9 @@ fn check(batch: &Batch<'_>) -> PyResult<()> {
     let (x, y, z) = (batch.x.shape(), batch.y.shape(), batch.z.shape());
     if let Some(offsets) = &batch.offsets {
         if z.len() != 1 || x != z || y != z {
-            return wrong(format!("x, y, z have shapes {x:?}, {y:?}, {z:?}: with offsets each has one dimension, as long"));
+            return wrong(format!(
+                "x, y, z have shapes {x:?}, {y:?}, {z:?}: with offsets each has one dimension, as long"
+            ));
         }
         if offsets.last() != Some(&z[0]) {
             return wrong(format!("offsets ends at {:?}, but there are {} contacts", offsets.last(), z[0]));

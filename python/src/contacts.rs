@@ -27,10 +27,7 @@ pub(crate) struct Beside<'a, 'py> {
 
 const WEIGHTS: [&str; 3] = ["wz", "wx", "wy"];
 
-pub(crate) fn contacts(
-    [x, y, z]: [&Bound<'_, PyAny>; 3],
-    beside: &Beside<'_, '_>,
-) -> PyResult<Contacts> {
+pub(crate) fn contacts([x, y, z]: [&Bound<'_, PyAny>; 3], beside: &Beside<'_, '_>) -> PyResult<Contacts> {
     let [x, y, z] = [Numbers::of(x, "x")?, Numbers::of(y, "y")?, Numbers::of(z, "z")?];
     let orientation = match (beside.normals, beside.slopes) {
         (Some(_), Some(_)) => return Err(PyValueError::new_err("normals, slopes: give one of them, not both")),
@@ -68,8 +65,7 @@ pub(crate) fn grid([x, y, z]: [&Bound<'_, PyAny>; 3], beside: &Beside<'_, '_>) -
     if beside.labels.iter().any(Option::is_some) {
         return Err(PyValueError::new_err("finger, station: a grid has none"));
     }
-    let mut grid =
-        Grid::new(Numbers::of(x, "x")?.column()?, Numbers::of(y, "y")?.column()?, matrix(z, "z")?);
+    let mut grid = Grid::new(Numbers::of(x, "x")?.column()?, Numbers::of(y, "y")?.column()?, matrix(z, "z")?);
     if let Some(slopes) = beside.slopes {
         let pair = slopes.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
         let pair = pair.ok_or_else(|| PyValueError::new_err("slopes: a tuple (zx, zy) of two arrays wanted"))?;

@@ -17,13 +17,7 @@ macro_rules! put {
 }
 
 /// An exception of the class `class` of `palpate._errors`.
-pub(crate) fn exception(
-    py: Python<'_>,
-    class: &str,
-    message: String,
-    kind: &str,
-    fields: Bound<'_, PyDict>,
-) -> PyErr {
+pub(crate) fn exception(py: Python<'_>, class: &str, message: String, kind: &str, fields: Bound<'_, PyDict>) -> PyErr {
     let made = PyModule::import(py, "palpate._errors")
         .and_then(|module| module.getattr(class))
         .and_then(|class| class.call1((message, kind, fields)));

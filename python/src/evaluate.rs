@@ -40,8 +40,13 @@ impl Row {
         if order > knots.degree() {
             return Row { first: 0, values };
         }
+        let at = knots.wrapped(at);
+        if order == 0 {
+            let first = knots.derivatives(at, 0, &mut values[..width]);
+            return Row { first, values };
+        }
         let mut flat = [0.0; WIDTH * WIDTH];
-        let first = knots.derivatives(knots.wrapped(at), order, &mut flat[..(order + 1) * width]);
+        let first = knots.derivatives(at, order, &mut flat[..(order + 1) * width]);
         values[..width].copy_from_slice(&flat[order * width..(order + 1) * width]);
         Row { first, values }
     }
@@ -73,6 +78,14 @@ impl Tensor {
     fn point(&self, bx: &Row, by: &Row, out: &mut [f64]) {
         let [p, q] = self.knots.each_ref().map(Knots::degree);
         let (m, c) = (self.knots[1].n_basis(), self.components);
+        if let [out] = out {
+            for a in 0..=p {
+                let start = (bx.first + a) * m + by.first;
+                let row = &self.coefficients[start..=start + q];
+                *out += bx.values[a] * row.iter().zip(&by.values).map(|(c, w)| c * w).sum::<f64>();
+            }
+            return;
+        }
         for a in 0..=p {
             let row = &self.coefficients[((bx.first + a) * m + by.first) * c..];
             for b in 0..=q {

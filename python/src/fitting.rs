@@ -23,8 +23,7 @@ pub(crate) struct FitCore {
 impl FitCore {
     /// The document of `palpate fit --json` as UTF-8, and the table for people.
     fn document<'py>(&self, py: Python<'py>, name: &str) -> PyResult<(Bound<'py, PyBytes>, String)> {
-        let [json, table] =
-            py.detach(|| self.answer.document(name)).map_err(|error| errors::fit_error(py, &error))?;
+        let [json, table] = py.detach(|| self.answer.document(name)).map_err(|error| errors::fit_error(py, &error))?;
         Ok((PyBytes::new(py, &json), String::from_utf8_lossy(&table).into_owned()))
     }
 

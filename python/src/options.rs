@@ -5,7 +5,9 @@
 //! any keyword that fixes the model                  named: exactly that fit; otherwise the contacts are recognised
 //! ```
 
-use palpate::fit::{FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
+use palpate::fit::{
+    FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -28,8 +30,7 @@ pub(crate) struct Keywords {
 impl Keywords {
     /// Reads the keywords over `base`; an unknown one is a TypeError, as Python has it.
     pub(crate) fn read(given: Option<&Bound<'_, PyDict>>) -> PyResult<Keywords> {
-        let mut found =
-            Keywords { options: FitOptions::default(), named: false, viewpoint: None, bare: false };
+        let mut found = Keywords { options: FitOptions::default(), named: false, viewpoint: None, bare: false };
         let Some(given) = given else { return Ok(found) };
         // a parametric surface is of degree 3 unless a degree is named: a biquadratic bends too little to go round
         let mut degree_named = false;

@@ -50,9 +50,15 @@ pub(crate) struct TouchStream {
     contacts: usize,
 }
 
-/// Fewest numbers that a touch can be answered after: each touch gives three.
-fn answerable(contacts: usize, error: &PlanError) -> bool {
-    contacts > 0 && matches!(error, PlanError::Solve(_))
+fn shown(found: palpate::plans::StreamShape) -> StreamShape {
+    StreamShape {
+        contacts: found.contacts,
+        shape_index: found.shape_index,
+        u_shape_index: found.u_shape_index,
+        curvedness: found.curvedness,
+        u_curvedness: found.u_curvedness,
+        class_name: found.shape_index.map(|s| ShapeClass::of_shape_index(s).name()),
+    }
 }
 
 #[pymethods]
@@ -97,15 +103,22 @@ impl TouchStream {
         x: f64,
         y: f64,
         z: f64,
-        normal: Option<(f64, f64, f64)>,
-        slopes: Option<(f64, f64)>,
+        normal: Option<&Bound<'_, PyAny>>,
+        slopes: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let slopes = match (normal, slopes) {
-            (Some((nx, ny, nz)), None) if nz > 0.0 => [-nx / nz, -ny / nz],
-            (Some((_, _, nz)), None) => {
-                return Err(PyValueError::new_err(format!("normal: nz is {nz}, and a height field needs nz > 0")));
+            (Some(normal), None) => {
+                // a tuple of floats is by far the cheapest to take apart
+                let [nx, ny, nz] =
+                    normal.extract::<(f64, f64, f64)>().map_or_else(|_| numbers(normal, "normal"), |n| Ok(n.into()))?;
+                if !(nz > 0.0) {
+                    return Err(PyValueError::new_err(format!("normal: nz is {nz}, and a height field needs nz > 0")));
+                }
+                [-nx / nz, -ny / nz]
             }
-            (None, Some((zx, zy))) => [zx, zy],
+            (None, Some(slopes)) => {
+                slopes.extract::<(f64, f64)>().map_or_else(|_| numbers(slopes, "slopes"), |s| Ok(s.into()))?
+            }
             _ => return Err(PyValueError::new_err("normal, slopes: give one of them")),
         };
         self.stream.push(&Touch { at: [x, y], z, slopes }).map_err(|error| errors::plan_error(py, &error))?;
@@ -115,16 +128,7 @@ impl TouchStream {
 
     /// S and R after all touches so far; PlanError while they are too few.
     fn shape(&mut self, py: Python<'_>) -> PyResult<StreamShape> {
-        let found = self.stream.shape().map_err(|error| errors::plan_error(py, &error))?;
-        let class_name = found.shape_index.map(|s| ShapeClass::of_shape_index(s).name());
-        Ok(StreamShape {
-            contacts: found.contacts,
-            shape_index: found.shape_index,
-            u_shape_index: found.u_shape_index,
-            curvedness: found.curvedness,
-            u_curvedness: found.u_curvedness,
-            class_name,
-        })
+        self.stream.shape().map(shown).map_err(|error| errors::plan_error(py, &error))
     }
 
     /// push and shape in one call; None while the touches are too few.
@@ -135,14 +139,14 @@ impl TouchStream {
         x: f64,
         y: f64,
         z: f64,
-        normal: Option<(f64, f64, f64)>,
-        slopes: Option<(f64, f64)>,
+        normal: Option<&Bound<'_, PyAny>>,
+        slopes: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Option<StreamShape>> {
         self.push(py, x, y, z, normal, slopes)?;
         match self.stream.shape() {
-            Err(error) if answerable(self.contacts, &error) => Ok(None),
+            Ok(found) => Ok(Some(shown(found))),
+            Err(PlanError::Solve(_)) => Ok(None),
             Err(error) => Err(errors::plan_error(py, &error)),
-            Ok(_) => self.shape(py).map(Some),
         }
     }
 

@@ -123,7 +123,8 @@ impl Surface {
     ) -> PyResult<Bound<'py, PyDict>> {
         let [x, y] = [axis(Numbers::of(x, "x")?)?, axis(Numbers::of(y, "y")?)?];
         room(&[x.len(), y.len()], 8)?;
-        if let Some((name, _)) = [("x", &x), ("y", &y)].into_iter().find(|(_, axis)| !axis.iter().all(|v| v.is_finite()))
+        if let Some((name, _)) =
+            [("x", &x), ("y", &y)].into_iter().find(|(_, axis)| !axis.iter().all(|v| v.is_finite()))
         {
             return Err(PyValueError::new_err(format!("{name}: finite numbers wanted")));
         }
@@ -338,11 +339,11 @@ fn evaluate<'py>(
         let shape = vec![x.len(), y.len()];
         room(&shape, tensor.components)?;
         (shape, py.detach(|| tensor.on_grid(&x, &y, order)))
-    } else if let ([a], [b], Some(xs), Some(ys)) = (&x.shape()[..], &y.shape()[..], x.slice(), y.slice())
-        && a == b
+    } else if let (Some(xs), Some(ys)) = (x.slice(), y.slice())
+        && x.shape() == y.shape()
     {
-        room(&[*a], tensor.components)?;
-        (vec![*a], py.detach(|| tensor.at_places(xs.len(), order, |r| [xs[r], ys[r]])))
+        room(&[xs.len()], tensor.components)?;
+        (x.shape(), py.detach(|| tensor.at_places(xs.len(), order, |r| [xs[r], ys[r]])))
     } else {
         let shape: Vec<usize> = numpy_module(py)?
             .call_method1("broadcast_shapes", (PyTuple::new(py, x.shape())?, PyTuple::new(py, y.shape())?))
@@ -403,7 +404,10 @@ fn domain_of(tensor: &Tensor) -> (f64, f64, f64, f64) {
 }
 
 fn same(a: &Tensor, b: &Tensor) -> bool {
-    a.knots == b.knots && a.coefficients == b.coefficients
+    let alike = |(a, b): (&Knots, &Knots)| {
+        (a.degree(), a.is_closed(), a.as_slice()) == (b.degree(), b.is_closed(), b.as_slice())
+    };
+    a.knots.iter().zip(&b.knots).all(alike) && a.coefficients == b.coefficients
 }
 
 fn describe(name: &str, tensor: &Tensor, axes: [&str; 2]) -> String {

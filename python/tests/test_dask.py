@@ -31,17 +31,17 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def alone() -> palpate.Study:
-    return palpate.study(SCENE, 200_000, attribution=0)
+    return palpate.study(SCENE, 60_000, attribution=0)
 
 
 def test_the_bits_of_one_process(cluster, alone: palpate.Study) -> None:
     told: list[tuple[int, int]] = []
-    found = palpate.dask.study(SCENE, 200_000, cluster, attribution=0, progress=lambda *now: told.append(now))
-    assert found == alone and told[-1] == (200_000, 200_000)
+    found = palpate.dask.study(SCENE, 60_000, cluster, attribution=0, progress=lambda *now: told.append(now))
+    assert found == alone and told[-1] == (60_000, 60_000)
 
 
 def test_a_worker_killed_in_the_middle(cluster) -> None:
-    n = 6_000_000
+    n = 400_000
     expected = palpate.study(SCENE, n, attribution=0)
     victims = list(cluster.run(os.getpid).values())
     parts: list[int] = []
@@ -73,7 +73,7 @@ def test_a_part_done_twice_is_the_same_part(cluster, alone: palpate.Study) -> No
     assert body(one)[cut:] == body(two)[cut:]
     both = []
     threads = [
-        threading.Thread(target=lambda: both.append(palpate.dask.study(SCENE, 200_000, cluster, attribution=0)))
+        threading.Thread(target=lambda: both.append(palpate.dask.study(SCENE, 60_000, cluster, attribution=0)))
         for _ in range(2)
     ]
     [thread.start() for thread in threads], [thread.join() for thread in threads]

@@ -100,7 +100,7 @@ def test_single_precision_and_whole_numbers_are_converted(ridge: Columns) -> Non
 def test_a_grid_is_no_pile_of_contacts() -> None:
     x, y = np.linspace(-1, 1, 20), np.linspace(-1, 1, 15)
     z = 0.3 * x[:, None] ** 2 + 0.3 * y**2
-    found = palpate.fit(x, y, z, weights="equal", segments=(2, 3))
+    found = palpate.fit(x, y, z, weights="equal", segments=(2, 3), method="kronecker")
     assert found.certificate.method == "kronecker" and found.shape.class_name == "cup"
     z[3, 4] = np.nan
     assert palpate.fit(x, y, z, weights="equal").contacts == 299

@@ -23,10 +23,10 @@ SCENE = "paper-table2"
 
 
 def test_parts_join_to_the_bits_of_one_run(tmp_path: Path) -> None:
-    whole = palpate.study(SCENE, 20_000, attribution=500, quantity="k1")
+    whole = palpate.study(SCENE, 8_000, attribution=500, quantity="k1")
     files = []
-    for k, span in enumerate(ranges(20_000, 3)):
-        part = palpate.study(SCENE, 20_000, attribution=500, quantity="k1", range=span)
+    for k, span in enumerate(ranges(8_000, 3)):
+        part = palpate.study(SCENE, 8_000, attribution=500, quantity="k1", range=span)
         part.save_part(tmp_path / f"part-{k}")
         files.append(tmp_path / f"part-{k}")
     assert palpate.merge(files[::-1]) == whole
@@ -82,8 +82,8 @@ def test_progress_is_told_on_the_calling_thread() -> None:
         assert threading.current_thread() is threading.main_thread()
         told.append((done, of))
 
-    palpate.study(SCENE, 300_000, attribution=0, progress=progress)
-    assert told == sorted(told) and told[-1] == (300_000, 300_000)
+    palpate.study(SCENE, 100_000, attribution=0, progress=progress)
+    assert told == sorted(told) and told[-1] == (100_000, 100_000)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
@@ -104,7 +104,7 @@ def test_the_interpreter_goes_on_meanwhile() -> None:
             ticks += 1
             time.sleep(0.001)
 
-    worker = threading.Thread(target=lambda: palpate.study(SCENE, 1_000_000, attribution=0))
+    worker = threading.Thread(target=lambda: palpate.study(SCENE, 200_000, attribution=0))
     worker.start()
     tick()
     assert ticks > 10

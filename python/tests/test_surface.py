@@ -66,7 +66,7 @@ def test_maps_are_those_of_the_fit(ridge: Columns) -> None:
         (lambda s: s(np.zeros(10**5), np.zeros(10**5)), ValueError, "more than"),
         (lambda s: palpate.Surface(s.t, s.c[:3], s.k), ValueError, "c has shape"),
         (lambda s: palpate.Surface((s.t[0][::-1], s.t[1]), s.c, s.k), palpate.SurfaceError, "knots in x"),
-        (lambda s: palpate.Surface(s.t, s.c * np.nan, s.k), palpate.SurfaceError, ""),
+        (lambda s: palpate.Surface(s.t, s.c * np.nan, s.k), palpate.SurfaceError, "finite"),
         (lambda s: palpate.Surface(3, s.c, s.k), ValueError, "t: "),
         (lambda s: s.shape([np.nan], [0.0]), ValueError, "x: finite"),
     ],

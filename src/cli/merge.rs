@@ -46,11 +46,7 @@ pub(super) fn join<W>(parts: &[PathBuf], wait: impl Fn() -> W) -> Result<(Plan, 
         }
         if let Some(first) = &first {
             first.identity.check(&file.identity).map_err(|e| {
-                Failure::Input(format!(
-                    "{} is no part of the study of {}: {e}",
-                    path.display(),
-                    parts[0].display()
-                ))
+                Failure::Input(format!("{} is no part of the study of {}: {e}", path.display(), parts[0].display()))
             })?;
         }
         order.push((file.state.from, k));

@@ -398,7 +398,7 @@ def fit(
     >>> z = np.sqrt(36 - x**2) - 6
     >>> found = palpate.fit(x, y, z, normals=(x, 0 * x, z + 6), degree=(4, 2))
     >>> found.shape.class_name, round(found.shape.S.mean, 3), round(found.shape.radius, 2)
-    ('ridge', 0.5, 6.0)
+    ('ridge', 0.5, 6.01)
     """
     if y is None and z is None:
         if hasattr(x, "coords") and hasattr(x, "dims"):

@@ -128,10 +128,10 @@ def tiles(image: Any, size: int | tuple[int, int]) -> npt.NDArray[Any]:
     array([[2., 3.],
            [6., 7.]])
     """
-    array = np.asanyarray(image)
+    array: npt.NDArray[Any] = np.asanyarray(image)
     a, b = (size, size) if isinstance(size, int) else size
     if array.ndim != 2 or a < 1 or b < 1:
         raise ValueError(f"image, size: an image (n, m) and tiles of 1 pixel or more wanted, not {array.shape}, {size}")
     rows, columns = array.shape[0] // a, array.shape[1] // b
-    cut = array[: rows * a, : columns * b].reshape(rows, a, columns, b)
+    cut: npt.NDArray[Any] = array[: rows * a, : columns * b].reshape(rows, a, columns, b)
     return cut.swapaxes(1, 2).reshape(rows * columns, a, b)

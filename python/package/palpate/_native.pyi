@@ -89,9 +89,9 @@ class TouchStream:
         x: float,
         y: float,
         z: float,
-        normal: tuple[float, float, float] | None = None,
+        normal: npt.ArrayLike | None = None,
         *,
-        slopes: tuple[float, float] | None = None,
+        slopes: npt.ArrayLike | None = None,
     ) -> None: ...
     def shape(self) -> StreamShape: ...
     def touch(
@@ -99,9 +99,9 @@ class TouchStream:
         x: float,
         y: float,
         z: float,
-        normal: tuple[float, float, float] | None = None,
+        normal: npt.ArrayLike | None = None,
         *,
-        slopes: tuple[float, float] | None = None,
+        slopes: npt.ArrayLike | None = None,
     ) -> StreamShape | None: ...
     def __len__(self) -> int: ...
 

@@ -54,8 +54,15 @@ class StudyMeasure:
     @classmethod
     def _of(cls, part: dict[str, Any]) -> StudyMeasure:
         ends = part.get("shortest")
-        numbers = (part.get(name) for name in ("mean", "sd", "bias", "lo", "hi"))
-        return cls(*numbers, None if ends is None else (ends[0], ends[1]), part.get("standard_error"))
+        return cls(
+            mean=part.get("mean"),
+            sd=part.get("sd"),
+            bias=part.get("bias"),
+            lo=part.get("lo"),
+            hi=part.get("hi"),
+            shortest=None if ends is None else (ends[0], ends[1]),
+            standard_error=part.get("standard_error"),
+        )
 
 
 class Study:

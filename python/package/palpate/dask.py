@@ -21,6 +21,9 @@ from ._study import Progress, Study, _source, arguments, merge
 if TYPE_CHECKING:
     from distributed import Client
 
+# Dask's own functions are not typed
+Untyped = Any
+
 __all__ = ["fit_many", "part", "ranges", "study"]
 
 # parts a thread: enough that a slow or lost worker leaves work for the others, few enough that a part outweighs its task
@@ -61,12 +64,13 @@ def study(
     the like, as in `palpate.study`. A tolerance, a budget and kept values belong to one process and are refused.
     Raises StudyError.
     """
-    from distributed import as_completed, get_client
+    import distributed
 
+    dask: Untyped = distributed
     refused = [name for name in ("tolerance", "budget", "rule", "range", "keep_values") if options.get(name) is not None]
     if refused:
         raise StudyError(f"{', '.join(refused)}: not on a cluster, where replicates decides", "Option")
-    client = client or get_client()
+    cluster: Untyped = client or dask.get_client()
     name, text = _source(scene)
     if text is None and Path(name).is_file():
         # workers need not see the file
@@ -74,14 +78,14 @@ def study(
     line = arguments(name, {"replicates": replicates, **options})
     whole = _native.StudyPlan(line, text).replicates
     if parts is None:
-        parts = PARTS_A_THREAD * max(1, sum(client.nthreads().values()))
+        parts = PARTS_A_THREAD * max(1, sum(cluster.nthreads().values()))
     spans = ranges(whole, parts)
-    futures = [client.submit(part, line, text, span, threads, pure=True, retries=retries) for span in spans]
+    futures = [cluster.submit(part, line, text, span, threads, pure=True, retries=retries) for span in spans]
     done = 0
     with tempfile.TemporaryDirectory(prefix="palpate-") as folder:
         files = {future.key: Path(folder) / f"part-{k}" for k, future in enumerate(futures)}
         lengths = {future.key: span[1] - span[0] for future, span in zip(futures, spans)}
-        for future, content in as_completed(futures, with_results=True):
+        for future, content in dask.as_completed(futures, with_results=True):
             files[future.key].write_bytes(content)
             done += lengths[future.key]
             future.release()
@@ -96,9 +100,10 @@ def fit_many(x: Any, y: Any, z: Any, *, normals: Any = None, slopes: Any = None,
     z (b, g) or (b, n, m), chunked along b alone; x, y and the rest as for `palpate.fit_many`, Dask arrays or not.
     The tasks run on the current client, or on threads where there is none.
     """
-    import dask
-    import dask.array
+    import dask as module
+    import dask.array as arrays
 
+    dask: Untyped = module
     z = z.rechunk({axis: -1 for axis in range(1, z.ndim)})
     edges = [0]
     for size in z.chunks[0]:
@@ -109,7 +114,7 @@ def fit_many(x: Any, y: Any, z: Any, *, normals: Any = None, slopes: Any = None,
         if array is None or getattr(array, "ndim", 0) < 2:
             return array
         cut = array[a:b]
-        return dask.delayed(_joined)(cut.to_delayed().tolist()) if isinstance(cut, dask.array.Array) else cut
+        return _blocks(dask, cut) if isinstance(cut, arrays.Array) else cut
 
     task = dask.delayed(_fit_many)
     blocks = [
@@ -118,6 +123,10 @@ def fit_many(x: Any, y: Any, z: Any, *, normals: Any = None, slopes: Any = None,
         for a, b in zip(edges, edges[1:])
     ]  # fmt: skip
     return FitMany.join(list(dask.compute(*blocks)))
+
+
+def _blocks(dask: Untyped, array: Untyped) -> Any:
+    return dask.delayed(_joined)(array.to_delayed().tolist())
 
 
 def _joined(blocks: Any) -> Any:
