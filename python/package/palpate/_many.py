@@ -134,4 +134,5 @@ def tiles(image: Any, size: int | tuple[int, int]) -> npt.NDArray[Any]:
         raise ValueError(f"image, size: an image (n, m) and tiles of 1 pixel or more wanted, not {array.shape}, {size}")
     rows, columns = array.shape[0] // a, array.shape[1] // b
     cut: npt.NDArray[Any] = array[: rows * a, : columns * b].reshape(rows, a, columns, b)
-    return cut.swapaxes(1, 2).reshape(rows * columns, a, b)
+    found: npt.NDArray[Any] = cut.swapaxes(1, 2).reshape(rows * columns, a, b)
+    return found

@@ -2,37 +2,59 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import Self
+
+__all__ = [
+    "FitCore",
+    "ParametricSurface",
+    "StreamShape",
+    "StudyPlan",
+    "StudyRun",
+    "Surface",
+    "TouchStream",
+    "class_names",
+    "fit_batch",
+    "fit_contacts",
+    "fit_grid",
+    "merge_parts",
+    "scene_contacts",
+    "scene_texts",
+    "time_fit",
+    "__version__",
+]
 
 __version__: str
 
-Array = npt.NDArray[np.float64]
-Progress = Callable[[int, int], object]
+_Array = npt.NDArray[np.float64]
+_Progress = Callable[[int, int], object]
 
+@final
 class FitCore:
     def document(self, name: str) -> tuple[bytes, str]: ...
     def surface(self) -> Surface | ParametricSurface: ...
 
+@final
 class Surface:
     """A height field z = S(x, y): a tensor-product B-spline."""
 
-    def __init__(
-        self, t: Any, c: npt.ArrayLike, k: int | Sequence[int], axes: Sequence[Sequence[float]] | None = None
-    ) -> None: ...
+    def __new__(
+        cls, t: Any, c: npt.ArrayLike, k: int | Sequence[int], axes: Sequence[Sequence[float]] | None = None
+    ) -> Self: ...
     def __call__(
         self, x: npt.ArrayLike, y: npt.ArrayLike, dx: int = 0, dy: int = 0, grid: bool = True
-    ) -> Array: ...
-    def ev(self, x: npt.ArrayLike, y: npt.ArrayLike, dx: int = 0, dy: int = 0) -> Array: ...
-    def shape(self, x: npt.ArrayLike, y: npt.ArrayLike) -> dict[str, Array]: ...
+    ) -> _Array: ...
+    def ev(self, x: npt.ArrayLike, y: npt.ArrayLike, dx: int = 0, dy: int = 0) -> _Array: ...
+    def shape(self, x: npt.ArrayLike, y: npt.ArrayLike) -> dict[str, _Array]: ...
     @property
-    def tck(self) -> tuple[Array, Array, Array, int, int]: ...
+    def tck(self) -> tuple[_Array, _Array, _Array, int, int]: ...
     @property
-    def t(self) -> tuple[Array, Array]: ...
+    def t(self) -> tuple[_Array, _Array]: ...
     @property
-    def c(self) -> Array: ...
+    def c(self) -> _Array: ...
     @property
     def k(self) -> tuple[int, int]: ...
     @property
@@ -40,20 +62,21 @@ class Surface:
     @property
     def axes(self) -> list[list[float]]: ...
 
+@final
 class ParametricSurface:
     """A surface in space (x, y, z) = Q(u, v): a tensor-product B-spline of points."""
 
-    def __init__(
-        self, t: Any, c: npt.ArrayLike, k: int | Sequence[int], closed: Sequence[bool] = (False, False)
-    ) -> None: ...
+    def __new__(
+        cls, t: Any, c: npt.ArrayLike, k: int | Sequence[int], closed: Sequence[bool] = ...
+    ) -> Self: ...
     def __call__(
         self, u: npt.ArrayLike, v: npt.ArrayLike, du: int = 0, dv: int = 0, grid: bool = True
-    ) -> Array: ...
-    def ev(self, u: npt.ArrayLike, v: npt.ArrayLike, du: int = 0, dv: int = 0) -> Array: ...
+    ) -> _Array: ...
+    def ev(self, u: npt.ArrayLike, v: npt.ArrayLike, du: int = 0, dv: int = 0) -> _Array: ...
     @property
-    def t(self) -> tuple[Array, Array]: ...
+    def t(self) -> tuple[_Array, _Array]: ...
     @property
-    def c(self) -> Array: ...
+    def c(self) -> _Array: ...
     @property
     def k(self) -> tuple[int, int]: ...
     @property
@@ -61,21 +84,29 @@ class ParametricSurface:
     @property
     def domain(self) -> tuple[float, float, float, float]: ...
 
+@final
 class StreamShape:
     """The shape after the touches so far."""
 
-    contacts: int
-    shape_index: float | None
-    u_shape_index: float
-    curvedness: float
-    u_curvedness: float
-    class_name: str | None
+    @property
+    def contacts(self) -> int: ...
+    @property
+    def shape_index(self) -> float | None: ...
+    @property
+    def u_shape_index(self) -> float: ...
+    @property
+    def curvedness(self) -> float: ...
+    @property
+    def u_curvedness(self) -> float: ...
+    @property
+    def class_name(self) -> str | None: ...
 
+@final
 class TouchStream:
     """A fit that grows touch by touch, for control loops."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         domain: npt.ArrayLike,
         *,
         sigma: npt.ArrayLike,
@@ -83,7 +114,7 @@ class TouchStream:
         segments: int | tuple[int, int] | None = None,
         grid: int | tuple[int, int] | None = None,
         inset: float = 0.0,
-    ) -> None: ...
+    ) -> Self: ...
     def push(
         self,
         x: float,
@@ -105,16 +136,18 @@ class TouchStream:
     ) -> StreamShape | None: ...
     def __len__(self) -> int: ...
 
+@final
 class StudyRun:
     @property
     def document(self) -> bytes: ...
     @property
     def part(self) -> bytes: ...
     @property
-    def values(self) -> dict[str, Array]: ...
+    def values(self) -> dict[str, _Array]: ...
 
+@final
 class StudyPlan:
-    def __init__(self, arguments: list[str], text: str | None) -> None: ...
+    def __new__(cls, arguments: list[str], text: str | None) -> Self: ...
     @property
     def replicates(self) -> int: ...
     def run(
@@ -123,7 +156,7 @@ class StudyPlan:
         threads: int | None,
         keep_values: bool,
         describe: bool,
-        progress: Progress | None,
+        progress: _Progress | None,
     ) -> StudyRun: ...
 
 def fit_contacts(
@@ -151,7 +184,7 @@ def fit_batch(
     slopes: Any,
     offsets: Any,
     threads: int | None,
-    progress: Progress | None,
+    progress: _Progress | None,
     keywords: dict[str, Any] | None,
 ) -> dict[str, Any]: ...
 def class_names() -> list[str]: ...
