@@ -14,6 +14,7 @@ import signal
 import time
 from pathlib import Path
 
+import dask
 from distributed import Client, LocalCluster
 
 import palpate
@@ -22,6 +23,10 @@ import palpate.dask
 SCENE = "paper-table2"
 # not the fixed-sites path, which does a million replicates a second: each replicate is fitted for itself
 WORDS = {"path": "refit", "attribution": 0}
+
+
+# Dask's own sampling of its workers, every 10 ms of the clock, would count as work on a busy machine
+dask.config.set({"distributed.worker.profile.enabled": False})
 
 
 def worker_seconds() -> float:
