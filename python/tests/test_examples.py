@@ -25,6 +25,13 @@ def test_ten_lines_find_the_bar(capsys: pytest.CaptureFixture[str]) -> None:
     assert low < 25 < high and "class" in capsys.readouterr().out
 
 
+def test_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (HOME / "README.md").read_text(encoding="utf-8")
+    block = text.split("```python\n")[1].split("```")[0]
+    exec(compile(block, "README.md", "exec"), {})
+    assert "ridge" in capsys.readouterr().out
+
+
 def module(name: str, **names: object) -> types.ModuleType:
     made = types.ModuleType(name)
     made.__dict__.update(names)
