@@ -33,6 +33,7 @@ const DOWNWARD: &str = "every normal points towards -z, and that side is taken f
      if the normals point into the body, reverse them by --flip-normals";
 
 /// The answer to an input, with what is said beside it.
+#[derive(Debug)]
 pub(super) struct Found {
     pub(super) answer: Answer,
     pub(super) chosen: Option<ChosenPart>,

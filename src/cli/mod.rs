@@ -9,6 +9,8 @@
 mod automatic;
 mod coverage;
 mod describe;
+#[doc(hidden)]
+pub mod embedded;
 mod failure;
 mod fit;
 mod frontier;

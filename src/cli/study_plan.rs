@@ -100,6 +100,11 @@ struct Line {
 }
 
 impl StudyArgs {
+    /// Arguments from the verb on.
+    pub(super) fn read(arguments: &[String]) -> Result<StudyArgs, String> {
+        Line::try_parse_from(arguments).map(|line| line.study).map_err(|error| error.to_string())
+    }
+
     /// Arguments as they stand in a part; the instruction set is compared by name, so `--portable` is read and left.
     pub(super) fn parse_back(arguments: &[String]) -> Option<StudyArgs> {
         let line = Line::try_parse_from(arguments).ok()?;
@@ -134,6 +139,7 @@ impl StudyArgs {
 }
 
 /// Everything that decides the numbers of a study.
+#[derive(Debug)]
 pub(super) struct Plan {
     pub(super) name: String,
     pub(super) study: Study,
