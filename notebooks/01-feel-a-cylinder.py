@@ -27,12 +27,20 @@ one = palpate("run", "paper-fig4-r10-45deg", "--grid", "40x40")
 contacts, maps = tables("run", "paper-fig4-r10-45deg", "--grid", "40x40", files=["contacts.csv", "maps.csv"])
 
 figs, (left, right) = figure(2, height=3.6)
-for axes, name, true, colours in ((left, "S", one["truth"]["S"], "cividis"), (right, "R", one["truth"]["R"], "viridis")):
+for axes, name, true, colours in (
+    (left, "S", one["truth"]["S"], "cividis"),
+    (right, "R", one["truth"]["R"], "viridis"),
+):
     grid = maps.pivot(index="y", columns="x", values=name)
     drawn = axes.pcolormesh(grid.columns, grid.index, grid.values, cmap=colours, shading="nearest", rasterized=True)
     figs.colorbar(drawn, ax=axes, shrink=0.85)
     axes.plot(contacts["x"], contacts["y"], "o", color="white", markeredgecolor="black", markersize=5)
-    axes.set(title=f"{name}: should be {true:.4f} everywhere", xlabel="x, finger to finger", ylabel="y, along the sweep", aspect="equal")
+    axes.set(
+        title=f"{name}: should be {true:.4f} everywhere",
+        xlabel="x, finger to finger",
+        ylabel="y, along the sweep",
+        aspect="equal",
+    )
     axes.grid(False)
 
 # %% [markdown]
@@ -40,7 +48,16 @@ for axes, name, true, colours in ((left, "S", one["truth"]["S"], "cividis"), (ri
 # varies over the patch (`sd`), and since this is a simulation it also knows the truth.
 
 # %%
-pd.DataFrame({name: {"mean": one["shape"][name]["mean"], "varies over the patch by (sd)": one["shape"][name]["sd"], "truth": one["truth"][name]} for name in "SR"}).T.round(4)
+pd.DataFrame(
+    {
+        name: {
+            "mean": one["shape"][name]["mean"],
+            "varies over the patch by (sd)": one["shape"][name]["sd"],
+            "truth": one["truth"][name],
+        }
+        for name in "SR"
+    }
+).T.round(4)
 
 # %% [markdown]
 # ## Figure 4: how does the cylinder lie?
@@ -57,7 +74,14 @@ for weights in ("tangent", "position"):
     for radius in (6, 10, 20):
         for angle in (0, 10, 30, 45, 60, 80, 90):
             scene = f"paper-fig4-r{radius}-{angle}deg" + ("-position" if weights == "position" else "")
-            rows.append({"weights": weights, "radius": radius, "angle": angle, "error": palpate("run", scene)["truth"]["error_S"]})
+            rows.append(
+                {
+                    "weights": weights,
+                    "radius": radius,
+                    "angle": angle,
+                    "error": palpate("run", scene)["truth"]["error_S"],
+                }
+            )
 figure4 = pd.DataFrame(rows)
 
 figs, parts = figure(2, sharey=True)
@@ -66,7 +90,7 @@ for axes, weights in zip(parts, ("tangent", "position")):
         axes.plot(of["angle"], of["error"], marker=MARKERS[k], linestyle=LINES[k], label=f"radius {radius}")
     axes.set(title=f"{weights} weights", xlabel="rotation of the cylinder, degrees", xticks=[0, 10, 30, 45, 60, 80, 90])
 parts[0].set_ylabel("error of S (rms)")
-parts[0].legend();
+_ = parts[0].legend()
 
 # %%
 figure4.pivot_table(index=["weights", "radius"], columns="angle", values="error").round(4)
@@ -90,7 +114,16 @@ for number, body in ((5, "cylinder"), (6, "ball")):
             for radius in RADII:
                 scene = f"paper-fig{number}-r{radius}-degree{degree}" + ("-position" if weights == "position" else "")
                 S = palpate("run", scene)["shape"]["S"]
-                rows.append({"body": body, "weights": weights, "degree": degree, "radius": float(radius), "S": S["mean"], "sd": S["sd"]})
+                rows.append(
+                    {
+                        "body": body,
+                        "weights": weights,
+                        "degree": degree,
+                        "radius": float(radius),
+                        "S": S["mean"],
+                        "sd": S["sd"],
+                    }
+                )
 sizes = pd.DataFrame(rows)
 
 figs, parts = figure(2, 2, height=3.0, sharex=True)
@@ -100,15 +133,27 @@ for line, (body, true) in zip(parts, (("cylinder", 0.5), ("ball", 1.0))):
         for k, degree in enumerate((2, 4)):
             of = sizes[(sizes["body"] == body) & (sizes["weights"] == weights) & (sizes["degree"] == degree)]
             # the second series stands a little to the right, so that bars do not hide each other
-            axes.errorbar([place + 0.25 * k for place in range(len(RADII))], of["S"], of["sd"], marker=MARKERS[k], markersize=4, linestyle="none", capsize=2, color=COLOURS[k], label=f"degree {degree}")
+            axes.errorbar(
+                [place + 0.25 * k for place in range(len(RADII))],
+                of["S"],
+                of["sd"],
+                marker=MARKERS[k],
+                markersize=4,
+                linestyle="none",
+                capsize=2,
+                color=COLOURS[k],
+                label=f"degree {degree}",
+            )
         axes.set(title=f"{body}, {weights} weights", xticks=range(len(RADII)), xticklabels=RADII, ylim=(-0.4, 1.25))
         axes.set_ylabel("S, and its sd over the patch")
 for axes in parts[1]:
     axes.set_xlabel("radius")
-parts[0][0].legend(loc="upper right", ncols=2);
+_ = parts[0][0].legend(loc="upper right", ncols=2)
 
 # %%
-sizes.assign(S=sizes["S"].map("{:.3f}".format) + " +- " + sizes["sd"].map("{:.3f}".format)).pivot_table(index=["body", "weights", "degree"], columns="radius", values="S", aggfunc="first")
+sizes.assign(S=sizes["S"].map("{:.3f}".format) + " +- " + sizes["sd"].map("{:.3f}".format)).pivot_table(
+    index=["body", "weights", "degree"], columns="radius", values="S", aggfunc="first"
+)
 
 # %% [markdown]
 # What the paper says about these figures, and what comes out here:
@@ -136,10 +181,25 @@ PAPER = [
 rows = []
 for body, weights, *printed in PAPER:
     who = {"body": body, "weights": weights}
-    rows.append({**who, "whose": "the paper, real robot", **dict(zip(("S", "sd of S", "R", "sd of R", "radius"), printed))})
-    for whose, scene in (("palpate, robot imitated", {"p": "paper-table1", "c": "paper-table2"}), ("palpate, no errors at all", {"p": "paper-plane", "c": "paper-cylinder"})):
+    rows.append(
+        {**who, "whose": "the paper, real robot", **dict(zip(("S", "sd of S", "R", "sd of R", "radius"), printed))}
+    )
+    for whose, scene in (
+        ("palpate, robot imitated", {"p": "paper-table1", "c": "paper-table2"}),
+        ("palpate, no errors at all", {"p": "paper-plane", "c": "paper-cylinder"}),
+    ):
         shape = palpate("run", scene[body[0]], "--weights", weights)["shape"]
-        rows.append({**who, "whose": whose, "S": shape["S"]["mean"], "sd of S": shape["S"]["sd"], "R": shape["R"]["mean"], "sd of R": shape["R"]["sd"], "radius": shape["radius"]})
+        rows.append(
+            {
+                **who,
+                "whose": whose,
+                "S": shape["S"]["mean"],
+                "sd of S": shape["S"]["sd"],
+                "R": shape["R"]["mean"],
+                "sd of R": shape["R"]["sd"],
+                "radius": shape["radius"],
+            }
+        )
 both = pd.DataFrame(rows).set_index(["body", "weights", "whose"])
 both.round(4).astype(object).where(both.notna(), "-")
 
@@ -160,6 +220,8 @@ assert (worst["angle"] == 45).all()
 assert figure4[figure4["angle"].isin([0, 90])]["error"].max() < 1e-12
 assert (sizes[(sizes["body"] == "cylinder") & (sizes["radius"] >= 8)]["S"] - 0.5).abs().max() < 0.02
 assert sizes[(sizes["body"] == "ball") & (sizes["radius"] == 5.7)]["sd"].min() > 0.3
-assert (sizes[sizes["radius"] == 1000]["S"] - sizes[sizes["radius"] == 1000]["body"].map({"cylinder": 0.5, "ball": 1.0})).abs().max() < 1e-4
+assert (
+    sizes[sizes["radius"] == 1000]["S"] - sizes[sizes["radius"] == 1000]["body"].map({"cylinder": 0.5, "ball": 1.0})
+).abs().max() < 1e-4
 assert ((imitated["R"] - paper["R"]).abs() < 0.002).all()
 footer(seed="138 and 156 (the scenes' own)")

@@ -67,7 +67,7 @@ for axes, name in zip(parts, "SR"):
     axes.axvline(of["mean"], color=COLOURS[1], linestyle="--", label="mean of the answers")
     axes.axvspan(of["lo"], of["hi"], color=COLOURS[4], alpha=0.25, zorder=0, label="95 of 100 answers")
     axes.set(xlabel=name, ylabel="replicates", title={"S": "kind of shape", "R": "strength of the bend, 1/mm"}[name])
-figs.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=3);
+_ = figs.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
 
 # %%
 pd.DataFrame({name: {key: study[name][key] for key in ("truth", "mean", "bias", "sd", "lo", "hi")} for name in "SR"}).T
@@ -108,20 +108,40 @@ pd.DataFrame(study["effects"]).set_index("name")[["share_S", "share_R"]].round(3
 # %%
 rows = []
 for patch in (4, 8):
-    scene = BAR.replace("[-6.0, -3.0, 0.0, 3.0, 6.0]", str([patch * k / 2 for k in (-2, -1, 0, 1, 2)])).replace("from = -6.0", f"from = -{patch}.0").replace("to = 6.0", f"to = {patch}.0")
+    scene = (
+        BAR.replace("[-6.0, -3.0, 0.0, 3.0, 6.0]", str([patch * k / 2 for k in (-2, -1, 0, 1, 2)]))
+        .replace("from = -6.0", f"from = -{patch}.0")
+        .replace("to = 6.0", f"to = {patch}.0")
+    )
     found = palpate("study", "-", "--coverage", "--replicates", 200, text=scene)["scenes"][0]
     for name in "SR":
         for kind in ("linear", "monte_carlo", "chosen"):
             judged = found[name][kind]
-            rows.append({"patch": f"{2 * patch} x {2 * patch} mm", "number": name, "interval": kind.replace("_", " "), "share": judged["share"], "lo": judged["interval"][0], "hi": judged["interval"][1]})
+            rows.append(
+                {
+                    "patch": f"{2 * patch} x {2 * patch} mm",
+                    "number": name,
+                    "interval": kind.replace("_", " "),
+                    "share": judged["share"],
+                    "lo": judged["interval"][0],
+                    "hi": judged["interval"][1],
+                }
+            )
 coverage = pd.DataFrame(rows)
 
 figs, parts = figure(2, sharex=True, sharey=True, height=3.2)
 for axes, (patch, of) in zip(parts, coverage.groupby("patch", sort=False)):
     places = range(len(of))[::-1]
-    axes.errorbar(of["share"], places, xerr=[of["share"] - of["lo"], of["hi"] - of["share"]], fmt="o", color=COLOURS[0], capsize=3)
+    axes.errorbar(
+        of["share"], places, xerr=[of["share"] - of["lo"], of["hi"] - of["share"]], fmt="o", color=COLOURS[0], capsize=3
+    )
     axes.axvline(0.95, color="black", linestyle=":")
-    axes.set(title=f"felt over {patch}", xlabel="share of intervals that hold the truth", yticks=places, yticklabels=of["number"] + ", " + of["interval"])
+    axes.set(
+        title=f"felt over {patch}",
+        xlabel="share of intervals that hold the truth",
+        yticks=places,
+        yticklabels=of["number"] + ", " + of["interval"],
+    )
 
 # %%
 coverage.round(3)
@@ -139,7 +159,9 @@ coverage.round(3)
 # %%
 chosen = coverage[coverage["interval"] == "chosen"]
 assert (chosen["hi"] >= 0.95).all(), "the chosen interval holds the truth less often than promised"
-assert coverage[(coverage["number"] == "R") & (coverage["interval"] == "linear")]["hi"].min() < 0.95, "the named model's bias ought to show"
+assert (
+    coverage[(coverage["number"] == "R") & (coverage["interval"] == "linear")]["hi"].min() < 0.95
+), "the named model's bias ought to show"
 assert study["S"]["lo"] < study["S"]["truth"] < study["S"]["hi"]
 assert abs(study["S"]["bias"]) < 0.2 * study["S"]["sd"]
 assert study["effects"][0]["name"] == "position_noise" and 0.6 < study["effects"][0]["share_R"] < 0.9

@@ -28,9 +28,19 @@ recorded = (HERE.parent / "benches" / "runs" / "hard-cases.md").read_text()
 DIGITS = [f"{how} {what}" for how in ("found", "guaranteed", "allowed") for what in ("coefficients", "S", "R")]
 rows, refused = [], []
 for line in recorded.splitlines():
-    if match := re.match(r"(\S+) +(\S+e\S+) +(cholesky|qr|pivoted qr|seminormal) +((?:[\d.-]+ +){8}[\d.-]+)(.*)$", line):
+    if match := re.match(
+        r"(\S+) +(\S+e\S+) +(cholesky|qr|pivoted qr|seminormal) +((?:[\d.-]+ +){8}[\d.-]+)(.*)$", line
+    ):
         name, condition, method, digits, note = match.groups()
-        rows.append({"case": name, "condition": float(condition), "method": method, **dict(zip(DIGITS, digits.split())), "note": note.strip()})
+        rows.append(
+            {
+                "case": name,
+                "condition": float(condition),
+                "method": method,
+                **dict(zip(DIGITS, digits.split())),
+                "note": note.strip(),
+            }
+        )
     elif " refused: " in line:
         refused.append(line.split(" refused: ", 1))
 cases = pd.DataFrame(rows)
@@ -46,14 +56,32 @@ cases.sample(8, random_state=1).sort_index().drop(columns="note")
 # %%
 figs, (left, right) = figure(2, height=3.8)
 for k, what in enumerate(("coefficients", "S", "R")):
-    left.plot(cases[f"guaranteed {what}"], cases[f"found {what}"], linestyle="none", marker=MARKERS[k], markersize=5, markerfacecolor="none", label=what)
+    left.plot(
+        cases[f"guaranteed {what}"],
+        cases[f"found {what}"],
+        linestyle="none",
+        marker=MARKERS[k],
+        markersize=5,
+        markerfacecolor="none",
+        label=what,
+    )
 left.plot([0, 16], [0, 16], color="black", linewidth=1)
 left.set(xlabel="digits guaranteed", ylabel="digits found", title="does the guarantee hold?")
 left.legend(loc="lower right")
 for k, (method, of) in enumerate(cases.groupby("method")):
-    right.plot(of["condition"], of["found coefficients"], linestyle="none", marker=MARKERS[k], markersize=5, markerfacecolor="none", label=method)
-right.set(xscale="log", xlabel="condition", ylabel="digits of coefficients found", title="which method for which problem?")
-right.legend(loc="lower left");
+    right.plot(
+        of["condition"],
+        of["found coefficients"],
+        linestyle="none",
+        marker=MARKERS[k],
+        markersize=5,
+        markerfacecolor="none",
+        label=method,
+    )
+right.set(
+    xscale="log", xlabel="condition", ylabel="digits of coefficients found", title="which method for which problem?"
+)
+_ = right.legend(loc="lower left")
 
 # %% [markdown]
 # Where the condition is small, the fast method (Cholesky) finds all digits. Where it is large, palpate goes over to slower and
@@ -102,7 +130,16 @@ rows = []
 for method in ("cholesky", "qr"):
     for degree in range(2, 10):
         document = palpate("run", "-", "--degree", degree, "--method", method, text=BOWL)
-        rows.append({"method": method, "degree": degree, "condition": document["fit"]["condition"], "guaranteed": document["fit"]["promise"]["S"], "error of S": document["truth"]["error_S"], "S": document["truth"]["S"]})
+        rows.append(
+            {
+                "method": method,
+                "degree": degree,
+                "condition": document["fit"]["condition"],
+                "guaranteed": document["fit"]["promise"]["S"],
+                "error of S": document["truth"]["error_S"],
+                "S": document["truth"]["S"],
+            }
+        )
 bowl = pd.DataFrame(rows)
 # an error of no more than this is what the guarantee allows
 bowl["allowed by the guarantee"] = bowl["S"] * 10.0 ** -bowl["guaranteed"]
@@ -111,11 +148,19 @@ figs, (left, right) = figure(2, height=3.6)
 for k, (method, of) in enumerate(bowl.groupby("method")):
     left.plot(of["degree"], of["condition"], color=COLOURS[k], marker=MARKERS[k], linestyle=LINES[k], label=method)
     right.plot(of["degree"], of["error of S"], color=COLOURS[k], marker=MARKERS[k], label=f"{method}: found")
-    right.plot(of["degree"], of["allowed by the guarantee"], color=COLOURS[k], marker=MARKERS[k], markerfacecolor="none", linestyle=":", label=f"{method}: allowed")
+    right.plot(
+        of["degree"],
+        of["allowed by the guarantee"],
+        color=COLOURS[k],
+        marker=MARKERS[k],
+        markerfacecolor="none",
+        linestyle=":",
+        label=f"{method}: allowed",
+    )
 left.set(yscale="log", xlabel="degree", ylabel="condition", title="how hard the problem is")
 left.legend()
 right.set(yscale="log", xlabel="degree", ylabel="error of S", title="error of S by rounding alone")
-right.legend(fontsize=8);
+_ = right.legend(fontsize=8)
 
 # %% [markdown]
 # The filled marks lie below the open ones everywhere: palpate promised less than it kept. It is careful, because it has to be right

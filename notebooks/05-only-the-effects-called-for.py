@@ -70,22 +70,42 @@ for name in ("none", *EFFECTS):
     # the fastest of three: whatever else the machine does only adds to the time
     studies = [palpate("study", "-", "--replicates", 2000, "--attribution", 0, text=text) for _ in range(3)]
     of = studies[0]
-    rows.append({
-        "effect": name, "shift of S": of["S"]["bias"], "spread of S": of["S"]["sd"],
-        "shift of R, %": 100 * of["R"]["bias"] / of["R"]["truth"], "spread of R, %": 100 * of["R"]["sd"] / of["R"]["truth"],
-        "microseconds": min(1e6 / study["replicates_per_second"] for study in studies), "path": of["path"],
-    })
+    rows.append(
+        {
+            "effect": name,
+            "shift of S": of["S"]["bias"],
+            "spread of S": of["S"]["sd"],
+            "shift of R, %": 100 * of["R"]["bias"] / of["R"]["truth"],
+            "spread of R, %": 100 * of["R"]["sd"] / of["R"]["truth"],
+            "microseconds": min(1e6 / study["replicates_per_second"] for study in studies),
+            "path": of["path"],
+        }
+    )
 effects = pd.DataFrame(rows).set_index("effect")
 
 figs, parts = figure(3, height=4.2, width=9.5, sharey=True)
 places = list(range(len(effects)))[::-1]
 for axes, name, unit in ((parts[0], "S", ""), (parts[1], "R", ", %")):
-    axes.errorbar(effects[f"shift of {name}{unit}"], places, xerr=effects[f"spread of {name}{unit}"], fmt="o", color=COLOURS[0], markersize=4, capsize=2)
+    axes.errorbar(
+        effects[f"shift of {name}{unit}"],
+        places,
+        xerr=effects[f"spread of {name}{unit}"],
+        fmt="o",
+        color=COLOURS[0],
+        markersize=4,
+        capsize=2,
+    )
     axes.axvline(0, color="black", linewidth=1, linestyle=":")
     axes.set(title=f"what it does to {name}", xlabel=f"{name} found - true{unit}")
-parts[2].barh(places, effects["microseconds"], color=[COLOURS[1] if path == "refit" else COLOURS[5] for path in effects["path"]], edgecolor="black", linewidth=0.5)
+parts[2].barh(
+    places,
+    effects["microseconds"],
+    color=[COLOURS[1] if path == "refit" else COLOURS[5] for path in effects["path"]],
+    edgecolor="black",
+    linewidth=0.5,
+)
 parts[2].set(title="what it costs", xscale="log", xlabel="microseconds a replicate, fit included")
-parts[0].set_yticks(places, effects.index);
+_ = parts[0].set_yticks(places, effects.index)
 
 # %% [markdown]
 # Left and middle: the dot is how far the mean answer is off (no repetition averages that away), the bar how much single answers
@@ -93,7 +113,9 @@ parts[0].set_yticks(places, effects.index);
 # and each replicate is fitted from the start.
 
 # %%
-effects.round({"shift of S": 5, "spread of S": 5, "shift of R, %": 3, "spread of R, %": 3, "microseconds": 1}).assign(meaning=[""] + [meaning for _, meaning in EFFECTS.values()])
+effects.round({"shift of S": 5, "spread of S": 5, "shift of R, %": 3, "spread of R, %": 3, "microseconds": 1}).assign(
+    meaning=[""] + [meaning for _, meaning in EFFECTS.values()]
+)
 
 # %% [markdown]
 # What to read from it:
@@ -114,10 +136,14 @@ effects.round({"shift of S": 5, "spread of S": 5, "shift of R, %": 3, "spread of
 
 # %%
 noise = ("position_noise", EFFECTS["position_noise"][0])
-zero = palpate("study", "-", "--replicates", 2000, "--attribution", 0, text=scene(noise, ("normal_noise", "sigma_deg = 0.0")))
+zero = palpate(
+    "study", "-", "--replicates", 2000, "--attribution", 0, text=scene(noise, ("normal_noise", "sigma_deg = 0.0"))
+)
 plain = palpate("study", "-", "--replicates", 2000, "--attribution", 0, text=scene(noise))
 complete = pd.read_csv(io.StringIO(call("simulate", "-", "-o", "-", text=scene(noise))))
-thinned = pd.read_csv(io.StringIO(call("simulate", "-", "-o", "-", text=scene(noise, ("dropout", EFFECTS["dropout"][0])))))
+thinned = pd.read_csv(
+    io.StringIO(call("simulate", "-", "-o", "-", text=scene(noise, ("dropout", EFFECTS["dropout"][0]))))
+)
 kept = thinned.merge(complete)
 print(f"{len(complete)} readings; with dropout {len(thinned)}, of which {len(kept)} are the same to the last digit")
 

@@ -61,11 +61,23 @@ tried.round(4)
 # freedom always comes nearer; it wins only if it comes so much nearer that chance does not explain it.
 
 # %%
-pd.DataFrame({
-    "S, the kind of shape": {"value": shape["S"]["mean"], "from": shape["S"]["interval"][0], "to": shape["S"]["interval"][1]},
-    "R, the strength of the bend": {"value": shape["R"]["mean"], "from": shape["R"]["interval"][0], "to": shape["R"]["interval"][1]},
-    "radius": dict(zip(("value", "from", "to"), [shape["radius"], *(shape.get("radius_interval") or [None, None])])),
-}).T.astype(float).round(5)
+pd.DataFrame(
+    {
+        "S, the kind of shape": {
+            "value": shape["S"]["mean"],
+            "from": shape["S"]["interval"][0],
+            "to": shape["S"]["interval"][1],
+        },
+        "R, the strength of the bend": {
+            "value": shape["R"]["mean"],
+            "from": shape["R"]["interval"][0],
+            "to": shape["R"]["interval"][1],
+        },
+        "radius": dict(
+            zip(("value", "from", "to"), [shape["radius"], *(shape.get("radius_interval") or [None, None])])
+        ),
+    }
+).T.astype(float).round(5)
 
 # %%
 lack = found["fit"].get("lack_of_fit") or {}
@@ -84,18 +96,43 @@ with tempfile.TemporaryDirectory() as folder:
         rest = Path(folder) / "rest.csv"
         contacts[contacts["finger"] != finger].to_csv(rest, index=False)
         of = palpate("fit", rest)["shape"]
-        rows.append({"fitted": f"without finger {finger}", **{f"{name} {what}": value for name in "SR" for what, value in zip(("value", "from", "to"), [of[name]["mean"], *of[name]["interval"]])}})
-rows.append({"fitted": "all of them", **{f"{name} {what}": value for name in "SR" for what, value in zip(("value", "from", "to"), [shape[name]["mean"], *shape[name]["interval"]])}})
+        rows.append(
+            {
+                "fitted": f"without finger {finger}",
+                **{
+                    f"{name} {what}": value
+                    for name in "SR"
+                    for what, value in zip(("value", "from", "to"), [of[name]["mean"], *of[name]["interval"]])
+                },
+            }
+        )
+rows.append(
+    {
+        "fitted": "all of them",
+        **{
+            f"{name} {what}": value
+            for name in "SR"
+            for what, value in zip(("value", "from", "to"), [shape[name]["mean"], *shape[name]["interval"]])
+        },
+    }
+)
 parts_left_out = pd.DataFrame(rows)
 
 figs, axes_of = figure(2, sharey=True, height=3.2)
 places = list(range(len(parts_left_out)))[::-1]
 for axes, name in zip(axes_of, "SR"):
     value = parts_left_out[f"{name} value"]
-    axes.errorbar(value, places, xerr=[value - parts_left_out[f"{name} from"], parts_left_out[f"{name} to"] - value], fmt="o", color=COLOURS[0], capsize=3)
+    axes.errorbar(
+        value,
+        places,
+        xerr=[value - parts_left_out[f"{name} from"], parts_left_out[f"{name} to"] - value],
+        fmt="o",
+        color=COLOURS[0],
+        capsize=3,
+    )
     axes.axvspan(shape[name]["interval"][0], shape[name]["interval"][1], color=COLOURS[4], alpha=0.25, zorder=0)
     axes.set(xlabel=name, title={"S": "the kind of shape", "R": "the strength of the bend"}[name])
-axes_of[0].set_yticks(places, parts_left_out["fitted"]);
+_ = axes_of[0].set_yticks(places, parts_left_out["fitted"])
 
 # %% [markdown]
 # The band is the interval of all contacts together. Every answer's interval overlaps with it: no finger stands out.
@@ -116,7 +153,14 @@ with tempfile.TemporaryDirectory() as folder:
     predicted = inside[["x", "y"]].assign(z=None)
     if kind == "height":
         predicted = pd.read_csv(io.StringIO(call("show", surface, "--at", points)))
-compared = pd.DataFrame({"x": inside["x"].values, "y": inside["y"].values, "touched z": inside["z"].values, "predicted z": predicted["z"].values})
+compared = pd.DataFrame(
+    {
+        "x": inside["x"].values,
+        "y": inside["y"].values,
+        "touched z": inside["z"].values,
+        "predicted z": predicted["z"].values,
+    }
+)
 compared["difference"] = compared["touched z"] - compared["predicted z"]
 compared.round(3)
 
@@ -127,7 +171,11 @@ compared.round(3)
 # 2.5 degrees, a jump now and then. None of that was told to `palpate fit`.
 
 # %%
-overlaps = [(parts_left_out[f"{name} from"] <= shape[name]["interval"][1]) & (parts_left_out[f"{name} to"] >= shape[name]["interval"][0]) for name in "SR"]
+overlaps = [
+    (parts_left_out[f"{name} from"] <= shape[name]["interval"][1])
+    & (parts_left_out[f"{name} to"] >= shape[name]["interval"][0])
+    for name in "SR"
+]
 assert all(of.all() for of in overlaps), "leaving out one finger changes the answer by more than its interval"
 if not NAMED:
     low, high = shape["radius_interval"]

@@ -7,6 +7,7 @@ FOLDER, or with --record beside its source. Nothing that differs between two run
 numbers of the kernel's version), so that a page changes only when its text, its figures or its numbers do.
 Without --record the kept page must hold the cells of its source, so that none is forgotten.
 """
+
 import os
 import re
 import sys
@@ -52,7 +53,8 @@ def executed(path):
             counted += 1
             cell.execution_count = counted
             for output in cell.outputs:
-                output.pop("metadata", None) if output.output_type == "stream" else output.update(metadata={})
+                if "metadata" in output:
+                    output.metadata = {}
                 if "execution_count" in output:
                     output.execution_count = counted
     page.metadata = {"kernelspec": page.metadata["kernelspec"], "language_info": {"name": "python"}}

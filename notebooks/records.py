@@ -2,6 +2,7 @@
 
 Nothing is computed here. `palpate(...)` runs the program and returns the JSON document that it prints.
 """
+
 import json
 import os
 import platform
@@ -53,11 +54,19 @@ def tables(*arguments, files, text=None):
 
 def figure(columns=1, rows=1, width=8.0, height=3.4, **more):
     """A figure whose parts do not overlap, in black, white and colours that everyone can tell apart."""
-    plt.rcParams.update({
-        "figure.dpi": 90, "font.size": 9, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True,
-        "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
-        "axes.prop_cycle": plt.cycler(color=COLOURS),
-    })
+    plt.rcParams.update(
+        {
+            "figure.dpi": 90,
+            "font.size": 9,
+            "axes.grid": True,
+            "grid.color": "#dddddd",
+            "axes.axisbelow": True,
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "legend.frameon": False,
+            "axes.prop_cycle": plt.cycler(color=COLOURS),
+        }
+    )
     return plt.subplots(rows, columns, figsize=(width, height * rows), layout="constrained", **more)
 
 

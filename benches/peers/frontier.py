@@ -10,6 +10,7 @@ the grid, one thread; the median over the calls, with a bootstrap interval. Erro
 the seeds. Those of palpate's points that stand on its frontier are fitted once more to the very contacts that the others got,
 so that nobody is judged by luckier contacts (column "same contacts").
 """
+
 import argparse
 import csv
 import io
@@ -77,7 +78,9 @@ def draws(program, scene, folder):
     source = scene.read_text()
     found = []
     for seed in range(1, SEEDS + 1):
-        text = call(program, "simulate", "-", "-o", "-", text=source.replace("seed = 1000001", f"seed = {2000000 + seed}"))
+        text = call(
+            program, "simulate", "-", "-o", "-", text=source.replace("seed = 1000001", f"seed = {2000000 + seed}")
+        )
         (folder / f"{scene.stem}-{seed}.csv").write_text(text)
         found.append(Contacts(text, scene.stem))
     return found
@@ -89,8 +92,12 @@ def check_truth(program, scene):
     low, high = ([float(k[e]) for k in document["surface"]["knots"]] for e in (0, -1))
     sides = [np.linspace(a + INSET * (b - a), b - INSET * (b - a), GRID) for a, b in zip(low, high)]
     S, R = true_shape(scene.stem, *(v.ravel() for v in np.meshgrid(*sides, indexing="ij")))
-    if document["shape"]["support"] == 1 and not np.allclose([S.mean(), R.mean()], [document["truth"]["S"], document["truth"]["R"]], rtol=1e-3):
-        sys.exit(f"{scene.name}: true S, R are {S.mean()}, {R.mean()} here, {document['truth']['S']}, {document['truth']['R']} by palpate")
+    if document["shape"]["support"] == 1 and not np.allclose(
+        [S.mean(), R.mean()], [document["truth"]["S"], document["truth"]["R"]], rtol=1e-3
+    ):
+        sys.exit(
+            f"{scene.name}: true S, R are {S.mean()}, {R.mean()} here, {document['truth']['S']}, {document['truth']['R']} by palpate"
+        )
 
 
 def bootstrap(values, of, draw):
@@ -121,9 +128,19 @@ def measured(run, touched):
 def record(scene, touched, program, label, method, degree, segments, run):
     """One point, with the keys of `palpate.frontier/1`."""
     point = {
-        "frontier": "discretisation", "case": scene, "program": program, "label": label, "method": method, "surface": "height",
-        "degree.0": degree, "degree.1": degree, "segments.0": segments, "segments.1": segments, "contacts": len(touched[0].x),
-        "replicates": len(touched), "failed": None,
+        "frontier": "discretisation",
+        "case": scene,
+        "program": program,
+        "label": label,
+        "method": method,
+        "surface": "height",
+        "degree.0": degree,
+        "degree.1": degree,
+        "segments.0": segments,
+        "segments.1": segments,
+        "contacts": len(touched[0].x),
+        "replicates": len(touched),
+        "failed": None,
     }
     try:
         squares, seconds = measured(run, touched)
@@ -146,7 +163,18 @@ def record(scene, touched, program, label, method, degree, segments, run):
 def own_points(program, scene, seconds):
     """palpate's own frontier of the scene, flattened."""
     with tempfile.TemporaryDirectory() as folder:
-        call(program, "frontier", scene, "--keep-stations", "--uncounted", "--seconds", seconds, "--out", folder, "--quiet")
+        call(
+            program,
+            "frontier",
+            scene,
+            "--keep-stations",
+            "--uncounted",
+            "--seconds",
+            seconds,
+            "--out",
+            folder,
+            "--quiet",
+        )
         with open(Path(folder) / "frontier.csv") as table:
             points = list(csv.DictReader(table))
     return [p for p in points if p["on_frontier"] == "true" and not p.get("failed")]
@@ -156,7 +184,16 @@ def same_contacts(program, point, touched, folder):
     """The error of one of palpate's points on the contacts that the others got."""
     words = point["weights"].split()
     pair = lambda key: f"{point[key + '.0']},{point[key + '.1']}"
-    options = ["--surface", point["surface"], "--degree", pair("degree"), "--segments", pair("segments"), f"--{words[0]}", words[1]]
+    options = [
+        "--surface",
+        point["surface"],
+        "--degree",
+        pair("degree"),
+        "--segments",
+        pair("segments"),
+        f"--{words[0]}",
+        words[1],
+    ]
     options += ["--grid", f"{GRID}x{GRID}", "--inset", INSET, "--bare"]
     squares = []
     for seed, c in enumerate(touched, 1):
@@ -177,7 +214,11 @@ def of_scene(program, scene, seconds):
             point["error_same_contacts"] = same_contacts(program, point, touched, Path(folder))
         for one in fitters.fitters():
             points.append(record(scene.stem, touched, *one))
-            print(f"{scene.stem:6} {points[-1]['program']:26} {points[-1]['label']:34} {points[-1]['failed'] or ''}", file=sys.stderr, flush=True)
+            print(
+                f"{scene.stem:6} {points[-1]['program']:26} {points[-1]['label']:34} {points[-1]['failed'] or ''}",
+                file=sys.stderr,
+                flush=True,
+            )
     return points
 
 
@@ -187,7 +228,11 @@ def main():
     parser.add_argument("--seconds", type=float, default=30.0, help="for palpate's own frontier of each scene")
     parser.add_argument("--record", help="directory that takes peers-frontier.md, .csv and .svg")
     options = parser.parse_args()
-    points = [p for name in ("bar", "ring") for p in of_scene(options.palpate, HERE / "frontier" / f"{name}.toml", options.seconds)]
+    points = [
+        p
+        for name in ("bar", "ring")
+        for p in of_scene(options.palpate, HERE / "frontier" / f"{name}.toml", options.seconds)
+    ]
     versions = {module.__name__: module.__version__ for module in (np, scipy, skimage)}
     facts = {"python": platform.python_version(), **versions, "load": f"{os.getloadavg()[0]:.2f}"}
     page = frontier_page.page(points, facts)

@@ -5,6 +5,7 @@
 Slopes are (-nx/nz, -ny/nz). FITPACK and the image know heights alone. Each fitter is told the noise where it can use it, which
 palpate is not.
 """
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.interpolate import BSpline, LSQBivariateSpline, NdBSpline, SmoothBivariateSpline, griddata
@@ -138,7 +139,10 @@ def quadric(neighbours, normals):
         right = [z / c.sigma_z]
         if normals:
             zx, zy = (s[near] for s in slopes(c))
-            rows += [np.stack([none, one, none, x, y, none], 2) / c.sigma_slope, np.stack([none, none, one, none, x, y], 2) / c.sigma_slope]
+            rows += [
+                np.stack([none, one, none, x, y, none], 2) / c.sigma_slope,
+                np.stack([none, none, one, none, x, y], 2) / c.sigma_slope,
+            ]
             right += [zx / c.sigma_slope, zy / c.sigma_slope]
         A, b = np.concatenate(rows, 1), np.concatenate(right, 1)
         found = np.linalg.solve(A.transpose(0, 2, 1) @ A, (A.transpose(0, 2, 1) @ b[:, :, None]))[:, :, 0]
@@ -150,15 +154,25 @@ def quadric(neighbours, normals):
 def fitters():
     """Program, label, method, degree, segments, and the function."""
     for degree, segments in ((2, 1), (3, 1), (4, 1), (3, 2)):
-        yield "SciPy FITPACK, heights", f"degree {degree}, {segments}x{segments}", "LSQBivariateSpline", degree, segments, fitpack_fixed(degree, segments)
+        yield "SciPy FITPACK, heights", f"degree {degree}, {segments}x{segments}", "LSQBivariateSpline", degree, segments, fitpack_fixed(
+            degree, segments
+        )
     for degree in (2, 3, 4):
-        yield "SciPy FITPACK, heights", f"degree {degree}, smoothing by the noise", "SmoothBivariateSpline", degree, None, fitpack_smooth(degree)
+        yield "SciPy FITPACK, heights", f"degree {degree}, smoothing by the noise", "SmoothBivariateSpline", degree, None, fitpack_smooth(
+            degree
+        )
     for solve in ("spsolve", "lsqr"):
         for degree, segments in ((2, 1), (3, 1), (4, 1), (3, 2)):
-            yield "SciPy sparse, slopes", f"degree {degree}, {segments}x{segments}, {solve}", solve, degree, segments, sparse_slopes(degree, segments, solve)
+            yield "SciPy sparse, slopes", f"degree {degree}, {segments}x{segments}, {solve}", solve, degree, segments, sparse_slopes(
+                degree, segments, solve
+            )
     for sigma in (1, 2, 3, 4):
-        yield "scikit-image shape_index", f"sigma {sigma} of {PIXELS} pixels", "shape_index", None, None, image_hessian(sigma)
+        yield "scikit-image shape_index", f"sigma {sigma} of {PIXELS} pixels", "shape_index", None, None, image_hessian(
+            sigma
+        )
     for normals in (False, True):
         for neighbours in (9, 15, 25, 45):
             what = "with slopes" if normals else "heights"
-            yield f"local quadric, {what}", f"{neighbours} neighbours", "jet of order 2", 2, None, quadric(neighbours, normals)
+            yield f"local quadric, {what}", f"{neighbours} neighbours", "jet of order 2", 2, None, quadric(
+                neighbours, normals
+            )
