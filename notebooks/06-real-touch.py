@@ -60,28 +60,25 @@ tried.round(4)
 # *Probability* is how sure the choice is. *rms* is how far the contacts lie off each surface, in the file's unit. A surface with more
 # freedom always comes nearer; it wins only if it comes so much nearer that chance does not explain it.
 
+
 # %%
-pd.DataFrame(
-    {
-        "S, the kind of shape": {
-            "value": shape["S"]["mean"],
-            "from": shape["S"]["interval"][0],
-            "to": shape["S"]["interval"][1],
-        },
-        "R, the strength of the bend": {
-            "value": shape["R"]["mean"],
-            "from": shape["R"]["interval"][0],
-            "to": shape["R"]["interval"][1],
-        },
-        "radius": dict(
-            zip(("value", "from", "to"), [shape["radius"], *(shape.get("radius_interval") or [None, None])])
-        ),
-    }
-).T.astype(float).round(5)
+def limits(of):
+    """Value and interval of S or R; nothing where they are undefined, as S of a plane is."""
+    return pd.Series([of["mean"], *(of["interval"] or [None, None])], index=["value", "from", "to"], dtype=float)
+
+
+radius = pd.Series(
+    [shape["radius"], *(shape.get("radius_interval") or [None, None])], ["value", "from", "to"], dtype=float
+)
+whole = {name: limits(shape[name]) for name in "SR"}
+pd.DataFrame({"S, the kind of shape": whole["S"], "R, the strength of the bend": whole["R"], "radius": radius}).T.round(
+    5
+)
 
 # %%
 lack = found["fit"].get("lack_of_fit") or {}
-print(f"class {shape['class']}; noise found: {found['fit']['sigma']}; {lack.get('words', 'the misfit was not judged')}")
+noise = [f"{name} {value:.3g}" for name, value in (found["fit"]["sigma"] or {}).items() if value is not None]
+print(f"class {shape['class']}; noise found: {', '.join(noise)}; {lack.get('words', 'the misfit was not judged')}")
 
 # %% [markdown]
 # ## May I believe it?
@@ -89,33 +86,21 @@ print(f"class {shape['class']}; noise found: {found['fit']['sigma']}; {lack.get(
 # Nobody tells the truth here, so ask the contacts themselves: leave out one finger after the other, and see whether the
 # others say the same. If one finger alone makes the answer, do not trust it.
 
+
 # %%
+def row(words, shape):
+    """One line of the table: what was fitted, and S and R with their intervals."""
+    numbers = {f"{name} {what}": value for name in "SR" for what, value in limits(shape[name]).items()}
+    return {"fitted": words, **numbers}
+
+
 rows = []
 with tempfile.TemporaryDirectory() as folder:
     for finger in sorted(contacts["finger"].unique()):
         rest = Path(folder) / "rest.csv"
         contacts[contacts["finger"] != finger].to_csv(rest, index=False)
-        of = palpate("fit", rest)["shape"]
-        rows.append(
-            {
-                "fitted": f"without finger {finger}",
-                **{
-                    f"{name} {what}": value
-                    for name in "SR"
-                    for what, value in zip(("value", "from", "to"), [of[name]["mean"], *of[name]["interval"]])
-                },
-            }
-        )
-rows.append(
-    {
-        "fitted": "all of them",
-        **{
-            f"{name} {what}": value
-            for name in "SR"
-            for what, value in zip(("value", "from", "to"), [shape[name]["mean"], *shape[name]["interval"]])
-        },
-    }
-)
+        rows.append(row(f"without finger {finger}", palpate("fit", rest)["shape"]))
+rows.append(row("all of them", shape))
 parts_left_out = pd.DataFrame(rows)
 
 figs, axes_of = figure(2, sharey=True, height=3.2)
@@ -130,12 +115,12 @@ for axes, name in zip(axes_of, "SR"):
         color=COLOURS[0],
         capsize=3,
     )
-    axes.axvspan(shape[name]["interval"][0], shape[name]["interval"][1], color=COLOURS[4], alpha=0.25, zorder=0)
+    axes.axvspan(whole[name]["from"], whole[name]["to"], color=COLOURS[4], alpha=0.25, zorder=0)
     axes.set(xlabel=name, title={"S": "the kind of shape", "R": "the strength of the bend"}[name])
 _ = axes_of[0].set_yticks(places, parts_left_out["fitted"])
 
 # %% [markdown]
-# The band is the interval of all contacts together. Every answer's interval overlaps with it: no finger stands out.
+# The band is the interval of all contacts together. In the stand-in every answer's interval overlaps with it: no finger stands out.
 #
 # A harder test is to *predict*. Take a finger from the middle away, fit the others, and ask the fitted surface how high it is where
 # that finger was (`palpate show SURFACE --at POINTS`). The differences should be no larger than the noise of a contact.
@@ -172,8 +157,8 @@ compared.round(3)
 
 # %%
 overlaps = [
-    (parts_left_out[f"{name} from"] <= shape[name]["interval"][1])
-    & (parts_left_out[f"{name} to"] >= shape[name]["interval"][0])
+    # what is undefined, as S of a plane, is no contradiction
+    ~((parts_left_out[f"{name} from"] > whole[name]["to"]) | (parts_left_out[f"{name} to"] < whole[name]["from"]))
     for name in "SR"
 ]
 assert all(of.all() for of in overlaps), "leaving out one finger changes the answer by more than its interval"
