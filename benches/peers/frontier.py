@@ -163,18 +163,8 @@ def record(scene, touched, program, label, method, degree, segments, run):
 def own_points(program, scene, seconds):
     """palpate's own frontier of the scene, flattened."""
     with tempfile.TemporaryDirectory() as folder:
-        call(
-            program,
-            "frontier",
-            scene,
-            "--keep-stations",
-            "--uncounted",
-            "--seconds",
-            seconds,
-            "--out",
-            folder,
-            "--quiet",
-        )
+        options = ["--keep-stations", "--bare", "--uncounted", "--seconds", seconds, "--out", folder, "--quiet"]
+        call(program, "frontier", scene, *options)
         with open(Path(folder) / "frontier.csv") as table:
             points = list(csv.DictReader(table))
     return [p for p in points if p["on_frontier"] == "true" and not p.get("failed")]
@@ -184,16 +174,8 @@ def same_contacts(program, point, touched, folder):
     """The error of one of palpate's points on the contacts that the others got."""
     words = point["weights"].split()
     pair = lambda key: f"{point[key + '.0']},{point[key + '.1']}"
-    options = [
-        "--surface",
-        point["surface"],
-        "--degree",
-        pair("degree"),
-        "--segments",
-        pair("segments"),
-        f"--{words[0]}",
-        words[1],
-    ]
+    options = ["--surface", point["surface"], "--degree", pair("degree"), "--segments", pair("segments")]
+    options += [f"--{words[0]}", words[1]]
     options += ["--grid", f"{GRID}x{GRID}", "--inset", INSET, "--bare"]
     squares = []
     for seed, c in enumerate(touched, 1):
