@@ -20,8 +20,8 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 
 HERE = Path(__file__).resolve().parent
-# a page that takes longer is stuck; all together may take 300
-SECONDS = 120
+# a cell that takes longer is stuck; all pages together may take 300
+SECONDS = 240
 MOST_BYTES = 300_000
 # matplotlib writes its own version into a picture unless told not to
 QUIET_PICTURES = "%config InlineBackend.print_figure_kwargs = {'metadata': {'Software': None}, 'bbox_inches': None}"
