@@ -18,11 +18,11 @@ print(SCENE.read_text())
 
 # %% [markdown]
 # The object is a piece of a ring (a torus), whose shape changes from place to place. Seven fingers touch it at 21 places each, with a
-# little noise. Each call below may time the ways for eight seconds.
+# little noise. Each call below may time the ways for five seconds.
 
 # %%
 ASKED_S, BUDGET = 0.01, "500us"
-COMMON = ("frontier", SCENE, "--keep-stations", "--uncounted", "--seconds", 8)
+COMMON = ("frontier", SCENE, "--keep-stations", "--uncounted", "--seconds", 5)
 document = palpate(*COMMON, "--error-s", ASKED_S)
 
 
