@@ -8,7 +8,7 @@ use crate::io::{Input, ReadOptions, read_input};
 use crate::report::{FrontierDocument, FrontierRecord};
 
 use super::failure::Failure;
-use super::frontier::{FrontierArgs, message};
+use super::frontier_args::{FrontierArgs, message};
 use super::frontier_scene::{empty_document, pick_part};
 
 /// The document of a file of contacts.

@@ -12,7 +12,7 @@ use crate::report::{
 use crate::simd::Isa;
 
 use super::failure::Failure;
-use super::frontier::{FrontierArgs, message};
+use super::frontier_args::{FrontierArgs, message};
 use super::frontier_counts::{Counts, count, make_calls};
 use super::frontier_emit::emitted;
 use super::scene;

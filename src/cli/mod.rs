@@ -14,6 +14,7 @@ pub mod embedded;
 mod failure;
 mod fit;
 mod frontier;
+mod frontier_args;
 mod frontier_counts;
 mod frontier_emit;
 mod frontier_input;
@@ -64,7 +65,7 @@ enum Verb {
     /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
     Study(Box<study_plan::StudyArgs>),
     /// What accuracy costs in time: ways of fitting a scene or a file, each timed and judged, and the one that meets a request
-    Frontier(frontier::FrontierArgs),
+    Frontier(frontier_args::FrontierArgs),
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
     /// List the built-in scenes, or print one as TOML

@@ -187,6 +187,10 @@ impl Subject {
             failed,
             ..Point::default()
         };
+        if point.failed.is_none() && point.support == Some(0.0) {
+            point.failed =
+                Some("the data support no point of the shape grid: too few contacts for these coefficients".into());
+        }
         if point.failed.is_none() {
             point.error = self.together(&point, |errors| errors.rms);
             let ends = [0, 1].map(|end| self.together(&point, |errors| errors.interval[end]));

@@ -5,7 +5,8 @@
 //! e = root mean square over the patch by Gauss quadrature; grids with more than 6 stations a segment, no noise
 //! ```
 //!
-//! Heights of degree 2 are the exception where slope rows take part: they are measured at 2.2. The slopes of the best spline
+//! Heights of degree 2 are the exception where slope rows take part: they are measured at 2.4, and nearer to 2 the finer the
+//! segments. The slopes of the best spline
 //! of degree p err by `f^(p+1) h^p B_p(t)/p!`, t the place within a segment and B_p the Bernoulli polynomial. Its integral
 //! over a segment is 0, so heights stay right from knot to knot; but its mean over m evenly spaced stations is `B_p/m^p`
 //! (1/36 of B_2 for six of them), and a fit that makes the *sum* over stations small tilts every segment by that much. The

@@ -91,7 +91,7 @@ fn draw(document: &FrontierDocument, which: PictureOf) -> Drawing {
     let panels = if counted { 2.0 } else { 1.0 };
     let rows = numbered.len().div_ceil(2) as f64 + groups.len().div_ceil(5) as f64;
     let mut drawing = Drawing::new((panels * PANEL[0]).max(2.0 * PANEL[0]), 40.0 + PANEL[1] + LINE * (rows + 3.0));
-    let title = format!("{}: {} of {} points drawn", document.scene, which.frontier, all.len());
+    let title = format!("{}: {}, {} points", document.scene, which.frontier, all.len());
     drawing.word([14.0, 18.0], title, 15.0, Anchor::Start);
     panel(&mut drawing, 0.0, &all, &numbered, &groups, which, "seconds on one thread", |record| {
         record.seconds.map(|time| [time.median, time.lo, time.hi])
