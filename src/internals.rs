@@ -62,7 +62,7 @@ pub mod parametric {
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::{fit_schema, study_schema};
+    pub use crate::report::{fit_schema, frontier_schema, study_schema};
 }
 
 /// The simulated world.

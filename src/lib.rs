@@ -45,6 +45,7 @@ mod contact;
 mod curvature;
 mod draws;
 pub mod fit;
+pub mod frontier;
 #[doc(hidden)]
 pub mod internals;
 #[cfg(feature = "cli")]

@@ -76,6 +76,10 @@ pub(super) struct StudyArgs {
     /// Ask of each interval that a fit would print whether it holds the truth
     #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records", "checkpoint", "budget"])]
     pub(super) coverage: bool,
+    /// With --coverage: so many surfaces drawn at random, the first by --seed [default: 1], instead of a scene
+    #[arg(long, value_name = "N", requires = "coverage", conflicts_with = "scene",
+          value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(super) random: Option<u64>,
     /// Repeat the study over a key of the scene: KEY=A:B:logN, KEY=A:B:linN or KEY=A,B,C; several make a grid
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]

@@ -7,6 +7,7 @@ mod cli_study;
 mod cli_verbs;
 mod files_as_they_come;
 mod first_try;
+mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod npz;
