@@ -134,7 +134,7 @@ fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
     let Some(found) = answer.recognition() else { return Ok(MISSING) };
     let direction = found.direction.map(on_the_map);
     let estimate =
-        |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), interval: None };
+        |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), ..Statistic::default() };
     let s = found.shape_index.map_or(Statistic::default(), |s| estimate(s.mean, s.sd, s.u));
     let r = estimate(found.curvedness.mean, found.curvedness.sd, found.curvedness.u);
     Ok(row([&s, &r], [Some(found.k1), Some(found.k2), found.radius, direction], found.class.name()))
