@@ -22,7 +22,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 
 use super::arrays::Numbers;
-use super::attend::attended;
+use super::attend::{Teller, attended};
 use super::options::Keywords;
 
 /// Patches between two looks at the clock and at Ctrl-C: some milliseconds of work on a thread.
@@ -134,7 +134,7 @@ fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
     let Some(found) = answer.recognition() else { return Ok(MISSING) };
     let direction = found.direction.map(on_the_map);
     let estimate =
-        |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), interval: None };
+        |mean: f64, sd: f64, u: f64| Statistic { mean: Some(mean), sd: Some(sd), u: Some(u), ..Statistic::default() };
     let s = found.shape_index.map_or(Statistic::default(), |s| estimate(s.mean, s.sd, s.u));
     let r = estimate(found.curvedness.mean, found.curvedness.sd, found.curvedness.u);
     Ok(row([&s, &r], [Some(found.k1), Some(found.k2), found.radius, direction], found.class.name()))
@@ -193,24 +193,31 @@ pub(crate) fn fit_batch<'py>(
         offsets,
     };
     check(&batch)?;
+    let (rows, failed) = attended(py, threads, progress, |teller| fit_all(&batch, &keywords, teller))?;
+    columns_of(py, &rows, failed)
+}
+
+/// Fits chunk by chunk, and stops where the caller does not want to go on.
+fn fit_all(batch: &Batch<'_>, keywords: &Keywords, teller: &Teller<'_>) -> (Vec<Row>, Vec<(usize, String)>) {
     let count = batch.len();
-    let (rows, failed) = attended(py, threads, progress, |teller| {
-        let (mut rows, mut failed) = (Vec::with_capacity(count), Vec::new());
-        let threads = rayon::current_num_threads();
-        for from in (0..count).step_by(CHUNK * threads) {
-            let to = count.min(from + CHUNK * threads);
-            let chunk: Vec<Result<Row, String>> =
-                (from..to).into_par_iter().map(|k| fit_one(batch.input(k), &keywords)).collect();
-            for (k, found) in (from..to).zip(chunk) {
-                rows.push(found.as_ref().map_or(MISSING, |row| *row));
-                failed.extend(found.err().map(|why| (k, why)));
-            }
-            if !teller.tell(to as u64, count as u64) {
-                break;
-            }
+    let (mut rows, mut failed) = (Vec::with_capacity(count), Vec::new());
+    let step = CHUNK * rayon::current_num_threads();
+    for from in (0..count).step_by(step) {
+        let to = count.min(from + step);
+        let chunk: Vec<Result<Row, String>> =
+            (from..to).into_par_iter().map(|k| fit_one(batch.input(k), keywords)).collect();
+        for (k, found) in (from..to).zip(chunk) {
+            rows.push(found.as_ref().map_or(MISSING, |row| *row));
+            failed.extend(found.err().map(|why| (k, why)));
         }
-        (rows, failed)
-    })?;
+        if !teller.tell(to as u64, count as u64) {
+            break;
+        }
+    }
+    (rows, failed)
+}
+
+fn columns_of<'py>(py: Python<'py>, rows: &[Row], failed: Vec<(usize, String)>) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (c, name) in COLUMNS.iter().enumerate() {
         let column: Vec<f64> = rows.iter().map(|row| row.values[c]).collect();

@@ -111,7 +111,8 @@ impl TouchStream {
                 // a tuple of floats is by far the cheapest to take apart
                 let [nx, ny, nz] =
                     normal.extract::<(f64, f64, f64)>().map_or_else(|_| numbers(normal, "normal"), |n| Ok(n.into()))?;
-                if !(nz > 0.0) {
+                // NaN goes on, and is refused by the name of its column
+                if nz <= 0.0 {
                     return Err(PyValueError::new_err(format!("normal: nz is {nz}, and a height field needs nz > 0")));
                 }
                 [-nx / nz, -ny / nz]

@@ -345,20 +345,8 @@ fn evaluate<'py>(
         room(&[xs.len()], tensor.components)?;
         (x.shape(), py.detach(|| tensor.at_places(xs.len(), order, |r| [xs[r], ys[r]])))
     } else {
-        let shape: Vec<usize> = numpy_module(py)?
-            .call_method1("broadcast_shapes", (PyTuple::new(py, x.shape())?, PyTuple::new(py, y.shape())?))
-            .map_err(|_| {
-                let what = format!("{} and {}: shapes {:?} and {:?}", names[0], names[1], x.shape(), y.shape());
-                PyValueError::new_err(format!("{what} do not broadcast"))
-            })?
-            .extract()?;
+        let (shape, xs, ys) = broadcast(py, &x, &y, names)?;
         room(&shape, tensor.components)?;
-        let (x, y) = (x.view(), y.view());
-        let wide = |view: &numpy::ndarray::ArrayViewD<'_, f64>| -> PyResult<Vec<f64>> {
-            let wide = view.broadcast(IxDyn(&shape));
-            Ok(wide.ok_or_else(|| PyValueError::new_err("x, y: shapes do not broadcast"))?.iter().copied().collect())
-        };
-        let (xs, ys) = (wide(&x)?, wide(&y)?);
         (shape, py.detach(|| tensor.at_places(xs.len(), order, |r| [xs[r], ys[r]])))
     };
     if tensor.components > 1 {
@@ -366,6 +354,31 @@ fn evaluate<'py>(
     }
     let array = ArrayD::from_shape_vec(IxDyn(&shape), values);
     Ok(array.map_err(|error| PyValueError::new_err(error.to_string()))?.into_pyarray(py))
+}
+
+/// The common shape, and the places one after the other.
+fn broadcast(
+    py: Python<'_>,
+    x: &Numbers<'_>,
+    y: &Numbers<'_>,
+    names: [&str; 2],
+) -> PyResult<(Vec<usize>, Vec<f64>, Vec<f64>)> {
+    let refused = || {
+        let what = format!("{} and {}: shapes {:?} and {:?}", names[0], names[1], x.shape(), y.shape());
+        PyValueError::new_err(format!("{what} do not broadcast"))
+    };
+    let shape: Vec<usize> = numpy_module(py)?
+        .call_method1("broadcast_shapes", (PyTuple::new(py, x.shape())?, PyTuple::new(py, y.shape())?))
+        .map_err(|_| refused())?
+        .extract()?;
+    // asked before the places are put one after the other
+    room(&shape, 1)?;
+    let wide = |numbers: &Numbers<'_>| -> PyResult<Vec<f64>> {
+        let view = numbers.view();
+        Ok(view.broadcast(IxDyn(&shape)).ok_or_else(refused)?.iter().copied().collect())
+    };
+    let (xs, ys) = (wide(x)?, wide(y)?);
+    Ok((shape, xs, ys))
 }
 
 /// The entries of an axis; a single number is an axis of one point.

@@ -22,7 +22,7 @@ def test_every_patch_has_the_numbers_of_its_own_fit(batch: Columns) -> None:
     found = palpate.fit_many(batch["x"], batch["y"], batch["z"], normals=n, degree=(4, 2))
     for k in range(4):
         own = palpate.fit(batch["x"][k], batch["y"][k], batch["z"][k], normals=n[k], degree=(4, 2)).shape
-        numbers = (own.S.mean, own.S.u, own.R.mean, own.R.u, own.radius, own.direction_deg)
+        numbers = (own.S.mean, own.S.u_noise, own.R.mean, own.R.u_noise, own.radius, own.direction_deg)
         columns = (found.shape_index, found.shape_index_u, found.curvedness, found.curvedness_u, found.radius)
         assert numbers == (*(column[k] for column in columns), found.direction_deg[k])
     assert found.class_name == ["ridge"] * 4 and not found.failed

@@ -14,7 +14,7 @@ use crate::fit::{Fit, FitError, FitOptions};
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
 use crate::parametric::{FittedSurface, ParametricFit};
-use crate::recognition::{Recognition, RecognitionOptions};
+use crate::recognition::{Recognition, RecognitionOptions, count_model_error};
 use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_table};
 
 use super::automatic::{Found, Refusal, automatic};
@@ -48,6 +48,8 @@ pub struct FitAnswer {
     input: Input,
     found: Found,
     bare: bool,
+    /// The document shall count that the surface may be of another kind than the one that was named.
+    uncertain: bool,
     seconds: f64,
 }
 
@@ -65,7 +67,7 @@ impl FitAnswer {
     ) -> Result<FitAnswer, FitRefusal> {
         let clock = Instant::now();
         let found = if named {
-            let (found, chosen) = fit_input(&input, options, !bare).map_err(FitRefusal::Fit)?;
+            let (found, chosen) = fit_input(&input, options, false).map_err(FitRefusal::Fit)?;
             Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
         } else {
             options.check().map_err(FitRefusal::Fit)?;
@@ -73,7 +75,8 @@ impl FitAnswer {
             let (level, grid) = (options.level, options.grid);
             automatic(&input, &RecognitionOptions { level, grid, seed, use_normals, viewpoint, up }, options)?
         };
-        Ok(FitAnswer { input, found, bare, seconds: clock.elapsed().as_secs_f64() })
+        let uncertain = named && !bare;
+        Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })
     }
 
     /// The fitted height field, where one was fitted.
@@ -106,7 +109,16 @@ impl FitAnswer {
     /// When the input's own rounding leaves no distinct knots.
     pub fn document(&self, name: &str) -> Result<[Vec<u8>; 2], FitError> {
         let clock = Instant::now();
-        compute_shape(&self.found.answer, self.bare);
+        // other kinds of surface are asked only here: it takes longer than many a fit, whose surface alone may be wanted
+        let counted = match &self.found.answer {
+            Answer::Fitted(FittedSurface::Height(fit)) if self.uncertain => {
+                let fit = count_model_error(fit.as_ref().clone());
+                Some(Answer::Fitted(FittedSurface::Height(Box::new(fit))))
+            }
+            _ => None,
+        };
+        let answer = counted.as_ref().unwrap_or(&self.found.answer);
+        compute_shape(answer, self.bare);
         let shape = clock.elapsed().as_secs_f64();
         let seconds = Seconds { read: 0.0, fit: self.seconds, shape, total: self.seconds + shape };
         let subject = Subject {
@@ -117,7 +129,7 @@ impl FitAnswer {
             chosen: self.found.chosen.clone(),
             lack_of_fit: self.found.lack_of_fit.clone(),
         };
-        let description = describe_fit(&self.found.answer, &subject, seconds)?;
+        let description = describe_fit(answer, &subject, seconds)?;
         let (mut json, mut table) = (Vec::new(), Vec::new());
         // a Vec takes every byte
         let _ = write_json(description.document(), &mut json);

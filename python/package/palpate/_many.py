@@ -33,7 +33,8 @@ _COLUMNS = (
 class FitMany:
     """Columns with one entry a patch; NaN where a patch has no such number.
 
-    shape_index, curvedness (1/length) and their _sd (variation over the patch) and _u (uncertainty); k1, k2 (1/length);
+    shape_index, curvedness (1/length) and their _sd (variation over the patch) and _u (uncertainty; of a named model
+    that of noise alone, the u_noise of `fit`); k1, k2 (1/length);
     radius; direction_deg. class_number counts the words of class_names, -1: none. failed: why a patch has no fit.
     """
 
