@@ -116,7 +116,7 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
-    let (even, middle) = (values.len() % 2 == 0, values.len() / 2);
+    let (even, middle) = (values.len().is_multiple_of(2), values.len() / 2);
     let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
     let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if even { 0.5 * (lower + *upper) } else { *upper }

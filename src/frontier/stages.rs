@@ -34,6 +34,16 @@ pub(crate) struct Stage {
     pub saved_by: &'static str,
 }
 
+/// What a stage takes, from the times of all calls in one round.
+type Difference = fn(&[f64]) -> f64;
+
+/// The stage's time over all rounds, `count` pieces of work in each.
+fn stage_time(times: &[Vec<f64>], count: f64, of: Difference) -> Clocked {
+    let rounds = times.iter().map(Vec::len).min().unwrap_or(0);
+    let in_round = |round: usize| times.iter().map(|calls| calls[round] / count).collect::<Vec<f64>>();
+    clocked(&(0..rounds).map(|round| of(&in_round(round))).collect::<Vec<f64>>())
+}
+
 /// Stages of the fit of these contacts; `read` reads them from where they come. Nothing for surfaces that are no height
 /// field, whose steps are others.
 pub(crate) fn of_fit(contacts: &Contacts, options: &FitOptions, read: &(dyn Fn() + Sync)) -> Vec<Stage> {
@@ -61,19 +71,15 @@ fn fit_stages(contacts: &Contacts, options: &FitOptions, read: &dyn Fn()) -> Vec
         }),
     ];
     let times = round_times(&mut calls, LIMITS, |_, _, ()| ());
-    let stage = |name, saved_by, of: &dyn Fn(&dyn Fn(usize) -> f64) -> f64| {
-        let rounds = times.iter().map(Vec::len).min().unwrap_or(0);
-        let per_round: Vec<f64> = (0..rounds).map(|round| of(&|k: usize| times[k][round])).collect();
-        Stage { of: "fit", name, time: clocked(&per_round), saved_by }
-    };
+    let stage = |name, saved_by, of: Difference| Stage { of: "fit", name, time: stage_time(&times, 1.0, of), saved_by };
     vec![
-        stage("read", "contacts handed over in memory", &|t| t(0)),
-        stage("place", "a plan for sites that stay (plans::SlopePlan)", &|t| t(1)),
-        stage("rows", "a plan for sites that stay", &|t| t(2)),
-        stage("factor", "a plan for sites that stay; a lower degree", &|t| t(3) - t(2) - t(1)),
-        stage("shape", "a coarser --grid", &|t| t(4) - t(3)),
-        stage("interval", "--bare", &|t| t(5) - t(4)),
-        stage("certificate", "--bare", &|t| t(6) - t(5)),
+        stage("read", "contacts handed over in memory", |t| t[0]),
+        stage("place", "a plan for sites that stay (plans::SlopePlan)", |t| t[1]),
+        stage("rows", "a plan for sites that stay", |t| t[2]),
+        stage("factor", "a plan for sites that stay; a lower degree", |t| t[3] - t[2] - t[1]),
+        stage("shape", "a coarser --grid", |t| t[4] - t[3]),
+        stage("interval", "--bare", |t| t[5] - t[4]),
+        stage("certificate", "--bare", |t| t[6] - t[5]),
     ]
 }
 
@@ -97,10 +103,11 @@ fn replicate_stages(world: &World, options: &FitOptions, seed: u64) -> Option<Ve
         }),
     ];
     let times = round_times(&mut calls, LIMITS, |_, _, ()| ());
-    let stage = |name, saved_by, of: &dyn Fn(&dyn Fn(usize) -> f64) -> f64| {
-        let rounds = times.iter().map(Vec::len).min().unwrap_or(0);
-        let per = |round: usize| of(&|k: usize| times[k][round] / count as f64);
-        Stage { of: "replicate", name, time: clocked(&(0..rounds).map(per).collect::<Vec<f64>>()), saved_by }
+    let stage = |name, saved_by, of: Difference| Stage {
+        of: "replicate",
+        name,
+        time: stage_time(&times, count as f64, of),
+        saved_by,
     };
     let fitted = match engine.path() {
         Path::Whole => "weights or sigmas given as numbers, so that factors are kept",
@@ -108,8 +115,8 @@ fn replicate_stages(world: &World, options: &FitOptions, seed: u64) -> Option<Ve
         Path::FixedSites | Path::Linearised => "",
     };
     Some(vec![
-        stage("effects", "fewer effects in the scene", &|t| t(0)),
-        stage("fit, shape", fitted, &|t| t(1) - t(0)),
-        stage("tally", "", &|t| t(2) - t(1)),
+        stage("effects", "fewer effects in the scene", |t| t[0]),
+        stage("fit, shape", fitted, |t| t[1] - t[0]),
+        stage("tally", "", |t| t[2] - t[1]),
     ])
 }

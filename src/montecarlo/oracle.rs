@@ -28,12 +28,15 @@ const PLACES: usize = 8;
 /// Number of rigid motions.
 const MOTIONS: usize = 6;
 
+/// The member of a family with these sizes; `None` where there is none.
+type Member<'a> = Box<dyn Fn(&[f64]) -> Option<Surface> + 'a>;
+
 /// A family of surfaces with the numbers of its true member.
 pub(crate) struct Family<'a> {
     /// Sizes of the true member.
     pub(crate) sizes: Vec<f64>,
     /// The member with these sizes; `None` where there is none.
-    pub(crate) member: Box<dyn Fn(&[f64]) -> Option<Surface> + 'a>,
+    pub(crate) member: Member<'a>,
 }
 
 impl Family<'_> {

@@ -86,7 +86,7 @@ impl RandomSurface {
             }
         };
         let mut surface = Surface::new(body, 0.0);
-        if seed % 3 > 0 {
+        if !seed.is_multiple_of(3) {
             surface.pose =
                 Pose::new(between(0, 0.0, 180.0), [between(1, -10.0, 10.0), between(2, -10.0, 10.0), 0.0], [0.0; 3]);
             surface.concave = numbers[3] < 0.5;
