@@ -30,7 +30,7 @@ impl Axis {
         (value.max(f64::MIN_POSITIVE).log10() - self.lo) / (self.hi - self.lo)
     }
 
-    /// Values with words: decades, or where there are few 1, 2 and 5 of each.
+    /// Values with words: decades; where there are few, 1, 2 and 5 of each; where these are few too, all whole ones.
     fn ticks(&self) -> Vec<f64> {
         let (first, last) = (self.lo.floor() as i32, self.hi.ceil() as i32);
         let step = 1 + (last - first) / MOST_WORDS;
@@ -40,8 +40,12 @@ impl Axis {
         if coarse.len() > 2 {
             return coarse;
         }
-        let fine = (first..=last).flat_map(|k| [1.0, 2.0, 5.0].map(|m| m * 10.0_f64.powi(k)));
-        fine.filter(within).collect()
+        let of = |digits: &[f64]| -> Vec<f64> {
+            let all = (first..=last).flat_map(|k| digits.iter().map(move |m| m * 10.0_f64.powi(k)));
+            all.filter(within).collect()
+        };
+        let fine = of(&[1.0, 2.0, 5.0]);
+        if fine.len() > 2 { fine } else { of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
     }
 }
 
