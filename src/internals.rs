@@ -18,6 +18,11 @@ pub mod draws {
     pub use crate::draws::EffectDraws;
 }
 
+/// The loop of an exploration.
+pub mod explore {
+    pub use crate::explore::{Exploration, ExploreOptions, Goal, Look, Stopped, Strategy, explore};
+}
+
 /// The equations of a fit.
 pub mod fit {
     pub use crate::fit::Equations;

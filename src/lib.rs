@@ -44,6 +44,7 @@ pub mod cli;
 mod contact;
 mod curvature;
 mod draws;
+pub mod explore;
 pub mod fit;
 #[doc(hidden)]
 pub mod internals;
