@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | merge PART... | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -9,6 +9,7 @@
 mod automatic;
 mod coverage;
 mod describe;
+mod explore;
 mod failure;
 mod fit;
 mod gathered;
@@ -58,6 +59,8 @@ enum Verb {
     Study(Box<study_plan::StudyArgs>),
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
+    /// Sweep a scene, then touch where it tells most, until S and R are known well enough
+    Explore(explore::ExploreArgs),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Verb::Fit(args) => fit::fit(&args),
         Verb::Study(args) => study::study(&args),
         Verb::Merge(args) => merge::merge(&args),
+        Verb::Explore(args) => explore::explore(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
     };

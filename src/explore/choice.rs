@@ -10,11 +10,10 @@
 
 use crate::contact::Contacts;
 use crate::draws::EffectDraws;
-use crate::recognition::Recognition;
 
 use super::ExploreError;
+use super::answer::Answer;
 use super::hand::Hand;
-use super::model::{fit_of, planning_fit};
 use super::planner::{Criterion, TouchPlanner};
 use super::strategy::Strategy;
 
@@ -27,7 +26,7 @@ pub(super) struct Situation<'a> {
     /// Where the scene's sweeps touched.
     pub(super) swept: &'a [[f64; 2]],
     pub(super) contacts: &'a Contacts,
-    pub(super) found: Option<&'a Recognition>,
+    pub(super) answer: &'a Answer,
     /// Direction of k1 at the middle of the patch after the first sweep, radians from x towards y.
     pub(super) direction: f64,
     /// Units of S and of R, where goals are given.
@@ -67,7 +66,7 @@ impl Situation<'_> {
     }
 
     fn planner(&self) -> Option<TouchPlanner> {
-        let planner = TouchPlanner::new(&planning_fit(self.contacts, self.found)?).ok()?;
+        let planner = TouchPlanner::new(&self.answer.planning_fit(self.contacts)?).ok()?;
         Some(match self.units {
             Some([s, r]) => planner.with_units(s, r),
             None => planner,
@@ -186,10 +185,10 @@ impl Situation<'_> {
         })
     }
 
-    /// Where a cubic patch differs most from a quadratic one.
+    /// Where a richer patch differs most from a simple one.
     fn probed(&self, places: &[[f64; 2]], n: usize) -> Option<Vec<[f64; 2]>> {
-        let [simple, rich] = [2, 3].map(|degree| fit_of(self.contacts, self.found, degree));
-        let [simple, rich] = [simple?.input_surface().ok()?, rich?.input_surface().ok()?];
+        let [simple, rich] = self.answer.simple_and_rich(self.contacts)?.map(|fit| fit.input_surface().ok());
+        let [simple, rich] = [simple?, rich?];
         let mut differs: Vec<f64> =
             places.iter().map(|[x, y]| (rich.at(*x, *y).z - simple.at(*x, *y).z).abs()).collect();
         // the spacing that as many touches as there are would have if they lay evenly

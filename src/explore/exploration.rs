@@ -2,19 +2,21 @@
 //!
 //! ```text
 //! contacts = first sweep
-//! repeat   S, R, u(S), u(R) = recognise(contacts)           what `palpate fit` answers when no model is named
+//! repeat   S, R, u(S), u(R) = what `palpate fit` answers: recognised, or by the model that was named
 //!          stop at the goal, at the budget, or where the goal is out of reach
 //!          contacts += touches chosen by the strategy
 //! ```
 
 use crate::contact::Contacts;
-use crate::recognition::{Recognition, RecognitionOptions, recognise};
+use crate::fit::FitOptions;
 use crate::scene::{Truth, World};
 
 use super::ExploreError;
+use super::answer::Answer;
 use super::choice::Situation;
 use super::hand::Hand;
 use super::look::{Look, Stopped};
+use super::planner::TouchPlanner;
 use super::stopping::Goal;
 use super::strategy::Strategy;
 
@@ -25,6 +27,8 @@ pub struct ExploreOptions {
     pub strategy: Strategy,
     /// Most contacts, those of the first sweep among them.
     pub contacts: usize,
+    /// The model that answers; `None`: the contacts are recognised.
+    pub model: Option<FitOptions>,
     /// Where to stop.
     pub goal: Option<Goal>,
     /// Touches between two looks.
@@ -74,20 +78,14 @@ pub fn explore(
     let mut direction = None;
     loop {
         let (contacts, truth) = hand.feel()?;
-        let found = recognise(&contacts, &RecognitionOptions::default().with_level(options.level));
-        let mut look = Look::new(contacts.len(), touched, &found, &truth);
-        let found = found.ok();
-        let direction = *direction.get_or_insert_with(|| principal(found.as_ref()));
+        let answer = Answer::new(&contacts, options.model.as_ref(), options.level);
+        check_planner(options, &answer)?;
+        let mut look = Look::new(contacts.len(), touched, &answer, &truth);
+        let direction = *direction.get_or_insert_with(|| answer.principal_direction());
         let units = options.goal.zip(look.curvedness).map(|(goal, r)| [goal.u_s, goal.u_r * r.mean]);
-        let situation = Situation {
-            hand: &hand,
-            swept: &swept,
-            contacts: &contacts,
-            found: found.as_ref(),
-            direction,
-            units,
-            seed: options.seed,
-        };
+        let (hand_now, seed) = (&hand, options.seed);
+        let situation =
+            Situation { hand: hand_now, swept: &swept, contacts: &contacts, answer: &answer, direction, units, seed };
         let left = options.contacts - hand.swept - hand.touches.len();
         if options.goal.is_some() {
             let shares = situation.attainable(left);
@@ -124,7 +122,10 @@ fn check(options: &ExploreOptions) -> Result<(), ExploreError> {
     Ok(())
 }
 
-/// Direction of k1 in x and y, radians; along x where the surface has none.
-fn principal(found: Option<&Recognition>) -> f64 {
-    found.and_then(|found| found.direction).map_or(0.0, |[x, y, _]| y.atan2(x))
+/// A named model must be one that touches can be planned by, where the strategy plans.
+fn check_planner(options: &ExploreOptions, answer: &Answer) -> Result<(), ExploreError> {
+    match (answer, options.strategy) {
+        (Answer::Fitted(fit), Strategy::Shape | Strategy::Variance) => TouchPlanner::new(fit).map(|_| ()),
+        _ => Ok(()),
+    }
 }

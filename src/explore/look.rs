@@ -1,7 +1,9 @@
 //! What is known after some contacts, and why an exploration ended.
 
-use crate::recognition::{Estimate, Hypothesis, Recognition, RecognitionError};
+use crate::recognition::Estimate;
 use crate::scene::Truth;
+
+use super::answer::Answer;
 
 /// Why it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,52 +43,37 @@ pub struct Look {
     pub contacts: usize,
     /// Places touched since the look before.
     pub touched: Vec<[f64; 2]>,
-    /// S; `None` on a plane, or where nothing was recognised.
+    /// S; `None` on a plane, or where there is no answer.
     pub shape_index: Option<Estimate>,
-    /// R; `None` where nothing was recognised.
+    /// R; `None` where there is no answer.
     pub curvedness: Option<Estimate>,
-    /// What the contacts show.
-    pub hypothesis: Option<Hypothesis>,
+    /// What the contacts show: the kind of surface, or the class under a named model.
+    pub kind: Option<String>,
     /// True S and R at the places that the means were taken over.
     pub truth: [Option<f64>; 2],
     /// Part of the map that contacts support.
     pub support: f64,
     /// u(S) and u(R)/R that noise would leave after the whole budget; `None` without a goal.
     pub attainable: Option<[f64; 2]>,
-    /// Why nothing was recognised.
+    /// Why there is no answer.
     pub refused: Option<String>,
 }
 
 impl Look {
-    /// Of what was recognised, or why nothing was.
-    pub(super) fn new(
-        contacts: usize,
-        touched: Vec<[f64; 2]>,
-        found: &Result<Recognition, RecognitionError>,
-        truth: &Truth,
-    ) -> Look {
-        let mut look = Look {
+    /// Of what the contacts answer.
+    pub(super) fn new(contacts: usize, touched: Vec<[f64; 2]>, answer: &Answer, truth: &Truth) -> Look {
+        let [shape_index, curvedness] = answer.estimates();
+        Look {
             contacts,
             touched,
-            shape_index: None,
-            curvedness: None,
-            hypothesis: None,
-            truth: [None; 2],
-            support: 0.0,
+            shape_index,
+            curvedness,
+            kind: answer.kind(),
+            truth: answer.truth(truth),
+            support: answer.support(),
             attainable: None,
-            refused: None,
-        };
-        match found {
-            Ok(found) => {
-                look.shape_index = found.shape_index;
-                look.curvedness = Some(found.curvedness);
-                look.hypothesis = Some(found.hypothesis);
-                look.truth = true_means(found, truth);
-                look.support = found.support.0 as f64 / found.support.1.max(1) as f64;
-            }
-            Err(error) => look.refused = Some(error.to_string()),
+            refused: answer.refused(),
         }
-        look
     }
 
     /// u(S) and u(R)/R; S of a plane is not asked for.
@@ -109,11 +96,4 @@ impl Look {
         let s = self.shape_index.as_ref()?;
         Some([of(s), of(r) / r.mean])
     }
-}
-
-/// Mean S and R of the true surface at the places that the recognition took its means over.
-fn true_means(found: &Recognition, truth: &Truth) -> [Option<f64>; 2] {
-    let local: Vec<_> = found.averaged.iter().filter_map(|(point, normal)| truth.near(*point, *normal)).collect();
-    let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-    [mean(local.iter().filter_map(|l| l.shape_index()).collect()), mean(local.iter().map(|l| l.curvedness()).collect())]
 }

@@ -13,6 +13,8 @@ mod describe_parametric;
 mod describe_recognised;
 mod description;
 mod document;
+mod explore;
+mod explore_picture;
 mod json;
 mod maps;
 mod parametric;
@@ -29,9 +31,11 @@ mod table;
 
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
+pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
+pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use json::write_json;
-pub use schema::{fit_schema, study_schema};
+pub use schema::{explore_schema, fit_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

@@ -1,4 +1,4 @@
-//! The JSON Schemas of `palpate.fit/1` and `palpate.study/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1` and `palpate.explore/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
@@ -6,6 +6,7 @@
 use serde_json::{Map, Value, json};
 
 use super::document::*;
+use super::explore::{EXPLORE_SCHEMA, explore_samples};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
@@ -35,6 +36,22 @@ pub fn study_schema() -> Value {
     // quantities beside S and R stand under the names that they were asked for by
     let quantity = schema["properties"]["S"].clone();
     schema["properties"]["quantities"] = json!({ "type": "object", "additionalProperties": quantity });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.explore/1`.
+pub fn explore_schema() -> Value {
+    let samples: Vec<Value> =
+        explore_samples(full().shape, bare().shape).iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut all: Vec<&Value> = samples.iter().collect();
+    // contacts that the fit refuses have no shape
+    let mut refused = samples.last().cloned().unwrap_or_default();
+    refused["shape"] = Value::Null;
+    all.push(&refused);
+    let mut schema = merged(&all);
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = EXPLORE_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
     schema
 }
 

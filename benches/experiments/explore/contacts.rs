@@ -4,6 +4,7 @@
 //! contacts until = those of the first of two successive looks that are both within         more than the budget: never
 //! ```
 
+use palpate::FitOptions;
 use palpate::internals::explore::{ExploreOptions, Look, Strategy, explore};
 use rayon::prelude::*;
 
@@ -22,18 +23,24 @@ pub(crate) fn is_right(look: &Look) -> bool {
     s.is_some_and(|s| s <= RIGHT[0]) && r.is_some_and(|r| r <= RIGHT[1])
 }
 
-/// Contacts until the answer is right; `None` where the budget does not do.
-fn until(seed: u64, noise: u64, strategy: Strategy, lines: bool) -> Option<usize> {
-    let options = ExploreOptions {
+/// Three touches a round from the rectangle of the first sweep, and no goal.
+pub(crate) fn options(strategy: Strategy, noise: u64, contacts: usize) -> ExploreOptions {
+    ExploreOptions {
         strategy,
-        contacts: BUDGET,
+        contacts,
+        model: None,
         goal: None,
         per_round: 3,
-        lines,
+        lines: false,
         seed: noise,
         reach: None,
         level: 0.95,
-    };
+    }
+}
+
+/// Contacts until the answer is right; `None` where the budget does not do.
+fn until(seed: u64, noise: u64, strategy: Strategy, lines: bool, model: Option<&FitOptions>) -> Option<usize> {
+    let options = ExploreOptions { lines, model: model.cloned(), ..options(strategy, noise, BUDGET) };
     let mut before: Option<usize> = None;
     let mut found = None;
     let mut watch = |look: &Look| {
@@ -56,8 +63,11 @@ fn quantile(sorted: &[usize], q: f64) -> String {
     if sorted[at] == usize::MAX { format!("> {BUDGET}") } else { sorted[at].to_string() }
 }
 
-pub(crate) fn print(first: u64, objects: u64, noises: u64) {
-    println!("\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep 3 x 3, 3 touches a round");
+pub(crate) fn print(first: u64, objects: u64, noises: u64, model: Option<&FitOptions>) {
+    let answer = model.map_or("recognised".into(), |m| format!("named, degree {}", m.degree[0]));
+    println!(
+        "\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep 3 x 3, 3 touches a round; {answer}"
+    );
     println!("{:<22} {:>7} {:>8} {:>10}   medians by kind", "strategy", "median", "90 %", "never, %");
     let mut strategies: Vec<(String, Strategy, bool)> =
         Strategy::WORDS.iter().map(|(word, strategy)| (word.to_string(), *strategy, false)).collect();
@@ -65,7 +75,7 @@ pub(crate) fn print(first: u64, objects: u64, noises: u64) {
     for (name, strategy, lines) in strategies {
         let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();
         let found: Vec<(u64, usize)> =
-            runs.par_iter().map(|&(o, n)| (o, until(o, n, strategy, lines).unwrap_or(usize::MAX))).collect();
+            runs.par_iter().map(|&(o, n)| (o, until(o, n, strategy, lines, model).unwrap_or(usize::MAX))).collect();
         tell(&name, &found);
     }
 }

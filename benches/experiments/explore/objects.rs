@@ -1,7 +1,7 @@
 //! Objects that nobody has seen: six kinds, their sizes, places and directions drawn from a seed.
 //!
 //! ```text
-//! patch 8 by 8; radii 6 to 20; position noise 0.02 along each axis, normal noise 1 degree per tangent axis
+//! patch 8 by 8; radii 6 to 20; position noise 0.02 along each axis, normal noise 0.03 radian per tangent axis
 //! ```
 
 use palpate::internals::draws::EffectDraws;
@@ -45,5 +45,7 @@ pub(crate) fn object(seed: u64) -> World {
         surface = surface.concave();
     }
     let sweep = Sweep::new(linspace(-HALF, HALF, 3), linspace(-HALF, HALF, 3));
-    World::new(surface, sweep).with(PositionNoise::Sigma([0.02; 3])).with(NormalNoise { sigma_deg: 1.0 })
+    World::new(surface, sweep)
+        .with(PositionNoise::Sigma([0.02; 3]))
+        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
 }
