@@ -36,10 +36,10 @@ pub(super) struct ExploreArgs {
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000), value_name = "N")]
     contacts: u32,
     /// Stop when the standard uncertainty of S, in all, is at most this; R follows by --u-r
-    #[arg(long, value_parser = positive, value_name = "U", requires = "u_r")]
+    #[arg(long, value_parser = positive, value_name = "U", allow_hyphen_values = true, requires = "u_r")]
     u_s: Option<f64>,
     /// Stop when the standard uncertainty of R, in all, is at most this share of R; S follows by --u-s
-    #[arg(long, value_parser = positive, value_name = "SHARE", requires = "u_s")]
+    #[arg(long, value_parser = positive, value_name = "SHARE", allow_hyphen_values = true, requires = "u_s")]
     u_r: Option<f64>,
     /// Touches between two looks at S and R
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]

@@ -181,7 +181,8 @@ impl Situation<'_> {
                 let place = [middle[0] + side * t * angle.cos(), middle[1] + side * t * angle.sin()];
                 if self.hand.can_touch(place) { inside = t } else { outside = t }
             }
-            side * inside
+            // a hair inside, where rounding cannot put it beyond the edge
+            side * inside * (1.0 - 1e-6)
         })
     }
 
