@@ -24,6 +24,7 @@ SIGMA_Z, SIGMA_N = 0.02, 0.03
 RIGHT = (0.01, 0.02)
 KINDS = ["sphere", "cylinder", "saddle", "torus", "bump", "superquadric"]
 FIRST = [0, 10, 20, 210, 220, 230, 420, 430, 440]  # 3 x 3 of 21 x 21
+STEPS = 10  # of L-BFGS in every round, from where the last round ended
 WIDE = 10.0  # c: next to no prior on height and tilt
 
 
@@ -69,7 +70,17 @@ class Process:
             self.noise[np.ix_(rows, rows)] = c
 
     def gram(self, theta):
-        return np.block([[block(self.at, self.at, theta, d, e) for e in DATA] for d in DATA]) + self.noise
+        """All nine blocks at once: they share one exponential."""
+        s2, a, b = theta
+        u = (self.at[:, None, 0] - self.at[None, :, 0]) / a
+        v = (self.at[:, None, 1] - self.at[None, :, 1]) / b
+        k = s2 * np.exp(-0.5 * (u * u + v * v))
+        x, y, xx, xy, yy = u / a * k, v / b * k, (1 - u * u) / a**2 * k, -u * v / (a * b) * k, (1 - v * v) / b**2 * k
+        full = np.block([[k, x, y], [-x, xx, xy], [-y, xy, yy]])
+        n = len(self.at)
+        plane = np.zeros((3 * n, 3))
+        plane[:n, 0], plane[:n, 1:], plane[n : 2 * n, 1], plane[2 * n :, 2] = 1, self.at, 1, 1
+        return full + WIDE**2 * plane @ plane.T + self.noise
 
     def cost(self, log):
         theta = np.exp(log)
@@ -82,7 +93,8 @@ class Process:
         return 0.5 * self.y @ cho_solve(factor, self.y) + np.log(np.diag(factor[0])).sum() + prior
 
     def learn(self, start):
-        best = minimize(self.cost, start, method="L-BFGS-B", bounds=[(-8, 12), (0.0, 5.0), (0.0, 5.0)])
+        best = minimize(self.cost, start, method="L-BFGS-B", bounds=[(-8, 12), (0.0, 5.0), (0.0, 5.0)],
+                        options={"maxiter": STEPS})
         self.theta = np.exp(best.x)
         self.factor = cho_factor(self.gram(self.theta), lower=True)
         self.weights = cho_solve(self.factor, self.y)

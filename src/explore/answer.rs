@@ -12,6 +12,7 @@ use crate::scene::Truth;
 use crate::shape::compare_with_truth;
 
 use super::model::{fit_of, planning_fit};
+use super::richer::richer_p;
 
 /// The answer to some contacts.
 pub(super) enum Answer {
@@ -59,6 +60,11 @@ impl Answer {
         }
     }
 
+    /// Whether a named model answered.
+    pub(super) fn is_named(&self) -> bool {
+        matches!(self, Answer::Fitted(_))
+    }
+
     /// Why there is none.
     pub(super) fn refused(&self) -> Option<String> {
         if let Answer::Refused(why) = self { Some(why.clone()) } else { None }
@@ -101,6 +107,11 @@ impl Answer {
             }
             Answer::Refused(_) => [None; 2],
         }
+    }
+
+    /// Probability of so good an explanation by a richer spline, if what was recognised were all there is.
+    pub(super) fn richer_p(&self, contacts: &Contacts) -> Option<f64> {
+        if let Answer::Recognised(found) = self { richer_p(contacts, found) } else { None }
     }
 
     /// The fit whose covariance touches are planned by; `None` where the contacts are too few for one.

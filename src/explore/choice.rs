@@ -162,7 +162,8 @@ impl Situation<'_> {
                 for (angle, [back, forth]) in directions.iter().zip(reach) {
                     let t = if share < 0.0 { -share * back } else { share * forth };
                     let place = [middle[0] + t * angle.cos(), middle[1] + t * angle.sin()];
-                    let is_new = self.hand.touches.iter().chain(&chosen).all(|touch| distance(*touch, place) > near);
+                    let is_new =
+                        self.touched().chain(chosen.iter().copied()).all(|touch| distance(touch, place) > near);
                     if chosen.len() < n && is_new && self.hand.can_touch(place) {
                         chosen.push(place);
                     }

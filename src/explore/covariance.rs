@@ -169,16 +169,19 @@ impl Covariance {
 
 #[inline]
 fn touched_by<const LOCAL: usize>(block: &[f64], solved: [&[f64]; 2], rows: &[f64]) -> Touched {
+    let (block, _) = block.as_chunks::<LOCAL>();
+    let ([height, first, second], _) = rows.as_chunks::<LOCAL>() else { return touched_any(&[], solved, rows, 0) };
+    let own: [&[f64; LOCAL]; 3] = [height, first, second];
     let mut products = [[0.0; LOCAL]; 3];
-    let own: [&[f64]; 3] = [&rows[..LOCAL], &rows[LOCAL..2 * LOCAL], &rows[2 * LOCAL..3 * LOCAL]];
-    for (l, row) in block.chunks_exact(LOCAL).enumerate().take(LOCAL) {
+    for (l, row) in block.iter().enumerate().take(LOCAL) {
         for (product, own) in products.iter_mut().zip(own) {
-            for (entry, p) in product.iter_mut().zip(row) {
-                *entry += own[l] * p;
+            let weight = own[l];
+            for k in 0..LOCAL {
+                product[k] += weight * row[k];
             }
         }
     }
-    finished(own, [&products[0], &products[1], &products[2]], solved)
+    finished(own.map(|own| &own[..]), [&products[0], &products[1], &products[2]], solved)
 }
 
 fn touched_any(block: &[f64], solved: [&[f64]; 2], rows: &[f64], local: usize) -> Touched {

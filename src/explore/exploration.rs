@@ -88,6 +88,7 @@ pub fn explore(
             Situation { hand: hand_now, swept: &swept, contacts: &contacts, answer: &answer, direction, units, seed };
         let left = options.contacts - hand.swept - hand.touches.len();
         if options.goal.is_some() {
+            look.richer_p = answer.richer_p(&contacts);
             let shares = situation.attainable(left);
             look.attainable = look.noises().zip(shares).map(|(now, share)| [0, 1].map(|q| now[q] * share[q]));
         }

@@ -55,6 +55,11 @@ pub struct Look {
     pub support: f64,
     /// u(S) and u(R)/R that noise would leave after the whole budget; `None` without a goal.
     pub attainable: Option<[f64; 2]>,
+    /// Probability of so good an explanation by a richer spline, if what was recognised were all there is; `None` without
+    /// a goal, under a named model, and where contacts are too few to ask.
+    pub richer_p: Option<f64>,
+    /// Whether a named model answered.
+    pub named: bool,
     /// Why there is no answer.
     pub refused: Option<String>,
 }
@@ -72,6 +77,8 @@ impl Look {
             truth: answer.truth(truth),
             support: answer.support(),
             attainable: None,
+            richer_p: None,
+            named: answer.is_named(),
             refused: answer.refused(),
         }
     }

@@ -36,6 +36,7 @@ mod hand;
 mod look;
 mod model;
 mod planner;
+mod richer;
 mod rows;
 mod stopping;
 mod strategy;

@@ -1,9 +1,11 @@
 //! When to stop: at a goal that holds at two looks in a row, at the budget, or where the goal cannot be attained.
 //!
 //! ```text
-//! goal          u(S) <= u_s and u(R) <= u_r R, the total uncertainties, at two successive looks
+//! goal          u(S) <= u_s and u(R) <= u_r R, the total uncertainties, and no richer spline explains the contacts better
+//!               (p >= 0.1, asked from 15 contacts on), at two successive looks
 //! noise         u_noise x (u after the whole budget / u now, both planned) > goal: no touch left can bring it down
-//! model         u_model > goal and no longer falling: it is doubt about the kind of surface, or errors that contacts share
+//! model         u_model > goal and no longer falling, or a richer spline better at every look for long: doubt about the kind
+//!               of surface, or errors that contacts share
 //! ```
 //!
 //! Whoever looks often and stops when an interval happens to be narrow stops too often where it is too narrow. The second
@@ -27,6 +29,10 @@ const IN_A_ROW: usize = 2;
 /// are given up that a lucky look would meet. Larger: the budget is spent in vain.
 const OUT_OF_REACH: f64 = 1.3;
 
+/// Below this p a richer spline is thought to explain the contacts better. One look in ten of a surface rightly recognised
+/// falls below it, which costs a round; a smaller level overlooks more bumps that were taken for balls.
+const RICHER: f64 = 0.1;
+
 /// Looks over which u_model must have stood still, and the share by which it may fall while it stands still.
 const STILL: usize = 5;
 const STANDS: f64 = 0.9;
@@ -40,7 +46,7 @@ impl Goal {
 
     /// Whether the goal holds.
     pub(super) fn holds(&self, look: &Look) -> bool {
-        self.shares(look).is_some_and(|shares| shares.iter().all(|share| *share <= 1.0))
+        is_doubted_in_vain(look) && self.shares(look).is_some_and(|shares| shares.iter().all(|share| *share <= 1.0))
     }
 
     /// Whether the looks so far end the exploration.
@@ -65,6 +71,17 @@ impl Goal {
                 })
             })
         };
-        last(STILL).filter(|looks| stuck(looks)).map(|_| Stopped::Model)
+        let hopeless = |looks: &[Look]| stuck(looks) || looks.iter().all(is_refuted);
+        last(STILL).filter(|looks| hopeless(looks)).map(|_| Stopped::Model)
     }
+}
+
+/// Whether a richer spline was asked and does no better; a named model is not doubted.
+fn is_doubted_in_vain(look: &Look) -> bool {
+    look.named || look.richer_p.is_some_and(|p| p >= RICHER)
+}
+
+/// Whether a richer spline explains the contacts better than what was recognised.
+fn is_refuted(look: &Look) -> bool {
+    look.richer_p.is_some_and(|p| p < RICHER)
 }

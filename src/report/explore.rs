@@ -50,6 +50,8 @@ pub(crate) struct StepPart {
     pub kind: Option<String>,
     /// Why nothing was recognised.
     pub refused: Option<String>,
+    /// Probability of so good an explanation by a richer spline, if what was recognised were all there is.
+    pub richer_p: Option<f64>,
     /// u(S) and u(R)/R that noise alone leaves after the whole budget.
     pub attainable: Option<UncertaintyPart>,
     /// Where it touched since the step before.
@@ -137,6 +139,7 @@ fn step(look: &Look) -> StepPart {
         curvedness: known(look.curvedness, look.truth[1]),
         kind: look.kind.clone(),
         refused: look.refused.clone(),
+        richer_p: look.richer_p,
         attainable: look.attainable.map(|[s, r]| UncertaintyPart { u_S: s, u_R: r }),
         touched: look.touched.clone(),
     }
@@ -188,11 +191,14 @@ fn noise_words(look: &Look, goal: &Goal, options: &ExploreOptions) -> Option<Str
 
 fn doubt_words(look: &Look) -> Option<String> {
     let (s, r) = (look.shape_index?, look.curvedness?);
+    let richer = look.richer_p.map_or(String::new(), |p| {
+        format!(" (p = {} that what was recognised is all there is, beside a richer spline)", significant(p, 2))
+    });
     Some(format!(
-        "doubt about the kind of surface, or errors that contacts share, leaves u(S) = {} and u(R)/R = {}, more than the goal, and \
-         more contacts no longer lower it",
-        significant(s.u_model, 2),
-        significant(r.u_model / r.mean, 2)
+        "doubt about the kind of surface, or errors that contacts share, leave u(S) = {} and u(R)/R = {}, and more contacts do not \
+         settle it{richer}; a model named by --degree answers with noise alone",
+        significant(s.u, 2),
+        significant(r.u / r.mean, 2)
     ))
 }
 
@@ -255,8 +261,8 @@ pub(crate) fn write_explore_csv(document: &ExploreDocument, out: &mut dyn Write)
     Ok(())
 }
 
-/// A document in which everything is there, and one in which nothing is, for the schema.
-pub(super) fn explore_samples(shape: ShapePart, empty: ShapePart) -> [ExploreDocument; 2] {
+/// Documents in which everything is there, and in which nothing is, with these shapes, for the schema.
+pub(super) fn explore_samples(shape: ShapePart, emptied: ShapePart, bare: ShapePart) -> [ExploreDocument; 4] {
     let half = Some(0.5);
     let part = KnownPart { mean: half, u: half, u_noise: half, u_model: half, interval: Some([0.5; 2]), truth: half };
     let goal = UncertaintyPart { u_S: 0.5, u_R: 0.5 };
@@ -277,18 +283,21 @@ pub(super) fn explore_samples(shape: ShapePart, empty: ShapePart) -> [ExploreDoc
             curvedness: part,
             kind: Some("sphere".into()),
             refused: Some("too few".into()),
+            richer_p: half,
             attainable: Some(goal),
             touched: vec![[0.5; 2]],
         }],
         shape: Some(shape),
         notes: vec!["a note".into()],
     };
-    let mut bare = full.clone();
-    bare.goal = None;
-    for step in &mut bare.steps {
+    let mut empty = full.clone();
+    empty.goal = None;
+    for step in &mut empty.steps {
         (step.shape_index, step.curvedness) = (KnownPart::default(), KnownPart::default());
-        (step.kind, step.refused, step.attainable) = (None, None, None);
+        (step.kind, step.refused, step.attainable, step.richer_p) = (None, None, None, None);
     }
-    bare.shape = Some(empty);
-    [full, bare]
+    // contacts that the fit refuses have no shape
+    empty.shape = None;
+    let with = |shape: ShapePart| ExploreDocument { shape: Some(shape), ..full.clone() };
+    [with(emptied), with(bare), empty, full]
 }

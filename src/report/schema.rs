@@ -41,14 +41,9 @@ pub fn study_schema() -> Value {
 
 /// JSON Schema (draft 2020-12) of `palpate.explore/1`.
 pub fn explore_schema() -> Value {
-    let samples: Vec<Value> =
-        explore_samples(full().shape, bare().shape).iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
-    let mut all: Vec<&Value> = samples.iter().collect();
-    // contacts that the fit refuses have no shape
-    let mut refused = samples.last().cloned().unwrap_or_default();
-    refused["shape"] = Value::Null;
-    all.push(&refused);
-    let mut schema = merged(&all);
+    let documents = explore_samples(full().shape, emptied().shape, bare().shape);
+    let samples: Vec<Value> = documents.iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = EXPLORE_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
