@@ -77,7 +77,8 @@ fn touches(area: &Area, document: &ExploreDocument) -> Outcome {
             number += 1;
             let at = (place[0], place[1]);
             chart.draw_series(std::iter::once(Circle::new(at, 5, colour.filled())))?;
-            if number <= NUMBERED {
+            // the first sweep has an order of its own, and its repeats lie on one another
+            if round > 0 && number <= NUMBERED {
                 let text = EmptyElement::at(at) + Text::new(number.to_string(), (5, -14), ("sans-serif", 11));
                 chart.draw_series(std::iter::once(text))?;
             }
