@@ -60,7 +60,7 @@ enum Verb {
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
-    Explore(explore::ExploreArgs),
+    Explore(Box<explore::ExploreArgs>),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points

@@ -45,8 +45,8 @@ pub(super) enum Criterion {
 ///
 /// let mut planner = TouchPlanner::new(&fit)?;
 /// let candidates = [[0.0, 0.0], [4.0, 4.0], [1.0, 0.0]];
-/// // the corner tells more of the curvatures than the middle
-/// assert_eq!(planner.next_touches(&candidates, 1)?, [1]);
+/// // one more height in the middle tells more of how far the ridge rises than the others
+/// assert_eq!(planner.next_touches(&candidates, 1)?, [0]);
 /// let [u_s, u_r] = planner.expected_u();
 /// assert!(u_s < fit.shape().shape_index.u.unwrap() && u_r < fit.shape().curvedness.u.unwrap());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
