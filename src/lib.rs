@@ -46,6 +46,7 @@ mod curvature;
 mod draws;
 pub mod explore;
 pub mod fit;
+pub mod frontier;
 #[doc(hidden)]
 pub mod internals;
 #[cfg(feature = "cli")]

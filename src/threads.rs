@@ -4,16 +4,24 @@
 //! fixed order. Without the feature the pieces are done one after another, and neither rayon nor faer's threads are built.
 
 #[cfg(feature = "threads")]
-pub(crate) use several::{any, each, join, map, map_with, try_map};
+pub(crate) use several::{alone, any, each, join, map, map_with, try_map};
 
 #[cfg(not(feature = "threads"))]
-pub(crate) use one::{any, each, join, map, map_with, try_map};
+pub(crate) use one::{alone, any, each, join, map, map_with, try_map};
 
 #[cfg(feature = "threads")]
 mod several {
     use rayon::prelude::*;
 
     pub(crate) use rayon::join;
+
+    /// `f()` with everything that it calls on one thread; on the threads at hand where the system gives no other.
+    pub(crate) fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
+        match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            Ok(pool) => pool.install(f),
+            Err(_) => f(),
+        }
+    }
 
     /// `f(0), f(1), ...`; a thread takes at least `piece` of them at a time.
     pub(crate) fn map<T: Send>(count: usize, piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
@@ -49,6 +57,10 @@ mod several {
 /// The same functions on the calling thread; they are compiled in every build, so that they cannot fall behind.
 #[cfg_attr(feature = "threads", allow(dead_code, reason = "the functions of `several` are called instead"))]
 mod one {
+    pub(crate) fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
+        f()
+    }
+
     pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
         (a(), b())
     }

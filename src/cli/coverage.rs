@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::io::scene_file::coverage_family;
-use crate::montecarlo::{Coverages, Held, StudyError, coverage as covered};
+use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
+use crate::montecarlo::{Coverages, Family, Held, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
 use crate::report::write_json;
 
 use super::failure::Failure;
@@ -20,6 +20,11 @@ const REPLICATES: u64 = 2000;
 /// Replicates of the study whose errors the Monte Carlo's intervals carry.
 const STUDY: u64 = 20_000;
 
+/// Half width of a normal law's 95 % interval over its sd.
+const NORMAL: f64 = 1.96;
+/// Seed of the first random surface when none is said.
+const FIRST: u64 = 1;
+
 #[derive(Serialize)]
 struct HeldPart {
     share: Option<f64>,
@@ -31,8 +36,13 @@ struct HeldPart {
 struct QuantityCoverage {
     linear: HeldPart,
     monte_carlo: HeldPart,
+    named: HeldPart,
+    named_half_width: Option<f64>,
     chosen: HeldPart,
     chosen_width: Option<f64>,
+    chosen_half_width: Option<f64>,
+    /// Median half width over that of a fit which knows the surface's family and the noise.
+    chosen_over_oracle: Option<f64>,
     bias_over_sd: Option<f64>,
     u_over_sd: Option<f64>,
 }
@@ -76,12 +86,16 @@ impl HeldPart {
 }
 
 impl SceneCoverage {
-    fn new(plan: &Plan, found: &Coverages) -> SceneCoverage {
+    fn new(plan: &Plan, found: &Coverages, oracle: [Option<f64>; 2]) -> SceneCoverage {
         let part = |q: usize| QuantityCoverage {
             linear: HeldPart::new(&found.linear[q]),
             monte_carlo: HeldPart::new(&found.monte_carlo[q]),
+            named: HeldPart::new(&found.named[q]),
+            named_half_width: found.named_half_width[q],
             chosen: HeldPart::new(&found.chosen[q]),
             chosen_width: found.chosen_width[q],
+            chosen_half_width: found.chosen_half_width[q],
+            chosen_over_oracle: found.chosen_half_width[q].zip(oracle[q]).map(|(half, sd)| half / (NORMAL * sd)),
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
         };
@@ -98,32 +112,86 @@ impl SceneCoverage {
     }
 }
 
+/// A scene whose intervals are judged, and the oracle's standard deviations of S and R there.
+struct Judged {
+    scene: SceneFile,
+    oracle: [Option<f64>; 2],
+}
+
+impl Judged {
+    fn new(scene: SceneFile, family: Option<Family>) -> Judged {
+        let places = scene.world.compile().map(|simulator| {
+            let contacts = simulator.noise_free();
+            contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect::<Vec<_>>()
+        });
+        let oracle = match (family, places) {
+            (Some(family), Ok(places)) => oracle_sd(&family, &places, noise_of(&scene.world)),
+            _ => [None; 2],
+        };
+        Judged { scene, oracle }
+    }
+
+    fn of_source(source: &Source) -> Result<Judged, Failure> {
+        let scene = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
+        let surface = scene.world.surface.clone();
+        Ok(Judged::new(scene, Family::of(&surface)))
+    }
+
+    /// The random surface of a seed; its named model is a height field of degree 3 with the noise declared.
+    fn random(seed: u64) -> Result<Judged, Failure> {
+        let drawn = RandomSurface::new(seed);
+        let [z, normal] = noise_of(&drawn.world).map(|sd| sd.unwrap_or(1.0));
+        let text = format!(
+            "seed = {seed}\n[surface]\nkind = \"plane\"\n[sweep]\nfingers = [0.0]\nfrom = 0.0\nto = 1.0\nstations = 2\n\
+             [fit]\ndegree = 3\nsigma = [{z:?}, {:?}]\n",
+            normal.to_degrees()
+        );
+        let template = read_scene(&text).map_err(|e| Failure::Input(format!("{}: {e}", drawn.name)))?;
+        let scene = SceneFile { name: drawn.name.clone(), world: drawn.world.clone(), ..template };
+        Ok(Judged::new(scene, drawn.family()))
+    }
+}
+
+/// The scenes that the arguments ask about.
+fn judged(args: &StudyArgs, scene: Option<&str>) -> Result<Vec<Judged>, Failure> {
+    match (args.random, scene) {
+        (Some(count), _) => (0..count).map(|k| Judged::random(args.seed.unwrap_or(FIRST) + k)).collect(),
+        (None, Some(name)) => Ok(vec![Judged::of_source(&scene::source(name)?)?]),
+        (None, None) => {
+            let texts = coverage_family().into_iter();
+            texts.map(|(name, text)| Judged::of_source(&Source::of_text(&name, text))).collect()
+        }
+    }
+}
+
+/// One scene: its study, where the intervals of the Monte Carlo are taken from, and its fits.
+fn scene_coverage(args: &StudyArgs, judged: &Judged, replicates: u64) -> Result<SceneCoverage, Failure> {
+    let read = &judged.scene;
+    let mut fit = args.fit.over(read.fit.clone());
+    fit.level = args.level.unwrap_or(read.study.level);
+    let study = if args.random.is_some() { replicates } else { STUDY.max(replicates) };
+    let mut args = args.clone();
+    (args.replicates, args.attribution) = (Some(study), Some(0));
+    let plan = Plan::of_scene(&args, read)?;
+    let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
+    // whole fits are dear: as many as are asked of, no more
+    let enough = if plan.study.engine().path() == crate::montecarlo::Path::Whole { replicates } else { plan.most };
+    let (state, _) = plan.study.run(plan.study.start(0), enough, &mut |_| true).map_err(wrong)?;
+    let result = plan.study.result(&state, 0);
+    let found = covered(&plan.study, &fit, replicates, &result.quantities);
+    Ok(SceneCoverage::new(&plan, &found, judged.oracle))
+}
+
 pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Failure> {
     args.output.prepare(&scene.iter().map(Path::new).collect::<Vec<_>>(), &[])?;
-    let sources: Vec<Source> = match scene {
-        Some(name) => vec![scene::source(name)?],
-        None => coverage_family().into_iter().map(|(name, text)| Source::of_text(&name, text)).collect(),
-    };
+    let all = judged(args, scene)?;
     let replicates = args.replicates.unwrap_or(REPLICATES);
-    let bar = Bar::new(&args.output, sources.len() as u64, "coverage");
+    let level = args.level.unwrap_or(all.first().map_or(0.95, |one| one.scene.study.level));
+    let bar = Bar::new(&args.output, all.len() as u64, "coverage");
     let mut scenes = Vec::new();
-    let mut level = 0.95;
-    for source in &sources {
-        let read = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
-        let mut fit = args.fit.over(read.fit.clone());
-        level = args.level.unwrap_or(read.study.level);
-        fit.level = level;
-        let mut args = args.clone();
-        (args.replicates, args.attribution) = (Some(STUDY.max(replicates)), Some(0));
-        let plan = Plan::of_scene(&args, &read)?;
-        let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
-        // whole fits are dear: as many as are asked of, no more
-        let enough = if plan.study.engine().path() == crate::montecarlo::Path::Whole { replicates } else { plan.most };
-        let (state, _) = plan.study.run(plan.study.start(0), enough, &mut |_| true).map_err(wrong)?;
-        let result = plan.study.result(&state, 0);
-        let found = covered(&plan.study, &fit, replicates, &result.quantities);
-        scenes.push(SceneCoverage::new(&plan, &found));
-        bar.step(plan.name.clone());
+    for one in &all {
+        scenes.push(scene_coverage(args, one, replicates)?);
+        bar.step(one.scene.name.clone());
     }
     drop(bar);
     let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
@@ -144,22 +212,25 @@ fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Res
     writeln!(out, "intervals that hold the truth, per cent of {} fits; {level} are promised", document.replicates)?;
     writeln!(
         out,
-        "linear and Monte Carlo: the model that the scene names; chosen: no model named, the contacts recognised"
+        "linear and Monte Carlo: the model that the scene names, by noise alone; named: what other kinds of surface say \
+         counted, too; chosen: no model named, the contacts recognised"
     )?;
-    let head = ["linear", "Monte Carlo", "bias/sd", "chosen", "width/1.96 sd"];
-    let [a, b, c, d, e] = head;
-    writeln!(out, "{:<24}    {a:>18} {b:>18} {c:>8} {d:>18} {e:>14}  planes failed", "scene")?;
+    let head = ["linear", "Monte Carlo", "bias/sd", "named", "chosen", "width/1.96 sd", "width/oracle"];
+    let [a, b, c, d, e, f, g] = head;
+    writeln!(out, "{:<24}    {a:>18} {b:>18} {c:>8} {d:>18} {e:>18} {f:>14} {g:>13}  planes failed", "scene")?;
     for scene in &document.scenes {
         for (name, letter, part) in [(&scene.scene[..], "S", &scene.shape_index), ("", "R", &scene.curvedness)] {
             let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.2}"));
             let counts = if letter == "S" { format!("{:>6} {:>6}", scene.planes, scene.failed) } else { String::new() };
             let line = format!(
-                "{name:<24} {letter}  {:>18} {:>18} {:>8} {:>18} {:>14}  {counts}",
+                "{name:<24} {letter}  {:>18} {:>18} {:>8} {:>18} {:>18} {:>14} {:>13}  {counts}",
                 part.linear.words(),
                 part.monte_carlo.words(),
                 number(part.bias_over_sd),
+                part.named.words(),
                 part.chosen.words(),
-                number(part.chosen_width)
+                number(part.chosen_width),
+                number(part.chosen_over_oracle)
             );
             writeln!(out, "{}", line.trim_end())?;
         }
@@ -176,12 +247,18 @@ fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Resul
             "mc",
             "mc_lo",
             "mc_hi",
+            "named",
+            "named_lo",
+            "named_hi",
             "chosen",
             "chosen_lo",
             "chosen_hi",
             "bias_over_sd",
             "u_over_sd",
             "chosen_width",
+            "chosen_half_width",
+            "chosen_over_oracle",
+            "named_half_width",
         ]
         .map(|what| format!("{name}_{what}"))
         .join(",")
@@ -192,11 +269,18 @@ fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Resul
             vec![scene.scene.clone(), scene.path.clone(), scene.fitted.to_string(), scene.failed.to_string()];
         words.push(scene.planes.to_string());
         for part in [&scene.shape_index, &scene.curvedness] {
-            for held in [&part.linear, &part.monte_carlo, &part.chosen] {
+            for held in [&part.linear, &part.monte_carlo, &part.named, &part.chosen] {
                 let ends = held.interval.unwrap_or([f64::NAN; 2]);
                 words.extend([held.share.unwrap_or(f64::NAN), ends[0], ends[1]].map(|v| v.to_string()));
             }
-            let others = [part.bias_over_sd, part.u_over_sd, part.chosen_width];
+            let others = [
+                part.bias_over_sd,
+                part.u_over_sd,
+                part.chosen_width,
+                part.chosen_half_width,
+                part.chosen_over_oracle,
+                part.named_half_width,
+            ];
             words.extend(others.map(|v| v.unwrap_or(f64::NAN).to_string()));
         }
         // a path's name may hold a comma

@@ -153,7 +153,7 @@ fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<S
             let recognition = RecognitionOptions { level, ..RecognitionOptions::default() };
             automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
         }
-        Some(model) => fit_input(input, &model.clone().with_level(level))
+        Some(model) => fit_input(input, &model.clone().with_level(level), true)
             .map(|(fit, chosen)| Found { answer: Answer::Fitted(fit), chosen, lack_of_fit: None, notes: Vec::new() })
             .map_err(Refusal::Fit),
     };

@@ -18,6 +18,14 @@ pub(super) enum Failure {
 }
 
 impl Failure {
+    /// The message alone, for a program that reports it in its own way.
+    pub(super) fn into_message(self) -> String {
+        match self {
+            Failure::Input(message) | Failure::Output(message) => message,
+            Failure::ClosedPipe => "the reader of the output has gone".into(),
+        }
+    }
+
     /// Says what happened on standard error and gives the exit code.
     pub(super) fn report(self) -> ExitCode {
         let (message, code) = match self {

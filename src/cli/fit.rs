@@ -104,7 +104,7 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
                 "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
             return Err(Refusal::Shape(what.into()));
         }
-        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
+        let (found, chosen) = fit_input(input, &fit, !args.bare).map_err(Refusal::Fit)?;
         return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
     }
     if args.bare {

@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -9,9 +9,17 @@
 mod automatic;
 mod coverage;
 mod describe;
+#[doc(hidden)]
+pub mod embedded;
 mod explore;
 mod failure;
 mod fit;
+mod frontier;
+mod frontier_args;
+mod frontier_counts;
+mod frontier_emit;
+mod frontier_input;
+mod frontier_scene;
 mod gathered;
 mod merge;
 mod named;
@@ -57,6 +65,8 @@ enum Verb {
     Fit(Box<fit::FitArgs>),
     /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
     Study(Box<study_plan::StudyArgs>),
+    /// What accuracy costs in time: ways of fitting a scene or a file, each timed and judged, and the one that meets a request
+    Frontier(frontier_args::FrontierArgs),
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
@@ -90,6 +100,7 @@ pub fn main() -> ExitCode {
         Verb::Simulate(args) => simulate::simulate(&args),
         Verb::Fit(args) => fit::fit(&args),
         Verb::Study(args) => study::study(&args),
+        Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
         Verb::Scenes(args) => scenes::scenes(&args),

@@ -3,10 +3,16 @@
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::Input;
 use crate::parametric::{FittedSurface, fit_surface};
+use crate::recognition::count_model_error;
 use crate::report::ChosenPart;
 
-/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
-pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
+/// Fits whichever kind of data it is; the kind of surface and why, where that was asked. With `uncertain` the intervals of
+/// a height field count that the surface may be of another kind than it.
+pub(super) fn fit_input(
+    input: &Input,
+    options: &FitOptions,
+    uncertain: bool,
+) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
     let (found, reason) = match input {
         Input::Contacts(contacts) => fit_surface(contacts, options)?,
         Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
@@ -15,6 +21,10 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
         Input::Grid(grid) => {
             (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
         }
+    };
+    let found = match found {
+        FittedSurface::Height(fit) if uncertain => FittedSurface::Height(Box::new(count_model_error(*fit))),
+        other => other,
     };
     let surface = match &found {
         FittedSurface::Height(_) => SurfaceKind::Height,

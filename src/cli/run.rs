@@ -47,7 +47,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let found = fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
+    let found = fit_input(&input, &args.fit.over(scene.fit.clone()), !args.bare).map_err(|e| wrong(fit_message(&e)))?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {

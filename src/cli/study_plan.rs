@@ -76,6 +76,10 @@ pub(super) struct StudyArgs {
     /// Ask of each interval that a fit would print whether it holds the truth
     #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records", "checkpoint", "budget"])]
     pub(super) coverage: bool,
+    /// With --coverage: so many surfaces drawn at random, the first by --seed [default: 1], instead of a scene
+    #[arg(long, value_name = "N", requires = "coverage", conflicts_with = "scene",
+          value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(super) random: Option<u64>,
     /// Repeat the study over a key of the scene: KEY=A:B:logN, KEY=A:B:linN or KEY=A,B,C; several make a grid
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
@@ -96,6 +100,11 @@ struct Line {
 }
 
 impl StudyArgs {
+    /// Arguments from the verb on.
+    pub(super) fn read(arguments: &[String]) -> Result<StudyArgs, String> {
+        Line::try_parse_from(arguments).map(|line| line.study).map_err(|error| error.to_string())
+    }
+
     /// Arguments as they stand in a part; the instruction set is compared by name, so `--portable` is read and left.
     pub(super) fn parse_back(arguments: &[String]) -> Option<StudyArgs> {
         let line = Line::try_parse_from(arguments).ok()?;
@@ -130,6 +139,7 @@ impl StudyArgs {
 }
 
 /// Everything that decides the numbers of a study.
+#[derive(Debug)]
 pub(super) struct Plan {
     pub(super) name: String,
     pub(super) study: Study,

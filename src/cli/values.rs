@@ -145,6 +145,27 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length of time as 50us, 2ms or 0.1s, in seconds.
+pub(super) fn duration(text: &str) -> Result<f64, String> {
+    let units = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    let parsed = units.iter().find_map(|(unit, seconds)| {
+        let number = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
+        Some(number * seconds)
+    });
+    match parsed {
+        Some(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("a time greater than 0 with its unit, such as 50us, 2ms or 0.1s".into()),
+    }
+}
+
+/// An error greater than zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    match numbers::<1>(text) {
+        Some([error]) if error > 0.0 => Ok(error),
+        _ => Err("a number greater than 0, such as 0.01".into()),
+    }
+}
+
 /// `A:B` with A < B.
 pub(super) fn range(text: &str) -> Result<[u64; 2], String> {
     let wrong = || "A:B with A < B, such as 0:5000".to_string();
@@ -224,6 +245,15 @@ mod tests {
             assert!(level(wrong).is_err(), "{wrong}");
         }
         assert!(seconds("0").is_err() && seconds("0.5").is_ok());
+    }
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!((duration("50us"), duration("2ms"), duration("0.5s")), (Ok(50.0 * 1e-6), Ok(2.0 * 1e-3), Ok(0.5)));
+        for wrong in ["50", "us", "-1us", "0s", "nans", "1 hour"] {
+            assert!(duration(wrong).unwrap_err().contains("50us"), "{wrong}");
+        }
+        assert!(positive("0").is_err() && positive("0.01").is_ok());
     }
 
     #[test]

@@ -37,7 +37,11 @@ mod notes;
 mod objective;
 mod options;
 mod placing;
+mod reading;
+mod richer;
 mod solved;
+#[cfg(feature = "cli")]
+pub(crate) mod stages;
 
 #[doc(hidden)]
 pub use crate::solve::Factor;
@@ -63,6 +67,8 @@ pub use options::{
 pub use placing::patch::Patch;
 #[doc(hidden)]
 pub use placing::sites::DataSites;
+pub(crate) use reading::{ModelReading, Reading};
+pub(crate) use richer::richer_reading;
 
 use std::sync::OnceLock;
 
@@ -77,6 +83,7 @@ pub struct Fit {
     shape: OnceLock<Shape>,
     bare_shape: OnceLock<Shape>,
     certificate: OnceLock<Certificate>,
+    model_reading: ModelReading,
 }
 
 /// Fits a height field to scattered contacts; `SurfaceKind::Auto` is a height field here.
@@ -105,14 +112,36 @@ pub fn fit_grid(grid: &Grid, options: &FitOptions) -> Result<Fit, FitError> {
 
 impl Fit {
     fn new(solved: Solved) -> Fit {
-        Fit { solved, shape: OnceLock::new(), bare_shape: OnceLock::new(), certificate: OnceLock::new() }
+        let (shape, bare_shape, certificate) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Fit { solved, shape, bare_shape, certificate, model_reading: ModelReading::NotAsked }
+    }
+
+    /// The same fit, with this said of its points by another kind of surface.
+    pub(crate) fn with_model_reading(self, model_reading: ModelReading) -> Fit {
+        Fit { model_reading, shape: OnceLock::new(), certificate: OnceLock::new(), ..self }
+    }
+
+    /// What another kind of surface said of the fit's points.
+    #[cfg(feature = "cli")]
+    pub(crate) fn model_reading(&self) -> &ModelReading {
+        &self.model_reading
+    }
+
+    /// The contacts whose heights count in patch coordinates, `most` of them or a few more; `None` without heights.
+    pub(crate) fn contacts_in_patch(&self, most: usize) -> Option<Contacts> {
+        self.solved.data.contacts_in_patch(&self.solved.patch, most)
+    }
+
+    /// Supported points of the shape grid in patch coordinates, `most` each way at most, spread evenly.
+    pub(crate) fn shape_places(&self, most: usize) -> Vec<[f64; 3]> {
+        describe::places(&describe::shape_over_grid(&self.solved), most)
     }
 
     /// S, R, class, radius and their uncertainty over the options' grid; computed on first access.
     pub fn shape(&self) -> &Shape {
         self.shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
-            describe::classify(&self.solved, &maps, true)
+            describe::classify(&self.solved, &maps, Some(&self.model_reading))
         })
     }
 
@@ -121,8 +150,14 @@ impl Fit {
     pub fn bare_shape(&self) -> &Shape {
         self.bare_shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
-            describe::classify(&self.solved, &maps, false)
+            describe::classify(&self.solved, &maps, None)
         })
+    }
+
+    /// Covariance of the noise in mean S and mean R, 1/length; computed at every call.
+    #[cfg(feature = "cli")]
+    pub(crate) fn covariance_of_means(&self) -> Option<f64> {
+        describe::covariance_of_means(&self.solved)
     }
 
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.

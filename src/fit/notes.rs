@@ -48,7 +48,8 @@ impl std::fmt::Display for Note {
             Note::NoiseVanished => {
                 write!(
                     f,
-                    "one of the two noise estimates vanished: the surface meets those rows exactly; give sigma or weights as numbers"
+                    "one of the two noise estimates vanished: the surface meets those rows exactly, which few contacts cannot \
+                     contradict; give sigma or weights as numbers"
                 )
             }
             Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use ndarray::Array2;
 
+use crate::fit::noise::levels::Levels;
 use crate::fit::noise::sds::NoiseSds;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::data::Data;
@@ -26,6 +27,7 @@ pub(super) struct Solved {
     pub surface: HeightField,
     noise: OnceLock<NoiseSds>,
     condition: OnceLock<f64>,
+    levels: OnceLock<Option<Levels>>,
 }
 
 impl Solved {
@@ -37,14 +39,19 @@ impl Solved {
         let shape = [patch.knots[0].n_basis(), patch.knots[1].n_basis()];
         let coefficients = Array2::from_shape_fn(shape, |(i, j)| fitted.solution.coefficients[i * shape[1] + j]);
         let surface = HeightField::new(patch.knots.clone(), coefficients)?;
-        let (noise, condition) = (OnceLock::new(), OnceLock::new());
-        Ok(Solved { options: options.clone(), patch, data, fitted, surface, noise, condition })
+        let (noise, condition, levels) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Solved { options: options.clone(), patch, data, fitted, surface, noise, condition, levels })
     }
 
     /// Noise sds; where weights were given they are computed from the residuals on first access.
     pub(super) fn noise(&self) -> &NoiseSds {
         let Fitted { equations, solution, noise, .. } = &self.fitted;
         self.noise.get_or_init(|| noise.sds(equations, solution))
+    }
+
+    /// What few contacts leave open about the two noise sds; `None` of many contacts, and where [`Levels::new`] says so.
+    pub(super) fn levels(&self) -> Option<&Levels> {
+        self.levels.get_or_init(|| Levels::new(&self.fitted.equations, &self.fitted.solution)).as_ref()
     }
 
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.

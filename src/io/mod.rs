@@ -57,7 +57,7 @@ pub use place::Place;
 pub(crate) use place::Places;
 pub(crate) use records::{RecordFormat, Records, write_parquet};
 pub(crate) use same_file::same_file;
-pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, text_hash, write_study};
+pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, text_hash, write_study};
 pub use surface_file::read_surface_bytes;
 pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface};
 pub(crate) use together::Together;

@@ -153,11 +153,12 @@ pub(crate) fn text_hash(text: &str) -> String {
 /// # Errors
 /// As [`write_atomically`].
 pub(crate) fn write_study(path: &Path, file: &StudyFile) -> Result<(), super::IoError> {
-    let bytes = to_bytes(file);
+    let bytes = study_bytes(file);
     write_atomically(path, &mut |out| out.write_all(&bytes))
 }
 
-fn to_bytes(file: &StudyFile) -> Vec<u8> {
+/// The bytes of such a file.
+pub(crate) fn study_bytes(file: &StudyFile) -> Vec<u8> {
     let state = &file.state;
     let mut payload = Vec::new();
     let mut tallies = Vec::new();
@@ -362,13 +363,13 @@ mod tests {
             let path = folder.path().join("part");
             write_study(&path, &file(bins)).unwrap();
             let back = read_study(&path).unwrap();
-            assert_eq!(to_bytes(&back), to_bytes(&file(bins)));
+            assert_eq!(study_bytes(&back), study_bytes(&file(bins)));
         }
     }
 
     #[test]
     fn every_damaged_byte_is_noticed() {
-        let bytes = to_bytes(&file(None));
+        let bytes = study_bytes(&file(None));
         for k in (MAGIC.len()..bytes.len()).step_by(7) {
             let mut damaged = bytes.clone();
             damaged[k] ^= 1;

@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! for each replicate: simulate, fit as `palpate fit` would, ask       inside/asked with its binomial interval
-//! linear        the interval that the fit prints (delta method)
+//! linear        noise alone: the interval of the fit itself (delta method)
+//! named         the interval that is printed when the model is named: noise, and what other kinds of surface say
 //! Monte Carlo   [y - (q_hi - y0), y - (q_lo - y0)]     y the fit's value; y0 and the quantiles q the study's of this scene
 //! chosen        the interval that the fit prints when no model is named, the contacts being recognised
 //! ```
 //!
-//! The Monte Carlo's interval carries the errors of the study to the fit at hand. Neither kind knows of the error of the
-//! model itself: where a spline is no sphere, both miss, and the bias beside the noise says why. C. J. Clopper, E. S.
+//! The Monte Carlo's interval carries the errors of the study to the fit at hand. Neither it nor the linear one knows of the
+//! error of the model itself: where a spline is no sphere, both miss, and the bias beside the noise says why. C. J. Clopper, E. S.
 //! Pearson, *Biometrika* 26 (1934) 404.
 
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -18,7 +19,7 @@ use super::summary::Summary;
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitOptions};
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::{Recognition, RecognitionOptions, recognise};
+use crate::recognition::{Recognition, RecognitionOptions, count_model_error, recognise};
 use crate::scene::Truth;
 use crate::shape::{Interval, compare_with_truth, spread};
 
@@ -57,10 +58,16 @@ pub struct Coverages {
     pub linear: [Held; 2],
     /// Of the Monte Carlo's.
     pub monte_carlo: [Held; 2],
+    /// Of the intervals that are printed when the model is named.
+    pub named: [Held; 2],
+    /// Median half width of those intervals.
+    pub named_half_width: [Option<f64>; 2],
     /// Of the intervals that are printed when no model is named.
     pub chosen: [Held; 2],
     /// Median half width of those intervals over 1.96 sd of their values, for S and R.
     pub chosen_width: [Option<f64>; 2],
+    /// Median half width of those intervals.
+    pub chosen_half_width: [Option<f64>; 2],
     /// Mean probability that the reported class was given, and the share in which it is the true one.
     pub class_forecast: Option<[f64; 2]>,
     /// (noise-free value - truth)/sd of S and of R: how far the model's own error stands out of the noise.
@@ -78,12 +85,13 @@ fn clopper_pearson(k: u64, n: u64) -> Interval {
     Interval { lo, hi }
 }
 
-/// One fit: truth, value, stated interval and u of S and of R.
+/// One fit: truth, value, stated interval and u of S and of R; the interval that counts other kinds of surface, too.
 #[derive(Clone, Copy, Debug, Default)]
 struct Asked {
     truth: [Option<f64>; 2],
     value: [Option<f64>; 2],
     interval: [Option<Interval>; 2],
+    total: [Option<Interval>; 2],
     u: [Option<f64>; 2],
     plane: bool,
 }
@@ -95,7 +103,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     let fits: Vec<Option<Asked>> = crate::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
         match fit_surface(&contacts, options).ok()?.0 {
-            FittedSurface::Height(fit) => Some(asked(&fit, &truth)),
+            FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
             FittedSurface::Parametric(_) => None,
         }
     });
@@ -107,6 +115,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
         });
         Held::new(inside, asked)
     };
+    let wide = |i: Interval| Interval { lo: i.lo - ROUNDING, hi: i.hi + ROUNDING };
     let both = [0, 1];
     let recognised = crate::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
@@ -117,11 +126,15 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     Coverages {
         chosen: both.map(|q| chosen(&recognised, q)),
         chosen_width: both.map(|q| width(&recognised, q)),
+        chosen_half_width: both.map(|q| half_width(&recognised, q)),
         class_forecast: forecast(&recognised),
         fitted: fitted.len() as u64,
         failed: replicates - fitted.len() as u64,
         planes: fitted.iter().filter(|fit| fit.plane).count() as u64,
         linear: both.map(|q| held(q, &|fit| fit.interval[q])),
+        named: both.map(|q| held(q, &|fit| fit.total[q].map(wide))),
+        named_half_width: both
+            .map(|q| median(fitted.iter().filter_map(|fit| fit.total[q].map(|i| 0.5 * (i.hi - i.lo))).collect())),
         monte_carlo: both.map(|q| held(q, &|fit| carried(summaries.get(q)?, fit.value[q]?, q))),
         bias: both.map(|q| {
             let summary = summaries.get(q)?;
@@ -129,10 +142,8 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
             Some((summary.nominal? - summary.truth?) / sd)
         }),
         u_ratio: both.map(|q| {
-            let mut stated: Vec<f64> = fitted.iter().filter_map(|fit| fit.u[q]).collect();
-            stated.sort_unstable_by(f64::total_cmp);
             let sd = summaries.get(q)?.sd.filter(|sd| *sd > 0.0)?;
-            Some(stated.get(stated.len() / 2)? / sd)
+            Some(median(fitted.iter().filter_map(|fit| fit.u[q]).collect())? / sd)
         }),
     }
 }
@@ -178,9 +189,17 @@ fn chosen(told: &[Told], q: usize) -> Held {
 fn width(told: &[Told], q: usize) -> Option<f64> {
     let values: Vec<f64> = told.iter().filter_map(|t| t.value[q]).collect();
     let sd = spread(values.iter().copied()).sd.filter(|sd| *sd > 0.0)?;
-    let mut widths: Vec<f64> = told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect();
-    widths.sort_unstable_by(f64::total_cmp);
-    Some(widths.get(widths.len() / 2)? / (1.96 * sd))
+    Some(half_width(told, q)? / (1.96 * sd))
+}
+
+/// Median half width.
+fn half_width(told: &[Told], q: usize) -> Option<f64> {
+    median(told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect())
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 fn forecast(told: &[Told]) -> Option<[f64; 2]> {
@@ -196,20 +215,24 @@ fn carried(summary: &Summary, value: f64, quantity: usize) -> Option<Interval> {
     Some(Interval { lo: (value - (ends.hi - nominal)).max(floor), hi: (value - (ends.lo - nominal)).min(ceiling) })
 }
 
-fn asked(fit: &Fit, truth: &Truth) -> Asked {
+fn asked(fit: Fit, truth: &Truth) -> Asked {
     let shape = fit.shape();
     let compared = compare_with_truth(&shape.maps, |[x, y, _]| {
         let local = truth.at(x, y)?.local;
         Some((local.shape_index(), local.curvedness()))
     });
     let statistics = [&shape.shape_index, &shape.curvedness];
-    Asked {
+    let by_noise = Asked {
         truth: [compared.shape_index, compared.curvedness],
         value: statistics.map(|s| s.mean),
         interval: statistics.map(|s| s.interval),
+        total: [None; 2],
         u: statistics.map(|s| s.u),
         plane: shape.class == ShapeClass::Plane,
-    }
+    };
+    let counted = count_model_error(fit);
+    let shape = counted.shape();
+    Asked { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
 }
 
 #[cfg(test)]

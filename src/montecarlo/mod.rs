@@ -16,10 +16,14 @@ mod histogram;
 mod linear_law;
 mod linear_rows;
 mod options;
+#[cfg(feature = "cli")]
+mod oracle;
 mod order;
 mod path;
 mod problem;
 mod quantity;
+#[cfg(feature = "cli")]
+mod random_surfaces;
 mod refit;
 mod rest;
 mod state;
@@ -51,11 +55,15 @@ pub use histogram::{Bins, Histogram};
 pub use linear_law::linear_law;
 pub use linear_law::{LinearLaw, LinearPart};
 pub use options::{StoppingRule, StudyOptions, Tolerance};
+#[cfg(feature = "cli")]
+pub(crate) use oracle::{Family, noise_of, oracle_sd};
 pub use order::Coverage;
 #[doc(hidden)]
 pub use order::{Counted, Ranked, Sorted};
 pub use path::Path;
 pub use quantity::{PointQuantity, Quantity};
+#[cfg(feature = "cli")]
+pub(crate) use random_surfaces::RandomSurface;
 pub use state::StudyState;
 #[doc(hidden)]
 pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};

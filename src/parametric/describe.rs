@@ -66,6 +66,7 @@ pub(super) fn describe(fit: &FitData) -> ParametricShape {
         sd: spread.sd.map(|m| m * factor),
         u: spread.mean.map(|_| u * factor),
         interval: spread.mean.map(|m| normal_interval(m * factor, u * factor, level, floor, ceiling)),
+        ..Statistic::default()
     };
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let curvedness = statistic(r, 1.0 / scale, u_r, 0.0, f64::INFINITY);

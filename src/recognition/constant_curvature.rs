@@ -12,7 +12,7 @@
 //! cones and tori*, ECCV 1998, 671.
 
 use crate::curvature::Derivatives;
-use crate::vector::Vector;
+use crate::vector::{Vector, cross, dot};
 
 /// Curvatures times lengths below which the chart's formulas are replaced by their limits.
 const FLAT: f64 = 1e-9;
@@ -59,9 +59,11 @@ impl ConstantCurvature {
 
     fn profile(&self, [u, v, w]: Vector) -> Profile {
         let [_, _, _, k1, k2, _] = self.theta;
-        let q2 = (1.0 - k2 * w).hypot(k2 * v);
+        // both are near 1 in the units of the patch: nothing overflows
+        let length = |a: f64, b: f64| (a * a + b * b).sqrt();
+        let q2 = length(1.0 - k2 * w, k2 * v);
         let w1 = (2.0 * w - k2 * (w * w + v * v)) / (1.0 + q2);
-        let q1 = (1.0 - k1 * w1).hypot(k1 * u);
+        let q1 = length(1.0 - k1 * w1, k1 * u);
         Profile { w1, d: (2.0 * w1 - k1 * (w1 * w1 + u * u)) / (1.0 + q1), q1, q2 }
     }
 
@@ -152,6 +154,47 @@ pub(super) fn derivatives(k1: f64, k2: f64, [u, v]: [f64; 2], jet: &Jet) -> Deri
         uv: [-k1 * fv * cos1 - fuv * sin1, -wuv * sin2 - k2 * wu * cos2, wuv * cos2 - k2 * wu * sin2],
         vv: [-fvv * sin1, -bent * cos2 - k2 * width * sin2 - wvv * sin2, -bent * sin2 + k2 * width * cos2 + wvv * cos2],
     }
+}
+
+/// Both principal curvatures, the larger first, of `Q(u, v, f(u, v))`; `None` where the chart folds.
+///
+/// A turn about the ring's axis changes no curvature, so they are taken at v = 0: there the derivatives lie in the
+/// planes of the axes, and one sine is enough.
+pub(super) fn bending(k1: f64, k2: f64, u: f64, jet: &Jet) -> Option<[f64; 2]> {
+    let [f, fu, fv, fuu, fuv, fvv] = *jet;
+    let (half_sin, half_cos) = (0.5 * k1 * u).sin_cos();
+    let (sin, cos) = (2.0 * half_sin * half_cos, 1.0 - 2.0 * half_sin * half_sin);
+    let stretch = 1.0 - k1 * f;
+    let arc = if k1.abs() < FLAT { 0.5 * k1 * u * u } else { 2.0 * half_sin * half_sin / k1 };
+    let width = 1.0 - k2 * (arc + f * cos);
+    let (wu, wv) = (stretch * sin + fu * cos, fv * cos);
+    let wuu = -2.0 * k1 * fu * sin + k1 * stretch * cos + fuu * cos;
+    let (wuv, wvv) = (-k1 * fv * sin + fuv * cos, fvv * cos);
+    let of = |u: f64, v: f64, w: f64| [u, v, w];
+    let (qu, qv) = (of(stretch * cos - fu * sin, 0.0, wu), of(-fv * sin, width, wv));
+    let quu = of(-2.0 * k1 * fu * cos - k1 * stretch * sin - fuu * sin, 0.0, wuu);
+    let quv = of(-k1 * fv * cos - fuv * sin, -k2 * wu, wuv);
+    let qvv = of(-fvv * sin, -2.0 * k2 * wv, k2 * width + wvv);
+    curvatures_of(&Derivatives { u: qu, v: qv, uu: quu, uv: quv, vv: qvv })
+}
+
+/// Both principal curvatures, the larger first, without their directions; `None` where there is no tangent plane.
+pub(super) fn curvatures_of(q: &Derivatives) -> Option<[f64; 2]> {
+    let across = cross(q.u, q.v);
+    let (ee, ff) = (dot(q.u, q.u), dot(q.u, q.v));
+    let squared = dot(across, across);
+    if squared.is_nan() || squared <= 0.0 || ee <= 0.0 {
+        return None;
+    }
+    let area = squared.sqrt();
+    let (e, f, g) = (dot(q.uu, across) / area, dot(q.uv, across) / area, dot(q.vv, across) / area);
+    let shear = ff / ee;
+    let (a, b) = (e / ee, (f - shear * e) / area);
+    let c = (g - shear * (2.0 * f - shear * e)) * ee / squared;
+    let half = 0.5 * (a - c);
+    let gap = (half * half + b * b).sqrt();
+    let mean = 0.5 * (a + c);
+    Some([mean + gap, mean - gap])
 }
 
 /// `(sin(k s)/k, (1 - cos(k s))/k)`: the end of an arc of length s.
@@ -282,5 +325,11 @@ mod tests {
         assert!((p.k1 - 0.7).abs() < 1e-13 && (p.k2 + 0.3).abs() < 1e-13);
         let p = principal_curvatures(&derivatives(0.7, -0.3, [0.0, 0.0], &[0.0, 0.0, 0.0, 0.2, 0.0, -0.1])).unwrap();
         assert!((p.k1 - 0.9).abs() < 1e-13 && (p.k2 + 0.4).abs() < 1e-13);
+        for (k1, k2) in [(0.7, -0.3), (0.0, 0.4), (-0.5, -0.5), (1e-12, 0.0)] {
+            let jet = [0.05, 0.1, -0.2, 0.3, 0.15, -0.1];
+            let p = principal_curvatures(&derivatives(k1, k2, [0.6, -0.4], &jet)).unwrap();
+            let [a, b] = bending(k1, k2, 0.6, &jet).unwrap();
+            assert!((p.k1 - a).abs() < 1e-12 && (p.k2 - b).abs() < 1e-12);
+        }
     }
 }

@@ -12,7 +12,7 @@
 use faer::{Mat, Side};
 
 use crate::bspline::{Knots, gram};
-use crate::vector::along;
+use crate::vector::{Vector, along};
 
 use super::cells::Cells;
 use super::constant_curvature::{ConstantCurvature, Jet};
@@ -26,6 +26,11 @@ const ORDER: usize = 3;
 
 /// Cells needed. With fewer, the prior alone would decide what f is.
 const FEWEST: usize = 16;
+
+/// Columns that are kept for fewer cells than this: the smoothest, which carry nearly all of the prior's variance. The
+/// work grows with the cube of their number. S. N. Wood, *J. R. Stat. Soc. B* 65 (2003) 95.
+const COLUMNS: usize = 24;
+const MANY: usize = 64;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
@@ -48,13 +53,16 @@ pub(super) struct Displacement {
 
 impl Displacement {
     /// The displacement over the cells of a general surface, where the data and the chart allow one.
-    pub(super) fn new(surface: &ConstantCurvature, cells: &Cells) -> Option<Displacement> {
+    /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it.
+    pub(super) fn new(surface: &ConstantCurvature, cells: &Cells, contacts: &[Vector]) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
         if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
             return None;
         }
-        let knots = [knots_over(&charts, 0)?, knots_over(&charts, 1)?];
-        let mut to_coefficients = penalised_columns(&knots)?;
+        let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
+        let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
+        let most = if charts.len() < MANY { COLUMNS } else { usize::MAX };
+        let mut to_coefficients = penalised_columns(&knots, most)?;
         let mut positions = product(&knots, &charts, &to_coefficients, |row| row[0]);
         let size = (square_sum(&positions) / charts.len() as f64).sqrt();
         scale(&mut to_coefficients, 1.0 / size);
@@ -188,8 +196,8 @@ fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: im
     basis * columns
 }
 
-/// Eigenvectors of the penalty with positive eigenvalues, divided by the roots of those.
-fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
+/// Eigenvectors of the penalty with the smallest positive eigenvalues, at most `most`, divided by the roots of those.
+fn penalised_columns(knots: &[Knots; 2], most: usize) -> Option<Mat<f64>> {
     let [nu, nv] = [0, 1].map(|side| knots[side].n_basis());
     let full = |side: usize, order: usize| {
         let bands = gram(&knots[side], order);
@@ -210,7 +218,7 @@ fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
     let eigen = penalty.self_adjoint_eigen(Side::Lower).ok()?;
     let count = nu * nv;
     let largest = eigen.S()[count - 1];
-    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).collect();
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).take(most).collect();
     Some(Mat::from_fn(count, kept.len(), |i, j| eigen.U()[(i, kept[j])] / eigen.S()[kept[j]].sqrt()))
 }
 

@@ -19,9 +19,10 @@ use crate::threads;
 use super::cells::Cells;
 use super::dense;
 use super::displacement::Displacement;
+use super::linearised::Linearised;
 use super::model::{Kind, Model};
-use super::noise::{Kernel, Limit};
-use super::normal_noise::NormalNoise;
+use super::noise::{Factors, Kernel, Limit};
+use super::reduced::{Columns, Reduced, reduced};
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
@@ -30,6 +31,10 @@ const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
 const FEW: usize = 3;
+
+/// Log evidence below the best at which stronger correlations, or larger displacements, are not tried once it falls: a
+/// weight of 3e-4.
+const HOPELESS: f64 = 8.0;
 
 /// One hypothesis under one covariance.
 #[derive(Clone, Debug)]
@@ -51,10 +56,29 @@ pub(super) struct Node {
     pub(super) dof: f64,
 }
 
+/// Groups of hypotheses: simple, general, displaced.
+pub(super) const GROUPS: usize = 3;
+
 impl Node {
+    /// Number of the node's group.
+    pub(super) fn group(&self) -> usize {
+        match self.kind {
+            Kind::General if self.g > 0.0 => 2,
+            Kind::General | Kind::Paraboloid => 1,
+            _ => 0,
+        }
+    }
+
     pub(super) fn tau(&self) -> f64 {
         (self.variance * self.ratio).sqrt()
     }
+}
+
+/// What one kernel gives.
+struct OfKernel {
+    kernel: usize,
+    gram: Mat<f64>,
+    nodes: Vec<Node>,
 }
 
 /// Everything that the evidence is computed from.
@@ -63,48 +87,75 @@ pub(super) struct Evidence<'a> {
     pub(super) models: &'a [Model],
     pub(super) displacement: Option<&'a Displacement>,
     pub(super) kernels: Vec<Kernel>,
-    /// Gram matrix of the whitened position rows under every kernel, and the log determinant of its covariance.
-    grams: Vec<Option<(Mat<f64>, f64)>>,
+    /// Gram matrix of the whitened position rows under every kernel that was tried.
+    grams: Vec<Option<Mat<f64>>>,
     /// Gram matrix of the whitened normal rows.
-    normals: Option<Mat<f64>>,
+    normals: Option<&'a Mat<f64>>,
     limit: Limit,
 }
 
 impl<'a> Evidence<'a> {
+    /// The evidence, and all nodes that the data and the limit of shared errors allow.
     pub(super) fn new(
         cells: &'a Cells,
-        models: &'a [Model],
-        displacement: Option<&'a Displacement>,
-        rows: &Rows,
-        normals: Option<&NormalNoise>,
-        distances: &Mat<f64>,
+        linearised: &'a Linearised,
+        factors: &Factors,
         limit: Limit,
-    ) -> Evidence<'a> {
+    ) -> (Evidence<'a>, Vec<Node>) {
         let kernels = Kernel::all();
-        let grams = threads::map(kernels.len(), 1, |k| {
-            let lower = kernels[k].factor(&cells.variance, distances)?;
-            let mut whitened = rows.positions.clone();
-            dense::whiten(&lower, whitened.as_mut());
-            Some((dense::gram(whitened.as_ref()), dense::log_det(&lower)))
-        });
-        let normals = normals.and_then(|noise| noise.gram(rows, cells, distances));
-        Evidence { cells, models, displacement, kernels, grams, normals, limit }
+        let grams = kernels.iter().map(|_| None).collect();
+        let Linearised { models, displacement, rows, normals, .. } = linearised;
+        let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
+        let mut made = Evidence { cells, models, displacement, kernels, grams, normals, limit };
+        let white = made.of_kernel(rows, factors, 0);
+        let best = white.as_ref().map_or([f64::NEG_INFINITY; GROUPS], |found| highest(&found.nodes));
+        let chains = threads::map(Kernel::CHAINS, 1, |chain| made.of_chain(rows, factors, chain, best));
+        let mut nodes = Vec::new();
+        for found in white.into_iter().chain(chains.into_iter().flatten()) {
+            made.grams[found.kernel] = Some(found.gram);
+            nodes.extend(found.nodes);
+        }
+        (made, nodes)
     }
 
-    /// All nodes that the data and the limit of shared errors allow.
-    pub(super) fn nodes(&self) -> Vec<Node> {
-        let of_kernel = |k: usize| -> Vec<Node> {
-            let Some((gram, log_det)) = &self.grams[k] else { return Vec::new() };
-            let mut nodes = Vec::new();
-            for model in self.models {
-                nodes.extend(self.node(model, k, gram, *log_det, 0.0));
-                if model.kind() == Kind::General && self.displacement.is_some() {
-                    nodes.extend(POWERS.filter_map(|power| self.node(model, k, gram, *log_det, 10_f64.powi(power))));
+    /// The kernels of one length, from weakly to strongly shared errors, until no group of hypotheses has a chance.
+    fn of_chain(&self, rows: &Rows, factors: &Factors, chain: usize, mut best: [f64; GROUPS]) -> Vec<OfKernel> {
+        let (mut out, mut last) = (Vec::new(), best);
+        for kernel in Kernel::chain(chain) {
+            let Some(found) = self.of_kernel(rows, factors, kernel) else { continue };
+            let top = highest(&found.nodes);
+            out.push(found);
+            if (0..GROUPS).all(|j| top[j] < best[j] - HOPELESS && top[j] <= last[j] || top[j] == f64::NEG_INFINITY) {
+                break;
+            }
+            last = top;
+            (0..GROUPS).for_each(|j| best[j] = best[j].max(top[j]));
+        }
+        out
+    }
+
+    fn of_kernel(&self, rows: &Rows, factors: &Factors, kernel: usize) -> Option<OfKernel> {
+        let lower = factors.of(kernel)?;
+        let mut whitened = rows.positions.clone();
+        dense::whiten(lower, whitened.as_mut());
+        let (gram, log_det) = (dense::gram(whitened.as_ref()), dense::log_det(lower));
+        let mut nodes = Vec::new();
+        for model in self.models {
+            nodes.extend(self.node(model, kernel, &gram, log_det, 0.0));
+            if model.kind() == Kind::General && self.displacement.is_some() {
+                let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                for power in POWERS {
+                    let Some(node) = self.node(model, kernel, &gram, log_det, 10_f64.powi(power)) else { continue };
+                    let here = node.log_evidence;
+                    nodes.push(node);
+                    if here < best - HOPELESS && here <= last {
+                        break;
+                    }
+                    (last, best) = (here, best.max(here));
                 }
             }
-            nodes
-        };
-        threads::map(self.kernels.len(), 1, of_kernel).into_iter().flatten().collect()
+        }
+        Some(OfKernel { kernel, gram, nodes })
     }
 
     fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, g: f64) -> Option<Node> {
@@ -117,12 +168,10 @@ impl<'a> Evidence<'a> {
         let tau = (variance * kernel.ratio).sqrt();
         let size = self.limit.log_prior(tau)?;
         let system = self.system(kind, gram, variance, g)?;
-        let x = system.solution();
-        let rss = system.yy + x.iter().zip(&system.jy).map(|(x, b)| x * b).sum::<f64>();
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
-        let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + rss + log_det_h);
+        let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
         let log_evidence =
-            likelihood + kernel.log_prior + size + self.share(kind, g) + shape_prior(model, &x, &system.lower);
+            likelihood + kernel.log_prior + size + self.share(kind, g) + shape_prior(model, &system.x, &system.lower);
         let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
         log_evidence.is_finite().then_some(Node {
             kind,
@@ -132,7 +181,7 @@ impl<'a> Evidence<'a> {
             g,
             variance,
             log_evidence,
-            x,
+            x: system.x,
             precision: system.lower,
             dof: (rows.saturating_sub(p)).max(1) as f64,
         })
@@ -155,24 +204,10 @@ impl<'a> Evidence<'a> {
         if n < p + FEW {
             return self.joint_variance(kind, gram);
         }
-        let (y, z) = (column_of(kind), first_of_displacement());
-        let jj = dense::cholesky(&Mat::from_fn(p, p, |i, j| gram[(y + 1 + i, y + 1 + j)]))?;
-        let columns = if g > 0.0 { gram.ncols() - z } else { 0 };
-        let source = |c: usize| if c == 0 { y } else { z + c - 1 };
-        let mut along = Mat::from_fn(p, 1 + columns, |i, c| gram[(y + 1 + i, source(c))]);
-        dense::whiten(&jj, along.as_mut());
-        let taken = dense::gram(along.as_ref());
-        let left = |a: usize, b: usize| gram[(source(a), source(b))] - taken[(a, b)];
-        let rss = left(0, 0).max(1e-30);
-        if g == 0.0 {
-            return Some(rss / (n - p) as f64);
-        }
-        let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
-        let inner = dense::cholesky(&Mat::from_fn(columns, columns, |i, j| unit(i, j) + g * left(1 + i, 1 + j)))?;
-        let mut c: Vec<f64> = (0..columns).map(|i| left(0, 1 + i)).collect();
-        dense::forward(&inner, &mut c);
-        let explained = g * c.iter().map(|v| v * v).sum::<f64>();
-        Some((rss - explained).max(1e-12 * rss) / (n - p) as f64)
+        let rss = |g: f64| Some(reduced(columns(kind, gram, g.sqrt(), g > 0.0), |i, j| gram[(i, j)])?.rss);
+        let plain = rss(0.0)?.max(1e-30);
+        let left = if g > 0.0 { rss(g)?.max(1e-12 * plain) } else { plain };
+        Some(left / (n - p) as f64)
     }
 
     /// The same variance where the positions are too few to determine it alone: the fixed point of
@@ -182,7 +217,7 @@ impl<'a> Evidence<'a> {
         let mut variance = 1e-4;
         for _ in 0..30 {
             let system = self.system(kind, gram, variance, 0.0)?;
-            let x = system.solution();
+            let x = &system.x;
             let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
             let mut rss = 0.0;
             for i in 0..=p {
@@ -203,45 +238,20 @@ impl<'a> Evidence<'a> {
     }
 
     /// The normal equations of positions and normals together, with the displacement eliminated.
-    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, g: f64) -> Option<System> {
-        let (y, p, z) = (column_of(kind), kind.unknowns(), first_of_displacement());
-        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
-        let mut h = Mat::from_fn(p, p, |i, j| at(y + 1 + i, y + 1 + j));
-        let mut jy: Vec<f64> = (0..p).map(|i| at(y + 1 + i, y)).collect();
-        let (mut yy, mut log_det) = (at(y, y), 0.0);
-        if g > 0.0 {
-            let (count, root) = (gram.ncols() - z, (g * variance).sqrt());
-            let inner = dense::cholesky(&self.displacement_precision(gram, variance, g))?;
-            let mut along = Mat::from_fn(count, 1 + p, |i, c| root * at(z + i, y + c));
-            dense::whiten(&inner, along.as_mut());
-            let taken = dense::gram(along.as_ref());
-            yy -= taken[(0, 0)];
-            for i in 0..p {
-                jy[i] -= taken[(1 + i, 0)];
-                (0..p).for_each(|j| h[(i, j)] -= taken[(1 + i, 1 + j)]);
-            }
-            log_det = dense::log_det(&inner);
-        }
-        Some(System { lower: dense::cholesky(&h)?, jy, yy, log_det })
-    }
-
-    /// `I + Z'Z` of the displacement's whitened, scaled columns.
-    fn displacement_precision(&self, gram: &Mat<f64>, variance: f64, g: f64) -> Mat<f64> {
-        let z = first_of_displacement();
-        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
-        let count = gram.ncols() - z;
-        Mat::from_fn(count, count, |i, j| f64::from(u8::from(i == j)) + g * variance * at(z + i, z + j))
+    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, g: f64) -> Option<Reduced> {
+        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.map_or(0.0, |m| m[(i, j)]);
+        reduced(columns(kind, gram, (g * variance).sqrt(), g > 0.0), at)
     }
 
     /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
     /// precision. The displacement's columns are scaled to unit prior variance.
     pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
-        let (gram, _) = self.grams[node.kernel].as_ref()?;
+        let gram = self.grams[node.kernel].as_ref()?;
         let (y, p, z) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
         let count = gram.ncols() - z;
         let root = (node.g * node.variance).sqrt();
         let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, root) };
-        let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.as_ref().map_or(0.0, |m| m[(i, j)]);
+        let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.map_or(0.0, |m| m[(i, j)]);
         let precision = Mat::from_fn(p + count, p + count, |i, j| {
             let ((a, sa), (b, sb)) = (source(i), source(j));
             sa * sb * at(a, b) + f64::from(u8::from(i == j && i >= p))
@@ -253,20 +263,18 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// Normal equations of a model's parameters.
-struct System {
-    lower: Mat<f64>,
-    jy: Vec<f64>,
-    yy: f64,
-    log_det: f64,
+/// The equations of a model, with the displacement where there is one.
+fn columns(kind: Kind, gram: &Mat<f64>, root: f64, displaced: bool) -> Columns {
+    let first = first_of_displacement();
+    let count = if displaced { gram.ncols() - first } else { 0 };
+    Columns { y: column_of(kind), unknowns: kind.unknowns(), z: (first, count), root }
 }
 
-impl System {
-    fn solution(&self) -> Vec<f64> {
-        let mut x: Vec<f64> = self.jy.iter().map(|v| -v).collect();
-        dense::solve(&self.lower, &mut x);
-        x
-    }
+/// Largest log evidence of every group.
+fn highest(nodes: &[Node]) -> [f64; GROUPS] {
+    let mut out = [f64::NEG_INFINITY; GROUPS];
+    nodes.iter().for_each(|n| out[n.group()] = out[n.group()].max(n.log_evidence));
+    out
 }
 
 /// Both curvatures of a model moved by x, the larger first.

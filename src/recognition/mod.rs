@@ -27,6 +27,7 @@
 //! ```
 
 mod believable_normals;
+mod beside;
 mod cells;
 mod constant_curvature;
 mod dense;
@@ -39,6 +40,7 @@ mod evidence;
 mod flexible;
 mod frame;
 mod input;
+mod linearised;
 mod misfit;
 mod model;
 mod neighbours;
@@ -49,10 +51,12 @@ mod orientation;
 mod paraboloid;
 mod patch;
 mod posterior;
+mod reduced;
 mod region;
 mod report;
 mod result;
 mod rows;
+mod second_look;
 #[cfg(feature = "cli")]
 mod shown;
 mod spline;
@@ -64,6 +68,7 @@ mod surface;
 mod tests;
 mod weights;
 
+pub use beside::count_model_error;
 pub use error::RecognitionError;
 pub use estimated_normals::estimate_normals;
 // only the program asks for a fit where nothing is recognised
@@ -77,15 +82,14 @@ pub use spline::RecognisedSpline;
 pub use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
+use crate::vector::Vector;
 
-use displacement::Displacement;
 use evidence::Evidence;
 use input::Given;
+use linearised::{FactorPair, Linearised};
 use model::{Kind, Model};
 use noise::Limit;
-use normal_noise::NormalNoise;
 use patch::Patch;
-use rows::Rows;
 
 /// Recognises the shape that contacts show.
 ///
@@ -93,7 +97,17 @@ use rows::Rows;
 /// When the contacts are faulty, too few, on one line, or not one sheet.
 pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, options)
+    recognise_given(Given::from_contacts(contacts, options)?, None, options)
+}
+
+/// The same, with S and R averaged over these places of the input instead of the region that contacts support.
+fn recognise_over(
+    contacts: &Contacts,
+    places: &[Vector],
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
+    input::check_options(options)?;
+    recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
 }
 
 /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
@@ -103,40 +117,47 @@ pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Re
 pub fn recognise_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     input::check_options(options)?;
     let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-    recognise_given(Given::from_grid(grid, options)?, &upward)
+    recognise_given(Given::from_grid(grid, options)?, None, &upward)
 }
 
 /// The steps, top to bottom.
-fn recognise_given(given: Given, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+fn recognise_given(
+    given: Given,
+    places: Option<&[Vector]>,
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
     let patch = Patch::new(given, options)?;
     let cells = patch.cells();
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
-    let displacement = match models.iter().find(|m| m.kind() == Kind::General) {
-        Some(Model::Constant(_, surface)) => Displacement::new(surface, &cells),
-        _ => None,
-    };
-    let rows = Rows::new(&cells, &models, displacement.as_ref());
     let distances = noise::distances_between(&cells);
-    let normal_noise = NormalNoise::find(&rows, &cells, &distances);
     let limit = Limit::new(&patch.points, &patch.distances, relief);
-    let evidence =
-        Evidence::new(&cells, &models, displacement.as_ref(), &rows, normal_noise.as_ref(), &distances, limit);
-    let nodes = evidence.nodes();
+    let factors = FactorPair::new(&cells, &distances);
+    let plain = Linearised::new(&cells, &patch.points, models, &factors, None);
+    let first = Evidence::new(&cells, &plain, &factors.positions, limit);
+    let again = second_look::moved(&first.0, &first.1).map(|moved| {
+        let models = plain.models_with(&moved);
+        Linearised::new(&cells, &patch.points, models, &factors, Some(&moved))
+    });
+    let (linearised, (evidence, nodes)) = match &again {
+        Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit)),
+        None => (&plain, first),
+    };
     let misfit = |kind: Kind| {
         let distance = |m: &Model| weighted_rms(&cells, m);
-        models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
+        linearised.models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
-    let weights = weights::weigh(&evidence, &rows, &nodes, relief, contacts_per_cell, misfit);
+    let weights = weights::weigh(&evidence, &linearised.rows, &nodes, relief, contacts_per_cell, misfit);
     report::Findings {
         patch: &patch,
         evidence: &evidence,
         nodes: &nodes,
         weights: &weights,
         relief,
-        normal_noise,
+        normal_noise: linearised.normal_noise,
         distances: &distances,
+        places,
     }
     .recognition(options)
 }

@@ -10,6 +10,8 @@
 //! the shape for an error. An error as large as the relief would explain anything, so tau is limited.
 //! C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, MIT Press 2006, section 4.2.
 
+use std::sync::OnceLock;
+
 use faer::Mat;
 
 use crate::vector::{Vector, minus, norm};
@@ -46,6 +48,14 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
+    /// Lengths that are tried, each with errors of every size.
+    pub(super) const CHAINS: usize = LENGTHS.len();
+
+    /// Numbers of the kernels of one length, the smallest shared error first.
+    pub(super) fn chain(length: usize) -> std::ops::Range<usize> {
+        1 + length * RATIOS.len()..1 + (length + 1) * RATIOS.len()
+    }
+
     /// The whole grid, the node without correlation first.
     pub(super) fn all() -> Vec<Kernel> {
         let share = (2.0 * (RATIOS.len() * LENGTHS.len()) as f64).ln();
@@ -64,6 +74,32 @@ impl Kernel {
             let shared = self.ratio * (-distances[(i, j)] / self.length).exp();
             if i == j { shared + variance[i] } else { shared }
         }))
+    }
+}
+
+/// Factors of the covariance under every kernel, each computed when it is first asked for.
+pub(super) struct Factors<'a> {
+    variance: &'a [f64],
+    distances: &'a Mat<f64>,
+    kernels: Vec<Kernel>,
+    found: Vec<OnceLock<Option<Mat<f64>>>>,
+}
+
+impl<'a> Factors<'a> {
+    pub(super) fn new(variance: &'a [f64], distances: &'a Mat<f64>) -> Factors<'a> {
+        let kernels = Kernel::all();
+        let found = kernels.iter().map(|_| OnceLock::new()).collect();
+        Factors { variance, distances, kernels, found }
+    }
+
+    /// Relative variances on the diagonal.
+    pub(super) fn variance(&self) -> &[f64] {
+        self.variance
+    }
+
+    /// Lower factor under a kernel.
+    pub(super) fn of(&self, kernel: usize) -> Option<&Mat<f64>> {
+        self.found[kernel].get_or_init(|| self.kernels[kernel].factor(self.variance, self.distances)).as_ref()
     }
 }
 

@@ -16,9 +16,10 @@
 //! Hessian += N(0, (size R)^2) in every coordinate      size = rms of the displacement / relief
 //! ```
 
+use faer::Mat;
 use statrs::function::erf;
 
-use crate::curvature::{ShapeClass, curvedness, shape_index};
+use crate::curvature::{ShapeClass, shape_index};
 use crate::draws::EffectDraws;
 use crate::shape::spread;
 use crate::threads;
@@ -64,8 +65,6 @@ struct Field {
     s: f64,
     r: f64,
     k: [f64; 2],
-    /// Standard deviations of S and R over the region.
-    sd: [f64; 2],
     at: Vec<[f64; 2]>,
 }
 
@@ -75,23 +74,41 @@ pub(super) struct Points<'a> {
     pub(super) all: &'a [ChartPoint],
     /// Those whose own uncertainty is asked for.
     pub(super) map: &'a [ChartPoint],
+    /// Numbers within the map of those that means are taken over, where they are a part of it.
+    pub(super) within: Option<&'a [usize]>,
 }
 
 impl Points<'_> {
     fn field(&self, state: &State) -> Field {
-        let shape = |[k1, k2]: [f64; 2]| [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), curvedness(k1, k2)];
-        let bent: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).collect();
-        let shapes: Vec<[f64; 2]> = bent.iter().map(|k| shape(*k)).collect();
-        let mean = |of: &[[f64; 2]], k: usize| of.iter().map(|v| v[k]).sum::<f64>() / of.len().max(1) as f64;
-        let sd = |k: usize| spread(shapes.iter().map(|v| v[k])).sd.unwrap_or(0.0);
-        Field {
-            s: mean(&shapes, 0),
-            r: mean(&shapes, 1),
-            k: [mean(&bent, 0), mean(&bent, 1)],
-            sd: [sd(0), sd(1)],
-            at: self.map.iter().map(|p| shape(state.curvatures(p).unwrap_or([0.0; 2]))).collect(),
+        if let Some(k) = state.constant_curvatures() {
+            let [s, r] = shape(k);
+            return Field { s, r, k, at: vec![[s, r]; self.map.len()] };
         }
+        let over_map: Vec<Option<[f64; 2]>> = self.map.iter().map(|p| state.curvatures(p)).collect();
+        let at: Vec<[f64; 2]> = over_map.iter().map(|k| shape(k.unwrap_or([0.0; 2]))).collect();
+        let mut sums = [0.0; 5];
+        let mut add = |[s, r]: [f64; 2], k: [f64; 2]| {
+            sums.iter_mut().zip([s, r, k[0], k[1], 1.0]).for_each(|(sum, v)| *sum += v);
+        };
+        match self.within {
+            Some(numbers) => numbers.iter().filter_map(|&i| Some((at[i], over_map[i]?))).for_each(|(s, k)| add(s, k)),
+            None => self.all.iter().filter_map(|p| state.curvatures(p)).for_each(|k| add(shape(k), k)),
+        }
+        let count = f64::max(sums[4], 1.0);
+        let [s, r, k1, k2, _] = sums.map(|sum| sum / count);
+        Field { s, r, k: [k1, k2], at }
     }
+
+    /// Standard deviations of S and of R over the region.
+    fn variation(&self, state: &State) -> [f64; 2] {
+        let shapes: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).map(shape).collect();
+        [0, 1].map(|k| spread(shapes.iter().map(|v| v[k])).sd.unwrap_or(0.0))
+    }
+}
+
+/// S, 0 where it is undefined, and R of two curvatures.
+fn shape([k1, k2]: [f64; 2]) -> [f64; 2] {
+    [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), (0.5 * (k1 * k1 + k2 * k2)).sqrt()]
 }
 
 /// The likeliest surface of a node.
@@ -115,10 +132,16 @@ fn displaced(evidence: &Evidence, node: &Node, joint: &[f64]) -> Option<State> {
 /// Surfaces drawn from a node's posterior.
 ///
 /// `hidden` is the standard deviation of a sensor's error in every coordinate of the Hessian.
-fn drawn(evidence: &Evidence, node: &Node, number: usize, count: usize, seed: u64, hidden: f64) -> Vec<State> {
+fn drawn(
+    evidence: &Evidence,
+    (number, node): (usize, &Node),
+    joint: Option<&(Vec<f64>, Mat<f64>)>,
+    count: usize,
+    seed: u64,
+    hidden: f64,
+) -> Vec<State> {
     let Some(model) = evidence.models.iter().find(|m| m.kind() == node.kind) else { return Vec::new() };
-    let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
-    let (mean, lower) = match &joint {
+    let (mean, lower) = match joint {
         Some((mean, lower)) => (mean, lower),
         None => (&node.x, &node.precision),
     };
@@ -153,6 +176,7 @@ fn student(nu: f64, gaussian: f64) -> f64 {
 /// Everything drawn for one node.
 struct Drawn {
     kind: Kind,
+    displaced: bool,
     /// Weights of the node in estimate and interval.
     weights: [f64; 2],
     likeliest: Field,
@@ -170,14 +194,27 @@ pub(super) fn summary(
 ) -> Option<Summary> {
     let used: Vec<usize> =
         (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
-    let own = points.field(&likeliest(evidence, reported)?);
+    let state = likeliest(evidence, reported)?;
+    let (own, variation) = (points.field(&state), points.variation(&state));
     let hidden = if weights.displacement_is_error() { weights.size * own.r } else { 0.0 };
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
-        let draws = drawn(evidence, node, i, count, options.seed, hidden).iter().map(|s| points.field(s)).collect();
-        let likeliest = points.field(&likeliest(evidence, node)?);
-        Some(Drawn { kind: node.kind, weights: [weights.estimate[i], weights.interval[i]], likeliest, draws })
+        let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
+        let likeliest = match &joint {
+            Some((mean, _)) => displaced(evidence, node, mean)?,
+            None => likeliest(evidence, node)?,
+        };
+        let states = drawn(evidence, (i, node), joint.as_ref(), count, options.seed, hidden);
+        let draws = states.iter().map(|s| points.field(s)).collect();
+        let likeliest = points.field(&likeliest);
+        Some(Drawn {
+            kind: node.kind,
+            displaced: node.g > 0.0,
+            weights: [weights.estimate[i], weights.interval[i]],
+            likeliest,
+            draws,
+        })
     });
     let found: Vec<Drawn> = found.into_iter().flatten().collect();
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);
@@ -187,13 +224,13 @@ pub(super) fn summary(
         let sum: f64 = chosen.iter().map(|d| d.weights[0]).sum();
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
         // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
-        let [lo, hi] = quantiles(&chosen, pick, level)?;
+        let [lo, hi] = quantiles(&chosen, pick, level, !curved)?;
         // rounding may put an end on the wrong side of an exact mean, which the interval would then miss
         let interval = [lo.min(mean), hi.max(mean)];
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
         let u_noise = noise[at].min(u);
         let u_model = (u * u - u_noise * u_noise).max(0.0).sqrt();
-        let sd = own.sd[at];
+        let sd = variation[at];
         mean.is_finite().then_some(Estimate { mean, sd, u_noise, u_model, u, interval, level, dof: reported.dof })
     };
     let mean_of = |k: usize| {
@@ -218,18 +255,27 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     let numbered: Vec<(usize, &Node)> = nodes.iter().enumerate().collect();
     let best = numbered.iter().filter(alike).max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence));
     let Some((i, node)) = best else { return [0.0; 2] };
-    let fields: Vec<Field> =
-        drawn(evidence, node, *i, NOISE_DRAWS, seed, 0.0).iter().map(|state| points.field(state)).collect();
+    let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
+    let states = drawn(evidence, (*i, node), joint.as_ref(), NOISE_DRAWS, seed, 0.0);
+    let fields: Vec<Field> = states.iter().map(|state| points.field(state)).collect();
     let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
     [sd(|f| f.s), sd(|f| f.r)]
 }
 
-/// Both quantiles of the draws under the interval's weights.
-fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64) -> Option<[f64; 2]> {
+/// Both quantiles of the draws under the interval's weights. With `mirrored` a displaced surface's draws count half as
+/// they are and half mirrored at its likeliest value: noise bends a displaced surface more, so its draws of R lie
+/// above the likeliest R as that lies above the truth.
+fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: bool) -> Option<[f64; 2]> {
     let mut values: Vec<(f64, f64)> = Vec::new();
     for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
         let share = drawn.weights[1] / drawn.draws.len() as f64;
+        let twice = mirrored && drawn.displaced;
+        let share = if twice { 0.5 * share } else { share };
         values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
+        if twice {
+            let about = 2.0 * pick(&drawn.likeliest);
+            values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).max(0.0), share)));
+        }
     }
     values.retain(|(value, share)| value.is_finite() && *share > 0.0);
     values.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -11,6 +11,7 @@
 use std::sync::Arc;
 
 use crate::bspline::linspace;
+use crate::vector::Vector;
 
 use super::RecognitionOptions;
 use super::constant_curvature::ConstantCurvature;
@@ -32,6 +33,8 @@ pub(super) struct Region {
     /// Whether contacts support a point of the map.
     pub(super) supported: Vec<bool>,
     pub(super) lattice: Vec<ChartPoint>,
+    /// Numbers of the lattice's points within the map, where they are a part of it.
+    pub(super) within_map: Option<Vec<usize>>,
 }
 
 impl Region {
@@ -40,6 +43,7 @@ impl Region {
         evidence: &Evidence,
         base: &ConstantCurvature,
         state: State,
+        places: Option<&[Vector]>,
         options: &RecognitionOptions,
     ) -> Region {
         let charts: Vec<[f64; 2]> = patch.points.iter().map(|p| base.chart(*p)).collect();
@@ -64,11 +68,18 @@ impl Region {
             // a map so coarse that none of its points lies inside is shown as it is
             supported.fill(true);
         }
+        if let Some(places) = places {
+            let at = |place: &Vector| base.chart(patch.frame.to_patch(*place));
+            let lattice = places.iter().map(at).map(|[u, v]| surface.chart_point(u, v)).collect();
+            return Region { surface, map, supported, lattice, within_map: None };
+        }
         let [n, m] = options.grid.map(|n| n.min(LATTICE));
         let all = product(&surface, &linspace(u[0], u[1], n), &linspace(v[0], v[1], m));
-        let held: Vec<ChartPoint> = all.iter().filter(|p| holds(p)).cloned().collect();
-        let lattice = if held.is_empty() { all } else { held };
-        Region { surface, map, supported, lattice }
+        let held: Vec<usize> = (0..all.len()).filter(|&i| holds(&all[i])).collect();
+        let numbers = if held.is_empty() { (0..all.len()).collect() } else { held };
+        let lattice = numbers.iter().map(|&i| all[i].clone()).collect();
+        let within_map = (options.grid == [n, m]).then_some(numbers);
+        Region { surface, map, supported, lattice, within_map }
     }
 }
 

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::shape::radius_of;
+use crate::vector::Vector;
 
 use super::dense;
 use super::evidence::{Evidence, Node, curvatures};
@@ -36,6 +37,8 @@ pub(super) struct Findings<'a> {
     pub(super) relief: f64,
     pub(super) normal_noise: Option<NormalNoise>,
     pub(super) distances: &'a Mat<f64>,
+    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
+    pub(super) places: Option<&'a [Vector]>,
 }
 
 /// Hypothesis of a node.
@@ -66,9 +69,10 @@ impl Findings<'_> {
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
-        let Region { surface, map: points, supported, lattice } =
-            Region::new(self.patch, self.evidence, base, state, options);
-        let over = Points { all: &lattice, map: &points[..points.len().min(MAPPED)] };
+        let Region { surface, map: points, supported, lattice, within_map } =
+            Region::new(self.patch, self.evidence, base, state, self.places, options);
+        let map = &points[..points.len().min(MAPPED)];
+        let over = Points { all: &lattice, map, within: within_map.as_deref().filter(|_| map.len() == points.len()) };
         let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
         let map = self.map(&surface, &points, &supported, &found);

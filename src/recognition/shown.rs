@@ -9,20 +9,16 @@
 use crate::contact::Contacts;
 use crate::fit::FitOptions;
 
+use super::beside::leaves_much_unsaid;
 use super::flexible::{Flexible, flexible};
 use super::{Recognition, RecognitionError};
 
 /// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
 const PREDICTED: f64 = 0.5;
 
-/// A simple shape is no answer when its misfit is above both of these: a quarter of the relief (in percent), and a
-/// tenth of the patch's size. A sensor's error may be large beside the relief of a flat patch, but not beside the
-/// patch's size.
-const UNSAID: f64 = 25.0;
+/// A simple shape that leaves much unsaid is no answer when its misfit is above this share of the patch's size, too. A
+/// sensor's error may be large beside the relief of a flat patch, but not beside the patch's size.
 const OF_LENGTH: f64 = 0.1;
-
-/// The pattern of the residuals is more than chance when its p is below this.
-const CHANCE: f64 = 0.01;
 
 /// Least cosine of the angle between the patch's normal and z. A height field over x and y does not follow a steeper
 /// patch.
@@ -68,11 +64,6 @@ pub(crate) fn shown(
         }
         Err(error) => Err(error),
     }
-}
-
-/// Whether much of the relief has a pattern that the simple shape leaves unsaid.
-fn leaves_much_unsaid(found: &Recognition) -> bool {
-    found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
 }
 
 /// Whether that is more than any sensor errs.

@@ -8,7 +8,7 @@
 use crate::curvature::{Principal, principal_curvatures};
 use crate::vector::{Vector, along};
 
-use super::constant_curvature::{ConstantCurvature, Jet, derivatives};
+use super::constant_curvature::{ConstantCurvature, Jet, bending, curvatures_of, derivatives};
 use super::displacement::{JetRow, turned};
 use super::model::{Kind, Model};
 
@@ -28,6 +28,8 @@ pub(super) struct State {
     model: Model,
     /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
+    /// Twist B of the surface under a displacement.
+    twist: f64,
     /// Coefficients of the displacement.
     coefficients: Option<Vec<f64>>,
 }
@@ -52,6 +54,7 @@ impl State {
         let mut moved = theta;
         (0..3).for_each(|i| moved[i] += x[i]);
         let mut turn = [1.0, 0.0];
+        let mut twist = 0.0;
         match kind {
             Kind::Plane => {}
             Kind::Sphere => (moved[3], moved[4]) = (theta[3] + x[3], theta[3] + x[3]),
@@ -61,6 +64,11 @@ impl State {
                 moved[5] += if theta[3].abs() > 1e-6 { (x[4] / theta[3]).clamp(-0.5, 0.5) } else { 0.0 };
             }
             Kind::Paraboloid => (3..6).for_each(|i| moved[i] += x[i]),
+            // a displacement is a function of the chart, whose axes stay: B is one more displacement, B u v
+            Kind::General if coefficients.is_some() => {
+                (moved[3], moved[4]) = (theta[3] + x[3], theta[4] + x[4]);
+                twist = x[5];
+            }
             Kind::General => {
                 let (a, c, b) = (theta[3] + x[3], theta[4] + x[4], x[5]);
                 let half = 0.5 * (a - c);
@@ -72,7 +80,7 @@ impl State {
                 turn = [angle.cos(), angle.sin()];
             }
         }
-        State { model: Model::new(kind, moved), turn, coefficients }
+        State { model: Model::new(kind, moved), turn, twist, coefficients }
     }
 
     pub(super) fn model(&self) -> &Model {
@@ -82,19 +90,36 @@ impl State {
     /// The displacement at a chart point.
     fn jet(&self, at: &ChartPoint) -> Jet {
         match (&self.coefficients, &at.row) {
-            (Some(coefficients), Some(row)) => row.jet(coefficients),
+            (Some(coefficients), Some(row)) => {
+                let ([u, v], b) = (at.chart, self.twist);
+                let [f, fu, fv, fuu, fuv, fvv] = row.jet(coefficients);
+                [f + b * u * v, fu + b * v, fv + b * u, fuu, fuv + b, fvv]
+            }
             _ => [0.0; 6],
         }
     }
 
     /// Larger and smaller curvature at a chart point; `None` where the chart folds.
     pub(super) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
-        match &self.model {
-            Model::Constant(Kind::General, _) | Model::Paraboloid(_) => self.principal(at).map(|p| [p.k1, p.k2]),
-            Model::Constant(_, surface) => {
+        match (&self.model, &self.coefficients) {
+            (Model::Paraboloid(surface), _) => curvatures_of(&surface.derivatives(at.place[0], at.place[1])),
+            (Model::Constant(_, surface), Some(_)) => {
+                let [_, _, _, k1, k2, _] = surface.theta;
+                let [c, s] = self.turn;
+                bending(k1, k2, self.turned_chart(at)[0], &turned(&self.jet(at), c, s))
+            }
+            (Model::Constant(..), None) => self.constant_curvatures(),
+        }
+    }
+
+    /// Larger and smaller curvature where they are the same everywhere.
+    pub(super) fn constant_curvatures(&self) -> Option<[f64; 2]> {
+        match (&self.model, &self.coefficients) {
+            (Model::Constant(_, surface), None) => {
                 let [_, _, _, k1, k2, _] = surface.theta;
                 Some([k1.max(k2), k1.min(k2)])
             }
+            _ => None,
         }
     }
 

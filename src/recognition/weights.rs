@@ -3,24 +3,32 @@
 //!
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
-//! v = w, but general and displaced never below 0.1        the interval: no shape is ever exactly a cylinder
-//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts:
-//!                                  f is read as the sensor's systematic error, and no part of the shape
+//! v = w, but displaced never below max(0.1, e^-(gap - 2)/8 / 2)        gap: log evidence by which it is behind
+//! displaced nodes of the interval: those of w with a prior ten times as loose, unless f may be the sensor's error
+//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
+//! and P(neighbours share errors > rms f / 10) > 0.1:      f is read as the sensor's systematic error, not as shape
 //! ```
 //!
 //! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
 //! whose single readings scatter may err as a whole by about as much; where a patch bends little, that is much of its
-//! relief. Above both bounds a displacement is shape. The contacts cannot tell shape from a sensor's error, so the
-//! interval gives half to either reading; from 1/8 to 1/4 of the relief the share without displacement fades to
-//! nothing. A surface that is neither plane, sphere nor cylinder need not be of constant curvatures, so there too the
-//! displaced reading gets half of the interval. That a model's departure and an error cannot be told apart without
-//! knowledge from elsewhere: J. Brynjarsdottir, A. O'Hagan, *Inverse Problems* 30 (2014) 114007.
+//! relief. Above both bounds a displacement is shape. It is shape too where many contacts show that neighbours share no
+//! errors: a sensor that errs as a whole errs from contact to contact. Otherwise the contacts cannot tell shape from a
+//! sensor's error, and the interval gives half to either reading; from 1/8 to 1/4 of the relief the share without
+//! displacement fades to nothing. That a model's departure and an error cannot be told apart without knowledge from
+//! elsewhere: J. Brynjarsdottir, A. O'Hagan, *Inverse Problems* 30 (2014) 114007.
+//!
+//! No shape is ever exactly a cylinder, so the displaced reading keeps a share even where the evidence is against it.
+//! The likeliest smoothness follows the evidence, which weighs bias and noise alike; an interval that is centred on a
+//! biased value misses the truth, so the interval's displaced surfaces are smoothed ten times less. P. Hall, *Ann.
+//! Statist.* 20 (1992) 675.
 
 use faer::Mat;
 
 use super::dense;
+use super::descent::median;
 use super::evidence::{Evidence, Node};
 use super::model::Kind;
+use super::neighbours::Neighbours;
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
@@ -31,8 +39,18 @@ const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
 const OF_SCATTER: f64 = 2.0;
 const MOST: f64 = 0.5;
 
+/// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
+/// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
+/// shape, whatever its size.
+const OF_DEPARTURE: f64 = 0.1;
+const REFUTED: f64 = 0.1;
+
 /// Share of either reading in the interval where the contacts cannot tell shape from a sensor's error.
 const EITHER: f64 = 0.5;
+
+/// Log evidence within which two readings count as equally good, and by which the share of the worse one falls to 1/e.
+const ALIKE: f64 = 2.0;
+const FADING: f64 = 8.0;
 
 /// Least share of general and of displaced in the interval.
 const DOUBT: f64 = 0.1;
@@ -59,22 +77,20 @@ pub(super) struct Weights {
     pub(super) size: f64,
     /// The same relative to the scatter of single contacts.
     pub(super) of_scatter: f64,
+    /// Posterior probability, among displaced surfaces, that neighbours share errors of at least a tenth of it.
+    pub(super) shared: f64,
 }
 
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
         let small = self.size < SENSOR[1] || (self.size < MOST && self.of_scatter < OF_SCATTER);
-        SENSOR[0] < self.size && small
+        SENSOR[0] < self.size && small && self.may_be_error()
     }
-}
 
-/// Group of a node in the interval: simple, general, displaced.
-fn group(node: &Node) -> usize {
-    match node.kind {
-        Kind::General if node.g > 0.0 => 2,
-        Kind::General | Kind::Paraboloid => 1,
-        _ => 0,
+    /// Whether errors that neighbours share are large enough for a sensor that errs as a whole.
+    fn may_be_error(&self) -> bool {
+        self.shared > REFUTED
     }
 }
 
@@ -94,6 +110,7 @@ pub(super) fn weigh(
         let departure = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
         weights.size = departure / relief;
         weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
+        weights.shared = shared(evidence, nodes, &estimate, OF_DEPARTURE * departure) / displaced;
     }
     if weights.displacement_is_error() {
         estimate = shares(nodes, |n| n.g == 0.0);
@@ -111,7 +128,7 @@ pub(super) fn weigh(
     // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
     let fading = EITHER * (2.0 - weights.size / SENSOR[1]);
     let plain = |n: &Node| n.g == 0.0;
-    if !error && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {
+    if !error && weights.may_be_error() && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {
         raise(&mut weights.interval, nodes, plain, |_| true, fading.min(EITHER));
     }
     weights.estimate = estimate;
@@ -152,6 +169,20 @@ fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, wi
     }
 }
 
+/// Weight of the displaced nodes under which neighbours share errors of at least `size`.
+fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f64 {
+    let tree = Neighbours::new(&evidence.cells.points);
+    let apart = (0..evidence.cells.points.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+    let apart = median(apart);
+    total(weights, nodes, |n| n.g > 0.0 && n.tau() * (-0.5 * apart / n.length).exp() > size)
+}
+
+/// Share of a reading whose log evidence lies `gap` below the best: `most` where it is as good, fading slowly, because
+/// no prior of shapes is known that well.
+fn doubt(most: f64, gap: f64) -> f64 {
+    most * (-(gap - ALIKE).max(0.0) / FADING).exp()
+}
+
 /// Standard deviation of a single contact's independent error under the likeliest displaced node.
 fn scatter(nodes: &[Node], weights: &[f64], contacts_per_cell: f64) -> f64 {
     let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.g > 0.0);
@@ -159,35 +190,51 @@ fn scatter(nodes: &[Node], weights: &[f64], contacts_per_cell: f64) -> f64 {
     best.map_or(0.0, |(node, _)| (node.variance * contacts_per_cell).sqrt()).max(f64::MIN_POSITIVE)
 }
 
+/// Shares of the displaced nodes, each taken from the node of the same kernel with a prior ten times as stiff.
+fn undersmoothed(nodes: &[Node]) -> Vec<f64> {
+    let plain = shares(nodes, |n| n.group() == 2);
+    let mut out = vec![0.0; nodes.len()];
+    for (i, node) in nodes.iter().enumerate().filter(|(_, n)| n.group() == 2) {
+        // the powers of a kernel follow each other
+        let next = nodes.get(i + 1).filter(|next| next.group() == 2 && next.kernel == node.kernel);
+        out[i + usize::from(next.is_some())] += plain[i];
+    }
+    out
+}
+
 /// Weights of the interval; `error` says that a displacement was read as the sensor's error.
 fn with_doubt(nodes: &[Node], estimate: &[f64], error: bool, misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
-    let sums = [0, 1, 2].map(|j| total(estimate, nodes, |n| group(n) == j));
+    let sums = [0, 1, 2].map(|j| total(estimate, nodes, |n| n.group() == j));
     let curved = sums[1] + sums[2];
-    let doubtful = if error { 1.0 } else { curved };
-    let displaced = sums[2].max(EITHER * doubtful).max(DOUBT);
+    let gap = best(nodes, |_| true) - best(nodes, |n| n.group() == 2);
+    let displaced = sums[2].max(if error { EITHER } else { doubt(EITHER, gap) }).max(DOUBT);
     let general = if sums[2] < 0.5 { (curved - displaced).max(DOUBT) } else { sums[1].min(1.0 - displaced) };
     let simple = if sums[0] > 0.0 { (1.0 - general - displaced).max(0.0) } else { 0.0 };
-    let wanted = [simple, general, displaced];
+    let wanted = [(simple, shares(nodes, |n| n.group() == 0)), (general, shares(nodes, |n| n.group() == 1))];
     let mut out = vec![0.0; nodes.len()];
-    let mut all = 0.0;
-    for (j, wanted) in wanted.into_iter().enumerate() {
-        for (out, fresh) in out.iter_mut().zip(shares(nodes, |n| group(n) == j)) {
-            *out += wanted * fresh;
-            all += wanted * fresh;
-        }
+    let rougher = if error { shares(nodes, |n| n.group() == 2) } else { undersmoothed(nodes) };
+    for (wanted, fresh) in wanted.into_iter().chain([(displaced, rougher)]) {
+        out.iter_mut().zip(fresh).for_each(|(out, fresh)| *out += wanted * fresh);
     }
+    let all: f64 = out.iter().sum();
     if all > 0.0 {
         out.iter_mut().for_each(|v| *v /= all);
     }
     let (torus, paraboloid) = (misfit(Kind::General), misfit(Kind::Paraboloid));
     for (kind, own, other) in [(Kind::General, torus, paraboloid), (Kind::Paraboloid, paraboloid, torus)] {
-        let here = |n: &Node| group(n) == 1 && n.kind == kind;
-        let within = |n: &Node| group(n) == 1;
-        if own <= AS_GOOD * other && total(&out, nodes, here) < REFERENCE * total(&out, nodes, within) {
-            raise(&mut out, nodes, here, within, REFERENCE);
+        let within = |n: &Node| n.group() == 1;
+        let here = |n: &Node| within(n) && n.kind == kind;
+        let least = doubt(REFERENCE, best(nodes, within) - best(nodes, here));
+        if own <= AS_GOOD * other && total(&out, nodes, here) < least * total(&out, nodes, within) {
+            raise(&mut out, nodes, here, within, least);
         }
     }
     out
+}
+
+/// Largest log evidence among the nodes chosen.
+fn best(nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> f64 {
+    nodes.iter().filter(|n| chosen(n)).map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Root mean square of the likeliest displacement over the cells, without what the general surface could take up.

@@ -4,17 +4,21 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, NoiseSource, Shape};
+use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::simd::Isa;
 use crate::surface::HeightField;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
     take_back_class,
 };
-use super::document::{FitDocument, FitPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
+use super::document::{
+    FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
+};
+use super::interval_words::interval_words;
 use super::maps::{write_maps_csv, write_maps_npz};
 use super::picture::{PictureOptions, write_picture};
 use super::table::significant;
@@ -187,6 +191,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
+            .chain(if subject.bare { Vec::new() } else { interval_words(fit) })
             .collect(),
     }
 }
@@ -198,7 +203,7 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
         if factor > 1.0 {
             format!(
                 "{what} lie {factor_words} times as far off the surface as the declared sigma says: the noise is larger, \
-                 or the surface is not of this kind; the intervals are too narrow"
+                 or the surface is not of this kind; the intervals take it for noise"
             )
         } else {
             format!(
@@ -219,8 +224,8 @@ fn shape_of<'a>(fit: &'a Fit, subject: &Subject) -> &'a Shape {
 fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
     ShapePart {
         grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index),
-        curvedness: measure(&shape.curvedness),
+        shape_index: measure(&shape.shape_index, fit.options().level),
+        curvedness: measure(&shape.curvedness, fit.options().level),
         radius: shape.radius,
         radius_interval: None,
         radii: None,
@@ -232,6 +237,22 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         direction: None,
         support: shape.support,
         plane_p: shape.plane_p,
+        covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),
+        intervals: shape.curvedness.u_noise.map(|_| intervals_part(fit, shape)),
+    }
+}
+
+fn intervals_part(fit: &Fit, shape: &Shape) -> IntervalsPart {
+    let estimated = shape.curvedness.dof.is_some_and(f64::is_finite);
+    let other = match fit.model_reading() {
+        ModelReading::Found(other) => Some(other),
+        ModelReading::NotAsked | ModelReading::Unknown { .. } => None,
+    };
+    IntervalsPart {
+        law: if estimated { "student_t" } else { "normal" }.into(),
+        beside: other.map(|other| other.name.into()),
+        seed: other.and_then(|other| other.seed),
+        isa: Isa::active().name().into(),
     }
 }
 

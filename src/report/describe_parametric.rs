@@ -131,7 +131,7 @@ fn decline(document: &mut FitDocument) {
     let (fit, shape) = (&mut document.fit, &mut document.shape);
     (fit.condition, fit.backward_error) = (None, None);
     for part in [&mut shape.shape_index, &mut shape.curvedness] {
-        (part.u, part.interval) = (None, None);
+        (part.u, part.interval, part.level) = (None, None, None);
     }
     shape.class_probability = None;
     (shape.direction_deg, shape.direction) = (None, None);
@@ -215,8 +215,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
     let shape = fit.shape();
     ShapePart {
         grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index),
-        curvedness: measure(&shape.curvedness),
+        shape_index: measure(&shape.shape_index, fit.options().level),
+        curvedness: measure(&shape.curvedness, fit.options().level),
         radius: shape.radius,
         radius_interval: None,
         radii: None,
@@ -228,6 +228,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         direction: shape.direction,
         support: shape.support,
         plane_p: shape.plane_p,
+        covariance: None,
+        intervals: None,
     }
 }
 

@@ -249,6 +249,7 @@ fn estimate(e: &Estimate) -> MeasurePart {
         u_noise: Some(e.u_noise),
         u_model: Some(e.u_model),
         level: Some(e.level),
+        coverage_factor: None,
         dof: Some(e.dof),
     }
 }
@@ -287,5 +288,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         direction: found.direction.filter(|_| !level),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,
+        covariance: None,
+        intervals: None,
     }
 }

@@ -136,9 +136,20 @@ pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
     (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
 }
 
-pub(super) fn measure(statistic: &Statistic) -> MeasurePart {
+/// A mean with its uncertainty; `level` is that of the interval.
+pub(super) fn measure(statistic: &Statistic, level: f64) -> MeasurePart {
     let interval = statistic.interval.map(|i| [i.lo, i.hi]);
-    MeasurePart { mean: statistic.mean, sd: statistic.sd, u: statistic.u, interval, ..MeasurePart::default() }
+    MeasurePart {
+        mean: statistic.mean,
+        sd: statistic.sd,
+        u: statistic.u,
+        interval,
+        u_noise: statistic.u_noise,
+        u_model: statistic.u_model,
+        level: interval.map(|_| level),
+        coverage_factor: statistic.coverage_factor,
+        dof: statistic.dof.filter(|dof| dof.is_finite()),
+    }
 }
 
 pub(super) fn spread_part(spread: Spread) -> SpreadPart {
@@ -166,6 +177,7 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
         shape.class = class.map(|c| c.name().to_string());
     }
     shape.class_probability = None;
+    (shape.covariance, shape.intervals) = (None, None);
     (shape.radius_interval, shape.radii) = (None, None);
     shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));

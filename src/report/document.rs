@@ -249,6 +249,25 @@ pub(crate) struct ShapePart {
     pub(crate) support: f64,
     /// p-value of the best plane against the fit.
     pub(crate) plane_p: Option<f64>,
+    /// Covariance of the noise in the means of S and of R, 1/length.
+    #[serde(rename = "cov_S_R", default, skip_serializing_if = "Option::is_none")]
+    pub(crate) covariance: Option<f64>,
+    /// How the intervals of a height field of a named model came about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) intervals: Option<IntervalsPart>,
+}
+
+/// How intervals came about.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct IntervalsPart {
+    /// Law of the noise: `normal` where it was declared, `student_t` where it was estimated.
+    pub(crate) law: String,
+    /// What they count beside noise: the other kind of surface that they cover, or nothing.
+    pub(crate) beside: Option<String>,
+    /// Seed of the draws behind that; `null` without draws.
+    pub(crate) seed: Option<u64>,
+    /// Instruction set of the kernels.
+    pub(crate) isa: String,
 }
 
 /// Mean and spread over the patch, and the uncertainty of the mean.
@@ -271,7 +290,10 @@ pub(crate) struct MeasurePart {
     /// Level of the interval.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) level: Option<f64>,
-    /// Degrees of freedom behind `u`.
+    /// Factor by which `u` reaches the farther end of the interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) coverage_factor: Option<f64>,
+    /// Degrees of freedom behind `u`, or behind `u_noise` of a named model; not there where the noise was declared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) dof: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1` and `palpate.explore/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1` and `palpate.explore/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
@@ -7,6 +7,8 @@ use serde_json::{Map, Value, json};
 
 use super::document::*;
 use super::explore::{EXPLORE_SCHEMA, explore_samples};
+use super::frontier::FRONTIER_SCHEMA;
+use super::frontier_samples::{empty_frontier, frontier_without_pick, full_frontier};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
@@ -49,6 +51,30 @@ pub fn explore_schema() -> Value {
     schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
     schema
 }
+
+/// JSON Schema (draft 2020-12) of `palpate.frontier/1`.
+pub fn frontier_schema() -> Value {
+    let samples: Vec<Value> = [full_frontier(), empty_frontier(), frontier_without_pick()]
+        .iter()
+        .filter_map(|d| serde_json::to_value(d).ok())
+        .collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = FRONTIER_SCHEMA.into();
+    schema["description"] = FRONTIER_WORDS.into();
+    schema["properties"]["schema"] = json!({ "const": FRONTIER_SCHEMA });
+    schema
+}
+
+/// What a record of a frontier is, for those who read or write one.
+const FRONTIER_WORDS: &str = "A record of `points` is one way of computing S and R. Required of other programs: frontier \
+    (discretisation, solver, interval), case (scene or file), program, label, method, error_S, error_R, seconds {median, lo, \
+    hi}, contacts, failed (null, or why there is no answer); a record that lacks other keys is read as if they were null. \
+    error_S and error_R are root mean squares over the shape grid and the replicates, R in 1/length; `error` is \
+    sqrt(error_S^2 + (error_R/true R)^2), of a solver 10^-digits, of an interval the error of its ends over its half width. \
+    `errors` holds rms, interval, worst, bias, sd, upper of S, R, k1, height, slope and normal_deg. `seconds` is a call without intervals, \
+    `seconds_interval` one with them. frontier.csv has one line a record, nested keys joined by a full stop, in the order of \
+    `points`; frontier.parquet has its numbers.";
 
 /// The schema that all samples obey.
 fn merged(samples: &[&Value]) -> Value {
@@ -114,6 +140,7 @@ fn full() -> FitDocument {
         u_noise: Some(0.5),
         u_model: Some(0.5),
         level: Some(0.5),
+        coverage_factor: Some(0.5),
         dof: Some(0.5),
     };
     let spread = SpreadPart { mean: Some(0.5), sd: Some(0.5) };
@@ -183,6 +210,13 @@ fn full() -> FitDocument {
             direction: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
+            covariance: Some(0.5),
+            intervals: Some(IntervalsPart {
+                law: "student_t".into(),
+                beside: Some("a cylinder".into()),
+                seed: Some(1),
+                isa: "portable".into(),
+            }),
         },
         truth: Some(TruthPart {
             shape_index: Some(0.5),
@@ -241,6 +275,7 @@ fn emptied() -> FitDocument {
     document.fit.lack_of_fit = Some(LackOfFitPart::default());
     document.fit.chosen = document.fit.chosen.map(|chosen| ChosenPart::new("height", chosen.why));
     (document.shape.radius_interval, document.shape.radii) = (None, None);
+    document.shape.intervals = Some(IntervalsPart::default());
     // a named fit has no probability of its own for the plane
     document.shape.class_probability.iter_mut().for_each(|shares| shares.0.retain(|(name, _)| name != "plane"));
     document.truth = Some(TruthPart::default());
@@ -268,6 +303,7 @@ fn bare() -> FitDocument {
     document.shape.k2 = SpreadPart::default();
     document.shape.direction_deg = None;
     document.shape.plane_p = None;
+    (document.shape.covariance, document.shape.intervals) = (None, None);
     document.truth = None;
     document
 }

@@ -63,6 +63,20 @@ pub(crate) fn gap_gradient(surface: &HeightField, x: f64, y: f64) -> Vec<f64> {
     out
 }
 
+/// What vanishes at an umbilic, `(a - c)/2` and `b` at `(x, y)`, with their gradients by the coefficients. Both are smooth
+/// there, and k1 - k2 is twice the length of the two.
+pub(crate) fn umbilic_gradients(surface: &HeightField, x: f64, y: f64) -> [(f64, Vec<f64>); 2] {
+    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
+    let Operator { a, b, c, da, db, dc } = operator(&surface.with_rows(&bx, &by));
+    let columns = surface.coefficients().ncols();
+    let half = [0, 1, 2, 3, 4].map(|k| 0.5 * (da[k] - dc[k]));
+    [(0.5 * (a - c), half), (b, db)].map(|(value, g)| {
+        let mut out = vec![0.0; surface.coefficients().len()];
+        by_coefficients(&g, &bx, &by, |a, b, value| out[(bx.first + a) * columns + by.first + b] = value);
+        (value, out)
+    })
+}
+
 /// Chain rule: from derivatives `g` by `(S_x, S_y, S_xx, S_xy, S_yy)` to those by the coefficients that are nonzero at a
 /// point, `visit(a, b, sum_k g_k d_k(N_a M_b))`.
 #[inline]

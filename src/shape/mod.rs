@@ -22,7 +22,7 @@ mod uv_support;
 
 #[cfg(test)]
 pub(crate) use gradient::{by_coefficients, shape_gradient};
-pub(crate) use gradient::{gap_gradient, mean_gradients};
+pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};

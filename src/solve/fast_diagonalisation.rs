@@ -57,6 +57,16 @@ fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Ma
     Ok((values, vectors))
 }
 
+/// Columns v and numbers lambda with `V'(A + B)V = 1`, `V'A V = diag(lambda)`, from the lower bands of A + B and of A.
+///
+/// # Errors
+/// [`SolveError::NotPositiveDefinite`] where A + B is not.
+pub(crate) fn simultaneous(both: &[Vec<f64>], one: &[Vec<f64>]) -> Result<(Vec<f64>, Vec<Vec<f64>>), SolveError> {
+    let (values, vectors) = generalised(both, one)?;
+    let columns = (0..vectors.ncols()).map(|k| vectors.col(k).iter().copied().collect());
+    Ok((values, columns.collect()))
+}
+
 impl FastDiagonalisation {
     /// From the lower bands of the Grams of values and slopes along x and along y, and the block weights.
     ///

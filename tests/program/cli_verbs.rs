@@ -42,6 +42,35 @@ fn run_without_anything_tells_the_shape_of_the_cylinder() {
     assert!(text(directory.path(), &["run", "--quiet"]).is_empty());
 }
 
+/// A biquadratic height field makes R of this cylinder 5 % too small, and noise says nothing of it.
+#[test]
+fn the_interval_of_a_named_model_counts_other_kinds_of_surface() {
+    let directory = tempfile::tempdir().unwrap();
+    let document = json(directory.path(), &["run", "--json"]);
+    let (found, truth) = (&document["shape"]["R"], document["truth"]["R"].as_f64().unwrap());
+    let number = |key: &str| found[key].as_f64().unwrap();
+    let [lo, hi] = [0, 1].map(|k| found["interval"][k].as_f64().unwrap());
+    assert!(lo < truth && truth <= hi + 1e-9 && number("mean") < 0.97 * truth, "{found}");
+    assert!((number("u_noise").hypot(number("u_model")) / number("u") - 1.0).abs() < 1e-12);
+    // u reaches the farther end
+    let reach = (hi - number("mean")).max(number("mean") - lo);
+    assert!((number("coverage_factor") * number("u") / reach - 1.0).abs() < 1e-9);
+    let notes = document["fit"]["notes"].to_string();
+    assert!(notes.contains("model 0.00") && notes.contains("palpate fit without a named model"), "{notes}");
+}
+
+/// Nine heights and nine unknowns leave nothing from which noise could be told.
+#[test]
+fn without_degrees_of_freedom_there_is_no_interval() {
+    let directory = tempfile::tempdir().unwrap();
+    let heights: String = (0..9).map(|r| format!("{},{},{}\n", r % 3, r / 3, (r * r) % 5)).collect();
+    std::fs::write(directory.path().join("few.csv"), format!("x,y,z\n{heights}")).unwrap();
+    let document = json(directory.path(), &["fit", "few.csv", "--degree", "2", "--json"]);
+    let found = &document["shape"]["R"];
+    let counted = found["u_model"].is_number() || found["interval"].is_null();
+    assert!(found["mean"].is_number() && counted, "{found}");
+}
+
 /// What is declined is null in the document, has no line in the table, and is said; all else stays to the digit.
 #[test]
 fn bare_declines_certificate_and_intervals_alone() {
@@ -63,6 +92,16 @@ fn bare_declines_certificate_and_intervals_alone() {
     for key in declined {
         assert!(bare.pointer(key).unwrap().is_null(), "{key}");
         assert!(!std::mem::take(whole.pointer_mut(key).unwrap()).is_null(), "{key}");
+    }
+    // keys that stand beside an interval are not there without one
+    for quantity in ["S", "R"] {
+        let found = whole["shape"][quantity].as_object_mut().unwrap();
+        for key in ["u_noise", "u_model", "level", "coverage_factor", "dof"] {
+            assert!(found.remove(key).is_some(), "{quantity} {key}");
+        }
+    }
+    for key in ["cov_S_R", "intervals"] {
+        assert!(whole["shape"].as_object_mut().unwrap().remove(key).is_some(), "{key}");
     }
     let notes = std::mem::take(bare.pointer_mut("/fit/notes").unwrap());
     whole["fit"]["notes"].take();

@@ -8,6 +8,7 @@ mod cli_verbs;
 mod explore;
 mod files_as_they_come;
 mod first_try;
+mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod npz;

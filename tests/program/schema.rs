@@ -1,4 +1,5 @@
-//! `palpate.fit/1`, `palpate.study/1`, `palpate.explore/1`: the committed schemas are the generated ones, and what the program prints obeys them.
+//! `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1`: the committed schemas are the generated ones, and what the
+//! program prints obeys them.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -6,12 +7,15 @@ use serde_json::Value;
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
 const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.explore-1.json");
 const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
+const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.frontier-1.json");
 
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
-    use palpate::internals::report::{explore_schema, fit_schema, study_schema};
-    for (file, schema) in [(FIT, fit_schema()), (STUDY, study_schema()), (EXPLORE, explore_schema())] {
+    use palpate::internals::report::{explore_schema, fit_schema, frontier_schema, study_schema};
+    let schemas =
+        [(FIT, fit_schema()), (STUDY, study_schema()), (FRONTIER, frontier_schema()), (EXPLORE, explore_schema())];
+    for (file, schema) in schemas {
         let generated = serde_json::to_string_pretty(&schema).unwrap() + "\n";
         if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
             std::fs::write(file, &generated).unwrap();
@@ -113,6 +117,26 @@ fn every_exploration_obeys_the_schema() {
     for line in lines {
         let mut command = Command::cargo_bin("palpate").unwrap();
         let output = command.args(line.split(' ')).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+}
+
+/// Documents of a scene with noise, of one without, of a request, and of a file.
+#[test]
+fn every_frontier_obeys_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(FRONTIER).unwrap()).unwrap();
+    let mut simulate = Command::cargo_bin("palpate").unwrap();
+    simulate.current_dir(folder.path()).args(["simulate", "paper-table2", "-o", "contacts.csv"]).assert().success();
+    let lines = [
+        "frontier paper-cylinder --uncounted --keep-stations --seconds 0.01 --error-r 1e-12",
+        "frontier paper-table2 --bare --uncounted --keep-stations --seconds 0.01 --budget 1ms",
+        "frontier contacts.csv --seconds 0.01 --budget 1s",
+    ];
+    for line in lines {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        let output = command.current_dir(folder.path()).args(line.split(' ')).arg("--json").output().unwrap();
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
         check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
     }

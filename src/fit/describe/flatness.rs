@@ -5,15 +5,20 @@
 //! flat            mean R * side < 100 u condition max |z - plane| / side + 4 u max |z| / side
 //! ```
 
-use crate::fit::describe::plane::plane_rows;
+use crate::fit::Robust;
+use crate::fit::describe::plane::{PlaneBlocks, PlaneFit, plane_rows};
 use crate::fit::linear::equations::Equations;
-use crate::fit::noise::sds::NoiseSource;
+use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSource};
 use crate::fit::solved::Solved;
 use crate::linalg::{RowWeights, SiteWeights, Sites, apply_rows};
 use crate::shape::{best_plane, chi_square_upper_tail, f_upper_tail};
 
 /// Unit roundoff 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
+
+/// A p-value under preset weights that no other weights bring near a decision; such a test is not repeated over the noise
+/// sds.
+const DECIDED: f64 = 1e-40;
 
 /// p-value of the best plane against the fit; `None` where the fit has no more freedom than a plane, or no noise estimate.
 pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
@@ -34,8 +39,27 @@ pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
     Some(match fitted.noise.source() {
         NoiseSource::Sigma => chi_square_upper_tail(rise, freedom),
         NoiseSource::Weights(_) | NoiseSource::Estimated => {
-            f_upper_tail((rise / freedom) / (of_fit / rest), freedom, rest)
+            let efficiency = fitted.noise.efficiency();
+            let robust = if solved.options.robust == Robust::None { 1.0 } else { MEDIAN_EFFICIENCY };
+            let p = f_upper_tail((rise / freedom) / (of_fit / rest) * efficiency, freedom, rest * robust);
+            if p < DECIDED && fitted.noise.is_preset() {
+                p
+            } else {
+                over_levels(solved, &plane, freedom, efficiency, robust).unwrap_or(p)
+            }
         }
+    })
+}
+
+/// The same p-value over all ratios of the noise sds that few contacts leave open. Weights are no statement about noise,
+/// so the test does not rest on them.
+fn over_levels(solved: &Solved, plane: &PlaneFit, freedom: f64, efficiency: f64, robust: f64) -> Option<f64> {
+    let levels = solved.levels()?;
+    let blocks = PlaneBlocks::new(&solved.fitted.equations, plane);
+    levels.mean(|factors, rss| {
+        let rise = (blocks.left(factors)? - rss).max(0.0);
+        let ratio = (rise / freedom) / (rss / levels.freedom) * efficiency;
+        Some(f_upper_tail(ratio, freedom, levels.freedom * robust))
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod direction;
 mod flatness;
+mod interval;
 mod plane;
 pub(super) mod residuals;
 pub(super) mod shape;
@@ -12,14 +13,13 @@ use ndarray::Array2;
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 use crate::fit::placing::data::Data;
+use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
-use crate::shape::{
-    GridGradients, Outline, ShapeGrid, ShapeMaps, Spread, class_probabilities, normal_interval, radius_of, shape_maps,
-    spread,
-};
+use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, shape_maps, spread};
 use crate::surface::SurfacePoint;
 use direction::direction;
 use flatness::{is_flat, plane_probability};
+use interval::{NoisePart, statistic};
 use shape::{Shape, Statistic, supported_points};
 use uncertainty::Uncertainties;
 
@@ -46,28 +46,36 @@ fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
     }
 }
 
-/// Step 5: means, class, radius, and with `uncertain` their uncertainty and the direction, in input units.
-pub(super) fn classify(solved: &Solved, local: &ShapeMaps, uncertain: bool) -> Shape {
+/// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units.
+pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelReading>) -> Shape {
     let scale = solved.patch.frame.scale;
     let defined = supported_points(local).filter(|&(i, j)| local.shape_index_at(i, j).is_some());
     let s = spread(defined.map(|at| local.shape_index[at]));
     let r = spread(supported_points(local).map(|at| local.curvedness[at] / scale));
     let plane_p = plane_probability(solved);
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
-    let u = uncertain.then(|| Uncertainties::new(solved, local));
-    let [u_s, u_r] = [u.as_ref().map(|u| u.of_shape_index), u.as_ref().map(|u| u.of_curvedness)];
+    let u = model.map(|_| Uncertainties::new(solved, local, s.mean));
+    let [u_s, u_r] = [u.as_ref().and_then(|u| u.of_shape_index), u.as_ref().and_then(|u| u.of_curvedness)];
+    let u_s = u_s.map(|part| NoisePart { reaches: u.as_ref().and_then(|u| u.end_of_shape_index), ..part });
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let level = solved.options.level;
+    let other = model.and_then(ModelReading::found);
+    let s_of_others = other.and_then(|other| other.shape_index);
+    let r_of_others = other.map(|other| other.curvedness);
     Shape {
-        shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, level, [-1.0, 1.0])),
-        curvedness: statistic(r, u_r, level, [0.0, f64::INFINITY]),
+        shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, s_of_others, level, [-1.0, 1.0])),
+        curvedness: statistic(r, u_r, r_of_others, level, [0.0, f64::INFINITY]),
         class,
-        class_probability: curved.zip(u_s).map_or(Vec::new(), |(mean, u)| class_probabilities(mean, u)),
+        class_probability: match (curved.zip(u_s), other) {
+            (Some(_), Some(other)) => every_class(&other.classes),
+            (Some((mean, u)), None) => class_probabilities(mean, u.u),
+            (None, _) => Vec::new(),
+        },
         radius: r.mean.and_then(|mean| radius_of(class, mean)),
         k1: spread(supported_points(local).map(|at| local.k1[at] / scale)),
         k2: spread(supported_points(local).map(|at| local.k2[at] / scale)),
-        direction_deg: curved.filter(|_| uncertain).and_then(|_| direction(solved)),
+        direction_deg: curved.filter(|_| model.is_some()).and_then(|_| direction(solved)),
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
         maps: in_input_units(&solved.patch.frame, local),
@@ -75,14 +83,32 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, uncertain: bool) -> S
     }
 }
 
-/// Mean and spread with the uncertainty `u` of the mean, where it is known, and its interval within these bounds.
-fn statistic(spread: Spread, u: Option<f64>, level: f64, [floor, ceiling]: [f64; 2]) -> Statistic {
-    Statistic {
-        mean: spread.mean,
-        sd: spread.sd,
-        u: spread.mean.and(u),
-        interval: spread.mean.zip(u).map(|(m, u)| normal_interval(m, u, level, floor, ceiling)),
-    }
+/// Covariance of the noise in mean S and mean R, 1/length in input units.
+#[cfg(feature = "cli")]
+pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
+    let local = shape_over_grid(solved);
+    let gradients = GridGradients::new(&solved.surface, &local.rows);
+    let of_means = crate::shape::mean_gradients(&solved.surface, &local, &gradients);
+    let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
+    Some(found / solved.patch.frame.scale)
+}
+
+/// Every class in the order of S, and the plane, with its probability.
+fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
+    let of = |class| found.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
+}
+
+/// Supported points of the grid with their heights, at most `most` each way: the middles of as many blocks.
+pub(super) fn places(local: &ShapeMaps, most: usize) -> Vec<[f64; 3]> {
+    let chosen = |count: usize| -> Vec<usize> {
+        let blocks = count.min(most);
+        (0..blocks).map(|k| (2 * k + 1) * count / (2 * blocks)).collect()
+    };
+    let columns = chosen(local.grid.y.len());
+    let all = chosen(local.grid.x.len()).into_iter().flat_map(|i| columns.iter().map(move |j| (i, *j)));
+    let held = all.filter(|&(i, j)| local.supported[[i, j]] && local.shape_index_at(i, j).is_some());
+    held.map(|(i, j)| [local.grid.x[i], local.grid.y[j], local.points[[i, j]].z]).collect()
 }
 
 /// Maps in input units along the frame's axes.

@@ -30,6 +30,8 @@ pub(super) struct PlaneFit {
     /// Whether every residual is within the rounding of its own terms and of the heights as given. Such data are a plane,
     /// although an F ratio of two roundings may be large.
     pub is_rounding: bool,
+    /// Height and tilts; of many sites about their centre.
+    coefficients: [f64; 3],
 }
 
 /// Sums over rows `(target, terms, height of the data)`.
@@ -47,8 +49,8 @@ impl Tally {
         self.is_rounding &= residual.abs() <= 8.0 * UNIT * (size + height);
     }
 
-    fn done(self) -> PlaneFit {
-        PlaneFit { squares: self.squares, is_rounding: self.is_rounding }
+    fn done(self, coefficients: [f64; 3]) -> PlaneFit {
+        PlaneFit { squares: self.squares, is_rounding: self.is_rounding, coefficients }
     }
 }
 
@@ -61,6 +63,39 @@ pub(super) fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit
         return Some(plane);
     }
     of_few(equations, largest)
+}
+
+/// What the best plane of few sites leaves when the squares of height and of slope rows get factors of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PlaneBlocks {
+    squares: [f64; 2],
+    right: [[f64; 3]; 2],
+    gram: [[[f64; 3]; 3]; 2],
+}
+
+impl PlaneBlocks {
+    /// About a plane fitted to these few sites, so that its sums of squares do not cancel.
+    pub(super) fn new(equations: &Equations, plane: &PlaneFit) -> PlaneBlocks {
+        let mut blocks = PlaneBlocks::default();
+        Rows::new(equations).each(|_, row, target| {
+            // only height rows have a first entry; a height row of weight zero is zero in all of them
+            let b = usize::from(row[0] == 0.0);
+            let residual = target - (0..3).map(|k| row[k] * plane.coefficients[k]).sum::<f64>();
+            blocks.squares[b] += residual * residual;
+            (0..3).for_each(|i| blocks.right[b][i] += row[i] * residual);
+            (0..3).for_each(|i| (0..3).for_each(|j| blocks.gram[b][i][j] += row[i] * row[j]));
+        });
+        blocks
+    }
+
+    /// Sum of squares under these factors; `None` where the plane is not determined.
+    pub(super) fn left(&self, factors: [f64; 2]) -> Option<f64> {
+        let both = |of: &dyn Fn(usize) -> f64| factors[0] * of(0) + factors[1] * of(1);
+        let gram = [0, 1, 2].map(|i| [0, 1, 2].map(|j| both(&|b| self.gram[b][i][j])));
+        let right = [0, 1, 2].map(|i| both(&|b| self.right[b][i]));
+        let c = equilibrated_cholesky(gram)?(right);
+        Some(both(&|b| self.squares[b]) - (0..3).map(|k| c[k] * right[k]).sum::<f64>())
+    }
 }
 
 /// The columns are written from the sites' places, so that the slope rows of the constant are exactly zero: a column of
@@ -127,7 +162,7 @@ impl Rows<'_> {
             let height = if row[0] == 0.0 { 0.0 } else { self.equations.row_weights.at(r).z * largest };
             tally.add(target, [0, 1, 2].map(|k| c[k] * row[k]), height);
         });
-        tally.done()
+        tally.done(c)
     }
 
     fn each(&self, mut f: impl FnMut(usize, &[f64; 3], f64)) {

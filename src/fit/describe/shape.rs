@@ -14,10 +14,18 @@ pub struct Statistic {
     pub mean: Option<f64>,
     /// Sample sd over them.
     pub sd: Option<f64>,
-    /// Standard uncertainty of the mean.
+    /// Standard uncertainty of the mean in all, `u^2 = u_noise^2 + u_model^2`.
     pub u: Option<f64>,
     /// Interval for the mean at the options' confidence level.
     pub interval: Option<Interval>,
+    /// The part of `u` that comes from noise.
+    pub u_noise: Option<f64>,
+    /// The part of `u` that comes from doubt about the kind of surface; `None` where no other kind was asked.
+    pub u_model: Option<f64>,
+    /// Degrees of freedom of `u_noise`, infinite where the noise was declared.
+    pub dof: Option<f64>,
+    /// Factor by which `u` reaches the farther end of the interval.
+    pub coverage_factor: Option<f64>,
 }
 
 /// The shape of a patch, in input units.

@@ -37,6 +37,9 @@ const STEEPEST: f64 = 0.9;
 /// Residuals below this in the patch frame (where data are of size 1) are rounding, not noise.
 const NO_NOISE: f64 = 1e-13;
 
+/// Fewer degrees of freedom than this tell no sd: the surface goes through those rows, and the sd falls as long as it may.
+const LEAST_DOF: f64 = 0.5;
+
 /// Sds of data without noise: the largest power of two below that, so that rows divided by it keep every bit.
 const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
@@ -64,6 +67,8 @@ pub(crate) struct Estimate {
     pub steps: usize,
     /// A remark, where an sd could not be estimated.
     pub note: Option<Note>,
+    /// Degrees of freedom of both sds.
+    pub dof: [f64; 2],
 }
 
 /// What the next trial has to do.
@@ -102,11 +107,13 @@ pub(crate) fn variance_components(
         // unit sds would be stated as noise of the size of the patch
         sds = RowSds { z: ROUNDING, slope: ROUNDING };
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
-        return Ok(Estimate { sds, trial, steps, note: Some(Note::NoNoise) });
+        return Ok(Estimate { sds, trial, steps, note: Some(Note::NoNoise), dof: [f64::INFINITY; 2] });
     }
     let mut secant = Secant::default();
+    let mut dof = [f64::INFINITY; 2];
     for _ in 0..MAX_STEPS {
-        let next = residual_sds(sds, &trial, rows);
+        let (next, freedom) = residual_sds(sds, &trial, rows);
+        dof = freedom;
         let moved = (next.z / sds.z - 1.0).abs().max((next.slope / sds.slope - 1.0).abs());
         let converged = moved < SDS_CONVERGED;
         if converged && trial.moved <= CONVERGED {
@@ -119,12 +126,12 @@ pub(crate) fn variance_components(
     if trial.moved > CONVERGED {
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
-    let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE;
-    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished) })
+    let vanished = sds.z <= NO_NOISE || sds.slope <= NO_NOISE || (0..2).any(|b| rows[b] > 0.0 && dof[b] < LEAST_DOF);
+    Ok(Estimate { sds, trial, steps, note: vanished.then_some(Note::NoiseVanished), dof })
 }
 
-/// The sds of a trial's residuals; rows of a kind that leave no degree of freedom keep the sd they had.
-fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> RowSds {
+/// The sds of a trial's residuals with their degrees of freedom; rows of a kind that leave none keep the sd they had.
+fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> (RowSds, [f64; 2]) {
     let traces = hat_traces(&trial.equations, &trial.solution);
     let update = |sd: f64, b: usize| {
         let freedom = rows[b] - traces[b];
@@ -133,7 +140,7 @@ fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> RowSds {
         }
         (sd * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
     };
-    RowSds { z: update(sds.z, 0), slope: update(sds.slope, 1) }
+    (RowSds { z: update(sds.z, 0), slope: update(sds.slope, 1) }, [0, 1].map(|b| rows[b] - traces[b]))
 }
 
 /// The log ratio of the sds before and after the last step.

@@ -3,11 +3,12 @@
 //! ```text
 //! sds.rs          noise sds and where they come from            components.rs    both estimated with the fit
 //! record.rs       told by the residuals of weighted rows        traces.rs        degrees of freedom of either kind of rows
-//! declared.rs     declared sds checked against the residuals
+//! declared.rs     declared sds checked against the residuals    levels.rs        what few contacts leave open about them
 //! ```
 
 pub(super) mod components;
 pub(super) mod declared;
+pub(super) mod levels;
 pub(super) mod probes;
 pub(super) mod record;
 pub(super) mod sds;

@@ -36,10 +36,27 @@ impl NoiseRecord {
             NoiseRecord::Known(sds) => *sds,
             NoiseRecord::Weighted { word, weights, unit, squares } => {
                 let rows = equations.row_weights.row_counts(equations.sites.len());
-                let variances = residual_variances(equations, solution, *squares);
-                sds_of_weights(*word, *weights, *unit, variances, rows)
+                let (variances, dof) = residual_variances(equations, solution, *squares);
+                NoiseSds { dof, ..sds_of_weights(*word, *weights, *unit, variances, rows) }
             }
         }
+    }
+
+    /// By which factor an F ratio of sums of squares is too large under a robust loss; 1 without one.
+    pub(crate) fn efficiency(&self) -> f64 {
+        match self {
+            NoiseRecord::Known(sds) => sds.efficiency,
+            NoiseRecord::Weighted { .. } => 1.0,
+        }
+    }
+
+    /// Whether the weights are preset ones, which differ by factors of ten at most.
+    pub(crate) fn is_preset(&self) -> bool {
+        let word = match self {
+            NoiseRecord::Known(sds) => sds.weights,
+            NoiseRecord::Weighted { word, .. } => Some(*word),
+        };
+        matches!(word, Some(SlopeWeights::Tangent | SlopeWeights::Position | SlopeWeights::Equal))
     }
 
     /// Where the weights of the rows come from, at no cost.
@@ -75,15 +92,17 @@ pub(crate) fn sds_of_weights(
         sigma_normal_deg: None,
         sigma_slope: sd(1),
         row_variances,
+        dof: [f64::INFINITY; 2],
+        efficiency: 1.0,
     }
 }
 
-/// Variance of the weighted rows of each kind, from their residuals and their share of the unknowns.
-fn residual_variances(equations: &Equations, solution: &Solution, squares: [f64; 2]) -> [f64; 2] {
+/// Variance of the weighted rows of each kind with its degrees of freedom, from their residuals and their share of the
+/// unknowns.
+fn residual_variances(equations: &Equations, solution: &Solution, squares: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     let rows = equations.row_weights.row_counts(equations.sites.len()).map(|r| r as f64);
     let traces = hat_traces(equations, solution);
-    [0, 1].map(|b| {
-        let freedom = rows[b] - traces[b];
-        if freedom > 1e-9 * rows[b].max(1.0) { squares[b] / freedom } else { 0.0 }
-    })
+    let dof = [0, 1].map(|b| rows[b] - traces[b]);
+    let variance = |b: usize| if dof[b] > 1e-9 * rows[b].max(1.0) { squares[b] / dof[b] } else { 0.0 };
+    ([0, 1].map(variance), dof)
 }

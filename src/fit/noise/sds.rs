@@ -2,6 +2,10 @@
 
 use crate::fit::SlopeWeights;
 
+/// A robust loss measures in scales that come from medians, which tell as much as this share of the residuals would by their
+/// squares (F. R. Hampel, *J. Am. Stat. Assoc.* 69 (1974) 383).
+pub(crate) const MEDIAN_EFFICIENCY: f64 = 0.37;
+
 /// Where the weights of the rows come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseSource {
@@ -28,6 +32,10 @@ pub struct NoiseSds {
     pub sigma_slope: Option<f64>,
     /// Variances of the weighted rows, `[heights, slopes]`: 1 where the weights are inverse noise sds.
     pub row_variances: [f64; 2],
+    /// Degrees of freedom behind the noise of heights and of slopes or normals; infinite where it was declared.
+    pub dof: [f64; 2],
+    /// Factor that corrects an F ratio of sums of squares for a robust loss; 1 without one.
+    pub(crate) efficiency: f64,
 }
 
 /// Noise sds in the patch frame, by which rows are divided.

@@ -37,12 +37,12 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
     check_count(&first)?;
     spare.replace(Some(first));
     let trial_at = |request: TrialRequest| trial(&at(request.sds), request);
-    let (Estimate { sds, trial, steps, note }, source) = match sigma {
+    let (Estimate { sds, trial, steps, note, dof }, source) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
             let sds = RowSds { z: z / setting.scale, slope: normal_deg.to_radians() };
             let trial = trial_at(TrialRequest { sds, start: None, tolerance: CONVERGED })?;
             let steps = trial.steps;
-            (Estimate { sds, trial, steps, note: None }, NoiseSource::Sigma)
+            (Estimate { sds, trial, steps, note: None, dof: [f64::INFINITY; 2] }, NoiseSource::Sigma)
         }
         NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
     };
@@ -60,6 +60,8 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         sigma_normal_deg: Some(sds.slope.to_degrees()),
         sigma_slope: None,
         row_variances: [1.0, 1.0],
+        dof,
+        efficiency: 1.0,
     };
     Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move: moved })
 }

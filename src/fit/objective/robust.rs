@@ -10,7 +10,8 @@
 //! Where the noise sds are to be estimated, the robust scales are the estimate, because variance components count the slips.
 
 use crate::fit::noise::record::NoiseRecord;
-use crate::fit::noise::sds::{NoiseSds, NoiseSource};
+use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
+use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::least_squares::fit_plain;
@@ -95,9 +96,9 @@ fn reweight(
         let declared = with_scales(patch, data, options, scales);
         let mut fitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared)?;
         let is_last = moved < CONVERGED || step == MAX_STEPS;
-        if is_last && declared.objective != options.objective {
-            let sds = fitted.noise.sds(&fitted.equations, &fitted.solution);
-            fitted.noise = NoiseRecord::Known(NoiseSds { source: NoiseSource::Estimated, ..sds });
+        if is_last {
+            let estimated = declared.objective != options.objective;
+            fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));
         }
         found = Reweighted { fitted, weights: next, steps: step };
         if is_last {
@@ -107,17 +108,111 @@ fn reweight(
     Ok(found)
 }
 
+impl Loss {
+    /// Weight and derivative of psi = weight t at the residual t, in scales.
+    fn weight_and_slope(self, t: f64) -> [f64; 2] {
+        match self {
+            Loss::Huber if t <= HUBER => [1.0, 1.0],
+            Loss::Huber => [HUBER / t, 0.0],
+            Loss::Tukey if t < TUKEY => {
+                let square = (t / TUKEY).powi(2);
+                [(1.0 - square).powi(2), (1.0 - square) * (1.0 - 5.0 * square)]
+            }
+            Loss::Tukey => [0.0, 0.0],
+        }
+    }
+}
+
+/// What the residuals say of one kind of rows under a loss, by sums over its rows.
+struct LossSums {
+    /// Variance for the sandwich of weighted rows.
+    variance: f64,
+    /// By which factor the sum of weighted squares is too small for an F ratio.
+    efficiency: f64,
+    /// Degrees of freedom.
+    dof: f64,
+    /// Factor of the sd for the unknowns that the residuals have spent.
+    freedom: f64,
+}
+
+/// P. J. Huber, *Ann. Stat.* 1 (1973) 799, for one kind of rows:
+///
+/// ```text
+/// cov c = A^-1 (sum_b v_b E_b'W_b E_b) A^-1,     A = E'W E,     v = K^2 [sum psi^2/(rows - trace)] mean w/(mean psi')^2
+/// K = 1 + trace/rows var(psi')/(mean psi')^2
+/// ```
+///
+/// A normal has two rows: the mean of psi' over directions is (psi' + w)/2.
+fn loss_sums(distances: &[Option<f64>], scale: f64, loss: Loss, components: f64, trace: f64) -> LossSums {
+    let (mut count, mut sums) = (0.0, [0.0; 5]);
+    for t in distances.iter().flatten().map(|d| d / scale) {
+        let [w, slope] = loss.weight_and_slope(t);
+        let slope = if components > 1.0 { 0.5 * (slope + w) } else { slope };
+        count += 1.0;
+        [w, slope, slope * slope, (w * t).powi(2), w * t * t].iter().zip(&mut sums).for_each(|(v, sum)| *sum += v);
+    }
+    let rows = components * count;
+    let [weight, slope, slope_squares] = [0, 1, 2].map(|k| sums[k] / count);
+    let dof = rows - trace;
+    let spread = (slope_squares - slope * slope).max(0.0) / (slope * slope);
+    let correction = 1.0 + trace / rows * spread;
+    let variance = correction.powi(2) * sums[3] / dof * weight / (slope * slope);
+    LossSums {
+        variance,
+        efficiency: (sums[4] / dof) / (correction * sums[3] / dof / slope),
+        dof: (dof * weight * MEDIAN_EFFICIENCY).max(1.0),
+        freedom: (rows / dof).sqrt(),
+    }
+}
+
+/// The noise of a reweighted fit. Scales by medians are those of residuals, which are smaller than the errors by the
+/// unknowns that they have spent; what is said of the noise is corrected for that, the weights are not.
+fn robust_noise(
+    fitted: &Fitted,
+    distances: &Distances,
+    scales: [Option<f64>; 2],
+    loss: Loss,
+    estimated: bool,
+) -> NoiseSds {
+    let mut sds = fitted.noise.sds(&fitted.equations, &fitted.solution);
+    let traces = hat_traces(&fitted.equations, &fitted.solution);
+    let squares = fitted.equations.residual_squares(&fitted.solution.coefficients);
+    let kinds = [(&distances.z, 1.0), (&distances.slope, 2.0)];
+    let mut efficiency = [0.0; 2];
+    for (b, (sizes, components)) in kinds.into_iter().enumerate() {
+        let Some(scale) = scales[b] else { continue };
+        let found = loss_sums(sizes, scale, loss, components, traces[b]);
+        // the rows need not be divided by this scale: their own sum of squares tells their unit
+        let unit = squares[b] / weighted_squares(sizes, scale, loss);
+        if !(found.variance * unit).is_finite() || found.variance <= 0.0 {
+            continue;
+        }
+        (sds.row_variances[b], sds.dof[b]) = (found.variance * unit, found.dof);
+        efficiency = [efficiency[0] + found.dof * found.efficiency, efficiency[1] + found.dof];
+        if estimated && b == 0 {
+            sds.sigma_z = sds.sigma_z.map(|sd| sd * found.freedom);
+        } else if estimated {
+            sds.sigma_normal_deg = sds.sigma_normal_deg.map(|sd| sd * found.freedom);
+            sds.sigma_slope = sds.sigma_slope.map(|sd| sd * found.freedom);
+        }
+    }
+    if efficiency[1] > 0.0 {
+        sds.efficiency = efficiency[0] / efficiency[1];
+    }
+    if estimated {
+        sds.source = NoiseSource::Estimated;
+    }
+    sds
+}
+
+fn weighted_squares(distances: &[Option<f64>], scale: f64, loss: Loss) -> f64 {
+    distances.iter().flatten().map(|d| d / scale).map(|t| loss.weight_and_slope(t)[0] * t * t).sum()
+}
+
 /// Square roots of the loss's weights; rows whose scale is zero to rounding keep their weight.
 fn weigh(distances: &[Option<f64>], scale: Option<f64>, loss: Loss) -> Vec<f64> {
     let Some(scale) = scale else { return vec![1.0; distances.len()] };
-    let weight = |size: f64| {
-        let t = size / scale;
-        match loss {
-            Loss::Huber => (HUBER / t).min(1.0),
-            Loss::Tukey if t < TUKEY => (1.0 - (t / TUKEY).powi(2)).powi(2),
-            Loss::Tukey => 0.0,
-        }
-    };
+    let weight = |size: f64| loss.weight_and_slope(size / scale)[0];
     distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
 }
 

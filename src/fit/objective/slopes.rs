@@ -43,11 +43,11 @@ fn fit_estimated(setting: &Setting) -> Result<(Trial, NoiseRecord, Option<Note>)
     let at = |TrialRequest { sds, .. }: TrialRequest| {
         trial(setting, [1.0 / sds.z, 1.0 / sds.slope, 1.0 / sds.slope]).map(|(trial, _)| trial)
     };
-    let Estimate { sds, trial, note, .. } = variance_components(at)?;
+    let Estimate { sds, trial, note, dof, .. } = variance_components(at)?;
     let weights = [1.0 / (sds.z * setting.scale), 1.0 / sds.slope, 1.0 / sds.slope];
     let counts = trial.equations.row_weights.row_counts(setting.sites.len());
     let sds = sds_of_weights(SlopeWeights::Auto, weights, 1.0, [1.0, 1.0], counts);
-    let noise = NoiseRecord::Known(NoiseSds { source: NoiseSource::Estimated, ..sds });
+    let noise = NoiseRecord::Known(NoiseSds { source: NoiseSource::Estimated, dof, ..sds });
     Ok((trial, noise, note))
 }
 

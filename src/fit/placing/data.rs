@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::contact::{Contacts, Grid, Orientation};
+use crate::contact::{ContactWeights, Contacts, Grid, Orientation};
 use crate::fit::FitError;
 use crate::fit::placing::patch::Patch;
 use crate::fit::placing::sites::DataSites;
@@ -115,6 +115,23 @@ impl Data {
                 DataSites::Gridded(GridSites::new(patch.knots.clone(), &local(&grid.x, ox), &local(&grid.y, oy)))
             }
         }
+    }
+
+    /// The sites whose heights count as contacts in patch coordinates, `most` of them or a few more, spread evenly; `None`
+    /// without heights.
+    pub(crate) fn contacts_in_patch(&self, patch: &Patch, most: usize) -> Option<Contacts> {
+        let found = match self {
+            Data::Scattered { contacts, .. } => {
+                let counts = |r: &u32| contacts.weights.z.as_ref().is_none_or(|w| w[*r as usize] != 0.0);
+                let order: Vec<u32> = (0..contacts.len() as u32).filter(counts).collect();
+                let order: Vec<u32> = order.iter().copied().step_by(order.len().div_ceil(most).max(1)).collect();
+                Contacts { weights: ContactWeights::default(), ..contacts.in_order(&order) }
+            }
+            Data::Gridded { grid, origin, scale } => {
+                pixels(grid, [patch.frame.origin[0], patch.frame.origin[1], *origin], *scale, most)
+            }
+        };
+        (!found.is_empty()).then_some(found)
     }
 
     /// Whether there are slopes or normals.
@@ -261,6 +278,29 @@ impl Data {
             }
             Data::Gridded { grid, .. } => largest(&mut grid.z.iter().copied()),
         }
+    }
+}
+
+/// Pixels of a lattice of a grid as contacts about `origin` in units of `scale`; slopes are kept where all are known.
+fn pixels(grid: &Grid, origin: [f64; 3], scale: f64, most: usize) -> Contacts {
+    let side = ((grid.z.len() as f64 / most as f64).sqrt().ceil() as usize).max(1);
+    let chosen = grid.z.indexed_iter().filter(|((i, j), z)| {
+        let weight = grid.wz.as_ref().map_or(1.0, |w| w[[*i, *j]]);
+        i % side == 0 && j % side == 0 && !z.is_nan() && weight != 0.0
+    });
+    let places: Vec<[usize; 2]> = chosen.map(|((i, j), _)| [i, j]).collect();
+    let column = |value: &dyn Fn(usize, usize) -> f64| places.iter().map(|&[i, j]| value(i, j)).collect::<Vec<f64>>();
+    let local = |v: f64, k: usize| (v - origin[k]) / scale;
+    let contacts = Contacts::from_positions(
+        column(&|i, _| local(grid.x[i], 0)),
+        column(&|_, j| local(grid.y[j], 1)),
+        column(&|i, j| local(grid.z[[i, j]], 2)),
+    );
+    match (&grid.zx, &grid.zy) {
+        (Some(zx), Some(zy)) if places.iter().all(|at| zx[*at].is_finite() && zy[*at].is_finite()) => {
+            contacts.with_slopes(column(&|i, j| zx[[i, j]]), column(&|i, j| zy[[i, j]]))
+        }
+        _ => contacts,
     }
 }
 

@@ -1,0 +1,429 @@
+"""One fit: contacts or a grid in, surface and shape out.
+
+    contacts  ->  surface z = S(x, y) or Q(u, v)  ->  k1 >= k2, shape index S, curvedness R, class, how far to trust them
+
+Lengths are in the input's unit, curvatures in its inverse, angles in degrees; what is undefined is None.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._errors import FitError, in_python
+from ._native import ParametricSurface, Surface
+from ._tables import html_table, number
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+__all__ = ["Certificate", "Fit", "Measure", "Shape", "Spread", "fit"]
+
+Pair = Union[int, tuple[int, int]]
+Numbers = npt.ArrayLike
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Mean over the patch, and sd over the patch (variation, not uncertainty)."""
+
+    mean: float | None
+    sd: float | None
+
+
+@dataclass(frozen=True)
+class Measure(Spread):
+    """A mean over the patch with its standard uncertainty u and its interval (lo, hi) at the fit's level."""
+
+    u: float | None = None
+    interval: tuple[float, float] | None = None
+    u_noise: float | None = None
+    u_model: float | None = None
+
+    @classmethod
+    def _of(cls, part: dict[str, Any]) -> Measure:
+        ends = part.get("interval")
+        return cls(
+            part["mean"],
+            part["sd"],
+            part.get("u"),
+            None if ends is None else (ends[0], ends[1]),
+            part.get("u_noise"),
+            part.get("u_model"),
+        )
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What the patch looks like, over the points of the shape grid that the data support.
+
+    shape_index: S from -1 (cup) over 0 (saddle) to 1 (cap). curvedness: R, 1/length. class_name: one of cup, trough,
+    rut, saddle rut, saddle, saddle ridge, ridge, dome, cap, plane. radius: of a cap, cup, ridge or rut. direction_deg: of
+    k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
+    in space.
+    """
+
+    shape_index: Measure
+    curvedness: Measure
+    class_name: str | None
+    class_probability: dict[str, float]
+    k1: Spread
+    k2: Spread
+    radius: float | None
+    radius_interval: tuple[float, float] | None
+    direction_deg: float | None
+    direction: tuple[float, float, float] | None
+    support: float
+    plane_p: float | None
+    grid: tuple[int, int]
+
+    @property
+    def S(self) -> Measure:
+        """The shape index."""
+        return self.shape_index
+
+    @property
+    def R(self) -> Measure:
+        """The curvedness."""
+        return self.curvedness
+
+    @classmethod
+    def _of(cls, part: dict[str, Any]) -> Shape:
+        ends = part.get("radius_interval")
+        return cls(
+            shape_index=Measure._of(part["S"]),
+            curvedness=Measure._of(part["R"]),
+            class_name=part["class"],
+            class_probability=dict(part["class_probability"] or {}),
+            k1=Spread(part["k1"]["mean"], part["k1"]["sd"]),
+            k2=Spread(part["k2"]["mean"], part["k2"]["sd"]),
+            radius=part["radius"],
+            radius_interval=None if ends is None else (ends[0], ends[1]),
+            direction_deg=part["direction_deg"],
+            direction=None if part.get("direction") is None else tuple(part["direction"]),
+            support=part["support"],
+            plane_p=part["plane_p"],
+            grid=(part["grid"][0], part["grid"][1]),
+        )
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How far to trust the arithmetic: method and why, rank, condition, backward error, digits that are guaranteed."""
+
+    method: str
+    reason: str
+    equations: int
+    unknowns: int
+    rank: int
+    condition: float | None
+    backward_error: float | None
+    digits: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def _of(cls, part: dict[str, Any]) -> Certificate:
+        return cls(
+            method=part["method"],
+            reason=part["reason"],
+            equations=part["equations"],
+            unknowns=part["unknowns"],
+            rank=part["rank"],
+            condition=part["condition"],
+            backward_error=part["backward_error"],
+            digits=dict(part.get("promise") or {}),
+        )
+
+
+class Fit:
+    """A fitted patch.
+
+    What is asked for is computed at the first access and kept. Fits pickle, and are saved as the same JSON that
+    `palpate fit --save` writes.
+    """
+
+    __slots__ = ("_core", "_document", "_name", "_surface", "_table")
+
+    def __init__(self, core: _native.FitCore | None, name: str = "contacts") -> None:
+        self._core = core
+        self._name = name
+        self._document: dict[str, Any] | None = None
+        self._table = ""
+        self._surface: Surface | ParametricSurface | None = None
+
+    @classmethod
+    def from_dict(cls, document: dict[str, Any], name: str = "contacts") -> Fit:
+        """A fit from its document, as `to_dict` gives it."""
+        if not isinstance(document, dict) or document.get("schema") != "palpate.fit/1":
+            raise FitError("this is no document of a fit: its schema is not palpate.fit/1", "Schema")
+        found = cls(None, name)
+        found._document = document
+        return found
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Fit:
+        """A fit saved by `save`, or by `palpate fit --save`."""
+        return cls.from_dict(json.loads(Path(path).read_text(encoding="utf-8")), Path(path).name)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the document as JSON; `palpate show` and `load` read it."""
+        Path(path).write_text(json.dumps(self.to_dict()), encoding="utf-8")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document palpate.fit/1: what `palpate fit --json` prints."""
+        if self._document is None:
+            assert self._core is not None
+            text, self._table = self._core.document(self._name)
+            self._document = json.loads(text)
+        return self._document
+
+    @property
+    def shape(self) -> Shape:
+        """S, R, class, radius and their uncertainties."""
+        return Shape._of(self.to_dict()["shape"])
+
+    @property
+    def certificate(self) -> Certificate:
+        """How far to trust the arithmetic."""
+        return Certificate._of(self.to_dict()["fit"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know, in whole sentences."""
+        return [in_python(note) for note in self.to_dict()["fit"]["notes"]]
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts."""
+        return int(self.to_dict()["contacts"])
+
+    @property
+    def chosen(self) -> dict[str, Any] | None:
+        """What was chosen and why, where no model was named: surface, why, hypothesis, tried."""
+        found: dict[str, Any] | None = self.to_dict()["fit"].get("chosen")
+        return found
+
+    @property
+    def rms(self) -> dict[str, float]:
+        """Root mean square residuals: z in input units, zx, zy, normal_deg."""
+        return {name: rms for name, rms in self.to_dict()["fit"]["rms"].items() if rms is not None}
+
+    @property
+    def surface(self) -> Surface | ParametricSurface:
+        """The surface: fit.surface(x, y, dx=1) evaluates it.
+
+        >>> import palpate
+        >>> fit = palpate.fit([0, 0, 0, 1, 1, 1, 2, 2, 2], [0, 1, 2] * 3, [0, 1, 2] * 3, degree=1)
+        >>> fit.surface(1.5, [0.5, 1.5]).round(12)
+        array([[0.5, 1.5]])
+        """
+        if self._surface is None:
+            if self._core is not None:
+                self._surface = self._core.surface()
+            else:
+                self._surface = _saved_surface(self.to_dict())
+        return self._surface
+
+    def maps(self, grid: Pair | None = None) -> dict[str, npt.NDArray[np.float64]]:
+        """z, k1, k2, S and R of a height field over its domain: axes x (n,), y (m,) and maps (n, m); NaN: undefined.
+
+        Points of the grid: those of the fit, unless others are given.
+        """
+        surface = self.surface
+        if not isinstance(surface, Surface):
+            raise FitError("maps are those of a height field; evaluate fit.surface(u, v) instead", "Parametric")
+        wanted = self.to_dict()["shape"]["grid"] if grid is None else grid
+        n, m = (wanted, wanted) if isinstance(wanted, int) else wanted
+        x0, x1, y0, y1 = surface.domain
+        x, y = np.linspace(x0, x1, n), np.linspace(y0, y1, m)
+        return {"x": x, "y": y, **surface.shape(x, y)}
+
+    def to_xarray(self, grid: Pair | None = None) -> xarray.Dataset:
+        """The maps as a Dataset over x and y, with the document in its attributes; `from_xarray` goes back."""
+        import xarray
+
+        maps = self.maps(grid)
+        x, y = maps.pop("x"), maps.pop("y")
+        variables = {name: (("x", "y"), values) for name, values in maps.items()}
+        return xarray.Dataset(variables, coords={"x": x, "y": y}, attrs={"palpate": json.dumps(self.to_dict())})
+
+    @classmethod
+    def from_xarray(cls, dataset: xarray.Dataset) -> Fit:
+        """The fit whose maps a Dataset holds."""
+        return cls.from_dict(json.loads(dataset.attrs["palpate"]))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a quantity: mean, sd over the patch, u, lo, hi."""
+        import pandas
+
+        rows = [
+            (name, part.mean, part.sd, part.u, *(part.interval or (None, None)))
+            for name, part in (("S", self.shape.S), ("R", self.shape.R))
+        ]
+        frame = pandas.DataFrame(rows, columns=["quantity", "mean", "sd", "u", "lo", "hi"]).set_index("quantity")
+        frame.attrs["palpate"] = json.dumps(self.to_dict())
+        return frame
+
+    @classmethod
+    def from_pandas(cls, frame: pandas.DataFrame) -> Fit:
+        """The fit whose quantities a DataFrame of `to_pandas` holds."""
+        return cls.from_dict(json.loads(frame.attrs["palpate"]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_restored, (self.to_dict(), self._name, self._table))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Fit):
+            return NotImplemented
+        own, theirs = dict(self.to_dict()), dict(other.to_dict())
+        own.pop("seconds"), theirs.pop("seconds")
+        return own == theirs
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        shape = self.shape
+        return (
+            f"Fit({shape.class_name or 'no one class'}, S = {number(shape.S.mean)} (u {number(shape.S.u, 2)}), "
+            f"R = {number(shape.R.mean)} (u {number(shape.R.u, 2)}), {self.contacts} contacts)"
+        )
+
+    def __str__(self) -> str:
+        self.to_dict()
+        return self._table or repr(self)
+
+    def _repr_html_(self) -> str:
+        shape = self.shape
+        rows = [
+            [name, number(part.mean), number(part.sd), number(part.u, 2), _ends(part.interval)]
+            for name, part in (("S", shape.S), ("R", shape.R))
+        ]
+        rows.append(["radius", number(shape.radius), "", "", _ends(shape.radius_interval)])
+        caption = f"{shape.class_name or 'no one class'}, {self.contacts} contacts"
+        return html_table(caption, ["", "mean", "sd over the patch", "u", "interval"], rows)
+
+
+def _ends(interval: tuple[float, float] | None) -> str:
+    return "" if interval is None else f"{number(interval[0])} to {number(interval[1])}"
+
+
+def _restored(document: dict[str, Any], name: str, table: str) -> Fit:
+    found = Fit.from_dict(document, name)
+    found._table = table
+    return found
+
+
+def _saved_surface(document: dict[str, Any]) -> Surface | ParametricSurface:
+    saved = document["surface"]
+    knots, degree = tuple(np.array(axis) for axis in saved["knots"]), tuple(saved["degree"])
+    coefficients = np.array(saved["coefficients"])
+    if saved["kind"] == "parametric":
+        closed = saved.get("closed") or (False, False)
+        return ParametricSurface(knots, coefficients, degree, tuple(closed))
+    return Surface(knots, coefficients, degree, document["frame"]["axes"])
+
+
+def _of_frame(frame: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The columns of a DataFrame, or of a mapping: positions, and what stands beside them."""
+    missing = [name for name in "xyz" if name not in frame]
+    if missing:
+        raise ValueError(f"x: a table of contacts has columns x, y and z; {', '.join(missing)} is missing")
+    beside: dict[str, Any] = {}
+    if all(name in frame for name in ("nx", "ny", "nz")):
+        beside["normals"] = tuple(frame[name] for name in ("nx", "ny", "nz"))
+    elif all(name in frame for name in ("zx", "zy")):
+        beside["slopes"] = tuple(frame[name] for name in ("zx", "zy"))
+    beside.update({name: frame[name] for name in ("wz", "wx", "wy", "finger", "station") if name in frame})
+    return {name: frame[name] for name in "xyz"}, beside
+
+
+def fit(
+    x: Any,
+    y: Numbers | None = None,
+    z: Numbers | None = None,
+    *,
+    normals: Any = None,
+    slopes: Any = None,
+    wz: Numbers | None = None,
+    wx: Numbers | None = None,
+    wy: Numbers | None = None,
+    finger: Numbers | None = None,
+    station: Numbers | None = None,
+    flip_normals: bool = False,
+    surface: str | None = None,
+    closed: str | tuple[bool, bool] | None = None,
+    degree: Pair | None = None,
+    segments: Pair | None = None,
+    knots: tuple[Numbers, Numbers] | None = None,
+    domain: Numbers | None = None,
+    weights: str | Numbers | None = None,
+    sigma: str | Numbers | None = None,
+    method: str | None = None,
+    smooth: str | float | None = None,
+    robust: str | None = None,
+    grid: Pair | None = None,
+    inset: float | None = None,
+    frame: str | None = None,
+    level: float | None = None,
+    viewpoint: Numbers | None = None,
+    bare: bool = False,
+) -> Fit:
+    """Fits contacts, or a grid of heights, and tells the shape.
+
+    Scattered contacts: x, y, z (g,), lengths in one unit; normals (g, 3) of any length but zero, towards the free side,
+    or slopes (g, 2) = dz/dx, dz/dy; wz, wx, wy (g,) multiply the residuals; finger, station (g,) whole numbers.
+    A table instead of x: a DataFrame or a mapping with columns x, y, z [nx, ny, nz | zx, zy] [wz, wx, wy] [finger, station].
+    A grid: x (n,), y (m,) increasing, z (n, m) indexed [x, y], NaN where a height is missing; slopes=(zx, zy), each (n, m).
+    An xarray.DataArray with coordinates x and y instead of x: the grid that it holds.
+
+    Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
+    segments, knots, domain, weights, sigma, method, smooth, robust, inset and frame="keep" names a model and gives
+    exactly that fit. bare=True leaves out certificate and uncertainties of a named model.
+
+    Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the
+    contacts, and no other. Other real dtypes are converted by NumPy first. The interpreter's lock is released; do not
+    write to the arrays from another thread meanwhile.
+
+    Raises FitError and RecognitionError, with kind and fields; TypeError and ValueError that name the argument.
+
+    >>> import numpy as np, palpate
+    >>> x, y = (a.ravel() for a in np.meshgrid(np.linspace(-2, 2, 6), np.linspace(-2, 2, 6)))
+    >>> z = np.sqrt(36 - x**2) - 6
+    >>> found = palpate.fit(x, y, z, normals=(x, 0 * x, z + 6), degree=(4, 2))
+    >>> found.shape.class_name, round(found.shape.S.mean, 3), round(found.shape.radius, 2)
+    ('ridge', 0.5, 6.01)
+    """
+    if y is None and z is None:
+        if hasattr(x, "coords") and hasattr(x, "dims"):
+            array = x.transpose("x", "y")
+            x, y, z = array.coords["x"].values, array.coords["y"].values, array.values
+        elif hasattr(x, "keys") and hasattr(x, "__getitem__"):
+            columns, beside = _of_frame(x)
+            x, y, z = columns["x"], columns["y"], columns["z"]
+            if normals is None and slopes is None:
+                normals, slopes = beside.get("normals"), beside.get("slopes")
+            wz, wx, wy = (beside.get(n) if w is None else w for n, w in (("wz", wz), ("wx", wx), ("wy", wy)))
+            finger = beside.get("finger") if finger is None else finger
+            station = beside.get("station") if station is None else station
+    if y is None or z is None:
+        raise TypeError(f"{'y' if y is None else 'z'} is missing: fit(x, y, z), or a table or a DataArray alone")
+    words = {
+        "surface": surface, "closed": closed, "degree": degree, "segments": segments, "knots": knots, "domain": domain,
+        "weights": weights, "sigma": sigma, "method": method, "smooth": smooth, "robust": robust, "grid": grid,
+        "inset": inset, "frame": frame, "level": level, "viewpoint": viewpoint, "bare": bare or None,
+    }  # fmt: skip
+    dimensions = getattr(z, "ndim", None)
+    if (np.ndim(z) if dimensions is None else dimensions) == 2:
+        if normals is not None or flip_normals:
+            raise ValueError("normals: a grid takes slopes=(zx, zy), each as large as z")
+        if finger is not None or station is not None:
+            raise ValueError("finger, station: a grid has none")
+        return Fit(_native.fit_grid(x, y, z, slopes, (wz, wx, wy), words), "grid")
+    return Fit(_native.fit_contacts(x, y, z, normals, slopes, (wz, wx, wy), (finger, station), flip_normals, words))

@@ -1,0 +1,193 @@
+"""The compiled part; use the names of the package instead."""
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Self
+
+__all__ = [
+    "FitCore",
+    "ParametricSurface",
+    "StreamShape",
+    "StudyPlan",
+    "StudyRun",
+    "Surface",
+    "TouchStream",
+    "class_names",
+    "fit_batch",
+    "fit_contacts",
+    "fit_grid",
+    "merge_parts",
+    "scene_contacts",
+    "scene_texts",
+    "time_fit",
+    "__version__",
+]
+
+__version__: str
+
+_Array = npt.NDArray[np.float64]
+_Progress = Callable[[int, int], object]
+
+@final
+class FitCore:
+    def document(self, name: str) -> tuple[bytes, str]: ...
+    def surface(self) -> Surface | ParametricSurface: ...
+
+@final
+class Surface:
+    """A height field z = S(x, y): a tensor-product B-spline."""
+
+    def __new__(
+        cls, t: Any, c: npt.ArrayLike, k: int | Sequence[int], axes: Sequence[Sequence[float]] | None = None
+    ) -> Self: ...
+    def __call__(
+        self, x: npt.ArrayLike, y: npt.ArrayLike, dx: int = 0, dy: int = 0, grid: bool = True
+    ) -> _Array: ...
+    def ev(self, x: npt.ArrayLike, y: npt.ArrayLike, dx: int = 0, dy: int = 0) -> _Array: ...
+    def shape(self, x: npt.ArrayLike, y: npt.ArrayLike) -> dict[str, _Array]: ...
+    @property
+    def tck(self) -> tuple[_Array, _Array, _Array, int, int]: ...
+    @property
+    def t(self) -> tuple[_Array, _Array]: ...
+    @property
+    def c(self) -> _Array: ...
+    @property
+    def k(self) -> tuple[int, int]: ...
+    @property
+    def domain(self) -> tuple[float, float, float, float]: ...
+    @property
+    def axes(self) -> list[list[float]]: ...
+
+@final
+class ParametricSurface:
+    """A surface in space (x, y, z) = Q(u, v): a tensor-product B-spline of points."""
+
+    def __new__(
+        cls, t: Any, c: npt.ArrayLike, k: int | Sequence[int], closed: Sequence[bool] = ...
+    ) -> Self: ...
+    def __call__(
+        self, u: npt.ArrayLike, v: npt.ArrayLike, du: int = 0, dv: int = 0, grid: bool = True
+    ) -> _Array: ...
+    def ev(self, u: npt.ArrayLike, v: npt.ArrayLike, du: int = 0, dv: int = 0) -> _Array: ...
+    @property
+    def t(self) -> tuple[_Array, _Array]: ...
+    @property
+    def c(self) -> _Array: ...
+    @property
+    def k(self) -> tuple[int, int]: ...
+    @property
+    def closed(self) -> tuple[bool, bool]: ...
+    @property
+    def domain(self) -> tuple[float, float, float, float]: ...
+
+@final
+class StreamShape:
+    """The shape after the touches so far."""
+
+    @property
+    def contacts(self) -> int: ...
+    @property
+    def shape_index(self) -> float | None: ...
+    @property
+    def u_shape_index(self) -> float: ...
+    @property
+    def curvedness(self) -> float: ...
+    @property
+    def u_curvedness(self) -> float: ...
+    @property
+    def class_name(self) -> str | None: ...
+
+@final
+class TouchStream:
+    """A fit that grows touch by touch, for control loops."""
+
+    def __new__(
+        cls,
+        domain: npt.ArrayLike,
+        *,
+        sigma: npt.ArrayLike,
+        degree: int | tuple[int, int] | None = None,
+        segments: int | tuple[int, int] | None = None,
+        grid: int | tuple[int, int] | None = None,
+        inset: float = 0.0,
+    ) -> Self: ...
+    def push(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        normal: npt.ArrayLike | None = None,
+        *,
+        slopes: npt.ArrayLike | None = None,
+    ) -> None: ...
+    def shape(self) -> StreamShape: ...
+    def touch(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        normal: npt.ArrayLike | None = None,
+        *,
+        slopes: npt.ArrayLike | None = None,
+    ) -> StreamShape | None: ...
+    def __len__(self) -> int: ...
+
+@final
+class StudyRun:
+    @property
+    def document(self) -> bytes: ...
+    @property
+    def part(self) -> bytes: ...
+    @property
+    def values(self) -> dict[str, _Array]: ...
+
+@final
+class StudyPlan:
+    def __new__(cls, arguments: list[str], text: str | None) -> Self: ...
+    @property
+    def replicates(self) -> int: ...
+    def run(
+        self,
+        range: tuple[int, int] | None,
+        threads: int | None,
+        keep_values: bool,
+        describe: bool,
+        progress: _Progress | None,
+    ) -> StudyRun: ...
+
+def fit_contacts(
+    x: Any,
+    y: Any,
+    z: Any,
+    normals: Any,
+    slopes: Any,
+    weights: Sequence[Any],
+    labels: Sequence[Any],
+    flip_normals: bool,
+    keywords: dict[str, Any] | None,
+) -> FitCore: ...
+def fit_grid(
+    x: Any, y: Any, z: Any, slopes: Any, weights: Sequence[Any], keywords: dict[str, Any] | None
+) -> FitCore: ...
+def time_fit(
+    x: Any, y: Any, z: Any, normals: Any, keywords: dict[str, Any] | None, times: int
+) -> list[float]: ...
+def fit_batch(
+    x: Any,
+    y: Any,
+    z: Any,
+    normals: Any,
+    slopes: Any,
+    offsets: Any,
+    threads: int | None,
+    progress: _Progress | None,
+    keywords: dict[str, Any] | None,
+) -> dict[str, Any]: ...
+def class_names() -> list[str]: ...
+def merge_parts(parts: Sequence[str | PathLike[str]]) -> bytes: ...
+def scene_texts() -> dict[str, tuple[str, str]]: ...
+def scene_contacts(scene: str, text: str | None, seed: int | None, replicate: int) -> dict[str, npt.NDArray[Any]]: ...

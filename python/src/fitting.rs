@@ -1,0 +1,126 @@
+//! `fit`: contacts or a grid in, an answer out, from which documents and surfaces are made when they are asked for.
+
+use std::time::Instant;
+
+use palpate::cli::embedded::FitAnswer;
+use palpate::internals::io::Input;
+use palpate::recognition::RecognisedSpline;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use super::contacts::{Beside, contacts, grid};
+use super::errors;
+use super::options::Keywords;
+use super::surfaces::{ParametricSurface, Surface};
+
+/// The answer of a fit, behind `palpate.Fit`.
+#[pyclass(frozen, module = "palpate._native")]
+pub(crate) struct FitCore {
+    answer: FitAnswer,
+}
+
+#[pymethods]
+impl FitCore {
+    /// The document of `palpate fit --json` as UTF-8, and the table for people.
+    fn document<'py>(&self, py: Python<'py>, name: &str) -> PyResult<(Bound<'py, PyBytes>, String)> {
+        let [json, table] = py.detach(|| self.answer.document(name)).map_err(|error| errors::fit_error(py, &error))?;
+        Ok((PyBytes::new(py, &json), String::from_utf8_lossy(&table).into_owned()))
+    }
+
+    /// The surface in input units: a Surface, or a ParametricSurface.
+    fn surface(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let wrong = |error| errors::fit_error(py, &error);
+        if let Some(fit) = self.answer.height_field() {
+            let field = fit.input_surface().map_err(wrong)?;
+            return Ok(Surface::new_of(field, fit.frame().axes).into_pyobject(py)?.into_any().unbind());
+        }
+        if let Some(fit) = self.answer.parametric() {
+            let surface = fit.input_surface().map_err(wrong)?;
+            return Ok(ParametricSurface::new_of(surface).into_pyobject(py)?.into_any().unbind());
+        }
+        let Some(found) = self.answer.recognition() else { return Ok(py.None()) };
+        Ok(match py.detach(|| found.spline()).map_err(wrong)? {
+            RecognisedSpline::Height { surface, fit } => {
+                Surface::new_of(surface, fit.frame().axes).into_pyobject(py)?.into_any().unbind()
+            }
+            RecognisedSpline::Parametric { surface, .. } => {
+                ParametricSurface::new_of(surface).into_pyobject(py)?.into_any().unbind()
+            }
+        })
+    }
+}
+
+/// Fits contacts.
+#[pyfunction]
+#[pyo3(signature = (x, y, z, normals, slopes, weights, labels, flip_normals, keywords))]
+#[expect(clippy::too_many_arguments, reason = "every argument of palpate.fit, in its order")]
+pub(crate) fn fit_contacts<'py>(
+    py: Python<'py>,
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
+    z: &Bound<'py, PyAny>,
+    normals: Option<&Bound<'py, PyAny>>,
+    slopes: Option<&Bound<'py, PyAny>>,
+    weights: [Option<Bound<'py, PyAny>>; 3],
+    labels: [Option<Bound<'py, PyAny>>; 2],
+    flip_normals: bool,
+    keywords: Option<&Bound<'py, PyDict>>,
+) -> PyResult<FitCore> {
+    let keywords = Keywords::read(keywords)?;
+    let (weights, labels) = (weights.each_ref().map(Option::as_ref), labels.each_ref().map(Option::as_ref));
+    let beside = Beside { normals, slopes, weights, labels, flip_normals };
+    let input = Input::Contacts(contacts([x, y, z], &beside)?);
+    answer(py, input, &keywords)
+}
+
+/// Fits a grid.
+#[pyfunction]
+pub(crate) fn fit_grid<'py>(
+    py: Python<'py>,
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
+    z: &Bound<'py, PyAny>,
+    slopes: Option<&Bound<'py, PyAny>>,
+    weights: [Option<Bound<'py, PyAny>>; 3],
+    keywords: Option<&Bound<'py, PyDict>>,
+) -> PyResult<FitCore> {
+    let keywords = Keywords::read(keywords)?;
+    let weights = weights.each_ref().map(Option::as_ref);
+    let beside = Beside { normals: None, slopes, weights, labels: [None; 2], flip_normals: false };
+    answer(py, Input::Grid(grid([x, y, z], &beside)?), &keywords)
+}
+
+fn answer(py: Python<'_>, input: Input, keywords: &Keywords) -> PyResult<FitCore> {
+    let Keywords { options, named, viewpoint, bare } = keywords;
+    let answer = py.detach(|| FitAnswer::new(input, *named, options, *viewpoint, *bare));
+    // whoever pressed Ctrl-C during a long fit is heard here
+    py.check_signals()?;
+    Ok(FitCore { answer: answer.map_err(|refusal| errors::refusal(py, &refusal))? })
+}
+
+/// Seconds that the same fit takes in Rust alone, each of `times`: for the benches, which compare the two in one run.
+#[pyfunction]
+pub(crate) fn time_fit<'py>(
+    py: Python<'py>,
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
+    z: &Bound<'py, PyAny>,
+    normals: Option<&Bound<'py, PyAny>>,
+    keywords: Option<&Bound<'py, PyDict>>,
+    times: usize,
+) -> PyResult<Vec<f64>> {
+    let keywords = Keywords::read(keywords)?;
+    let none = [const { None }; 3];
+    let beside = Beside { normals, slopes: None, weights: none, labels: [None; 2], flip_normals: false };
+    let data = contacts([x, y, z], &beside)?;
+    py.detach(|| {
+        let one = || {
+            let clock = Instant::now();
+            let fit = palpate::fit_contacts(&data, &keywords.options);
+            let seconds = clock.elapsed().as_secs_f64();
+            fit.map(|_| seconds)
+        };
+        (0..times).map(|_| one()).collect::<Result<Vec<f64>, _>>()
+    })
+    .map_err(|error| errors::fit_error(py, &error))
+}

@@ -1,0 +1,47 @@
+//! The extension module behind the Python package `palpate`: NumPy arrays in, NumPy arrays out.
+//!
+//! ```text
+//! palpate/*.py (names, views of results)  ->  _native (arrays, errors, threads)  ->  the crate palpate
+//! ```
+//!
+//! Nothing is computed here that the crate does not compute. The interpreter's lock is released while the crate works;
+//! long work looks between its chunks whether Ctrl-C was pressed.
+
+mod arrays;
+mod attend;
+mod batch;
+mod contacts;
+mod errors;
+mod evaluate;
+mod fitting;
+mod options;
+mod scenes;
+mod stream;
+mod studies;
+mod surfaces;
+
+use pyo3::prelude::*;
+
+/// The compiled part of palpate; use the names of the package instead.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::batch::{class_names, fit_batch};
+    #[pymodule_export]
+    use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit};
+    #[pymodule_export]
+    use super::scenes::{scene_contacts, scene_texts};
+    #[pymodule_export]
+    use super::stream::{StreamShape, TouchStream};
+    #[pymodule_export]
+    use super::studies::{StudyPlan, StudyRun, merge_parts};
+    #[pymodule_export]
+    use super::surfaces::{ParametricSurface, Surface};
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,34 @@
+"""Patches that the tests share."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+Columns = dict[str, np.ndarray]
+
+
+def bar(n: int = 6, radius: float = 6.0) -> Columns:
+    """A ridge along y, touched at n x n places of a patch of 5 x 5, without noise."""
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(-2.5, 2.5, n), np.linspace(-2.5, 2.5, n), indexing="ij"))
+    z = np.sqrt(radius**2 - x**2) - radius
+    return {"x": x, "y": y, "z": z, "nx": x, "ny": 0 * x, "nz": z + radius}
+
+
+@pytest.fixture
+def ridge() -> Columns:
+    return bar()
+
+
+@pytest.fixture
+def noisy() -> Columns:
+    """The same with errors of 0.01 and 1 degree."""
+    random, found = np.random.default_rng(5), bar(8)
+    found["z"] = found["z"] + 0.01 * random.standard_normal(64)
+    for name in ("nx", "ny", "nz"):
+        found[name] = found[name] / 6 + 0.017 * random.standard_normal(64)
+    return found
+
+
+def normals(contacts: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return contacts["nx"], contacts["ny"], contacts["nz"]

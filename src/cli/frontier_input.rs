@@ -1,0 +1,53 @@
+//! The frontier of measured contacts, judged by contacts that were left out.
+
+use std::path::Path;
+
+use crate::fit::FitOptions;
+use crate::frontier::{Frontier, FrontierError, Measured, Request, choose, held_out};
+use crate::io::{Input, ReadOptions, read_input};
+use crate::report::{FrontierDocument, FrontierRecord};
+
+use super::failure::Failure;
+use super::frontier_args::{FrontierArgs, message};
+use super::frontier_scene::{empty_document, pick_part};
+
+/// The document of a file of contacts.
+pub(super) fn measure(args: &FrontierArgs, file: &str, request: Option<&Request>) -> Result<FrontierDocument, Failure> {
+    if request.is_some_and(|request| request.error_s.is_some() || request.error_r.is_some()) {
+        let what = "the true S and R of measured contacts are unknown, so that no error of theirs can be asked for; \
+             --budget can, and a scene like this one (palpate scenes) knows its truth";
+        return Err(Failure::Input(format!("{file}: {what}")));
+    }
+    if args.emit.is_some() {
+        let what =
+            "--emit writes a scene, and this is a file of contacts: the picked line says what to give palpate fit";
+        return Err(Failure::Input(format!("{file}: {what}")));
+    }
+    args.output.prepare(&[Path::new(file)], &[])?;
+    let spinner = args.output.spinner(format!("measuring {file}"));
+    let reading = read_input(Path::new(file), &ReadOptions::default())?;
+    let Input::Contacts(contacts) = &reading.input else {
+        return Err(Failure::Input(format!(
+            "{file}: a grid cannot be judged by pixels that were left out, which its neighbours nearly repeat; a frontier needs contacts or a scene"
+        )));
+    };
+    let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", reading.file, message(&error)));
+    let measured = held_out(contacts, &FitOptions::default(), args.seconds).map_err(wrong)?;
+    drop(spinner);
+    let record = |m: &Measured| FrontierRecord::new(Frontier::Discretisation, &reading.file, &m.point);
+    let mut document = FrontierDocument {
+        scene: reading.file.clone(),
+        reference: "contacts left out, a fifth at a time".into(),
+        counter: "not counted: only the calls of a scene are".into(),
+        points: measured.iter().map(record).collect(),
+        notes: vec![
+            "error is that of the height at contacts left out, their noise included; S and R have no truth here".into(),
+        ],
+        ..empty_document()
+    };
+    if let Some(request) = request {
+        let choice = choose(&measured, request).map_err(wrong)?;
+        document.pick = Some(pick_part(&choice, request, None));
+    }
+    Ok(document)
+}

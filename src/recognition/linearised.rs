@@ -1,0 +1,77 @@
+//! Everything that the evidence is computed from, linearised about fitted models.
+//!
+//! ```text
+//! models, displacement -> rows y, J, Z        covariance of normals        whitened normals' Gram matrix
+//! ```
+
+use faer::Mat;
+
+use crate::vector::Vector;
+
+use super::cells::Cells;
+use super::displacement::Displacement;
+use super::model::{Kind, Model};
+use super::noise::Factors;
+use super::normal_noise::NormalNoise;
+use super::rows::Rows;
+use super::second_look::Moved;
+
+/// Factors of the covariances of positions and of normals.
+pub(super) struct FactorPair<'a> {
+    pub(super) positions: Factors<'a>,
+    /// `None` where every cell has as many normals as positions: one factor then serves both.
+    normals: Option<Factors<'a>>,
+}
+
+impl<'a> FactorPair<'a> {
+    pub(super) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
+        let own = cells.normals.as_ref().filter(|normals| normals.variance != cells.variance);
+        FactorPair {
+            positions: Factors::new(&cells.variance, distances),
+            normals: own.map(|normals| Factors::new(&normals.variance, distances)),
+        }
+    }
+
+    fn normals(&self) -> &Factors<'a> {
+        self.normals.as_ref().unwrap_or(&self.positions)
+    }
+}
+
+/// Models with their equations.
+pub(super) struct Linearised {
+    pub(super) models: Vec<Model>,
+    pub(super) displacement: Option<Displacement>,
+    pub(super) rows: Rows,
+    pub(super) normal_noise: Option<NormalNoise>,
+    /// Gram matrix of the whitened normal rows.
+    pub(super) normals: Option<Mat<f64>>,
+}
+
+impl Linearised {
+    /// Equations about these models; `moved` tells the displacement about which normals scatter, where one is known.
+    pub(super) fn new(
+        cells: &Cells,
+        contacts: &[Vector],
+        models: Vec<Model>,
+        factors: &FactorPair,
+        moved: Option<&Moved>,
+    ) -> Linearised {
+        let displacement = match models.iter().find(|m| m.kind() == Kind::General) {
+            Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts),
+            _ => None,
+        };
+        let rows = Rows::new(cells, &models, displacement.as_ref());
+        let normal_noise = match moved {
+            Some(moved) => NormalNoise::find(&moved.without_displacement(&rows), factors.normals(), moved.spent),
+            None => NormalNoise::find(&rows, factors.normals(), 0.0),
+        };
+        let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&rows, factors.normals()));
+        Linearised { models, displacement, rows, normal_noise, normals }
+    }
+
+    /// The models, the general one in its new place.
+    pub(super) fn models_with(&self, moved: &Moved) -> Vec<Model> {
+        let of = |m: &Model| if m.kind() == Kind::General { moved.base.clone() } else { m.clone() };
+        self.models.iter().map(of).collect()
+    }
+}

@@ -1,0 +1,69 @@
+//! The normal equations of a model and a displacement, reduced to the model's own parameters by one elimination.
+//!
+//! ```text
+//!     [ I + Z'Z   Z'J    Z'y ]   [ U_z  .    .   ]' [ U_z  .    .   ]
+//!     [ J'Z       J'J    J'y ] = [      U_j  u   ]  [      U_j  u   ]        c + p + 1 rows
+//!     [ y'Z       y'J    y'y ]   [           rss ]  [           1   ]
+//! x = -U_j^-1 u       H = U_j' U_j       log det (I + Z'Z) = 2 sum log u_z       rss = what nothing explains
+//! ```
+
+use faer::Mat;
+
+use super::dense;
+
+/// The equations after elimination.
+pub(super) struct Reduced {
+    /// Lower factor of H, p x p.
+    pub(super) lower: Mat<f64>,
+    /// The step that solves them.
+    pub(super) x: Vec<f64>,
+    pub(super) rss: f64,
+    /// Log determinant of the displacement's precision.
+    pub(super) log_det: f64,
+}
+
+/// Which rows and columns of a Gram matrix belong to the equations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Columns {
+    /// Column of y; the model's follow.
+    pub(super) y: usize,
+    /// Parameters of the model.
+    pub(super) unknowns: usize,
+    /// First column of the displacement, and how many are used.
+    pub(super) z: (usize, usize),
+    /// Factor of those columns.
+    pub(super) root: f64,
+}
+
+/// Eliminates the displacement and then the parameters; `at` is the Gram matrix. `None` unless positive definite.
+pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Option<Reduced> {
+    let Columns { y, unknowns: p, z: (first, count), root } = columns;
+    let size = count + p + 1;
+    let source = |i: usize| {
+        if i < count {
+            first + i
+        } else if i < count + p {
+            y + 1 + i - count
+        } else {
+            y
+        }
+    };
+    let factor = |i: usize| if i < count { root } else { 1.0 };
+    let mut a = vec![0.0; size * size];
+    for i in 0..size {
+        let (from, scale) = (source(i), factor(i));
+        (i..size).for_each(|j| a[i * size + j] = scale * factor(j) * at(source(j), from));
+        if i < count {
+            a[i * size + i] += 1.0;
+        }
+    }
+    if !dense::eliminate(&mut a, size, count + p) {
+        return None;
+    }
+    let pivot = |i: usize| a[i * size + i];
+    let lower = Mat::from_fn(p, p, |i, j| if j <= i { a[(count + j) * size + count + i] } else { 0.0 });
+    let mut x: Vec<f64> = (0..p).map(|i| -a[(count + i) * size + size - 1]).collect();
+    dense::backward(&lower, &mut x);
+    let log_det = 2.0 * (0..count).map(|i| pivot(i).ln()).sum::<f64>();
+    Some(Reduced { lower, x, rss: pivot(size - 1), log_det })
+}

@@ -1,0 +1,71 @@
+//! The second look, where a displacement is likely: equations about the displaced surface instead of the plain one.
+//!
+//! ```text
+//! theta <- theta + x of the likeliest displaced node        the terms x^2 and x f, left out by the first look, vanish
+//! normals scatter about n(theta) - grad f                   not about the plain surface, whose misfit is no noise
+//! ```
+//!
+//! One step of Gauss and Newton. A displacement f itself enters the distances exactly.
+
+use faer::Mat;
+
+use super::dense;
+use super::evidence::{Evidence, Node};
+use super::model::{Kind, Model};
+use super::rows::{Rows, column_of, first_of_displacement};
+use super::state::State;
+
+/// Probability of a displacement from which on the second look is taken.
+const LIKELY: f64 = 0.05;
+
+/// Share of the equations that are normals': two rows of three.
+const OF_NORMALS: f64 = 2.0 / 3.0;
+
+/// Where the general surface belongs under its displacement.
+pub(super) struct Moved {
+    pub(super) base: Model,
+    /// Weights of the displacement's columns.
+    weights: Vec<f64>,
+    /// Degrees of freedom that the displacement takes from the normals.
+    pub(super) spent: f64,
+}
+
+impl Moved {
+    /// Rows in which the normals are free of the displacement.
+    pub(super) fn without_displacement(&self, rows: &Rows) -> Rows {
+        let mut out = rows.clone();
+        let (y, z) = (column_of(Kind::General), first_of_displacement());
+        for half in out.normals.iter_mut().flatten() {
+            for i in 0..half.nrows() {
+                half[(i, y)] += self.weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum::<f64>();
+            }
+        }
+        out
+    }
+}
+
+/// The move under the likeliest displaced node; `None` where displacements are unlikely.
+pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
+    let largest = nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let share = |chosen: &dyn Fn(&Node) -> bool| {
+        nodes.iter().filter(|n| chosen(n)).map(|n| (n.log_evidence - largest).exp()).sum::<f64>()
+    };
+    if share(&|n| n.g > 0.0) < LIKELY * share(&|_| true) {
+        return None;
+    }
+    let best = nodes.iter().filter(|n| n.g > 0.0).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+    let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
+    let (mean, lower) = evidence.joint_posterior(best)?;
+    let (x, z) = mean.split_at(best.kind.unknowns());
+    let root = (best.g * best.variance).sqrt();
+    let mut inverse = Mat::<f64>::identity(mean.len(), mean.len());
+    dense::whiten(&lower, inverse.as_mut());
+    // the prior's precision is 1: what the data do not tell stays at variance 1
+    let untold: f64 =
+        (x.len()..mean.len()).map(|j| (0..mean.len()).map(|i| inverse[(i, j)] * inverse[(i, j)]).sum::<f64>()).sum();
+    Some(Moved {
+        base: State::new(model, x, None).model().clone(),
+        weights: z.iter().map(|w| w * root).collect(),
+        spent: OF_NORMALS * (z.len() as f64 - untold),
+    })
+}
