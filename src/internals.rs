@@ -18,6 +18,11 @@ pub mod draws {
     pub use crate::draws::EffectDraws;
 }
 
+/// The loop of an exploration.
+pub mod explore {
+    pub use crate::explore::{Exploration, ExploreOptions, Goal, Look, Stopped, Strategy, explore};
+}
+
 /// The equations of a fit.
 pub mod fit {
     pub use crate::fit::Equations;
@@ -62,7 +67,7 @@ pub mod parametric {
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::{fit_schema, frontier_schema, study_schema};
+    pub use crate::report::{explore_schema, fit_schema, frontier_schema, study_schema};
 }
 
 /// The simulated world.

@@ -44,6 +44,7 @@ pub mod cli;
 mod contact;
 mod curvature;
 mod draws;
+pub mod explore;
 pub mod fit;
 pub mod frontier;
 #[doc(hidden)]

@@ -8,9 +8,12 @@ mod workloads;
 
 use std::alloc::System;
 
+use palpate::explore::TouchPlanner;
+use palpate::fit::{Objective, SlopeWeights};
 use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
+use palpate::{Contacts, FitOptions, fit_contacts};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 
@@ -65,6 +68,16 @@ fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
             Ok(())
         })?;
         assert_eq!(found, 0, "touch by touch");
+        let contacts = Contacts::from_positions(x.clone(), y.clone(), z.clone()).with_slopes(zx.clone(), zy.clone());
+        let fit =
+            fit_contacts(&contacts, &FitOptions::default().with_objective(Objective::Slopes(SlopeWeights::Auto)))?;
+        let mut planner = TouchPlanner::new(&fit)?;
+        let candidates: Vec<[f64; 2]> = points.iter().flat_map(|x| points.iter().map(|y| [*x, *y])).collect();
+        let found = repeated(|| {
+            planner.next_touches(&candidates, 3)?;
+            Ok(())
+        })?;
+        assert_eq!(found, 0, "planned touches");
         Ok(())
     })
 }

@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -11,6 +11,7 @@ mod coverage;
 mod describe;
 #[doc(hidden)]
 pub mod embedded;
+mod explore;
 mod failure;
 mod fit;
 mod frontier;
@@ -68,6 +69,8 @@ enum Verb {
     Frontier(frontier_args::FrontierArgs),
     /// Join parts of a study made with --range to the bits of one run
     Merge(merge::MergeArgs),
+    /// Sweep a scene, then touch where it tells most, until S and R are known well enough
+    Explore(Box<explore::ExploreArgs>),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
         Verb::Study(args) => study::study(&args),
         Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
+        Verb::Explore(args) => explore::explore(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
     };

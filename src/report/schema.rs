@@ -1,4 +1,4 @@
-//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1` and `palpate.frontier/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1` and `palpate.explore/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
@@ -6,6 +6,7 @@
 use serde_json::{Map, Value, json};
 
 use super::document::*;
+use super::explore::{EXPLORE_SCHEMA, explore_samples};
 use super::frontier::FRONTIER_SCHEMA;
 use super::frontier_samples::{empty_frontier, frontier_without_pick, full_frontier};
 use super::study::STUDY_SCHEMA;
@@ -37,6 +38,17 @@ pub fn study_schema() -> Value {
     // quantities beside S and R stand under the names that they were asked for by
     let quantity = schema["properties"]["S"].clone();
     schema["properties"]["quantities"] = json!({ "type": "object", "additionalProperties": quantity });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.explore/1`.
+pub fn explore_schema() -> Value {
+    let documents = explore_samples(full().shape, emptied().shape, bare().shape);
+    let samples: Vec<Value> = documents.iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = EXPLORE_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
     schema
 }
 

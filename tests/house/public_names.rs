@@ -14,8 +14,8 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// The list may not grow beyond this; the aim is 110. What stands between are the simulated world, whose list has one type
 /// for every effect and every body (25 of its 42), and studies and recognition, 36 names, most of them parts of an answer
-/// whose fields are documented one by one.
-const MOST_NAMES: usize = 156;
+/// whose fields are documented one by one; and what to touch next, 3.
+const MOST_NAMES: usize = 159;
 
 /// A walk over the items of one module.
 struct Walk<'a> {

@@ -5,6 +5,7 @@
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
+mod explore;
 mod files_as_they_come;
 mod first_try;
 mod frontier;

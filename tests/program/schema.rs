@@ -1,17 +1,21 @@
-//! `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`: the committed schemas are the generated ones, and what the program prints obeys them.
+//! `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1`: the committed schemas are the generated ones, and what the
+//! program prints obeys them.
 
 use assert_cmd::Command;
 use serde_json::Value;
 
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
+const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.explore-1.json");
 const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
 const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.frontier-1.json");
 
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
-    use palpate::internals::report::{fit_schema, frontier_schema, study_schema};
-    for (file, schema) in [(FIT, fit_schema()), (STUDY, study_schema()), (FRONTIER, frontier_schema())] {
+    use palpate::internals::report::{explore_schema, fit_schema, frontier_schema, study_schema};
+    let schemas =
+        [(FIT, fit_schema()), (STUDY, study_schema()), (FRONTIER, frontier_schema()), (EXPLORE, explore_schema())];
+    for (file, schema) in schemas {
         let generated = serde_json::to_string_pretty(&schema).unwrap() + "\n";
         if std::env::var_os("PALPATE_WRITE_SCHEMA").is_some() {
             std::fs::write(file, &generated).unwrap();
@@ -99,6 +103,25 @@ fn every_study_obeys_the_schema() {
     }
 }
 
+/// Documents of a budget, a goal met, a goal out of reach, a plane, a named model.
+#[test]
+fn every_exploration_obeys_the_schema() {
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(EXPLORE).unwrap()).unwrap();
+    let lines = [
+        "explore paper-cylinder --contacts 40",
+        "explore paper-table2 --contacts 60 --u-s 0.05 --u-r 0.05",
+        "explore paper-table2 --contacts 60 --u-s 0.00001 --u-r 0.00001 --strategy lattice",
+        "explore paper-plane --contacts 40 --u-s 0.01 --u-r 0.01",
+        "explore paper-table2 --contacts 40 --degree 2 --sigma 0.02,2 --strategy random",
+    ];
+    for line in lines {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        let output = command.args(line.split(' ')).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+}
+
 /// Documents of a scene with noise, of one without, of a request, and of a file.
 #[test]
 fn every_frontier_obeys_the_schema() {
@@ -143,6 +166,11 @@ fn no_promised_key_is_missing() {
         let found = keys(path);
         names.split(' ').for_each(|name| assert!(found.iter().any(|key| key == name), "{path:?} lacks {name}"));
     }
+    let explore = palpate::internals::report::explore_schema();
+    let promised = "schema strategy stopped contacts steps shape";
+    promised.split(' ').for_each(|name| assert!(explore["properties"].get(name).is_some(), "no {name}"));
+    let steps = &explore["properties"]["steps"]["items"]["properties"];
+    "contacts S R touched".split(' ').for_each(|name| assert!(steps.get(name).is_some(), "no {name}"));
     let promised = "schema replicates stopped level path S R class linear effects seconds replicates_per_second seed range \
                     scene_hash";
     let study = palpate::internals::report::study_schema();

@@ -1,0 +1,104 @@
+//! Contacts until |error S| <= 0.01 and |error R|/R <= 0.02, by each strategy.
+//!
+//! ```text
+//! contacts until = those of the first of two successive looks that are both within         more than the budget: never
+//! ```
+
+use palpate::FitOptions;
+use palpate::internals::explore::{ExploreOptions, Look, Strategy, explore};
+use rayon::prelude::*;
+
+use crate::objects::{KINDS, object};
+
+/// Most contacts that are spent on one object.
+pub(crate) const BUDGET: usize = 60;
+
+/// Errors of S and of R/R within which an answer is right.
+const RIGHT: [f64; 2] = [0.01, 0.02];
+
+/// Whether a look's S and R are right.
+pub(crate) fn is_right(look: &Look) -> bool {
+    let s = look.shape_index.zip(look.truth[0]).map(|(s, truth)| (s.mean - truth).abs());
+    let r = look.curvedness.zip(look.truth[1]).map(|(r, truth)| (r.mean / truth - 1.0).abs());
+    s.is_some_and(|s| s <= RIGHT[0]) && r.is_some_and(|r| r <= RIGHT[1])
+}
+
+/// Three touches a round from the rectangle of the first sweep, and no goal.
+pub(crate) fn options(strategy: Strategy, noise: u64, contacts: usize) -> ExploreOptions {
+    ExploreOptions {
+        strategy,
+        contacts,
+        model: None,
+        goal: None,
+        per_round: 3,
+        lines: false,
+        seed: noise,
+        reach: None,
+        level: 0.95,
+    }
+}
+
+/// Contacts until the answer is right; `None` where the budget does not do.
+fn until(seed: u64, noise: u64, strategy: Strategy, lines: bool, model: Option<&FitOptions>) -> Option<usize> {
+    let options = ExploreOptions { lines, model: model.cloned(), ..options(strategy, noise, BUDGET) };
+    let mut before: Option<usize> = None;
+    let mut found = None;
+    let mut watch = |look: &Look| {
+        let right = is_right(look);
+        if right && before.is_some() {
+            found = before;
+        }
+        before = right.then_some(look.contacts);
+        found.is_none()
+    };
+    if let Err(error) = explore(&object(seed), &options, &mut watch) {
+        panic!("object {seed}: {error}");
+    }
+    found
+}
+
+/// The q-quantile; runs that never came to be right stand at the end.
+fn quantile(sorted: &[usize], q: f64) -> String {
+    let at = ((q * sorted.len() as f64).ceil() as usize).clamp(1, sorted.len()) - 1;
+    if sorted[at] == usize::MAX { format!("> {BUDGET}") } else { sorted[at].to_string() }
+}
+
+pub(crate) fn print(first: u64, objects: u64, noises: u64, model: Option<&FitOptions>) {
+    let answer = model.map_or("recognised".into(), |m| format!("named, degree {}", m.degree[0]));
+    println!(
+        "\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep 3 x 3, 3 touches a round; {answer}"
+    );
+    println!("{:<22} {:>7} {:>8} {:>10}   medians by kind", "strategy", "median", "90 %", "never, %");
+    let mut strategies: Vec<(String, Strategy, bool)> =
+        Strategy::WORDS.iter().map(|(word, strategy)| (word.to_string(), *strategy, false)).collect();
+    strategies.push(("shape, lines of 5".into(), Strategy::Shape, true));
+    for (name, strategy, lines) in strategies {
+        let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();
+        let found: Vec<(u64, usize)> =
+            runs.par_iter().map(|&(o, n)| (o, until(o, n, strategy, lines, model).unwrap_or(usize::MAX))).collect();
+        tell(&name, &found);
+    }
+}
+
+/// One line of the table.
+pub(crate) fn tell(name: &str, found: &[(u64, usize)]) {
+    let sorted = |kind: Option<u64>| {
+        let mut counts: Vec<usize> =
+            found.iter().filter(|(o, _)| kind.is_none_or(|k| o % 6 == k)).map(|(_, c)| *c).collect();
+        counts.sort_unstable();
+        counts
+    };
+    let all = sorted(None);
+    let never = all.iter().filter(|c| **c == usize::MAX).count() as f64 / all.len() as f64;
+    let kinds = KINDS.iter().enumerate().map(|(k, kind)| {
+        let own = sorted(Some(k as u64));
+        if own.is_empty() { String::new() } else { format!("{kind} {}", quantile(&own, 0.5)) }
+    });
+    println!(
+        "{name:<22} {:>7} {:>8} {:>10.1}   {}",
+        quantile(&all, 0.5),
+        quantile(&all, 0.9),
+        100.0 * never,
+        kinds.collect::<Vec<_>>().join(", ")
+    );
+}

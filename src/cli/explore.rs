@@ -1,0 +1,208 @@
+//! `palpate explore SCENE`: sweep, fit, plan, touch, until S and R are known well enough.
+
+use std::time::Instant;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::explore::{ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
+use crate::fit::{FitOptions, SurfaceKind};
+use crate::io::{ContactFormat, Input, write_contacts};
+use crate::recognition::{Estimate, RecognitionOptions};
+use crate::report::{
+    Answer, ExploreDocument, Seconds, ShapePart, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    significant, write_explore_csv, write_explore_picture, write_explore_table, write_json,
+};
+use crate::scene::World;
+
+use super::automatic::{Found, Refusal, automatic};
+use super::failure::{Failure, fit_message};
+use super::named::fit_input;
+use super::options::{FitFlags, OutputFlags};
+use super::output::print;
+use super::progress::Bar;
+use super::scene;
+use super::values;
+
+/// Arguments of `palpate explore`.
+#[derive(Args)]
+pub(super) struct ExploreArgs {
+    /// Built-in scene, scene file, or - for standard input; its own sweep comes first
+    scene: String,
+    /// How touches are chosen
+    #[arg(long, default_value = "shape", value_parser = strategy(), value_name = "NAME")]
+    strategy: Strategy,
+    /// Most contacts, those of the first sweep among them
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000), value_name = "N")]
+    contacts: u32,
+    /// Stop when the standard uncertainty of S, in all, is at most this; R follows by --u-r
+    #[arg(long, value_parser = positive, value_name = "U", allow_hyphen_values = true, requires = "u_r")]
+    u_s: Option<f64>,
+    /// Stop when the standard uncertainty of R, in all, is at most this share of R; S follows by --u-s
+    #[arg(long, value_parser = positive, value_name = "SHARE", allow_hyphen_values = true, requires = "u_s")]
+    u_r: Option<f64>,
+    /// Touches between two looks at S and R
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
+    per_round: u32,
+    /// Plan whole lines of a finger instead of single touches (variance and shape)
+    #[arg(long)]
+    lines: bool,
+    /// Where touches may be made; default: the rectangle of the first sweep
+    #[arg(long, value_parser = values::domain, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true)]
+    reach: Option<[f64; 4]>,
+    /// Seed in place of the scene's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Level of the intervals
+    #[arg(long, value_parser = values::level)]
+    level: Option<f64>,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+/// A strategy by its name; clap proposes the nearest one.
+fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    let known = |word: String| Strategy::WORDS.iter().find(|(w, _)| *w == word).map(|(_, strategy)| *strategy);
+    PossibleValuesParser::new(Strategy::WORDS.map(|(word, _)| word))
+        .try_map(move |word| known(word).ok_or("no strategy"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
+    number.ok_or_else(|| "a positive number, such as 0.01".into())
+}
+
+impl ExploreArgs {
+    fn options(&self, seed: u64, level: f64) -> Result<ExploreOptions, Failure> {
+        let model = self.fit.names_a_model().then(|| self.fit.over(FitOptions::default()));
+        if model.as_ref().is_some_and(|model| model.surface != SurfaceKind::Height) {
+            let what = "--surface: touches are planned over x and y, by a height field; leave it out";
+            return Err(Failure::Input(what.into()));
+        }
+        Ok(ExploreOptions {
+            strategy: self.strategy,
+            contacts: self.contacts as usize,
+            goal: self.u_s.zip(self.u_r).map(|(u_s, u_r)| Goal { u_s, u_r }),
+            per_round: self.per_round as usize,
+            lines: self.lines,
+            seed: self.seed.unwrap_or(seed),
+            reach: self.reach,
+            level: self.level.unwrap_or(level),
+            model,
+        })
+    }
+
+    /// What changes nothing under this strategy.
+    fn without_effect(&self) -> Option<String> {
+        let plans = matches!(self.strategy, Strategy::Shape | Strategy::Variance);
+        (self.lines && !plans).then(|| format!("--lines changes nothing for {}", self.strategy.name()))
+    }
+}
+
+pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
+    let scene = scene::load(&args.scene)?;
+    args.output.prepare(&[args.scene.as_ref()], &[])?;
+    let wrong = |e: &ExploreError| Failure::Input(format!("{}: {}", scene.name, with_flags(e)));
+    let options = args.options(scene.seed, scene.fit.level)?;
+    let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
+    let found = explored(&scene.world, &options, |look: &Look| {
+        bar.step(words(look));
+        true
+    })
+    .map_err(|e| wrong(&e))?;
+    drop(bar);
+    let mut notes: Vec<String> = args.without_effect().into_iter().collect();
+    notes.extend(inverse_crime_remark(&found.truth));
+    notes.extend(finger_note(&scene.world));
+    let input = Input::Contacts(found.contacts.clone());
+    let shape = match shape_of(&input, &options) {
+        Ok((shape, own)) => {
+            notes.extend(own);
+            Some(shape)
+        }
+        Err(refusal) => {
+            notes.push(refusal);
+            None
+        }
+    };
+    let document = ExploreDocument::new(&scene.name, &found, &options, shape, notes);
+    let remark = inverse_crime_remark(&found.truth);
+    args.output.file("explore.json", &mut |out| write_json(&document, out))?;
+    args.output.file("explore.csv", &mut |out| write_explore_csv(&document, out))?;
+    args.output.file("explore.svg", &mut |out| write_explore_picture(&document, out))?;
+    args.output
+        .file("contacts.csv", &mut |out| write_contacts(&found.contacts, ContactFormat::Csv, remark.as_deref(), out))?;
+    args.output.publish()?;
+    if args.output.json {
+        return print(&mut |out| write_json(&document, out));
+    }
+    if args.output.quiet {
+        return Ok(());
+    }
+    print(&mut |out| write_explore_table(&document, out))
+}
+
+/// S, R and class of all contacts as `palpate fit` answers them, with its notes; or why there are none.
+fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<String>), String> {
+    let level = options.level;
+    let began = Instant::now();
+    let found = match &options.model {
+        None => {
+            let recognition = RecognitionOptions { level, ..RecognitionOptions::default() };
+            automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
+        }
+        Some(model) => fit_input(input, &model.clone().with_level(level), true)
+            .map(|(fit, chosen)| Found { answer: Answer::Fitted(fit), chosen, lack_of_fit: None, notes: Vec::new() })
+            .map_err(Refusal::Fit),
+    };
+    let found = found.map_err(|refusal| match refusal {
+        Refusal::Fit(error) => fit_message(&error),
+        Refusal::Shape(message) => message,
+    })?;
+    compute_shape(&found.answer, false);
+    let notes = found.notes;
+    let subject = Subject {
+        chosen: found.chosen,
+        lack_of_fit: found.lack_of_fit,
+        input,
+        truth: None,
+        bare: false,
+        notes: Vec::new(),
+    };
+    let taken = began.elapsed().as_secs_f64();
+    let seconds = Seconds { read: 0.0, fit: taken, shape: 0.0, total: taken };
+    let described = describe_fit(&found.answer, &subject, seconds).map_err(|e| fit_message(&e))?;
+    Ok((described.document().shape.clone(), notes))
+}
+
+/// Effects that belong to a finger err anew at every touch, because every touch counts as a finger of its own.
+fn finger_note(world: &World) -> Option<String> {
+    let of_fingers = world.effects.iter().map(|effect| effect.name()).filter(|name| *name == "finger_noise");
+    let names: Vec<&str> = of_fingers.collect();
+    (!names.is_empty()).then(|| {
+        format!("{}: every planned touch counts as a finger of its own, so its errors are drawn anew", names.join(", "))
+    })
+}
+
+/// The message with the library's options written as flags.
+fn with_flags(error: &ExploreError) -> String {
+    match error {
+        ExploreError::NoPatch { .. } => error.to_string().replace("the reach", "--reach X0,X1,Y0,Y1"),
+        ExploreError::Budget { .. } => error.to_string().replace("allow more", "allow more by --contacts"),
+        ExploreError::Option { option, value, expected } => {
+            format!("--{} {value}: {expected}", option.replace('_', "-"))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// S and R so far, for the bar.
+fn words(look: &Look) -> String {
+    let of = |name: &str, e: Option<Estimate>| {
+        e.map(|e| format!("{name} {} +- {}", significant(e.mean, 4), significant(e.u, 2)))
+    };
+    let both = [of("S", look.shape_index), of("R", look.curvedness)];
+    both.into_iter().flatten().collect::<Vec<_>>().join("  ")
+}
