@@ -100,6 +100,7 @@ fn judge_height(fit: &Fit, truth: &Truth, interval: bool) -> Judged {
 }
 
 /// Holds a fit against contacts that it has not seen: heights and, where they are known, normals.
+#[cfg(feature = "cli")]
 pub(crate) fn judge_contacts(answer: &Answer, unseen: &Contacts) -> Judged {
     let fit = match answer {
         Err(why) => return Judged { failed: Some(why.clone()), ..Judged::default() },

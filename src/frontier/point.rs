@@ -4,6 +4,7 @@ use super::clock::Clocked;
 use super::errors::{Errors, Share};
 
 /// Which of the three frontiers.
+#[cfg(feature = "cli")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Frontier {
     /// Degree, segments, stations, weights, kind of surface.
@@ -14,6 +15,7 @@ pub(crate) enum Frontier {
     Interval,
 }
 
+#[cfg(feature = "cli")]
 impl Frontier {
     /// The word in every output.
     pub(crate) fn name(self) -> &'static str {
