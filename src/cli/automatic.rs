@@ -67,7 +67,7 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
         Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
             let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
-            let (found, chosen) = fit_input(input, fit, false).map_err(Refusal::Fit)?;
+            let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {

@@ -67,7 +67,7 @@ impl FitAnswer {
     ) -> Result<FitAnswer, FitRefusal> {
         let clock = Instant::now();
         let found = if named {
-            let (found, chosen) = fit_input(&input, options, false).map_err(FitRefusal::Fit)?;
+            let (found, chosen) = fit_input(&input, options).map_err(FitRefusal::Fit)?;
             Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
         } else {
             options.check().map_err(FitRefusal::Fit)?;

@@ -17,7 +17,7 @@ use crate::scene::World;
 
 use super::automatic::{Found, Refusal, automatic};
 use super::failure::{Failure, fit_message};
-use super::named::fit_input;
+use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::output::print;
 use super::progress::Bar;
@@ -153,8 +153,9 @@ fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<S
             let recognition = RecognitionOptions { level, ..RecognitionOptions::default() };
             automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
         }
-        Some(model) => fit_input(input, &model.clone().with_level(level), true)
-            .map(|(fit, chosen)| Found { answer: Answer::Fitted(fit), chosen, lack_of_fit: None, notes: Vec::new() })
+        Some(model) => fit_input(input, &model.clone().with_level(level))
+            .map(|(fit, chosen)| (Answer::Fitted(counting_other_kinds(fit)), chosen))
+            .map(|(answer, chosen)| Found { answer, chosen, lack_of_fit: None, notes: Vec::new() })
             .map_err(Refusal::Fit),
     };
     let found = found.map_err(|refusal| match refusal {

@@ -14,7 +14,7 @@ use crate::report::{Answer, Subject};
 use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
-use super::named::fit_input;
+use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
 use super::reading::{ReadFlags, seen_from};
@@ -104,7 +104,8 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
                 "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
             return Err(Refusal::Shape(what.into()));
         }
-        let (found, chosen) = fit_input(input, &fit, !args.bare).map_err(Refusal::Fit)?;
+        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
+        let found = if args.bare { found } else { counting_other_kinds(found) };
         return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
     }
     if args.bare {

@@ -6,13 +6,8 @@ use crate::parametric::{FittedSurface, fit_surface};
 use crate::recognition::count_model_error;
 use crate::report::ChosenPart;
 
-/// Fits whichever kind of data it is; the kind of surface and why, where that was asked. With `uncertain` the intervals of
-/// a height field count that the surface may be of another kind than it.
-pub(super) fn fit_input(
-    input: &Input,
-    options: &FitOptions,
-    uncertain: bool,
-) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
+/// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
+pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
     let (found, reason) = match input {
         Input::Contacts(contacts) => fit_surface(contacts, options)?,
         Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
@@ -22,14 +17,18 @@ pub(super) fn fit_input(
             (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
         }
     };
-    let found = match found {
-        FittedSurface::Height(fit) if uncertain => FittedSurface::Height(Box::new(count_model_error(*fit))),
-        other => other,
-    };
     let surface = match &found {
         FittedSurface::Height(_) => SurfaceKind::Height,
         FittedSurface::Parametric(_) => SurfaceKind::Parametric,
     };
     let asked = options.surface != SurfaceKind::Height;
     Ok((found, asked.then(|| ChosenPart::new(surface.name(), reason))))
+}
+
+/// The same answer whose intervals count that the surface may be of another kind than a height field of these knots.
+pub(super) fn counting_other_kinds(found: FittedSurface) -> FittedSurface {
+    match found {
+        FittedSurface::Height(fit) => FittedSurface::Height(Box::new(count_model_error(*fit))),
+        other => other,
+    }
 }

@@ -10,7 +10,7 @@ use crate::report::{Answer, Subject, inverse_crime_remark};
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
-use super::named::fit_input;
+use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::scene;
 
@@ -47,15 +47,14 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let found = fit_input(&input, &args.fit.over(scene.fit.clone()), !args.bare).map_err(|e| wrong(fit_message(&e)))?;
+    let (found, chosen) = fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
+    let found = Answer::Fitted(if args.bare { found } else { counting_other_kinds(found) });
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
     notes.extend(inverse_crime_remark(&truth));
-    let (found, chosen) = found;
-    let found = Answer::Fitted(found);
     notes.extend(args.fit.without_effect(found.is_parametric(), false));
     let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
     drop(spinner);
