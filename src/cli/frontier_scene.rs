@@ -137,7 +137,7 @@ fn stage_part(stage: &Stage, all: &[Stage]) -> StagePart {
     StagePart {
         of: stage.of.into(),
         stage: stage.name.into(),
-        seconds: stage.time.into(),
+        seconds: stage.time,
         share: if whole > 0.0 { time(stage) / whole } else { 0.0 },
         saved_by: stage.saved_by.into(),
     }

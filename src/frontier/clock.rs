@@ -18,6 +18,7 @@ const SAMPLES: usize = 200;
 
 /// Median time of one call, with the interval that rounds drawn again give in 95 of 100 cases; seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub(crate) struct Clocked {
     /// Median over the rounds.
     pub median: f64,

@@ -65,6 +65,7 @@ pub(crate) struct Judged {
 
 /// The errors of one quantity over all replicates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub(crate) struct Errors {
     /// Root mean square over points and replicates.
     pub rms: f64,
@@ -129,6 +130,7 @@ pub(crate) fn upper(mut values: Vec<f64>) -> f64 {
 
 /// Share of true ones with its interval of 95 % (E. B. Wilson, *J. Am. Stat. Assoc.* 22 (1927) 209) and how many there were.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub(crate) struct Share {
     /// Share.
     pub share: f64,

@@ -41,7 +41,7 @@ const CHANCE: f64 = 0.01;
 /// let fit = recognition::count_model_error(fit);
 /// let interval = fit.shape().curvedness.interval.unwrap();
 /// let truth = 1.0 / (6.0 * 2.0_f64.sqrt());
-/// assert!(interval.lo < truth && truth < interval.hi + 1e-9);
+/// assert!(interval.lo < truth && truth < interval.hi);
 /// # Ok::<(), palpate::fit::FitError>(())
 /// ```
 pub fn count_model_error(fit: Fit) -> Fit {

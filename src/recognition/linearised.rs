@@ -11,10 +11,10 @@ use crate::vector::Vector;
 use super::cells::Cells;
 use super::displacement::Displacement;
 use super::model::{Kind, Model};
+use super::moved::Moved;
 use super::noise::Factors;
 use super::normal_noise::NormalNoise;
 use super::rows::Rows;
-use super::second_look::Moved;
 
 /// Factors of the covariances of positions and of normals.
 pub(super) struct FactorPair<'a> {

@@ -43,6 +43,7 @@ mod input;
 mod linearised;
 mod misfit;
 mod model;
+mod moved;
 mod neighbours;
 mod noise;
 mod normal_noise;

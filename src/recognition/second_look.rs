@@ -11,8 +11,7 @@ use faer::Mat;
 
 use super::dense;
 use super::evidence::{Evidence, Node};
-use super::model::{Kind, Model};
-use super::rows::{Rows, column_of, first_of_displacement};
+use super::moved::Moved;
 use super::state::State;
 
 /// Probability of a displacement from which on the second look is taken.
@@ -20,29 +19,6 @@ const LIKELY: f64 = 0.05;
 
 /// Share of the equations that are normals': two rows of three.
 const OF_NORMALS: f64 = 2.0 / 3.0;
-
-/// Where the general surface belongs under its displacement.
-pub(super) struct Moved {
-    pub(super) base: Model,
-    /// Weights of the displacement's columns.
-    weights: Vec<f64>,
-    /// Degrees of freedom that the displacement takes from the normals.
-    pub(super) spent: f64,
-}
-
-impl Moved {
-    /// Rows in which the normals are free of the displacement.
-    pub(super) fn without_displacement(&self, rows: &Rows) -> Rows {
-        let mut out = rows.clone();
-        let (y, z) = (column_of(Kind::General), first_of_displacement());
-        for half in out.normals.iter_mut().flatten() {
-            for i in 0..half.nrows() {
-                half[(i, y)] += self.weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum::<f64>();
-            }
-        }
-        out
-    }
-}
 
 /// The move under the likeliest displaced node; `None` where displacements are unlikely.
 pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {

@@ -13,64 +13,23 @@ use crate::frontier::{Clocked, Errors, Frontier, Point, QUANTITIES, Share};
 /// Schema name.
 pub(crate) const FRONTIER_SCHEMA: &str = "palpate.frontier/1";
 
-/// Median time with its interval of 95 %, seconds.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct SecondsPart {
-    /// Median over the rounds.
-    pub median: f64,
-    /// Lower end.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
-}
-
-/// Errors of one quantity over grid points and replicates.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct ErrorsPart {
-    /// Root mean square over points and replicates.
-    pub rms: f64,
-    /// Its interval of 95 %.
-    pub interval: [f64; 2],
-    /// Largest at any point of any replicate.
-    pub worst: f64,
-    /// Mean error of the means, with its sign.
-    pub bias: f64,
-    /// Sd of the means over replicates.
-    pub sd: f64,
-    /// At most this large in 95 of 100 fresh replicates, with 95 % confidence.
-    pub upper: f64,
-}
-
 /// Errors of the six quantities; null where they are undefined or not judged.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct AllErrorsPart {
     /// Shape index.
     #[serde(rename = "S")]
-    pub shape_index: Option<ErrorsPart>,
+    pub shape_index: Option<Errors>,
     /// Curvedness, 1/length.
     #[serde(rename = "R")]
-    pub curvedness: Option<ErrorsPart>,
+    pub curvedness: Option<Errors>,
     /// Larger principal curvature, 1/length.
-    pub k1: Option<ErrorsPart>,
+    pub k1: Option<Errors>,
     /// Height, length.
-    pub height: Option<ErrorsPart>,
+    pub height: Option<Errors>,
     /// Slope.
-    pub slope: Option<ErrorsPart>,
+    pub slope: Option<Errors>,
     /// Angle between the normals, degrees.
-    pub normal_deg: Option<ErrorsPart>,
-}
-
-/// How often an interval held the truth.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct SharePart {
-    /// Share.
-    pub share: f64,
-    /// Lower end of its interval of 95 %.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
-    /// How often it was asked.
-    pub asked: u64,
+    pub normal_deg: Option<Errors>,
 }
 
 /// Coverage of the intervals of S and of R.
@@ -78,10 +37,10 @@ pub(crate) struct SharePart {
 pub(crate) struct CoveragePart {
     /// Of S.
     #[serde(rename = "S")]
-    pub shape_index: Option<SharePart>,
+    pub shape_index: Option<Share>,
     /// Of R.
     #[serde(rename = "R")]
-    pub curvedness: Option<SharePart>,
+    pub curvedness: Option<Share>,
 }
 
 /// One point of a frontier.
@@ -129,9 +88,9 @@ pub(crate) struct FrontierRecord {
     /// Coverage of the intervals.
     pub coverage: CoveragePart,
     /// Time of a call without intervals.
-    pub seconds: Option<SecondsPart>,
+    pub seconds: Option<Clocked>,
     /// Time of a call with intervals.
-    pub seconds_interval: Option<SecondsPart>,
+    pub seconds_interval: Option<Clocked>,
     /// Instructions of a call without intervals.
     pub instructions: Option<u64>,
     /// Instructions of a call with intervals.
@@ -190,7 +149,7 @@ pub(crate) struct StagePart {
     /// Name of the stage.
     pub stage: String,
     /// Time.
-    pub seconds: SecondsPart,
+    pub seconds: Clocked,
     /// Share of the whole.
     pub share: f64,
     /// How it is switched off, and what of the whole that would save; empty where it cannot be.
@@ -228,31 +187,12 @@ pub(crate) struct FrontierDocument {
     pub seconds: f64,
 }
 
-impl From<Clocked> for SecondsPart {
-    fn from(time: Clocked) -> SecondsPart {
-        SecondsPart { median: time.median, lo: time.lo, hi: time.hi }
-    }
-}
-
-impl From<Errors> for ErrorsPart {
-    fn from(errors: Errors) -> ErrorsPart {
-        let Errors { rms, interval, worst, bias, sd, upper } = errors;
-        ErrorsPart { rms, interval, worst, bias, sd, upper }
-    }
-}
-
-impl From<Share> for SharePart {
-    fn from(share: Share) -> SharePart {
-        SharePart { share: share.share, lo: share.lo, hi: share.hi, asked: share.asked }
-    }
-}
-
 impl FrontierRecord {
     /// The record of a point of `frontier` on the scene or file `subject`.
     pub(crate) fn new(frontier: Frontier, subject: &str, point: &Point) -> FrontierRecord {
         const { assert!(QUANTITIES.len() == 6) };
-        let [s, r, k1, height, slope, normal_deg] = point.errors.map(|errors| errors.map(ErrorsPart::from));
-        let [covered_s, covered_r] = point.coverage.map(|share| share.map(SharePart::from));
+        let [s, r, k1, height, slope, normal_deg] = point.errors;
+        let [covered_s, covered_r] = point.coverage;
         FrontierRecord {
             frontier: frontier.name().into(),
             case: point.case.clone().unwrap_or_else(|| subject.to_string()),
@@ -274,8 +214,8 @@ impl FrontierRecord {
             condition: point.condition,
             digits: point.digits,
             coverage: CoveragePart { shape_index: covered_s, curvedness: covered_r },
-            seconds: point.seconds.map(SecondsPart::from),
-            seconds_interval: point.seconds_interval.map(SecondsPart::from),
+            seconds: point.seconds,
+            seconds_interval: point.seconds_interval,
             instructions: point.instructions,
             instructions_interval: point.instructions_interval,
             memory_bytes: point.memory,

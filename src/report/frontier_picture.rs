@@ -93,86 +93,91 @@ fn draw(document: &FrontierDocument, which: PictureOf) -> Drawing {
     let mut drawing = Drawing::new((panels * PANEL[0]).max(2.0 * PANEL[0]), 40.0 + PANEL[1] + LINE * (rows + 3.0));
     let title = format!("{}: {}, {} points", document.scene, which.frontier, all.len());
     drawing.word([14.0, 18.0], title, 15.0, Anchor::Start);
-    panel(&mut drawing, 0.0, &all, &numbered, &groups, which, "seconds on one thread", |record| {
+    let points = Points { all, numbered, groups, which };
+    points.panel(&mut drawing, 0.0, "seconds on one thread", |record| {
         record.seconds.map(|time| [time.median, time.lo, time.hi])
     });
     if counted {
-        panel(&mut drawing, PANEL[0], &all, &numbered, &groups, which, "instructions", |record| {
-            record.instructions.map(|count| [count as f64; 3])
-        });
+        points
+            .panel(&mut drawing, PANEL[0], "instructions", |record| record.instructions.map(|count| [count as f64; 3]));
     }
-    key(&mut drawing, 40.0 + PANEL[1] + LINE, &groups, &numbered, which);
+    points.key(&mut drawing, 40.0 + PANEL[1] + LINE);
     drawing
 }
 
-#[allow(clippy::too_many_arguments, reason = "one call for each of two panels, which differ in the last two")]
-fn panel(
-    drawing: &mut Drawing,
-    left: f64,
-    all: &[&FrontierRecord],
-    numbered: &[&FrontierRecord],
-    groups: &[String],
+/// What both panels and the key are about.
+struct Points<'a> {
+    all: Vec<&'a FrontierRecord>,
+    /// Those on the frontier, from the cheapest on.
+    numbered: Vec<&'a FrontierRecord>,
+    /// Names of the kinds of markers.
+    groups: Vec<String>,
     which: PictureOf,
-    name: &str,
-    cost: impl Fn(&FrontierRecord) -> Option<[f64; 3]>,
-) {
-    let costs: Vec<f64> = all.iter().filter_map(|record| cost(record)).flat_map(|c| c.to_vec()).collect();
-    let errors = all.iter().filter_map(|record| place(record).map(|at| at[1]));
-    let bars = numbered.iter().filter_map(|record| record.error_interval).flatten().map(|end| end.max(ROUNDING));
-    let (Some(x), Some(y)) = (Axis::over(costs.into_iter()), Axis::over(errors.chain(bars))) else { return };
-    let mut panel = Panel::new([left + 74.0, 44.0], [PANEL[0] - 96.0, PANEL[1] - 60.0], x, y);
-    panel.frame(drawing, name, which.error);
-    let at = |record: &FrontierRecord| Some([cost(record)?[0], place(record)?[1]]);
-    for record in all.iter().filter(|record| !numbered.iter().any(|n| std::ptr::eq(*n, **record))) {
-        let Some(place) = at(record) else { continue };
-        let kind = groups.iter().position(|name| *name == group(record)).unwrap_or(0);
-        marker(drawing, panel.place(place), kind, 2.6, true);
-    }
-    // of a solver each case has a frontier of its own, and a line through all would mean nothing
-    if which.frontier != "solver" {
-        let mut stairs: Vec<[f64; 2]> = numbered.iter().filter_map(|record| at(record)).collect();
-        stairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        panel.stairs(drawing, &stairs, GREY);
-    }
-    for record in numbered {
-        let (Some(place), Some([_, lo, hi])) = (at(record), cost(record)) else { continue };
-        let ends = record.error_interval.unwrap_or([place[1]; 2]).map(|end| end.max(ROUNDING));
-        panel.bars(drawing, place, [lo, hi], ends, GREY);
-    }
-    for record in numbered {
-        let Some(place) = at(record) else { continue };
-        let kind = groups.iter().position(|name| *name == group(record)).unwrap_or(0);
-        marker(drawing, panel.place(place), kind, 5.0, false);
-        panel.taken(place, 6.0);
-    }
-    for (number, record) in numbered.iter().enumerate() {
-        if let Some(place) = at(record) {
-            panel.number(drawing, place, &(number + 1).to_string());
-        }
-    }
 }
 
-/// Groups with their markers, and what the numbers mean.
-fn key(drawing: &mut Drawing, top: f64, groups: &[String], numbered: &[&FrontierRecord], which: PictureOf) {
-    let width = drawing.size[0];
-    for (k, name) in groups.iter().enumerate() {
-        let at = [24.0 + (width - 40.0) / 5.0 * (k % 5) as f64, top + LINE * (k / 5) as f64];
-        marker(drawing, at, k, 5.0, false);
-        drawing.word([at[0] + 10.0, at[1]], name, 11.0, Anchor::Start);
+impl Points<'_> {
+    /// The frontier over one kind of cost: median and both ends of its interval.
+    fn panel(&self, drawing: &mut Drawing, left: f64, name: &str, cost: impl Fn(&FrontierRecord) -> Option<[f64; 3]>) {
+        let Points { all, numbered, groups, which } = self;
+        let costs: Vec<f64> = all.iter().filter_map(|record| cost(record)).flat_map(|c| c.to_vec()).collect();
+        let errors = all.iter().filter_map(|record| place(record).map(|at| at[1]));
+        let bars = numbered.iter().filter_map(|record| record.error_interval).flatten().map(|end| end.max(ROUNDING));
+        let (Some(x), Some(y)) = (Axis::over(costs.into_iter()), Axis::over(errors.chain(bars))) else { return };
+        let mut panel = Panel::new([left + 74.0, 44.0], [PANEL[0] - 96.0, PANEL[1] - 60.0], x, y);
+        panel.frame(drawing, name, which.error);
+        let at = |record: &FrontierRecord| Some([cost(record)?[0], place(record)?[1]]);
+        for record in all.iter().filter(|record| !numbered.iter().any(|n| std::ptr::eq(*n, **record))) {
+            let Some(place) = at(record) else { continue };
+            let kind = groups.iter().position(|name| *name == group(record)).unwrap_or(0);
+            marker(drawing, panel.place(place), kind, 2.6, true);
+        }
+        // of a solver each case has a frontier of its own, and a line through all would mean nothing
+        if which.frontier != "solver" {
+            let mut stairs: Vec<[f64; 2]> = numbered.iter().filter_map(|record| at(record)).collect();
+            stairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            panel.stairs(drawing, &stairs, GREY);
+        }
+        for record in numbered {
+            let (Some(place), Some([_, lo, hi])) = (at(record), cost(record)) else { continue };
+            let ends = record.error_interval.unwrap_or([place[1]; 2]).map(|end| end.max(ROUNDING));
+            panel.bars(drawing, place, [lo, hi], ends, GREY);
+        }
+        for record in numbered {
+            let Some(place) = at(record) else { continue };
+            let kind = groups.iter().position(|name| *name == group(record)).unwrap_or(0);
+            marker(drawing, panel.place(place), kind, 5.0, false);
+            panel.taken(place, 6.0);
+        }
+        for (number, record) in numbered.iter().enumerate() {
+            if let Some(place) = at(record) {
+                panel.number(drawing, place, &(number + 1).to_string());
+            }
+        }
     }
-    let top = top + LINE * (groups.len().div_ceil(5) as f64 + 0.5);
-    let rows = numbered.len().div_ceil(2);
-    let column = 0.5 * (width - 28.0);
-    for (k, record) in numbered.iter().enumerate() {
-        let at = [14.0 + column * (k / rows.max(1)) as f64, top + LINE * (k % rows.max(1)) as f64];
-        let name = if which.frontier == "solver" {
-            format!("{}: {}", record.case, record.label)
-        } else {
-            record.label.clone()
-        };
-        let mut text = format!("{} {name}", k + 1);
-        while width_of(&text, 10.0) > column - 6.0 && text.pop().is_some() {}
-        drawing.word(at, text, 10.0, Anchor::Start);
+
+    /// Groups with their markers, and what the numbers mean.
+    fn key(&self, drawing: &mut Drawing, top: f64) {
+        let Points { numbered, groups, which, .. } = self;
+        let width = drawing.size[0];
+        for (k, name) in groups.iter().enumerate() {
+            let at = [24.0 + (width - 40.0) / 5.0 * (k % 5) as f64, top + LINE * (k / 5) as f64];
+            marker(drawing, at, k, 5.0, false);
+            drawing.word([at[0] + 10.0, at[1]], name, 11.0, Anchor::Start);
+        }
+        let top = top + LINE * (groups.len().div_ceil(5) as f64 + 0.5);
+        let rows = numbered.len().div_ceil(2);
+        let column = 0.5 * (width - 28.0);
+        for (k, record) in numbered.iter().enumerate() {
+            let at = [14.0 + column * (k / rows.max(1)) as f64, top + LINE * (k % rows.max(1)) as f64];
+            let name = if which.frontier == "solver" {
+                format!("{}: {}", record.case, record.label)
+            } else {
+                record.label.clone()
+            };
+            let mut text = format!("{} {name}", k + 1);
+            while width_of(&text, 10.0) > column - 6.0 && text.pop().is_some() {}
+            drawing.word(at, text, 10.0, Anchor::Start);
+        }
     }
 }
 

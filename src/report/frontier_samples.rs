@@ -1,13 +1,14 @@
 //! Documents of a frontier with everything in them, and with nothing: what the schema is made of.
 
 use super::frontier::*;
+use crate::frontier::{Clocked, Errors, Share};
 
 /// A document in which everything is there, for the schema.
 pub(super) fn full_frontier() -> FrontierDocument {
     let half = Some(0.5);
-    let seconds = SecondsPart { median: 0.5, lo: 0.5, hi: 0.5 };
-    let errors = Some(ErrorsPart { rms: 0.5, interval: [0.5; 2], worst: 0.5, bias: 0.5, sd: 0.5, upper: 0.5 });
-    let share = Some(SharePart { share: 0.5, lo: 0.5, hi: 0.5, asked: 1 });
+    let seconds = Clocked { median: 0.5, lo: 0.5, hi: 0.5 };
+    let errors = Some(Errors { rms: 0.5, interval: [0.5; 2], worst: 0.5, bias: 0.5, sd: 0.5, upper: 0.5 });
+    let share = Some(Share { share: 0.5, lo: 0.5, hi: 0.5, asked: 1 });
     let record = FrontierRecord {
         frontier: "discretisation".into(),
         case: "a scene".into(),

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::frontier::{FrontierDocument, FrontierRecord, SecondsPart};
+use super::frontier::{FrontierDocument, FrontierRecord};
 use super::table::significant;
+use crate::frontier::Clocked;
 
 /// The points on every frontier, the picked one, and where the time of a fit goes.
 ///
@@ -58,7 +59,7 @@ fn median(record: &FrontierRecord) -> f64 {
 
 fn record_line(record: &FrontierRecord, frontier: &str, text: &mut String) {
     let number = |value: Option<f64>, digits: i32| value.map_or("-".into(), |v| significant(v, digits));
-    let micro = |time: Option<SecondsPart>| number(time.map(|time| 1e6 * time.median), 3);
+    let micro = |time: Option<Clocked>| number(time.map(|time| 1e6 * time.median), 3);
     let interval = record
         .seconds
         .map_or("-".into(), |time| format!("[{}, {}]", significant(1e6 * time.lo, 3), significant(1e6 * time.hi, 3)));

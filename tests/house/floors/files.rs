@@ -28,11 +28,26 @@ struct Crate {
     mentions: Vec<Mention>,
 }
 
-/// Pairs of files that import each other, parent and child aside; `sources` are `(path below src, text)`.
-pub(super) fn circles(sources: &[(String, String)]) -> Vec<[String; 2]> {
+/// Files that import each other, parent and child aside, directly or by way of others: each circle once, its files in order;
+/// `sources` are `(path below src, text)`.
+pub(super) fn circles(sources: &[(String, String)]) -> Vec<Vec<String>> {
     let edges = edges(sources);
-    let is_mutual = |[a, b]: &&[String; 2]| a < b && edges.contains(&[b.clone(), a.clone()]);
-    edges.iter().filter(is_mutual).cloned().collect()
+    let files: BTreeSet<&String> = edges.iter().map(|[from, _]| from).collect();
+    let reach: BTreeMap<&String, BTreeSet<&String>> = files.iter().map(|from| (*from, reached(from, &edges))).collect();
+    let meets = |a: &String, b: &String| reach.get(a).is_some_and(|far| far.contains(b));
+    let circle = |a: &String| files.iter().filter(|b| meets(a, b) && meets(b, a)).map(ToString::to_string).collect();
+    let found: BTreeSet<Vec<String>> = files.iter().map(|a| circle(a)).collect();
+    found.into_iter().filter(|circle| !circle.is_empty()).collect()
+}
+
+/// All files that imports lead to from here; itself where they lead back.
+fn reached<'a>(from: &'a String, edges: &'a BTreeSet<[String; 2]>) -> BTreeSet<&'a String> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![from];
+    while let Some(next) = open.pop() {
+        open.extend(edges.iter().filter(|[a, _]| a == next).map(|[_, b]| b).filter(|b| found.insert(*b)));
+    }
+    found
 }
 
 /// `[importer, imported]` for every pair of files that are not parent and child.
