@@ -7,6 +7,7 @@ mod hard_cases;
 mod paper;
 mod parametric;
 mod properties;
+mod random_problems;
 mod robust;
 mod routes;
 mod scene_effects;

@@ -10,6 +10,7 @@
 //! rounding.
 
 use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
+use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::solved::Solved;
 use crate::simd::{RowSums, add_lanes};
@@ -52,6 +53,8 @@ pub(super) fn backward(solved: &Solved) -> Backward {
         Some(scales) => columns.iter_mut().zip(scales).for_each(|(column, d)| column.norm = 1.0 / (d * d)),
         None => passes.norms(&mut columns),
     }
+    // the penalty is rows like those of the data: the condition is that of both, and so are residual and columns
+    let bent = add_roughness(equations, c, penalty.as_deref(), &mut columns);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
     let of_columns = orthogonality(solution, &columns, penalty.as_deref());
     let of_rows = if worst <= SUSPICIOUS {
@@ -62,9 +65,16 @@ pub(super) fn backward(solved: &Solved) -> Backward {
     Backward {
         error: of_rows.max(of_columns),
         rows: add_lanes(&rows.sizes).sqrt(),
-        residual: add_lanes(&rows.residual).sqrt(),
+        residual: (add_lanes(&rows.residual) + bent).sqrt(),
         columns,
     }
+}
+
+/// `lambda c'Pc`, the squares of the penalty's rows; the squared norms of their columns are added to `columns`.
+fn add_roughness(equations: &Equations, c: &[f64], penalty: Option<&[f64]>, columns: &mut [ColumnTotals]) -> f64 {
+    let (Some((lambda, p)), Some(bent)) = (&equations.roughness, penalty) else { return 0.0 };
+    columns.iter_mut().zip(p.diagonal()).for_each(|(column, d)| column.norm += lambda * d);
+    c.iter().zip(bent).map(|(c, b)| c * b).sum::<f64>().max(0.0)
 }
 
 /// v, the part of the computed residual in the span of E; `columns` is a buffer for its sums.

@@ -63,8 +63,8 @@ impl Bound {
         let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
         let error = backward.error.max(PLACING);
         let residual = largest * backward.residual;
-        // with a contraction of one half, what is left of the error is as large as the last step
-        let last_move = solved.fitted.last_move;
+        // what the iterations for normal rows and for gaps have left
+        let last_move = solved.fitted.last_move + solved.fitted.solution.unsettled;
         let remaining = if last_move > 0.0 { last_move.max(PLACING) } else { 0.0 };
         let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);

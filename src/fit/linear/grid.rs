@@ -74,6 +74,7 @@ pub(super) fn solve(
         pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
+        unsettled: 0.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)

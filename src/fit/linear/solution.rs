@@ -28,6 +28,8 @@ pub struct Solution {
     pub refinements: usize,
     /// Size of the last refinement step over that of the first.
     pub refinement_gain: f64,
+    /// What coefficients without data and their neighbours may still have to move, relative to the largest coefficient.
+    pub unsettled: f64,
 }
 
 impl Solution {
