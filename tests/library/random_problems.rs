@@ -39,7 +39,7 @@ fn no_promise_is_broken_and_no_note_is_missing() {
 
 /// Problems of the bench's seed that were answered wrongly or not at all, each kind by some: gaps whose two solves do not
 /// settle by turns, smoothing of badly scaled rows, and normal rows whose steps shrink slowly.
-const ONCE_BROKEN: [u64; 16] = [58, 200, 443, 1003, 1990, 6534, 9248, 15, 43, 60, 112, 160, 172, 817, 9225, 17753];
+const ONCE_BROKEN: [u64; 15] = [58, 200, 443, 1003, 1990, 6534, 9248, 15, 43, 60, 112, 160, 172, 817, 9225];
 
 #[test]
 fn what_was_broken_once_holds() {

@@ -41,7 +41,7 @@ ROOMS = {
         ["readers", "files_as_they_come", "hostile", "npz", "fuzz_seeds", "cli_bad_input"],
     ),
 }
-#: the crate's own code is compiled for speed of compiling, its dependencies as ever
+#: the build of a mutant takes the targets as well; the crate's own code is compiled for speed of compiling, its dependencies as ever
 QUICK = ["--cargo-arg=--config=profile.dev.package.palpate.opt-level=0", "--cargo-arg=--config=profile.dev.package.palpate.debug=false"]
 #: seconds for one mutant's build and tests; a mutant that never ends is caught by it
 TIMEOUT = 300
@@ -54,10 +54,10 @@ def listed(files):
 
 
 def tests(room):
-    """Arguments of `cargo test` that run the room's tests alone."""
+    """Targets that hold the room's tests, for the build too, and the filters that run them alone."""
     _, units, library, program = ROOMS[room]
-    targets = ["--lib"] + (["--test", "library"] if library else []) + (["--test", "program"] if program else [])
-    return targets + ["--"] + units + [f"{name}::" for name in library + program]
+    targets = ["--lib"] + (["--test=library"] if library else []) + (["--test=program"] if program else [])
+    return [f"--cargo-arg={target}" for target in targets] + ["--", "--"] + units + [f"{name}::" for name in library + program]
 
 
 def try_one(room, mutant):
@@ -65,7 +65,7 @@ def try_one(room, mutant):
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as out:
         command = ["cargo", "mutants", "--in-place", "--baseline", "skip", "--timeout", str(TIMEOUT), "--colors", "never",
-                   "--output", out, "-f", mutant["file"], "--re", f"^{re.escape(mutant['name'])}$", *QUICK, "--"] + tests(room)
+                   "--output", out, "-f", mutant["file"], "--re", f"^{re.escape(mutant['name'])}$", *QUICK] + tests(room)
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         path = pathlib.Path(out) / "mutants.out" / "outcomes.json"
         if not path.exists():

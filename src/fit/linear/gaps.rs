@@ -69,7 +69,7 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     if free.count() <= MAX_DENSE
         && let Some(settled) = gap.settle(first)
     {
-        (c, moved) = settled;
+        (c, moved, solution.enlarged) = settled;
     }
     solution.coefficients = c;
     solution.unsettled = moved;
@@ -99,8 +99,9 @@ impl Gap<'_> {
     }
 
     /// Where one alternation takes the free coefficients `x` to `t + M x`, those with `(I - M) x = t`, by a dense factor of
-    /// I - M; and what they can be off by, `|(I - M)^-1|` times the next alternation's move. `None` where not finite.
-    fn settle(&self, mut c: Vec<f64>) -> Option<(Vec<f64>, f64)> {
+    /// I - M; what they can be off by, `|(I - M)^-1|` times the next alternation's move; and `|(I - M)^-1| (1 + |M|)`. `None`
+    /// where not finite.
+    fn settle(&self, mut c: Vec<f64>) -> Option<(Vec<f64>, f64, f64)> {
         let list = self.free.list();
         let size = c.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
         let of_free = |c: &[f64]| list.iter().map(|&u| c[u]).collect::<Vec<f64>>();
@@ -120,6 +121,9 @@ impl Gap<'_> {
         factor.solve_in_place(&mut inverse);
         let row = |k: usize| (0..list.len()).map(|l| inverse[(k, l)].abs()).sum::<f64>();
         let amplified = (0..list.len()).map(row).fold(1.0_f64, f64::max);
+        let of =
+            |k: usize| (0..list.len()).map(|l| (coupling[(k, l)] - f64::from(u8::from(k == l))).abs()).sum::<f64>();
+        let enlarged = amplified * (1.0 + (0..list.len()).map(of).fold(0.0_f64, f64::max));
         let mut moved = f64::INFINITY;
         for _ in 0..MAX_CORRECTIONS {
             let from = of_free(&c);
@@ -138,7 +142,7 @@ impl Gap<'_> {
             }
         }
         let off = amplified * moved.max(STILL);
-        off.is_finite().then_some((c, off))
+        (off.is_finite() && enlarged.is_finite()).then_some((c, off, enlarged))
     }
 }
 

@@ -51,6 +51,7 @@ pub(super) fn by_pivoted_qr(
         refinements: 0,
         refinement_gain: 1.0,
         unsettled: 0.0,
+        enlarged: 1.0,
     })
 }
 

@@ -61,6 +61,7 @@ pub(super) fn by_qr(
         refinements: 0,
         refinement_gain: 1.0,
         unsettled: 0.0,
+        enlarged: 1.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)

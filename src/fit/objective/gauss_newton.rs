@@ -47,11 +47,11 @@ pub(super) struct Minimum {
 const SLOWEST: f64 = 0.95;
 
 impl Minimum {
-    /// What all steps that were not taken would have moved: `moved (rho + rho^2 + ...)`, one step at least, and twice that,
-    /// because some directions shrink more slowly than the step as a whole.
+    /// What all steps that were not taken would have moved: `moved (rho + rho^2 + ...)`, one step at least, and three times
+    /// that, because some directions shrink more slowly than the step as a whole.
     pub(super) fn remaining(&self) -> f64 {
         let rho = self.contraction.clamp(0.5, SLOWEST);
-        2.0 * self.moved * rho / (1.0 - rho)
+        3.0 * self.moved * rho / (1.0 - rho)
     }
 }
 
