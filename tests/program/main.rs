@@ -15,3 +15,4 @@ mod npz;
 mod readers;
 mod scene_file;
 mod schema;
+mod words;
