@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::io::{ContactFormat, Input, write_atomically, write_contacts};
+use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
     Answer, Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
     write_table,
@@ -12,11 +12,14 @@ use crate::report::{
 use super::failure::{Failure, fit_message};
 use super::options::OutputFlags;
 use super::output::print;
+use super::save::save;
 
 /// Where a description goes.
 pub(super) struct Destination<'a> {
     pub(super) output: &'a OutputFlags,
     pub(super) save: Option<&'a PathBuf>,
+    /// Vertices of a saved mesh each way, where they were typed.
+    pub(super) grid: Option<[usize; 2]>,
 }
 
 /// When a verb began, and the seconds that it has taken so far.
@@ -46,24 +49,31 @@ pub(super) fn describe(
     };
     let description =
         describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
-    files(&*description, name, to.output)?;
+    let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
+    files(&*description, saved.as_ref(), name, to.output)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
             .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
     }
     to.output.publish()?;
-    if let Some(path) = to.save {
-        write_atomically(path, &mut |out| write_json(description.document(), out))?;
+    if let (Some(path), Some(document)) = (to.save, &saved) {
+        save(path, document, name, to.grid, to.output.quiet)?;
     }
     // what `--save -` sent to standard output is not to be mixed with a table
     let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
     show(description.document(), name, to.output, saved_there)
 }
 
-/// The files of the output directory, if one is asked for.
-pub(super) fn files(description: &dyn Description, name: &str, output: &OutputFlags) -> Result<(), Failure> {
-    output.file("fit.json", &mut |out| write_json(description.document(), out))?;
+/// The files of the output directory, if one is asked for; `saved` is the document as it is saved.
+pub(super) fn files(
+    description: &dyn Description,
+    saved: Option<&FitDocument>,
+    name: &str,
+    output: &OutputFlags,
+) -> Result<(), Failure> {
+    let document = saved.unwrap_or_else(|| description.document());
+    output.file("fit.json", &mut |out| write_json(document, out))?;
     output.file("maps.csv", &mut |out| description.write_maps_csv(out))?;
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
     output.file("shape.svg", &mut |out| description.write_picture(name, out))

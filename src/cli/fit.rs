@@ -18,6 +18,7 @@ use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
 use super::reading::{ReadFlags, seen_from};
+use super::save::check_name;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -27,7 +28,7 @@ pub(super) struct FitArgs {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
     skip_invalid: bool,
-    /// Save the surface and all that is known of it as JSON
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
@@ -57,6 +58,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
+    check_name(args.save.as_deref())?;
     args.output.prepare(&[&args.input], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
     let mut reading = read_input(&args.input, &args.read_options())?;
@@ -90,7 +92,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
         &reading.file,
         &subject,
         &taken,
-        &Destination { output: &args.output, save: args.save.as_ref() },
+        &Destination { output: &args.output, save: args.save.as_ref(), grid: args.fit.typed_grid() },
     )
 }
 

@@ -29,6 +29,7 @@ mod preparation;
 mod progress;
 mod reading;
 mod run;
+mod save;
 mod scene;
 mod scenes;
 mod show;

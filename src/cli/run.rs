@@ -12,6 +12,7 @@ use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
+use super::save::check_name;
 use super::scene;
 
 /// Arguments of `palpate run`.
@@ -20,7 +21,7 @@ pub(super) struct RunArgs {
     /// Built-in scene, scene file, or - for standard input
     #[arg(default_value = scene::DEFAULT)]
     scene: String,
-    /// Save the surface and all that is known of it as JSON
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
@@ -37,6 +38,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
+    check_name(args.save.as_deref())?;
     let scene = scene::load(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
@@ -59,5 +61,11 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+    describe(
+        &found,
+        &scene.name,
+        &subject,
+        &taken,
+        &Destination { output: &args.output, save: args.save.as_ref(), grid: args.fit.typed_grid() },
+    )
 }

@@ -27,6 +27,11 @@ pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
 
+    /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
+    fn saved(&self) -> FitDocument {
+        self.document().clone()
+    }
+
     /// `maps.csv`: the surface and its shape over the grid.
     ///
     /// # Errors

@@ -7,6 +7,7 @@
 //! a saved surface at points   ->  PointTable         points_at
 //! ```
 
+mod bare_surface;
 mod describe;
 mod describe_height;
 mod describe_parametric;
@@ -40,7 +41,9 @@ mod study_samples;
 mod study_table;
 mod sweep;
 mod table;
+mod uncertainty;
 
+pub(crate) use bare_surface::document_of_surface;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};

@@ -12,7 +12,7 @@ use super::frontier_samples::{empty_frontier, frontier_without_pick, full_fronti
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
-use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
+use crate::io::{Coefficient, FIT_SCHEMA, PointUncertainty, SavedFrame, SavedSurface, SupportMap, UncertaintyMap};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
@@ -231,10 +231,19 @@ fn full() -> FitDocument {
             coefficients: vec![vec![Coefficient::Height(0.5)]],
             closed: None,
             support: None,
+            support_map: Some(SupportMap::of([[0.0, 1.0]; 2], |x, y| x < y)).flatten(),
             unsupported: vec![1],
         },
+        uncertainty: Some(uncertainty()),
         seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
     }
+}
+
+/// Uncertainties that are known at one point and not at the other.
+fn uncertainty() -> UncertaintyMap {
+    let half = Some(0.5);
+    let known = PointUncertainty { position: half, normal_deg: half, shape_index: half, curvedness: half };
+    UncertaintyMap::of([vec![0.5], vec![0.5, 1.5]], &[known, PointUncertainty::default()])
 }
 
 /// A parametric surface.
@@ -285,6 +294,7 @@ fn emptied() -> FitDocument {
 /// The same with every part missing that may be.
 fn bare() -> FitDocument {
     let mut document = full();
+    (document.uncertainty, document.surface.support_map) = (None, None);
     document.fit.weights = None;
     document.fit.sigma = None;
     document.fit.condition = None;
