@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS] | diff A B
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -9,6 +9,7 @@
 mod automatic;
 mod coverage;
 mod describe;
+mod diff;
 #[doc(hidden)]
 pub mod embedded;
 mod explore;
@@ -74,8 +75,10 @@ enum Verb {
     Explore(Box<explore::ExploreArgs>),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
-    /// Describe a saved surface, or evaluate it at given points
+    /// Describe a saved surface, evaluate it at given points, or write it in another format
     Show(show::ShowArgs),
+    /// Compare two saved surfaces: height, normal, S, R, each against its uncertainty
+    Diff(diff::DiffArgs),
 }
 
 /// Runs the command line of this process.
@@ -106,6 +109,7 @@ pub fn main() -> ExitCode {
         Verb::Explore(args) => explore::explore(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
+        Verb::Diff(args) => diff::diff(&args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bspline::Knots;
 use crate::contact::Frame;
-use crate::shape::UvSupport;
+use crate::shape::{ShapeGrid, UvSupport, shape_maps};
 use crate::surface::{HeightField, Parametric};
 
 use super::IoError;
@@ -239,6 +239,28 @@ impl Saved {
             Some(u) => Err(format!("surface.unsupported names coefficient {u} of {count}")),
             None => Ok(Saved { file: file.into(), frame, surface, unsupported, support_map, uncertainty }),
         }
+    }
+}
+
+impl Saved {
+    /// Whether contacts support a place of the surface's own domain, and data every coefficient that it depends on.
+    pub(crate) fn supports(&self, place: [f64; 2]) -> bool {
+        let [u, v] = place;
+        match &self.surface {
+            AnySurface::Height(field) => {
+                let domain = [0, 1].map(|k| field.knots()[k].domain());
+                let within = (0..2).all(|k| (domain[k][0]..=domain[k][1]).contains(&place[k]));
+                within
+                    && self.is_determined(field, u, v)
+                    && self.support_map.as_ref().is_none_or(|m| m.holds(domain, place))
+            }
+            AnySurface::Parametric(_, support) => support.holds(u, v),
+        }
+    }
+
+    fn is_determined(&self, field: &HeightField, u: f64, v: f64) -> bool {
+        let grid = ShapeGrid { x: vec![u], y: vec![v] };
+        self.unsupported.is_empty() || shape_maps(field, grid, &self.unsupported).supported[[0, 0]]
     }
 }
 

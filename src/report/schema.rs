@@ -5,6 +5,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::diff::{DIFF_SCHEMA, diff_samples};
 use super::document::*;
 use super::explore::{EXPLORE_SCHEMA, explore_samples};
 use super::frontier::FRONTIER_SCHEMA;
@@ -49,6 +50,16 @@ pub fn explore_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = EXPLORE_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.diff/1`.
+pub fn diff_schema() -> Value {
+    let samples: Vec<Value> = diff_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = DIFF_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": DIFF_SCHEMA });
     schema
 }
 

@@ -10,7 +10,7 @@ const RECORD: usize = 80;
 /// Whether the bytes begin as an IGES file of 80 columns: the first record ends in S and 1.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let line = bytes.split(|b| *b == b'\n').next().unwrap_or_default().trim_ascii_end();
-    line.len() == RECORD && line[RECORD - 8] == b'S' && line[RECORD - 7..].trim_ascii() == b"1"
+    line.len() == RECORD && line[RECORD - 8] == b'S' && number(&line[RECORD - 7..]) == Ok(1)
 }
 
 /// The spline.
