@@ -39,16 +39,7 @@ pub(super) fn describe(
     taken: &Taken,
     to: &Destination,
 ) -> Result<(), Failure> {
-    let clock = Instant::now();
-    compute_shape(answer, subject.bare);
-    let seconds = Seconds {
-        read: taken.read,
-        fit: taken.fitted,
-        shape: clock.elapsed().as_secs_f64(),
-        total: taken.began.elapsed().as_secs_f64(),
-    };
-    let description =
-        describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
+    let description = description_of(answer, name, subject, taken)?;
     let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
     files(&*description, saved.as_ref(), name, to.output)?;
     if let Input::Contacts(contacts) = subject.input {
@@ -63,6 +54,33 @@ pub(super) fn describe(
     // what `--save -` sent to standard output is not to be mixed with a table
     let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
     show(description.document(), name, to.output, saved_there)
+}
+
+fn description_of<'a>(
+    answer: &'a Answer,
+    name: &str,
+    subject: &Subject<'a>,
+    taken: &Taken,
+) -> Result<Box<dyn Description + 'a>, Failure> {
+    let clock = Instant::now();
+    compute_shape(answer, subject.bare);
+    let seconds = Seconds {
+        read: taken.read,
+        fit: taken.fitted,
+        shape: clock.elapsed().as_secs_f64(),
+        total: taken.began.elapsed().as_secs_f64(),
+    };
+    describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))
+}
+
+/// The document of an answer and nothing else.
+pub(super) fn document_of(
+    answer: &Answer,
+    name: &str,
+    subject: &Subject,
+    taken: &Taken,
+) -> Result<FitDocument, Failure> {
+    Ok(description_of(answer, name, subject, taken)?.document().clone())
 }
 
 /// The files of the output directory, if one is asked for; `saved` is the document as it is saved.

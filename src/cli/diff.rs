@@ -64,6 +64,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
 struct Read {
     saved: Saved,
     dof: Option<f64>,
+    recognised: bool,
 }
 
 impl Read {
@@ -71,9 +72,11 @@ impl Read {
         let (file, bytes) = read_bytes(path)?;
         let saved = read_surface_bytes(&file, &bytes)?;
         let document: Option<FitDocument> = serde_json::from_slice(&bytes).ok();
-        let dof = document.and_then(|document| document.shape.curvedness.dof);
+        let dof = document.as_ref().and_then(|document| document.shape.curvedness.dof);
+        let chosen = document.and_then(|document| document.fit.chosen);
+        let recognised = chosen.is_some_and(|chosen| chosen.hypothesis.is_some());
         let dof = dof.filter(|_| saved.uncertainty.is_some());
-        Ok(Read { saved, dof })
+        Ok(Read { saved, dof, recognised })
     }
 
     fn part(&self) -> SurfacePart {
@@ -84,6 +87,7 @@ impl Read {
                 AnySurface::Parametric(..) => "parametric".into(),
             },
             uncertainty: self.saved.uncertainty.is_some(),
+            recognised: self.recognised,
         }
     }
 

@@ -33,6 +33,7 @@ mod run;
 mod save;
 mod scene;
 mod scenes;
+mod several;
 mod show;
 mod simulate;
 mod study;

@@ -77,7 +77,13 @@ impl<'a> HeightDescription<'a> {
         grid: ShownGrid,
     ) -> HeightDescription<'a> {
         let domain = [0, 1].map(|k| surface.knots()[k].domain());
-        let maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        let mut maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        if let Some(map) = &saved.support_map {
+            let places = &maps.grid;
+            maps.supported
+                .indexed_iter_mut()
+                .for_each(|((i, j), s)| *s &= map.holds(domain, [places.x[i], places.y[j]]));
+        }
         if grid.again {
             take_again(&mut document, &spreads(&maps));
         }

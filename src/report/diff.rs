@@ -28,6 +28,8 @@ pub(crate) struct SurfacePart {
     pub(crate) kind: String,
     /// Whether the file carries uncertainties point by point.
     pub(crate) uncertainty: bool,
+    /// Whether the surface was recognised; the uncertainties of a named model know less of other kinds of surface.
+    pub(crate) recognised: bool,
 }
 
 /// One quantity over all points compared.
@@ -133,10 +135,8 @@ impl DiffDocument {
             Some(false) => {
                 let beyond = self.parts().into_iter().zip(NAMES).filter(|(part, _)| part.beyond > 0);
                 let names: Vec<&str> = beyond.map(|(_, (name, _))| name).collect();
-                format!(
-                    "not the same surface: {} differ by more than {threshold} times their uncertainty",
-                    names.join(", ")
-                )
+                let names = names.join(", ");
+                format!("not the same surface: more than {threshold} times the uncertainty apart in {names}")
             }
         }
     }
@@ -157,6 +157,18 @@ fn part(found: &QuantitySummary) -> DifferencePart {
     }
 }
 
+/// What every judgement rests on.
+const INDEPENDENT: &str =
+    "the two are taken as independent: for two fits of the same contacts the uncertainties are too large";
+
+fn named(part: &SurfacePart) -> String {
+    format!(
+        "the uncertainties of {} are those of its named model: of heights and normals noise alone, of S and R what the means \
+         say of other kinds of surface",
+        part.file
+    )
+}
+
 fn notes(a: &SurfacePart, b: &SurfacePart) -> Vec<String> {
     let lacks = |part: &SurfacePart| {
         format!(
@@ -164,15 +176,14 @@ fn notes(a: &SurfacePart, b: &SurfacePart) -> Vec<String> {
             part.file
         )
     };
-    match (a.uncertainty, b.uncertainty) {
-        (true, true) => vec![
-            "the two are taken as independent: for two fits of the same contacts the uncertainties are too large"
-                .into(),
-        ],
+    let mut notes = match (a.uncertainty, b.uncertainty) {
+        (true, true) => vec![INDEPENDENT.to_string()],
         (true, false) => vec![lacks(b)],
         (false, true) => vec![lacks(a)],
         (false, false) => vec!["save both by --save F.json without --bare to judge the differences".into()],
-    }
+    };
+    notes.extend([a, b].into_iter().filter(|part| part.uncertainty && !part.recognised).map(named));
+    notes
 }
 
 /// Writes the table for people.
@@ -235,7 +246,7 @@ pub(crate) fn write_diff_csv(found: &Comparison, out: &mut dyn Write) -> std::io
 
 /// Documents from which the schema is made: everything there, and everything missing that may be.
 pub(super) fn diff_samples() -> [DiffDocument; 2] {
-    let surface = SurfacePart { file: "a.json".into(), kind: "height".into(), uncertainty: true };
+    let surface = SurfacePart { file: "a.json".into(), kind: "height".into(), uncertainty: true, recognised: true };
     let full = DifferencePart {
         points: 1,
         mean: Some(0.5),

@@ -51,14 +51,21 @@ pub(crate) fn write_diff_picture(
         Anchor::Start,
     );
     drawing.word([12.0, 36.0], document.verdict(), 11.0, Anchor::Start);
+    let axes = if document.a.kind == "height" { ["x", "y"] } else { ["u of A", "v of A"] };
     for quantity in 0..QUANTITIES {
         let corner = [(quantity % 2) as f64 * panel[0] + MARGIN, (quantity / 2) as f64 * panel[1] + 80.0];
-        panel_of(&mut drawing, found, quantity, corner, size);
+        panel_of(&mut drawing, found, quantity, axes, [corner, size]);
     }
     drawing.write_svg(out)
 }
 
-fn panel_of(drawing: &mut Drawing, found: &Comparison, quantity: usize, corner: [f64; 2], size: [f64; 2]) {
+fn panel_of(
+    drawing: &mut Drawing,
+    found: &Comparison,
+    quantity: usize,
+    axes: [&str; 2],
+    [corner, size]: [[f64; 2]; 2],
+) {
     let judged = found.quantities[quantity].beyond[1] > 0;
     let value = |point: &ComparedPoint| {
         let difference = point.difference[quantity]?;
@@ -77,6 +84,8 @@ fn panel_of(drawing: &mut Drawing, found: &Comparison, quantity: usize, corner: 
     let along = &found.at[0];
     drawing.word([x0, y1 + 12.0], significant(along[0], 3), 10.0, Anchor::Start);
     drawing.word([x0 + size[0], y1 + 12.0], significant(along[along.len() - 1], 3), 10.0, Anchor::End);
+    drawing.word([x0 + 0.5 * size[0], y1 + 12.0], axes[0], 10.0, Anchor::Middle);
+    drawing.upward_word([x0 - 12.0, corner[1] + 0.5 * size[1]], axes[1], 10.0);
     let places = &found.at[1];
     drawing.word([x0 - 4.0, y1], significant(places[0], 3), 10.0, Anchor::End);
     drawing.word([x0 - 4.0, corner[1]], significant(places[places.len() - 1], 3), 10.0, Anchor::End);

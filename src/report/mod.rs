@@ -20,6 +20,7 @@ mod drawing;
 mod drawing_png;
 mod explore;
 mod explore_picture;
+mod fits;
 mod frontier;
 mod frontier_axes;
 mod frontier_columns;
@@ -53,6 +54,7 @@ pub(crate) use diff_picture::write_diff_picture;
 pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
+pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
@@ -60,7 +62,7 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
-pub use schema::{diff_schema, explore_schema, fit_schema, frontier_schema, study_schema};
+pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

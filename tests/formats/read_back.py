@@ -1,8 +1,8 @@
 """Surfaces as palpate writes them, opened by the programs that others use.
 
     python -m venv venv && venv/bin/pip install numpy scipy meshio vtk trimesh pyarrow cadquery-ocp
-    venv/bin/python tests/formats/read_back.py target/release/palpate            # prints the table
-    venv/bin/python tests/formats/read_back.py target/release/palpate --record   # and writes benches/runs/formats.md
+    venv/bin/python tests/formats/read_back.py target/debug/palpate            # prints the table
+    venv/bin/python tests/formats/read_back.py target/debug/palpate --record   # and writes benches/runs/formats.md
 
 Each file is written by `palpate ... --save`, read by an independent program, and its coordinates are held against those of
 the surface as `palpate show surface.json` has it: control points and evaluated points of splines, vertices of meshes. The
@@ -297,7 +297,7 @@ def record(lines):
     versions = ", ".join(f"{name} {version(name)}" for name in names)
     words = f"""# Surfaces opened by other programs
 
-`python tests/formats/read_back.py target/release/palpate --record` writes each surface by `--save`, opens it by a program that
+`python tests/formats/read_back.py target/debug/palpate --record` writes each surface by `--save`, opens it by a program that
 knows nothing of palpate, and holds its coordinates against the surface as it stands in the JSON: splines at 17 x 17 points,
 meshes at every vertex. STL and glTF hold float32, and that is their difference; all others hold float64 or its digits. Where a
 spline is evaluated by another program, the last bit of its arithmetic shows. "back" is `palpate show FILE` of palpate's own
