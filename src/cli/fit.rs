@@ -78,8 +78,8 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    check_name(args.save.as_deref())?;
     args.output.prepare(&[input], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("fitting {}", input.display()));
     let one = One::of(input, args)?;
     drop(spinner);

@@ -38,9 +38,9 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    check_name(args.save.as_deref())?;
     let scene = scene::load(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;

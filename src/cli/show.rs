@@ -36,7 +36,6 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
     if args.at.as_ref().is_some_and(|at| at == &args.surface && at.as_os_str() == "-") {
         return Err(Failure::Input("SURFACE and --at cannot both be standard input".into()));
     }
-    check_name(args.save.as_deref())?;
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
@@ -44,6 +43,7 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
     let saved = read_surface_bytes(&file, &bytes)?;
     let inputs: Vec<&Path> = std::iter::once(&args.surface).chain(&args.at).map(PathBuf::as_path).collect();
     args.output.prepare(&inputs, args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
     match &args.at {
         Some(at) => show_points(args, &saved, at),
         None => show_shape(args, &saved, &bytes),

@@ -5,6 +5,8 @@
 //! XYZ, PTS, PCD, OBJ, OFF, STL, NPY                x,y,z [nx,ny,nz]                                       -> Contacts
 //! PNG, NPZ with depth                              d(u, v), 0 = missing, and a camera's intrinsics        -> Contacts
 //! NPZ with 1-D x (n), y (m) and 2-D z (n x m)      [zx, zy] [wz, wx, wy], NaN = missing                   -> Grid
+//! JSON, STEP, IGES                                 knots and coefficients or control points                <-> Saved
+//! NPZ, PLY, OBJ, STL, glTF, VTU, Parquet           a spline, a mesh or its points                          <- Saved
 //! ```
 //!
 //! The format is recognised by the first bytes, not by the name, so that a pipe works like a file; each may be packed by

@@ -301,7 +301,7 @@ def record(lines):
 knows nothing of palpate, and holds its coordinates against the surface as it stands in the JSON: splines at 17 x 17 points,
 meshes at every vertex. STL and glTF hold float32, and that is their difference; all others hold float64 or its digits. Where a
 spline is evaluated by another program, the last bit of its arithmetic shows. "back" is `palpate show FILE` of palpate's own
-file, coefficients and knots to the same bits.
+file, coefficients and knots to the same bits. OpenCASCADE writes IGES with ten digits and STEP with fifteen.
 
 Versions: {versions}.
 
