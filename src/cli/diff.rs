@@ -44,6 +44,14 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
         )));
     }
     let (a, b) = (Read::of(&args.a)?, Read::of(&args.b)?);
+    if let (Some(first), Some(second)) = (&a.unit, &b.unit)
+        && first != second
+    {
+        return Err(Failure::Input(format!(
+            "{} is in {first} and {} in {second}: fit both in one unit",
+            a.saved.file, b.saved.file
+        )));
+    }
     args.output.prepare(&[&args.a, &args.b], &[])?;
     let found = a.with(|a| b.with(|b| compare(a, b, grid))).map_err(|why| refusal(&a, &b, why))?;
     let document = DiffDocument::of(&found, a.part(), b.part());
@@ -65,6 +73,7 @@ struct Read {
     saved: Saved,
     dof: Option<f64>,
     recognised: bool,
+    unit: Option<String>,
 }
 
 impl Read {
@@ -73,10 +82,11 @@ impl Read {
         let saved = read_surface_bytes(&file, &bytes)?;
         let document: Option<FitDocument> = serde_json::from_slice(&bytes).ok();
         let dof = document.as_ref().and_then(|document| document.shape.curvedness.dof);
+        let unit = document.as_ref().and_then(|document| document.unit.clone());
         let chosen = document.and_then(|document| document.fit.chosen);
         let recognised = chosen.is_some_and(|chosen| chosen.hypothesis.is_some());
         let dof = dof.filter(|_| saved.uncertainty.is_some());
-        Ok(Read { saved, dof, recognised })
+        Ok(Read { saved, dof, recognised, unit })
     }
 
     fn part(&self) -> SurfacePart {

@@ -15,7 +15,7 @@ use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::preparation::PreparationFlags;
 use super::reading::{ReadFlags, seen_from};
 use super::save::check_name;
@@ -45,6 +45,8 @@ pub(super) struct FitArgs {
     reading: ReadFlags,
     #[command(flatten)]
     fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -88,7 +90,12 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
         &one.reading.file,
         &one.subject(args),
         &one.taken,
-        &Destination { output: &args.output, save: args.save.as_ref(), grid: args.fit.typed_grid() },
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+        },
     )
 }
 
@@ -137,6 +144,7 @@ impl One {
             chosen: self.chosen.clone(),
             lack_of_fit: self.lack_of_fit.clone(),
             input: &self.reading.input,
+            unit: args.words.unit.clone(),
             truth: None,
             bare: args.bare,
             notes: self.notes.clone(),

@@ -11,7 +11,7 @@ use crate::report::{FitDocument, ShownGrid, describe_saved, document_of_surface,
 
 use super::describe;
 use super::failure::{Failure, fit_message};
-use super::options::{GridFlags, OutputFlags};
+use super::options::{GridFlags, OutputFlags, WordsFlags};
 use super::output::print;
 use super::save::{check_name, save};
 
@@ -28,6 +28,8 @@ pub(super) struct ShowArgs {
     at: Option<PathBuf>,
     #[command(flatten)]
     grid: GridFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -64,7 +66,10 @@ fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure>
 }
 
 fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failure> {
-    let (document, again) = document(saved, bytes)?;
+    let (mut document, again) = document(saved, bytes)?;
+    if args.words.unit.is_some() {
+        document.unit.clone_from(&args.words.unit);
+    }
     let mut options = FitOptions::default().with_grid(document.shape.grid[0], document.shape.grid[1]);
     args.grid.apply(&mut options);
     if exceeds(options.grid, MOST_GRID_POINTS) {
@@ -86,7 +91,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     let description = describe_saved(saved, document, grid);
     describe::files(&*description, None, &saved.file, &args.output)?;
     args.output.publish()?;
-    describe::show(description.document(), &saved.file, &args.output, false)
+    describe::show(&*description, &saved.file, &args.output, &args.words, false)
 }
 
 /// The document that the surface was saved in, or one of the surface alone, whose shape is still to be taken.

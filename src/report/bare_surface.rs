@@ -16,6 +16,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
     let unknowns = knots[0].n_basis() * knots[1].n_basis();
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: None,
         contacts: 0,
         frame: SavedFrame::of(&saved.frame),
         fit: FitPart {
@@ -38,6 +39,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             smooth: 0.0,
             rms: RmsPart::default(),
             notes: vec![UNKNOWN.into()],
+            technical_notes: Vec::new(),
         },
         shape: ShapePart {
             grid: [8, 8],
@@ -52,6 +54,8 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             k2: SpreadPart::default(),
             direction_deg: None,
             direction: None,
+            axis_deg: None,
+            axis: None,
             support: 1.0,
             plane_p: None,
             covariance: None,

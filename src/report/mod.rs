@@ -45,6 +45,7 @@ mod study_table;
 mod sweep;
 mod table;
 mod uncertainty;
+mod words;
 
 pub(crate) use bare_surface::document_of_surface;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
@@ -70,3 +71,4 @@ pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub(crate) use table::{significant, write_table};
+pub(crate) use words::write_words;

@@ -18,3 +18,4 @@ mod readers;
 mod scene_file;
 mod schema;
 mod several;
+mod words;
