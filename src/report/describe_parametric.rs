@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::fit::FitError;
-use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, UNCERTAINTY_POINTS};
 use crate::parametric::ParametricFit;
 use crate::scene::Truth;
 use crate::shape::{ParametricMaps, ShapeMaps, UvSupport, parametric_maps, spread, uv_grid};
@@ -16,6 +16,7 @@ use super::description::{
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::parametric::write_parametric_maps_csv;
 use super::picture::{PictureOptions, write_picture};
+use super::uncertainty;
 
 /// A parametric surface with its document and its maps.
 pub(super) struct ParametricDescription<'a> {
@@ -27,6 +28,8 @@ pub(super) struct ParametricDescription<'a> {
     grid: [usize; 2],
     /// (u, v) of the contacts, for the picture.
     feet: Option<Vec<[f64; 2]>>,
+    /// The fit, unless uncertainties were declined; `None` of a saved surface.
+    fit: Option<&'a ParametricFit>,
 }
 
 impl<'a> ParametricDescription<'a> {
@@ -53,6 +56,7 @@ impl<'a> ParametricDescription<'a> {
             maps: Cow::Borrowed(&fit.shape().maps),
             grid: fit.options().grid,
             feet: Some(fit.feet()),
+            fit: (!subject.bare).then_some(fit),
         })
     }
 
@@ -75,6 +79,7 @@ impl<'a> ParametricDescription<'a> {
             maps: Cow::Owned(maps),
             grid: grid.points,
             feet: None,
+            fit: None,
         }
     }
 }
@@ -82,6 +87,13 @@ impl<'a> ParametricDescription<'a> {
 impl Description for ParametricDescription<'_> {
     fn document(&self) -> &FitDocument {
         &self.document
+    }
+
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let sds = self.fit.and_then(|fit| fit.pointwise(UNCERTAINTY_POINTS)).unwrap_or_default();
+        document.uncertainty = uncertainty::map(self.surface.knots(), &sds, &document.shape);
+        document
     }
 
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
@@ -122,6 +134,7 @@ fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, second
         shape: shape_part(fit),
         truth: subject.truth.map(|truth| truth_part(fit, truth)),
         surface: SavedSurface::of_parametric(surface, &fit.input_support()),
+        uncertainty: None,
         seconds,
     }
 }

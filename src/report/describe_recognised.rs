@@ -8,12 +8,12 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-use crate::contact::Contacts;
+use crate::contact::{Contacts, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
-use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
-use crate::recognition::{Estimate, NormalsUse, RecognisedSpline, RecognisedSurface, Recognition};
-use crate::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
+use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
+use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
@@ -23,6 +23,7 @@ use super::document::{
 use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
 use super::picture::{PictureOptions, write_picture};
+use super::uncertainty;
 
 /// A recognised surface with its document and its spline.
 pub(super) struct RecognisedDescription<'a> {
@@ -30,6 +31,8 @@ pub(super) struct RecognisedDescription<'a> {
     found: &'a Recognition,
     spline: RecognisedSpline,
     contacts: Option<&'a Contacts>,
+    /// The pixels of a grid.
+    grid: Option<&'a Grid>,
 }
 
 impl<'a> RecognisedDescription<'a> {
@@ -58,15 +61,16 @@ impl<'a> RecognisedDescription<'a> {
                 RecognisedSpline::Height { surface, fit } => SavedSurface::of(surface, &fit.certificate().unsupported),
                 RecognisedSpline::Parametric { surface, support } => SavedSurface::of_parametric(surface, support),
             },
+            uncertainty: None,
             seconds,
         };
         let supported = found.map.iter().filter(|p| p.supported);
         take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
-        let contacts = match subject.input {
-            Input::Contacts(contacts) => Some(contacts),
-            Input::Grid(_) => None,
+        let (contacts, grid) = match subject.input {
+            Input::Contacts(contacts) => (Some(contacts), None),
+            Input::Grid(grid) => (None, Some(grid)),
         };
-        Ok(RecognisedDescription { document, found, spline, contacts })
+        Ok(RecognisedDescription { document, found, spline, contacts, grid })
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
@@ -93,6 +97,13 @@ impl<'a> RecognisedDescription<'a> {
     }
 }
 
+/// The measured pixels of a grid.
+fn pixels(grid: &Grid) -> Contacts {
+    let known = grid.z.indexed_iter().filter(|(_, z)| !z.is_nan());
+    let points: Vec<[f64; 3]> = known.map(|((i, j), z)| [grid.x[i], grid.y[j], *z]).collect();
+    Contacts::from_points(&points)
+}
+
 /// Maps of either kind of spline.
 enum Maps {
     Height(Box<ShapeMaps>),
@@ -113,6 +124,38 @@ fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize;
 impl Description for RecognisedDescription<'_> {
     fn document(&self) -> &FitDocument {
         &self.document
+    }
+
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let pixels = self.grid.map(pixels);
+        let Some(contacts) = self.contacts.or(pixels.as_ref()) else { return document };
+        let pointwise = Pointwise::new(self.found, contacts);
+        let found = &self.found.surface;
+        let (knots, sds): (_, Vec<Option<PointSds>>) = match &self.spline {
+            RecognisedSpline::Height { surface, .. } => {
+                let place = |x: f64, y: f64| [x, y, surface.at(x, y).z];
+                let held = |x: f64, y: f64| {
+                    let [u, v] = found.chart_of(place(x, y));
+                    found.supported_at(u, v)
+                };
+                let domain = surface.knots().each_ref().map(|axis| axis.domain());
+                document.surface.support_map = SupportMap::of(domain, held);
+                let [x, y] = uncertainty::places(surface.knots());
+                let places = x.iter().flat_map(|x| y.iter().map(|y| place(*x, *y)));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+            RecognisedSpline::Parametric { surface, .. } => {
+                let [u, v] = uncertainty::places(surface.knots());
+                let places = u.iter().flat_map(|u| v.iter().map(|v| surface.at(*u, *v).point));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+        };
+        // the draws have counted every kind of surface already
+        let mut shape = document.shape.clone();
+        (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
+        document.uncertainty = uncertainty::map(knots, &sds, &shape);
+        document
     }
 
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {

@@ -30,6 +30,11 @@ pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
 
+    /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
+    fn saved(&self) -> FitDocument {
+        self.document().clone()
+    }
+
     /// `maps.csv`: the surface and its shape over the grid.
     ///
     /// # Errors
@@ -198,5 +203,8 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
     shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;
     document.truth = None;
-    document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    // a CAD file never had any
+    if document.contacts > 0 {
+        document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    }
 }
