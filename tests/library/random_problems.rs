@@ -11,7 +11,7 @@ use problems::judge::{Outcome, judge, outcome};
 use problems::oracle::{Written, grid_of};
 
 use crate::hard_cases::golden::Golden;
-use palpate::fit::{Objective, SlopeWeights, Smooth, fit_contacts};
+use palpate::fit::{Note, Objective, Robust, SlopeWeights, Smooth, fit_contacts};
 use palpate::internals::cases::{CaseData, HardCase};
 use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::spline::Knots;
@@ -48,6 +48,15 @@ fn what_was_broken_once_holds() {
         assert!(judged.exceptions.is_empty(), "{number}: {:?}", judged.exceptions);
         assert_ne!(judged.outcome, Outcome::Refused, "{number}");
     }
+}
+
+/// With the scale found anew at every step, Huber's weights of this problem do not settle, which the answer says.
+#[test]
+fn a_loss_that_does_not_stand_still_says_so() {
+    let problem = draw(1, 493, 0);
+    assert_eq!((problem.family, problem.options.robust), (Family::Robust, Robust::Huber));
+    let fit = fit_contacts(&problem.contacts, &problem.options).unwrap();
+    assert!(fit.notes().iter().any(|n| matches!(n, Note::Unsettled { .. })), "{:?}", fit.notes());
 }
 
 /// The judge sees an answer that is not the best one: the same rows, another smoothing.

@@ -6,9 +6,7 @@
 //! ```
 
 use palpate::Orientation;
-use palpate::fit::{
-    Fit, FitError, Method, MethodUsed, NormalSigma, Note, Objective, Reason, Robust, Smooth, fit_contacts,
-};
+use palpate::fit::{Fit, FitError, Method, MethodUsed, NormalSigma, Note, Objective, Reason, Smooth, fit_contacts};
 use palpate::internals::cases::digits_absolute;
 use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::spline::Knots;
@@ -21,8 +19,6 @@ use super::oracle::{Grid, Solved, Written, grid_of};
 pub(crate) const QUANTITIES: [&str; 3] = ["coefficients", "S", "R"];
 /// Problems drawn for one number at most until one has full rank.
 const MAX_ATTEMPTS: u64 = 1000;
-/// Reweightings after which a loss stops whether or not its weights stand still; Tukey's starts from Huber's.
-const ROBUST_STEPS: usize = 60;
 /// The rule for gaps is compared up to this ratio of weights: it is written with E'E, which squares the ratio.
 const GAP_WEIGHTS: f64 = 1e4;
 
@@ -234,9 +230,6 @@ fn missing_notes(problem: &RandomProblem, fit: &Fit) -> Vec<String> {
     let says = |is_it: fn(&Note) -> bool| notes.iter().any(is_it);
     let gaps = !certificate.unsupported.is_empty();
     let deficient = certificate.rank < certificate.unknowns && !gaps;
-    let most = if problem.options.robust == Robust::Tukey { 2 * ROBUST_STEPS } else { ROBUST_STEPS };
-    let unsettled = notes.iter().any(|n| matches!(n, Note::Outliers { steps, .. } if *steps >= most))
-        && !says(|n| matches!(n, Note::Unsettled { .. }));
     let smoothed = problem.options.smooth == Smooth::Auto;
     let lost = [
         (gaps && !says(|n| matches!(n, Note::Unsupported { .. })), "coefficients lack data and no note says so"),
@@ -244,7 +237,6 @@ fn missing_notes(problem: &RandomProblem, fit: &Fit) -> Vec<String> {
             deficient && !certificate.reasons.iter().any(|r| matches!(r, Reason::RankDeficient { .. })),
             "rank is reduced",
         ),
-        (unsettled, "the weights of the robust loss did not stand still and no note says so"),
         (smoothed && !says(|n| matches!(n, Note::Smoothed { .. })), "smoothing was found and no note says so"),
         (has_turned(problem, fit), "the axes were turned without need"),
     ];
