@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_atomically, write_contacts};
 use crate::report::{
-    Answer, Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
-    write_table,
+    Answer, Description, FitDocument, Provenance, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    write_fit_page, write_json, write_table,
 };
 
 use super::failure::{Failure, fit_message};
@@ -17,6 +17,8 @@ use super::output::print;
 pub(super) struct Destination<'a> {
     pub(super) output: &'a OutputFlags,
     pub(super) save: Option<&'a PathBuf>,
+    /// What the page says of where its numbers come from.
+    pub(super) provenance: Provenance,
 }
 
 /// When a verb began, and the seconds that it has taken so far.
@@ -46,7 +48,7 @@ pub(super) fn describe(
     };
     let description =
         describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
-    files(&*description, name, to.output)?;
+    files(&*description, name, to.output, &to.provenance)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
@@ -62,11 +64,17 @@ pub(super) fn describe(
 }
 
 /// The files of the output directory, if one is asked for.
-pub(super) fn files(description: &dyn Description, name: &str, output: &OutputFlags) -> Result<(), Failure> {
+pub(super) fn files(
+    description: &dyn Description,
+    name: &str,
+    output: &OutputFlags,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
     output.file("fit.json", &mut |out| write_json(description.document(), out))?;
     output.file("maps.csv", &mut |out| description.write_maps_csv(out))?;
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
-    output.file("shape.svg", &mut |out| description.write_picture(name, out))
+    output.file("shape.svg", &mut |out| description.write_picture(name, out))?;
+    output.file("report.html", &mut |out| write_fit_page(description, name, provenance, out))
 }
 
 /// The document on standard output, as JSON or as a table; no table where standard output is taken.

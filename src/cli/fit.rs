@@ -17,6 +17,7 @@ use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::preparation::PreparationFlags;
+use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 
 /// Arguments of `palpate fit`.
@@ -90,7 +91,11 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
         &reading.file,
         &subject,
         &taken,
-        &Destination { output: &args.output, save: args.save.as_ref() },
+        &Destination {
+            output: &args.output,
+            save: args.save.as_ref(),
+            provenance: provenance(&reading.file, None, None),
+        },
     )
 }
 

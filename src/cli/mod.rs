@@ -27,6 +27,7 @@ mod options;
 mod output;
 mod preparation;
 mod progress;
+mod provenance;
 mod reading;
 mod run;
 mod scene;

@@ -12,6 +12,7 @@ use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
+use super::provenance::provenance;
 use super::scene;
 
 /// Arguments of `palpate run`.
@@ -37,7 +38,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    let scene = scene::load(&args.scene)?;
+    let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
@@ -59,5 +60,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+    let provenance = provenance(&args.scene, Some(text), Some(scene.seed));
+    let to = Destination { output: &args.output, save: args.save.as_ref(), provenance };
+    describe(&found, &scene.name, &subject, &taken, &to)
 }

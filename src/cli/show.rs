@@ -12,6 +12,7 @@ use super::describe;
 use super::failure::{Failure, fit_message};
 use super::options::{GridFlags, OutputFlags};
 use super::output::print;
+use super::provenance::provenance;
 
 /// Arguments of `palpate show`.
 #[derive(Args)]
@@ -69,7 +70,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     options.check().map_err(|e| Failure::Input(fit_message(&e)))?;
     let grid = ShownGrid { points: options.grid, inset: options.inset, again: args.grid.any() };
     let description = describe_saved(saved, document, grid);
-    describe::files(&*description, &saved.file, &args.output)?;
+    describe::files(&*description, &saved.file, &args.output, &provenance(&saved.file, None, None))?;
     args.output.publish()?;
     describe::show(description.document(), &saved.file, &args.output, false)
 }

@@ -160,6 +160,13 @@ impl Fit {
         describe::covariance_of_means(&self.solved)
     }
 
+    /// Uncertainty that noise leaves in S and R at single points of the domain; `None` where it would take too long.
+    /// Computed at every call.
+    #[cfg(feature = "cli")]
+    pub(crate) fn uncertainty_map(&self) -> Option<describe::UncertaintyMap> {
+        describe::uncertainty_map(&self.solved)
+    }
+
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.
     pub fn certificate(&self) -> &Certificate {
         self.certificate.get_or_init(|| certificate::certify(&self.solved, self.shape()))

@@ -16,6 +16,7 @@ use crate::contact::Frame;
 use crate::shape::UvSupport;
 use crate::surface::{HeightField, Parametric};
 
+use super::page_file::document_bytes;
 use super::{IoError, read_bytes};
 
 /// `frame` of the document.
@@ -219,7 +220,8 @@ pub(crate) fn read_surface(path: &Path) -> Result<Saved, IoError> {
 /// Every fault of the document, with its place.
 pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
     let wrong = |what: String| IoError::Surface { file: file.into(), what };
-    let document: Document = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+    let bytes = document_bytes(file, bytes)?;
+    let document: Document = serde_json::from_slice(&bytes).map_err(|e| wrong(e.to_string()))?;
     if document.schema != FIT_SCHEMA {
         return Err(wrong(format!("schema is {:?}, not {FIT_SCHEMA:?}", document.schema)));
     }

@@ -7,7 +7,7 @@
 
 use std::io::Write;
 
-use crate::contact::Contacts;
+use crate::contact::{Contacts, Frame};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
@@ -20,8 +20,12 @@ use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
 use super::maps::{write_maps_csv, write_maps_npz};
+use super::height_view::height_view;
 use super::parametric::write_parametric_maps_csv;
+use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
+use super::recognised_view::recognised_view;
+use super::surface_view::SurfaceView;
 
 /// A recognised surface with its document and its spline.
 pub(super) struct RecognisedDescription<'a> {
@@ -29,6 +33,7 @@ pub(super) struct RecognisedDescription<'a> {
     found: &'a Recognition,
     spline: RecognisedSpline,
     contacts: Option<&'a Contacts>,
+    input: &'a Input,
 }
 
 impl<'a> RecognisedDescription<'a> {
@@ -64,7 +69,7 @@ impl<'a> RecognisedDescription<'a> {
             Input::Contacts(contacts) => Some(contacts),
             Input::Grid(_) => None,
         };
-        Ok(RecognisedDescription { document, found, spline, contacts })
+        Ok(RecognisedDescription { document, found, spline, contacts, input: subject.input })
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
@@ -136,6 +141,21 @@ impl Description for RecognisedDescription<'_> {
         let places = self.places();
         let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
         write_picture(&maps, &PictureOptions { title: &headline(name, &self.document), contacts, axes }, out)
+    }
+
+    fn view(&self) -> SurfaceView {
+        let [least, most] = PICTURE_CELLS;
+        let maps = self.maps(self.found.grid.map(|n| n.clamp(least, most)));
+        let mut view = match (&maps, &self.spline) {
+            (Maps::Height(maps), RecognisedSpline::Height { surface, .. }) => {
+                height_view(surface, &Frame::IDENTITY, maps, None)
+            }
+            (Maps::Parametric(maps), RecognisedSpline::Parametric { surface, .. }) => parametric_view(surface, maps),
+            // maps are of their spline's kind
+            _ => SurfaceView::default(),
+        };
+        recognised_view(self.found, self.input, &mut view);
+        view
     }
 }
 

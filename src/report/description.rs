@@ -14,6 +14,7 @@ use crate::scene::Truth;
 use crate::shape::{Spread, radius_of};
 
 use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
+use super::surface_view::SurfaceView;
 use super::table::significant;
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
@@ -44,6 +45,9 @@ pub(crate) trait Description {
     /// # Errors
     /// What the system says.
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()>;
+
+    /// What `report.html` draws.
+    fn view(&self) -> SurfaceView;
 }
 
 /// What is known of a fit besides the fit itself.

@@ -25,19 +25,24 @@ mod frontier_picture;
 mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
+mod height_view;
 mod interval_words;
 mod json;
 mod letters;
 mod maps;
+mod page;
 mod parametric;
+mod parametric_view;
 mod picture;
 mod point_table;
 mod points;
+mod recognised_view;
 mod schema;
 mod study;
 mod study_picture;
 mod study_samples;
 mod study_table;
+mod surface_view;
 mod sweep;
 mod table;
 
@@ -53,6 +58,7 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
+pub(crate) use page::{Provenance, write_fit_page};
 pub use schema::{explore_schema, fit_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,

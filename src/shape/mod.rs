@@ -20,7 +20,7 @@ mod summary;
 mod truth;
 mod uv_support;
 
-#[cfg(test)]
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use gradient::{by_coefficients, shape_gradient};
 pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;

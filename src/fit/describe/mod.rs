@@ -7,6 +7,8 @@ mod plane;
 pub(super) mod residuals;
 pub(super) mod shape;
 mod uncertainty;
+#[cfg(feature = "cli")]
+mod uncertainty_map;
 
 use ndarray::Array2;
 
@@ -22,6 +24,8 @@ use flatness::{is_flat, plane_probability};
 use interval::{NoisePart, statistic};
 use shape::{Shape, Statistic, supported_points};
 use uncertainty::Uncertainties;
+#[cfg(feature = "cli")]
+pub(crate) use uncertainty_map::UncertaintyMap;
 
 /// The significance at which the best plane is rejected; below it the patch is taken as a plane.
 const PLANE_SIGNIFICANCE: f64 = 0.01;
@@ -91,6 +95,12 @@ pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
     let of_means = crate::shape::mean_gradients(&solved.surface, &local, &gradients);
     let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
     Some(found / solved.patch.frame.scale)
+}
+
+/// Uncertainty that noise leaves at single points; `None` where it would take too long.
+#[cfg(feature = "cli")]
+pub(super) fn uncertainty_map(solved: &Solved) -> Option<UncertaintyMap> {
+    UncertaintyMap::new(solved)
 }
 
 /// Every class in the order of S, and the plane, with its probability.

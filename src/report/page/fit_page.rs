@@ -1,0 +1,61 @@
+//! The page of one surface: of `run`, `fit` and `show`.
+
+use std::io::Write;
+
+use super::html::{heading, text};
+use super::provenance::Provenance;
+use super::shell::Page;
+use super::surface_sections::{cards, fields, maps, numbers, residuals, stage, trust};
+use super::view_data::view_data;
+use super::words::finding;
+use crate::report::description::Description;
+use crate::report::json::write_json;
+use crate::report::table::write_table;
+
+/// Sections of a surface, and the data of its turning view.
+///
+/// # Errors
+/// What the system says of memory.
+pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String, String)> {
+    let (view, document) = (description.view(), description.document());
+    let fields = fields(&view, document);
+    let mut sections = cards(document);
+    sections.push_str(&stage(&view, &fields));
+    sections.push_str(&maps(&view, &fields)?);
+    sections.push_str(&numbers(document));
+    if let Some(contacts) = &view.contacts {
+        sections.push_str(&residuals(document, contacts));
+    }
+    sections.push_str(&trust(document));
+    Ok((sections, view_data(&view, &fields)))
+}
+
+/// Writes the page of a surface; `name` is the scene or the file.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write_fit_page(
+    description: &dyn Description,
+    name: &str,
+    provenance: &Provenance,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let document = description.document();
+    let (mut json, mut table) = (Vec::new(), Vec::new());
+    write_json(document, &mut json)?;
+    write_table(name, document, &mut table)?;
+    let (sections, view) = surface(description)?;
+    let title = heading(name);
+    let kind = if provenance.scene.is_some() { "a scene, swept and fitted" } else { "a surface from contacts" };
+    let page = Page {
+        kind,
+        lead: text(&finding(document)),
+        title,
+        sections,
+        document: &json,
+        table: &table,
+        view: Some(view),
+        ..Page::default()
+    };
+    page.write(provenance, out)
+}
