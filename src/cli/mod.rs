@@ -21,6 +21,7 @@ mod frontier_emit;
 mod frontier_input;
 mod frontier_scene;
 mod gathered;
+mod interrupt;
 mod merge;
 mod named;
 mod options;
@@ -93,6 +94,9 @@ pub fn main() -> ExitCode {
     // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
     // does, wants it ignored: then no handler is set.
     let _ = ctrlc::try_set_handler(|| {
+        if interrupt::caught() {
+            return;
+        }
         crate::io::remove_unfinished();
         std::process::exit(130)
     });

@@ -19,8 +19,8 @@ use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, 
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
-use super::maps::{write_maps_csv, write_maps_npz};
 use super::height_view::height_view;
+use super::maps::{write_maps_csv, write_maps_npz};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};

@@ -15,7 +15,8 @@ use super::surface_view::{ContactsView, Standing, SurfaceView, Vector, between};
 /// Uncertainties of a map where no fit is at hand.
 const NOT_SAVED: &str = "not saved with the surface";
 const DECLINED: &str = "declined (--bare)";
-const TOO_LONG: &str = "not computed point by point: with so many contacts or coefficients it would take longer than the fit";
+const TOO_LONG: &str =
+    "not computed point by point: with so many contacts or coefficients it would take longer than the fit";
 const NONE_KNOWN: &str = "unknown: the contacts leave nothing to tell noise from";
 const NOISE_ALONE: &str = "from noise alone, if this kind of surface is right";
 

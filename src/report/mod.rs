@@ -48,7 +48,7 @@ mod table;
 
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
@@ -58,7 +58,10 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
-pub(crate) use page::{Provenance, write_fit_page};
+pub(crate) use page::{
+    INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
+    write_study_page, write_sweep_page, write_table_page,
+};
 pub use schema::{explore_schema, fit_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,

@@ -146,7 +146,8 @@ pub(super) fn between(values: &[f64], [n, m]: [usize; 2], at: [f64; 2]) -> f64 {
         (below, place - below as f64)
     };
     let ((i, s), (j, t)) = (cell(at[0], n), cell(at[1], m));
-    let value = |i: usize, j: usize| values.get(i.min(n.max(1) - 1) * m + j.min(m.max(1) - 1)).copied().unwrap_or(f64::NAN);
+    let value =
+        |i: usize, j: usize| values.get(i.min(n.max(1) - 1) * m + j.min(m.max(1) - 1)).copied().unwrap_or(f64::NAN);
     let along = |i: usize| (1.0 - t) * value(i, j) + if t > 0.0 { t * value(i, j + 1) } else { 0.0 };
     (1.0 - s) * along(i) + if s > 0.0 { s * along(i + 1) } else { 0.0 }
 }

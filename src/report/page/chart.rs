@@ -50,7 +50,11 @@ impl Axis {
     /// Where a value stands, 0 to 1; a little outside where it lies outside.
     fn share(&self, value: f64) -> f64 {
         let [lo, hi] = self.ends;
-        let share = if self.logarithmic { (value.max(f64::MIN_POSITIVE) / lo).ln() / (hi / lo).ln() } else { (value - lo) / (hi - lo) };
+        let share = if self.logarithmic {
+            (value.max(f64::MIN_POSITIVE) / lo).ln() / (hi / lo).ln()
+        } else {
+            (value - lo) / (hi - lo)
+        };
         share.clamp(-0.02, 1.02)
     }
 
@@ -92,7 +96,11 @@ pub(super) fn tick_words(value: f64, all: &[f64]) -> String {
     let step = all.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min);
     let size = all.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if !step.is_finite() || size == 0.0 || !(1e-4..1e6).contains(&size) {
-        return if value.abs() < 1e-9 * size { "0".into() } else { format!("{value:.2e}").replace(".00e", "e").replace("0e", "e") };
+        return if value.abs() < 1e-9 * size {
+            "0".into()
+        } else {
+            format!("{value:.2e}").replace(".00e", "e").replace("0e", "e")
+        };
     }
     let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
     let words = format!("{value:.decimals$}");
@@ -170,7 +178,10 @@ impl Chart {
     /// An upright line at a value of x.
     pub(super) fn upright(&mut self, class: &str, x: f64) {
         let (at, bottom) = (self.place([x, 0.0])[0], HEIGHT - BOTTOM);
-        let _ = writeln!(self.marks, "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/>");
+        let _ = writeln!(
+            self.marks,
+            "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/>"
+        );
     }
 
     /// An error bar from `lo` to `hi` in y, or in x where `across`.
@@ -239,6 +250,18 @@ pub(super) fn shown(value: f64) -> String {
     significant(value, 4)
 }
 
+/// A number with so many digits that two significant ones of `width` show.
+pub(super) fn precise(value: f64, width: f64) -> String {
+    let size = value.abs().max(width.abs());
+    if width == 0.0 || !width.is_finite() || !(1e-4..1e6).contains(&size) {
+        return shown(value);
+    }
+    let decimals = (1.0 - width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let least = if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize };
+    let words = format!("{value:.*}", decimals.max(least.min(4)));
+    if words.trim_start_matches(['-', '0', '.']).is_empty() { "0".into() } else { words }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -252,6 +275,12 @@ mod tests {
         assert!(even_ticks(1.0, 1.0).is_empty());
         let logarithmic = Axis::logarithmic("t", [1e-6, 1e-2].into_iter()).ticks();
         assert!(logarithmic.len() >= 4, "{logarithmic:?}");
+    }
+
+    #[test]
+    fn ends_of_a_narrow_interval_differ() {
+        assert_eq!([precise(0.499_98, 4e-5), precise(0.500_02, 4e-5)], ["0.499980", "0.500020"]);
+        assert_eq!([precise(-0.4, 0.1), precise(0.0, 0.1), precise(96.84, 3.0)], ["-0.400", "0", "96.8"]);
     }
 
     #[test]

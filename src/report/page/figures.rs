@@ -115,10 +115,8 @@ pub(super) fn thinned(view: &SurfaceView) -> Option<String> {
 fn axes(view: &SurfaceView, frame: &Frame, out: &mut String) {
     let [left, top, width, height] = frame.inside;
     let bottom = top + height;
-    let _ = writeln!(
-        out,
-        "<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
-    );
+    let _ =
+        writeln!(out, "<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{width:.1}\" height=\"{height:.1}\"/>");
     let across = even_ticks(frame.ends[0][0], frame.ends[0][1]);
     for tick in &across {
         let x = frame.place([*tick, 0.0])[0];
@@ -170,13 +168,7 @@ fn scale(field: &Field, tall: f64, out: &mut String) {
     }
     let mut label = |value: f64, words: &str| {
         let y = bottom - (value - lo) / (hi - lo) * (bottom - top);
-        let _ = writeln!(
-            out,
-            "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            x + wide + 6.0,
-            y + 4.0,
-            text(words)
-        );
+        let _ = writeln!(out, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + wide + 6.0, y + 4.0, text(words));
     };
     if field.key == "S" {
         for (k, class) in ShapeClass::CURVED.into_iter().enumerate() {

@@ -18,7 +18,7 @@
 //! |---|---|
 //! | `shell.rs`, `html.rs`, `provenance.rs` | the page around its sections, escaping, where it comes from |
 //! | `fit_page.rs`, `surface_sections.rs`, `words.rs` | a surface: sections, sentences |
-//! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `points_page.rs` | the other verbs |
+//! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `table_page.rs` | the other verbs |
 //! | `chart.rs`, `histogram.rs`, `figures.rs`, `perspective.rs`, `tables.rs` | pictures and tables |
 //! | `colour.rs`, `raster.rs`, `base64.rs`, `view_data.rs` | colours, pixels, data for the scripts |
 //! | `assets/` | style, scripts, and in `vendor/` the library with its licence and the script that bundles it |
@@ -26,18 +26,28 @@
 mod base64;
 mod chart;
 mod colour;
+mod explore_page;
 mod figures;
 mod fit_page;
+mod frontier_page;
 mod histogram;
 mod html;
 mod perspective;
 mod provenance;
 mod raster;
 mod shell;
+mod study_page;
 mod surface_sections;
+mod sweep_page;
+mod table_page;
 mod tables;
 mod view_data;
 mod words;
 
+pub(crate) use explore_page::write_explore_page;
 pub(crate) use fit_page::write_fit_page;
+pub(crate) use frontier_page::write_frontier_page;
 pub(crate) use provenance::Provenance;
+pub(crate) use study_page::{INTERRUPTED, write_study_page};
+pub(crate) use sweep_page::{SweepPage, write_sweep_page};
+pub(crate) use table_page::{TablePage, write_table_page};

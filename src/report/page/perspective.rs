@@ -76,9 +76,8 @@ pub(super) fn picture(view: &SurfaceView, field: &Field) -> String {
 
 /// Where seen points stand in the picture.
 fn fitted(all: &[[f64; 3]]) -> impl Fn([f64; 3]) -> [f64; 2] {
-    let range = |k: usize| {
-        all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], p| [lo.min(p[k]), hi.max(p[k])])
-    };
+    let range =
+        |k: usize| all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], p| [lo.min(p[k]), hi.max(p[k])]);
     let ([left, right], [low, high]) = (range(0), range(1));
     let scale = (0.9 * SIZE[0] / (right - left)).min(0.9 * SIZE[1] / (high - low));
     let scale = if scale.is_finite() { scale } else { 1.0 };

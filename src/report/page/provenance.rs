@@ -21,7 +21,7 @@ impl Provenance {
     /// The section at the page's end.
     pub(super) fn section(&self) -> String {
         let mut rows = format!("<dt>Command</dt><dd><code>{}</code></dd>\n", text(&self.command));
-        let subject = if self.scene.is_some() { "Scene" } else { "Input" };
+        let subject = if self.seed.is_some() { "Scene" } else { "Input" };
         let _ = writeln!(rows, "<dt>{subject}</dt><dd><code>{}</code></dd>", text(&self.subject));
         if let Some(seed) = self.seed {
             let _ = writeln!(rows, "<dt>Seed</dt><dd><code>{seed}</code></dd>");

@@ -16,12 +16,13 @@ const STYLE: &str = include_str!("assets/page.css");
 /// three.js, of which `assets/vendor/build.sh` keeps what a page draws with.
 const THREE: &str = include_str!("assets/vendor/three.min.js");
 /// Our own scripts, in the order in which they build on each other.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("assets/tooltip.js"),
     include_str!("assets/data.js"),
     include_str!("assets/colours.js"),
     include_str!("assets/shapes.js"),
     include_str!("assets/stage.js"),
+    include_str!("assets/controls.js"),
     include_str!("assets/maps.js"),
     include_str!("assets/main.js"),
 ];

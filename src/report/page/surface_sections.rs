@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::chart::shown;
+use super::chart::{precise, shown};
 use super::colour::{DIVERGING, Field, VIRIDIS, ends};
 use super::figures::{figure, thinned};
 use super::histogram::Histogram;
@@ -59,7 +59,7 @@ pub(super) fn cards(document: &FitDocument) -> String {
     out.push_str(&card("R, curvedness (1/length)", &mean(&shape.curvedness), &lines(&shape.curvedness, "")));
     if let Some(radius) = shape.radius {
         let between = shape.radius_interval.map(|[lo, hi]| {
-            format!("{} interval {} to {}", percent(shape.curvedness.level), shown(lo), shown(hi))
+            format!("{} interval {} to {}", percent(shape.curvedness.level), precise(lo, hi - lo), precise(hi, hi - lo))
         });
         out.push_str(&card("Radius", &shown(radius), &between.into_iter().collect::<Vec<_>>()));
     }
@@ -110,7 +110,9 @@ pub(super) fn maps(view: &SurfaceView, fields: &[Field]) -> std::io::Result<Stri
     let mut out = String::from("<section id=\"maps\"><h2>Maps over the patch</h2>\n<div class=\"figures\">\n");
     for (k, field) in fields.iter().enumerate() {
         let caption = match field.key {
-            "S" => "<b>S, shape index.</b> Which shape: from cup over saddle to cap. It fades to grey where the surface is nearly flat.",
+            "S" => {
+                "<b>S, shape index.</b> Which shape: from cup over saddle to cap. It fades to grey where the surface is nearly flat."
+            }
             "R" => "<b>R, curvedness</b> (1/length). How strongly it is curved.",
             "uS" => "<b>Standard uncertainty of S</b>, point by point.",
             _ => "<b>Standard uncertainty of R</b>, point by point.",
@@ -133,7 +135,9 @@ pub(super) fn numbers(document: &FitDocument) -> String {
     let shape = &document.shape;
     let number = |v: Option<f64>| v.map_or("-".into(), shown);
     let measured = |name: &str, part: &MeasurePart, truth: Option<f64>| {
-        let interval = part.interval.map_or("-".into(), |[lo, hi]| format!("{} to {}", shown(lo), shown(hi)));
+        let interval = part
+            .interval
+            .map_or("-".into(), |[lo, hi]| format!("{} to {}", precise(lo, hi - lo), precise(hi, hi - lo)));
         let u = part.u.map_or("-".into(), |u| significant(u, 2));
         vec![name.into(), number(part.mean), u, interval, number(part.sd), number(truth)]
     };
@@ -148,7 +152,8 @@ pub(super) fn numbers(document: &FitDocument) -> String {
         curvature("k2, smaller curvature", &shape.k2),
     ];
     let interval = format!("{} interval", percent(shape.curvedness.level.or(shape.shape_index.level).or(Some(0.95))));
-    let mut head = vec!["", "Mean over the patch", "Standard uncertainty", &interval, "Variation over the patch", "Truth"];
+    let mut head =
+        vec!["", "Mean over the patch", "Standard uncertainty", &interval, "Variation over the patch", "Truth"];
     if truth.is_none() {
         head.pop();
         rows.iter_mut().for_each(|row| row.truncate(head.len()));
@@ -180,7 +185,11 @@ pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> Stri
     let mut said = Vec::new();
     let worst = belonging.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if let Some(z) = rms.z {
-        said.push(format!("Contacts lie {} off the surface (root mean square); the farthest {}.", significant(z, 3), significant(worst, 3)));
+        said.push(format!(
+            "Contacts lie {} off the surface (root mean square); the farthest {}.",
+            significant(z, 3),
+            significant(worst, 3)
+        ));
     }
     if let (Some(zx), Some(zy)) = (rms.zx, rms.zy) {
         said.push(format!("Their slopes are {} off in x and {} in y.", significant(zx, 3), significant(zy, 3)));

@@ -46,6 +46,14 @@ pub(super) fn list(sentences: &[String]) -> String {
     format!("<ul>\n{items}</ul>\n")
 }
 
+/// What marks of a chart mean: style (`line`, `dashed`, or none for an area), colour's name in the style sheet, words.
+pub(super) fn key(marks: &[(&str, &str, &str)]) -> String {
+    let items = marks.iter().map(|(style, colour, words)| {
+        format!("<li class=\"{style}\" style=\"--mark:var({colour})\">{}</li>", text(words))
+    });
+    format!("<ul class=\"key\">{}</ul>\n", items.collect::<String>())
+}
+
 /// Remarks, where there are any.
 pub(super) fn notes(notes: &[String]) -> String {
     if notes.is_empty() {

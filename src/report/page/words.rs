@@ -1,6 +1,6 @@
 //! What the numbers of a fit mean, in sentences for somebody who never saw the program.
 
-use super::chart::shown;
+use super::chart::{precise, shown};
 use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::table::significant;
 
@@ -30,7 +30,7 @@ pub(super) fn percent(level: Option<f64>) -> String {
 /// The interval of a mean, as `95 % interval 0.48 to 0.52`.
 pub(super) fn interval_of(part: &MeasurePart) -> Option<String> {
     let [lo, hi] = part.interval?;
-    Some(format!("{} interval {} to {}", percent(part.level), shown(lo), shown(hi)))
+    Some(format!("{} interval {} to {}", percent(part.level), precise(lo, hi - lo), precise(hi, hi - lo)))
 }
 
 /// What was found, in one or two sentences.
@@ -38,7 +38,8 @@ pub(super) fn finding(document: &FitDocument) -> String {
     let shape = &document.shape;
     let Some(class) = shape.class.as_deref() else {
         return if shape.shape_index.mean.is_some() {
-            "No single kind of shape: several stand side by side on this patch, so its mean describes no part of it.".into()
+            "No single kind of shape: several stand side by side on this patch, so its mean describes no part of it."
+                .into()
         } else {
             "The shape index is undefined here, so the patch has no class.".into()
         };
@@ -46,7 +47,9 @@ pub(super) fn finding(document: &FitDocument) -> String {
     let mut words = format!("The patch is a {class}: {}.", class_words(class));
     if let Some(radius) = shape.radius {
         let between = match (shape.radius_interval, shape.curvedness.level) {
-            (Some([lo, hi]), level) => format!(", between {} and {} at {}", shown(lo), shown(hi), percent(level)),
+            (Some([lo, hi]), level) => {
+                format!(", between {} and {} at {}", precise(lo, hi - lo), precise(hi, hi - lo), percent(level))
+            }
             _ => String::new(),
         };
         words.push_str(&format!(" Its radius is {}{between}.", shown(radius)));
@@ -112,7 +115,10 @@ pub(super) fn certificate(document: &FitDocument) -> Vec<String> {
     }
     said.extend(in_space(document));
     if let Some(p) = shape.plane_p {
-        said.push(format!("Flatness: were the patch a plane, residuals like these would have probability {}.", significant(p, 2)));
+        said.push(format!(
+            "Flatness: were the patch a plane, residuals like these would have probability {}.",
+            significant(p, 2)
+        ));
     }
     said
 }
@@ -120,7 +126,11 @@ pub(super) fn certificate(document: &FitDocument) -> Vec<String> {
 /// What a surface in space certifies.
 fn in_space(document: &FitDocument) -> Vec<String> {
     let Some(part) = &document.fit.parametric else { return Vec::new() };
-    let folds = if part.fold_free { "folds back on itself nowhere" } else { "folds back on itself somewhere: do not trust S and R there" };
+    let folds = if part.fold_free {
+        "folds back on itself nowhere"
+    } else {
+        "folds back on itself somewhere: do not trust S and R there"
+    };
     let settled = if part.settled { "ended at a minimum" } else { "was cut short before a minimum" };
     vec![format!("Surface in space: it {folds}; the descent {settled} after {} steps.", part.iterations)]
 }
