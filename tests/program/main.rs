@@ -13,5 +13,6 @@ mod fuzz_seeds;
 mod hostile;
 mod npz;
 mod readers;
+mod report_page;
 mod scene_file;
 mod schema;

@@ -47,6 +47,18 @@ impl Axis {
         Axis { name: name.into(), ends: [lo / room, hi * room], logarithmic: true }
     }
 
+    /// Two axes of one scale that hold all places, for what is seen from above.
+    pub(super) fn level([x, y]: [&str; 2], places: &[[f64; 2]]) -> [Axis; 2] {
+        let room = [WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM];
+        let ends = [0, 1].map(|k| range(places.iter().map(|p| p[k]).filter(|v| v.is_finite())).unwrap_or([0.0, 1.0]));
+        let unit = (0..2).map(|k| 1.1 * (ends[k][1] - ends[k][0]) / room[k]).fold(0.0, f64::max);
+        let unit = if unit > 0.0 { unit } else { 1.0 / room[1] };
+        [(0, x), (1, y)].map(|(k, name)| {
+            let (middle, half) = (0.5 * (ends[k][0] + ends[k][1]), 0.5 * unit * room[k]);
+            Axis::over(name, [middle - half, middle + half])
+        })
+    }
+
     /// Where a value stands, 0 to 1; a little outside where it lies outside.
     fn share(&self, value: f64) -> f64 {
         let [lo, hi] = self.ends;
@@ -62,6 +74,9 @@ impl Axis {
     fn ticks(&self) -> Vec<f64> {
         let [lo, hi] = self.ends;
         if !self.logarithmic {
+            return even_ticks(lo, hi);
+        }
+        if hi < 8.0 * lo {
             return even_ticks(lo, hi);
         }
         let (first, last) = (lo.log10().ceil() as i32, hi.log10().floor() as i32);
@@ -239,7 +254,8 @@ impl Chart {
 
     fn words(&self, tick: f64, all: &[f64], logarithmic: bool) -> String {
         if logarithmic {
-            return if (1e-3..1e4).contains(&tick) { format!("{tick}") } else { format!("{tick:.0e}") };
+            let round = format!("{tick:.1e}").parse().unwrap_or(tick);
+            return if (1e-3..1e4).contains(&tick) { format!("{round}") } else { format!("{round:e}") };
         }
         tick_words(tick, all)
     }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::chart::{Axis, Chart, precise, shown};
 use super::fit_page::surface;
-use super::html::{heading, text};
+use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{key, notes, table};
@@ -40,7 +40,7 @@ pub(crate) fn write_explore_page(
     let stopped = document.stopped == "asked";
     let page = Page {
         kind: "an exploration: sweep, look, touch where it tells most",
-        title: heading(&document.scene),
+        title: short(&document.scene),
         lead: text(&lead(document)),
         notices: stopped
             .then(|| format!("Interrupted after {} contacts; everything below is of these alone.", document.contacts))
@@ -78,7 +78,7 @@ fn falling(document: &ExploreDocument) -> String {
         let mut chart = Chart::new(
             &format!("{name} against the number of contacts"),
             Axis::holding("contacts", document.steps.iter().map(|step| step.contacts as f64)),
-            Axis::logarithmic(name, all),
+            Axis::logarithmic("standard uncertainty", all),
         );
         if let Some(goal) = goal {
             let ends = [document.steps.first(), document.steps.last()].map(|s| s.map_or(0.0, |s| s.contacts as f64));
@@ -121,11 +121,8 @@ fn touched(document: &ExploreDocument) -> String {
     if places().next().is_none() {
         return String::new();
     }
-    let mut chart = Chart::new(
-        "Where it touched",
-        Axis::holding("x", places().map(|p| p[0])),
-        Axis::holding("y", places().map(|p| p[1])),
-    );
+    let [x, y] = Axis::level(["x", "y"], &places().copied().collect::<Vec<_>>());
+    let mut chart = Chart::new("Where it touched", x, y);
     let mut number = 0;
     for (k, step) in document.steps.iter().enumerate() {
         for place in &step.touched {

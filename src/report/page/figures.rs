@@ -87,8 +87,12 @@ pub(super) fn figure(view: &SurfaceView, field: &Field, caption: &str, first: bo
 
 fn dots(view: &SurfaceView, frame: &Frame, first: bool, out: &mut String) {
     let Some(contacts) = &view.contacts else { return };
+    let size = if contacts.places.len() > 300 { "many" } else { "few" };
+    let used = format!(
+        "<use href=\"#contact-dots\" class=\"halo {size}\"/><use href=\"#contact-dots\" class=\"dots {size}\"/>\n"
+    );
     if !first {
-        out.push_str("<use href=\"#contact-dots\" class=\"dots\"/>\n");
+        out.push_str(&used);
         return;
     }
     let step = contacts.places.len().div_ceil(DOTS).max(1);
@@ -100,8 +104,8 @@ fn dots(view: &SurfaceView, frame: &Frame, first: bool, out: &mut String) {
             let _ = write!(path, "M{x:.1} {y:.1}h0");
         }
     }
-    let size = if contacts.places.len() > 300 { 2.0 } else { 4.0 };
-    let _ = writeln!(out, "<path id=\"contact-dots\" class=\"dots\" stroke-width=\"{size}\" d=\"{path}\"/>");
+    let _ = writeln!(out, "<defs><path id=\"contact-dots\" d=\"{path}\"/></defs>");
+    out.push_str(&used);
 }
 
 /// How many of the contacts are dotted, where not all.

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::html::{heading, text};
+use super::html::{heading, short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::surface_sections::{cards, fields, maps, numbers, residuals, stage, trust};
@@ -45,7 +45,8 @@ pub(crate) fn write_fit_page(
     write_json(document, &mut json)?;
     write_table(name, document, &mut table)?;
     let (sections, view) = surface(description)?;
-    let title = heading(name);
+    // a scene has a name, a file a path
+    let title = if provenance.scene.is_some() { short(name) } else { heading(name) };
     let kind = if provenance.scene.is_some() { "a scene, swept and fitted" } else { "a surface from contacts" };
     let page = Page {
         kind,

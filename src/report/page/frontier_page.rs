@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::chart::{Axis, Chart};
-use super::html::{heading, text};
+use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, notes, table};
@@ -44,7 +44,7 @@ pub(crate) fn write_frontier_page(
     sections.push_str(&notes(&document.notes));
     let page = Page {
         kind: "a frontier: what accuracy costs in time",
-        title: heading(&document.scene),
+        title: short(&document.scene),
         lead: text(&lead(document)),
         notices: notices(document),
         sections,

@@ -32,6 +32,12 @@ impl Histogram {
         Some(Histogram { ends: [lo, hi], counts })
     }
 
+    /// Whether a value may stand beside the bars: one far away would squeeze them all into a stroke.
+    pub(super) fn is_near(&self, value: f64) -> bool {
+        let [lo, hi] = self.ends;
+        (lo - 0.75 * (hi - lo)..=hi + 0.75 * (hi - lo)).contains(&value)
+    }
+
     /// Ends of bar `k`.
     fn edges(&self, k: usize) -> [f64; 2] {
         let [lo, hi] = self.ends;
@@ -48,7 +54,7 @@ impl Histogram {
     ) -> String {
         let most = self.counts.iter().fold(1.0_f64, |m, c| m.max(*c));
         let [lo, hi] = self.ends;
-        let marked = uprights.iter().map(|(_, value)| *value);
+        let marked = uprights.iter().map(|(_, value)| *value).filter(|value| self.is_near(*value));
         let (lo, hi) = marked.fold((lo, hi), |(lo, hi), v| (lo.min(v), hi.max(v)));
         let mut chart = Chart::new(
             label,
@@ -62,7 +68,7 @@ impl Histogram {
             let [a, b] = self.edges(k);
             chart.bar("", [a, b], *count, &format!("{count} {what} from {} to {}", shown(a), shown(b)));
         }
-        for (class, value) in uprights {
+        for (class, value) in uprights.iter().filter(|(_, value)| self.is_near(*value)) {
             chart.upright(class, *value);
         }
         chart.svg()

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use super::chart::{precise, shown};
 use super::histogram::{BARS, Histogram};
-use super::html::{heading, text};
+use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, list, notes, table};
@@ -46,7 +46,7 @@ pub(crate) fn write_study_page(
     sections.push_str(&notes(&document.notes));
     let page = Page {
         kind: "a study: the same measurement many times over, with fresh noise each time",
-        title: heading(&document.scene),
+        title: short(&document.scene),
         lead: text(&lead(document)),
         notices: notices(document, asked),
         sections,
@@ -134,7 +134,11 @@ fn histograms(document: &StudyDocument, ranked: &[Ranked<'_>; 2]) -> String {
                 part.lo.zip(part.hi).map(|(lo, hi)| [lo, hi]),
                 &uprights,
             );
-            format!("<figure><figcaption><b>{}</b></figcaption>{chart}</figure>\n", text(name))
+            let far = part.truth.filter(|truth| !histogram.is_near(*truth));
+            let far = far.map_or(String::new(), |truth| {
+                format!(" The truth, {}, lies far outside of this picture.", shown(truth))
+            });
+            format!("<figure><figcaption><b>{}</b>{}</figcaption>{chart}</figure>\n", text(name), text(&far))
         })
         .collect();
     let level = percent(Some(document.level));

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::chart::{Axis, Chart, precise, shown};
-use super::html::{heading, text};
+use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{key, table};
@@ -50,7 +50,7 @@ pub(crate) fn write_sweep_page(
     let failed = (failed > 0).then(|| format!("{failed} replicates could not be fitted and are left out."));
     let page = Page {
         kind: "a sweep: one study for every value",
-        title: heading(sweep.scene),
+        title: short(sweep.scene),
         lead: text(&format!(
             "How S and R follow {}: {done} studies, each with its own interval.",
             sweep.keys.join(" and ")

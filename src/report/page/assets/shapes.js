@@ -109,29 +109,40 @@ const POINT_VERTEX = `
 const POINT_FRAGMENT = `
     uniform float size;
     uniform vec3 rim;
+    uniform float strength;
     varying vec4 colour;
     void main() {
         vec2 p = 2.0 * gl_PointCoord - 1.0;
         if (colour.a < 0.5) {
             if (min(abs(p.x - p.y), abs(p.x + p.y)) > 0.35) discard;
-            gl_FragColor = vec4(colour.rgb, 1.0);
+            gl_FragColor = vec4(colour.rgb, strength);
             return;
         }
         float r = length(p);
         if (r > 1.0) discard;
-        gl_FragColor = vec4(size > 5.0 && r > 0.72 ? rim : colour.rgb, 1.0);
+        gl_FragColor = vec4(size > 5.0 && r > 0.72 ? rim : colour.rgb, strength);
     }`;
 
 function pointCloud(points, size) {
     const geometry = geometryOf(points);
     geometry.setAttribute("tint", new THREE.BufferAttribute(new Uint8Array((4 * points.length) / 3).fill(255), 4, true));
-    const uniforms = { size: { value: size }, rim: { value: new THREE.Vector3(1, 1, 1) } };
+    const uniforms = { size: { value: size }, rim: { value: new THREE.Vector3(1, 1, 1) }, strength: { value: 1 } };
     const material = new THREE.ShaderMaterial({
         vertexShader: POINT_VERTEX,
         fragmentShader: POINT_FRAGMENT,
         uniforms,
     });
     return new THREE.Points(geometry, material);
+}
+
+/** The same points where something hides them, faintly. */
+function hiddenPoints(cloud) {
+    const material = cloud.material.clone();
+    material.uniforms.strength.value = 0.38;
+    material.depthFunc = THREE.GreaterDepth;
+    material.depthWrite = false;
+    material.transparent = true;
+    return new THREE.Points(cloud.geometry, material);
 }
 
 /** Strokes from some contacts to their feet on the surface. */

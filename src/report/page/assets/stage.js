@@ -11,13 +11,13 @@ const REACH = 14;
 function startStage(view) {
     const home = document.getElementById("stage");
     const stage = { view, home, frames: 0, dirty: true, colour: view.fields[0], stretch: 1 };
-    try {
-        stage.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
-    } catch {
+    stage.canvas = document.createElement("canvas");
+    const context = stage.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    if (!context) {
         home.querySelector(".without").textContent = "This browser shows no WebGL; this is a still picture of the surface.";
         return false;
     }
-    stage.canvas = stage.renderer.domElement;
+    stage.renderer = new THREE.WebGLRenderer({ canvas: stage.canvas, context });
     stage.canvas.tabIndex = 0;
     stage.canvas.setAttribute("role", "application");
     stage.canvas.setAttribute("aria-label", "The surface in space. Arrow keys turn it, + and - zoom, Home goes back.");
@@ -64,6 +64,8 @@ function furnish(stage) {
         const few = view.contacts.points.length / 3;
         const dot = few < 400 ? 9 : few < 5000 ? 6 : few < 50000 ? 3 : 2;
         parts.contacts = pointCloud(view.contacts.points, dot * devicePixelRatio);
+        // so many points would hide each other, and cost twice
+        if (few < 20000) parts.contacts.add(hiddenPoints(parts.contacts));
         parts.residuals = residualStrokes(view, stage.ink.residual);
         if (view.contacts.normals) parts.normals = normalStrokes(view, 0.07 * stage.size, stage.ink.normal);
     }
@@ -95,7 +97,10 @@ function goHome(stage) {
     const { low, high } = stage.box;
     const size = Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1;
     const aspect = stage.home.clientWidth / Math.max(stage.home.clientHeight, 1) || 1;
-    const away = (size * 2.05) / Math.min(1, Math.max(aspect, 0.4) * 0.95);
+    // half of what is seen, up and across; the box turned to the viewer fills more of the width than of the height
+    const half = (stage.camera.fov * Math.PI) / 360;
+    const across = Math.atan(Math.tan(half) * aspect);
+    const away = Math.max((0.4 * size) / Math.sin(half), (0.5 * size) / Math.sin(across));
     stage.controls.target.set(0, 0, 0);
     stage.camera.position.set(-0.5 * away, -0.75 * away, 0.55 * away);
     stage.camera.near = size / 100;
@@ -181,6 +186,8 @@ function drawNow(stage) {
     stage.renderer.render(stage.scene, stage.camera);
     placeLabels(stage);
     stage.home.dataset.frames = ++stage.frames;
+    stage.home.dataset.calls = stage.renderer.info.render.calls;
+    stage.home.dataset.points = stage.renderer.info.render.points;
     const { x, y, z } = stage.camera.position;
     stage.home.dataset.camera = [x, y, z].map((v) => shown(v, 5)).join(" ");
 }
@@ -212,10 +219,10 @@ function placeLabels(stage) {
             }
         }
         const away = Math.hypot(best.x - centre[0], best.y - centre[1]) || 1;
-        const shift = 16;
+        const half = label.offsetWidth / 2 + 4;
+        const shift = 12 + (half * Math.abs(best.x - centre[0])) / away;
         const x = best.x + (shift * (best.x - centre[0])) / away;
         const y = best.y + (shift * (best.y - centre[1])) / away;
-        const half = label.offsetWidth / 2 + 4;
         const inside = Math.min(Math.max(x, half), stage.home.clientWidth - half);
         const height = stage.home.clientHeight;
         label.style.transform = `translate(${inside}px, ${Math.min(Math.max(y, 10), height - 12)}px) translate(-50%, -50%)`;

@@ -4,6 +4,7 @@ export {
     BufferGeometry,
     Color,
     DoubleSide,
+    GreaterDepth,
     Group,
     LineBasicMaterial,
     LineSegments,
