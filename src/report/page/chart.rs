@@ -214,30 +214,9 @@ impl Chart {
             "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">\n",
             text(&self.label)
         );
-        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
-        let across = self.x.ticks();
-        for tick in &across {
-            let x = self.place([*tick, 0.0])[0];
-            let words = self.words(*tick, &across, self.x.logarithmic);
-            let _ = writeln!(
-                out,
-                "<line class=\"tick\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{bottom}\" y2=\"{}\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{words}</text>",
-                bottom + 4.0,
-                bottom + 17.0
-            );
-        }
-        let up = self.y.ticks();
-        for tick in &up {
-            let y = self.place([0.0, *tick])[1];
-            let words = self.words(*tick, &up, self.y.logarithmic);
-            let _ = writeln!(
-                out,
-                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
-                LEFT - 6.0,
-                y + 4.0
-            );
-        }
+        self.ticks(&mut out);
         out.push_str(&self.marks);
+        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
         let middle = 0.5 * (LEFT + right);
         let _ = writeln!(
             out,
@@ -250,6 +229,35 @@ impl Chart {
             text(&self.y.name)
         );
         out
+    }
+
+    /// Ticks with their numbers along both axes.
+    fn ticks(&self, out: &mut String) {
+        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
+        let across = self.x.ticks();
+        for tick in &across {
+            let x = self.place([*tick, 0.0])[0];
+            let words = self.words(*tick, &across, self.x.logarithmic);
+            let _ = writeln!(
+                out,
+                "<line class=\"tick\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{bottom}\" y2=\"{}\"/>\
+                 <text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{words}</text>",
+                bottom + 4.0,
+                bottom + 17.0
+            );
+        }
+        let up = self.y.ticks();
+        for tick in &up {
+            let y = self.place([0.0, *tick])[1];
+            let words = self.words(*tick, &up, self.y.logarithmic);
+            let _ = writeln!(
+                out,
+                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>\
+                 <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
+                LEFT - 6.0,
+                y + 4.0
+            );
+        }
     }
 
     fn words(&self, tick: f64, all: &[f64], logarithmic: bool) -> String {

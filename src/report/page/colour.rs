@@ -83,7 +83,7 @@ impl Field<'_> {
 pub(super) fn ends(values: &[f64]) -> [f64; 2] {
     let finite = values.iter().copied().filter(|v| v.is_finite());
     let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-    if lo > hi {
+    if lo > hi || (lo == 0.0 && hi == 0.0) {
         return [0.0, 1.0];
     }
     // a tenth of the size

@@ -12,7 +12,7 @@ use crate::io::{DOCUMENT_TAG, END_TAG, TABLE_TAG};
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; \
      base-uri 'none'; form-action 'none'";
 
-const STYLE: &str = include_str!("assets/page.css");
+const STYLES: [&str; 2] = [include_str!("assets/page.css"), include_str!("assets/charts.css")];
 /// three.js, of which `assets/vendor/build.sh` keeps what a page draws with.
 const THREE: &str = include_str!("assets/vendor/three.min.js");
 /// Our own scripts, in the order in which they build on each other.
@@ -62,8 +62,9 @@ impl Page<'_> {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"generator\" content=\"palpate {version}\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n\
-             <title>{title} - palpate</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <title>{title} - palpate</title>\n<style>\n{}</style>\n</head>\n<body>\n\
              <header><p class=\"kind\">{}</p><h1>{title}</h1></header>\n<main>\n",
+            STYLES.concat(),
             text(self.kind)
         )?;
         for notice in &self.notices {

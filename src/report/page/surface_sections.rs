@@ -44,7 +44,7 @@ pub(super) fn cards(document: &FitDocument) -> String {
         let mut lines: Vec<String> =
             part.u.map(|u| format!("standard uncertainty {}{unit}", significant(u, 2))).into_iter().collect();
         lines.extend(interval_of(part));
-        lines.extend(part.sd.map(|sd| format!("varies by {} over the patch", significant(sd, 2))));
+        lines.extend(part.sd.map(|sd| variation(sd, part.mean)));
         lines
     };
     let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), shown);
@@ -65,6 +65,14 @@ pub(super) fn cards(document: &FitDocument) -> String {
     }
     out.push_str("</div>\n");
     out
+}
+
+/// How much a quantity differs from place to place; rounding is no variation.
+fn variation(sd: f64, mean: Option<f64>) -> String {
+    if sd <= 1e-9 * mean.unwrap_or(0.0).abs() {
+        return "the same all over the patch".into();
+    }
+    format!("varies by {} over the patch", significant(sd, 2))
 }
 
 /// A probability that does not claim certainty by rounding.
@@ -120,7 +128,7 @@ pub(super) fn maps(view: &SurfaceView, fields: &[Field]) -> std::io::Result<Stri
         out.push_str(&figure(view, field, caption, k == 0)?);
     }
     out.push_str("</div>\n");
-    let mut hints = vec!["Hatched: no contacts near enough to say anything.".to_string()];
+    let mut hints = vec!["Grey: no contacts near enough to say anything.".to_string()];
     hints.extend(thinned(view));
     hints.push(format!("Uncertainty at single points: {}.", view.uncertainty_words));
     if view.uncertainty.is_some() {

@@ -63,64 +63,67 @@ pub(super) fn finding(document: &FitDocument) -> String {
 /// The certificate and all that bears on trust, a sentence each.
 pub(super) fn certificate(document: &FitDocument) -> Vec<String> {
     let (fit, shape) = (&document.fit, &document.shape);
-    let mut said = Vec::new();
     let [n, m] = shape.grid;
     let used = (shape.support * (n * m) as f64).round();
-    said.push(format!(
+    let mut said = vec![format!(
         "Support: contacts surround {used} of the {} points at which the shape is looked at; means are taken over these alone.",
         n * m
-    ));
-    if let Some(chosen) = &fit.chosen {
-        said.push(format!("Kind of surface: {}.", chosen.why));
-    }
-    if let Some(lack) = &fit.lack_of_fit {
-        said.push(format!("What the surface leaves unsaid: {}.", lack.words.trim_end_matches('.')));
-    }
-    let [p, q] = fit.degree;
-    let [a, b] = fit.segments;
+    )];
+    said.extend(fit.chosen.iter().map(|chosen| format!("Kind of surface: {}.", chosen.why.trim_end_matches('.'))));
+    said.extend(
+        fit.lack_of_fit
+            .iter()
+            .map(|lack| format!("What the surface leaves unsaid: {}.", lack.words.trim_end_matches('.'))),
+    );
+    said.push(equations(document));
+    said.extend(arithmetic(document));
+    said.extend(in_space(document));
+    said.extend(shape.plane_p.map(|p| {
+        format!("Flatness: were the patch a plane, residuals like these would have probability {}.", significant(p, 2))
+    }));
+    said
+}
+
+/// How many numbers were measured, and how many were to be found.
+fn equations(document: &FitDocument) -> String {
+    let fit = &document.fit;
     if fit.method == "recognition" {
-        said.push(format!("{} measured numbers fix {} unknowns.", fit.equations, fit.unknowns));
-    } else {
-        let held = if fit.rank >= fit.unknowns {
-            "the contacts determine all of them".to_string()
-        } else {
-            format!("the contacts determine {} of them, and S and R are left out where the others matter", fit.rank)
-        };
-        said.push(format!(
-            "Equations: {} for the {} coefficients of a spline surface of degree {p} x {q} with {a} x {b} segments; {held}.",
-            fit.equations, fit.unknowns
-        ));
+        return format!("{} measured numbers fix {} unknowns.", fit.equations, fit.unknowns);
     }
-    if let Some(digits) = &fit.promise {
-        let floor = |v: f64| v.floor().max(0.0);
-        said.push(format!(
+    let held = if fit.rank >= fit.unknowns {
+        "the contacts determine all of them".to_string()
+    } else {
+        format!("the contacts determine {} of them, and S and R are left out where the others matter", fit.rank)
+    };
+    let ([p, q], [a, b]) = (fit.degree, fit.segments);
+    format!(
+        "Equations: {} for the {} coefficients of a spline surface of degree {p} x {q} with {a} x {b} segments; {held}.",
+        fit.equations, fit.unknowns
+    )
+}
+
+/// What rounding can have done.
+fn arithmetic(document: &FitDocument) -> Vec<String> {
+    let fit = &document.fit;
+    let floor = |v: f64| v.floor().max(0.0);
+    let digits = fit.promise.as_ref().map(|digits| {
+        format!(
             "Rounding: at least {} digits of the coefficients, {} of S and {} of R are those of the exact solution of the equations. \
              This is about arithmetic, not about how near the surface is to the truth.",
             floor(digits.coefficients),
             floor(digits.shape_index),
             floor(digits.curvedness)
-        ));
-    }
-    if let Some(condition) = fit.condition {
-        said.push(format!(
-            "Condition: a relative error in the equations may grow {}-fold in the coefficients.",
-            significant(condition, 2)
-        ));
-    }
-    if let Some(error) = fit.backward_error {
-        said.push(format!(
-            "Backward error: the computed answer solves equations that differ from the written ones by {} of their size.",
-            significant(error, 2)
-        ));
-    }
-    said.extend(in_space(document));
-    if let Some(p) = shape.plane_p {
-        said.push(format!(
-            "Flatness: were the patch a plane, residuals like these would have probability {}.",
-            significant(p, 2)
-        ));
-    }
-    said
+        )
+    });
+    let condition = fit.condition.map(|condition| {
+        let times = significant(condition, 2);
+        format!("Condition: a relative error in the equations may grow {times}-fold in the coefficients.")
+    });
+    let backward = fit.backward_error.map(|error| {
+        let part = significant(error, 2);
+        format!("Backward error: the computed answer solves equations that differ from the written ones by {part} of their size.")
+    });
+    [digits, condition, backward].into_iter().flatten().collect()
 }
 
 /// What a surface in space certifies.

@@ -92,22 +92,36 @@ function placeCamera(stage) {
     goHome(stage);
 }
 
-/** The first view: from the front left above, all of the surface in sight. */
+/** The first view: from the front left above, so near that all of the surface is just in sight. */
 function goHome(stage) {
     const { low, high } = stage.box;
     const size = Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1;
-    const aspect = stage.home.clientWidth / Math.max(stage.home.clientHeight, 1) || 1;
-    // half of what is seen, up and across; the box turned to the viewer fills more of the width than of the height
-    const half = (stage.camera.fov * Math.PI) / 360;
-    const across = Math.atan(Math.tan(half) * aspect);
-    const away = Math.max((0.4 * size) / Math.sin(half), (0.5 * size) / Math.sin(across));
-    stage.controls.target.set(0, 0, 0);
-    stage.camera.position.set(-0.5 * away, -0.75 * away, 0.55 * away);
-    stage.camera.near = size / 100;
-    stage.camera.far = size * 40;
-    stage.camera.updateProjectionMatrix();
-    stage.controls.update();
+    const { camera, controls, home } = stage;
+    camera.aspect = home.clientWidth / Math.max(home.clientHeight, 1) || 1;
+    camera.near = size / 100;
+    camera.far = size * 40;
+    camera.updateProjectionMatrix();
+    controls.target.set(0, 0, 0);
+    let away = 2 * size;
+    // what is seen is nearly, but not quite, in proportion to the distance
+    for (let k = 0; k < 4; k++) {
+        camera.position.set(-0.47 * away, -0.7 * away, 0.54 * away);
+        controls.update();
+        camera.updateMatrixWorld();
+        away *= widest(stage) / 0.86;
+    }
     redraw(stage);
+}
+
+/** How far the box reaches from the middle of the picture towards its rim, which is 1. */
+function widest(stage) {
+    let most = 0;
+    for (let corner = 0; corner < 8; corner++) {
+        const point = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? stage.box.high : stage.box.low)[axis]);
+        const place = new THREE.Vector3(point[0], point[1], point[2] * stage.stretch).project(stage.camera);
+        most = Math.max(most, Math.abs(place.x), Math.abs(place.y));
+    }
+    return most || 1;
 }
 
 /** Colours of everything, by the page's style. */
@@ -212,6 +226,8 @@ function placeLabels(stage) {
                 const point = [...middle];
                 point[(axis + 1) % 3] = a[(axis + 1) % 3];
                 point[(axis + 2) % 3] = b[(axis + 2) % 3];
+                // a height is read at the top of its edge, where the surface does not reach
+                if (axis === 2) point[2] = high[2];
                 const [x, y] = onCanvas(stage, point);
                 // low on the page for x and y, to the side for z
                 const out = axis === 2 ? Math.abs(x - centre[0]) : y + 0.001 * Math.abs(x - centre[0]);
@@ -222,7 +238,7 @@ function placeLabels(stage) {
         const half = label.offsetWidth / 2 + 4;
         const shift = 12 + (half * Math.abs(best.x - centre[0])) / away;
         const x = best.x + (shift * (best.x - centre[0])) / away;
-        const y = best.y + (shift * (best.y - centre[1])) / away;
+        const y = axis === 2 ? best.y - 12 : best.y + (shift * (best.y - centre[1])) / away;
         const inside = Math.min(Math.max(x, half), stage.home.clientWidth - half);
         const height = stage.home.clientHeight;
         label.style.transform = `translate(${inside}px, ${Math.min(Math.max(y, 10), height - 12)}px) translate(-50%, -50%)`;
