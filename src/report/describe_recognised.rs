@@ -110,6 +110,10 @@ fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize;
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);
     }
+    if !maps.supported.iter().any(|supported| *supported) {
+        // the recognition took its means over all points then, and says so in its support
+        maps.supported.fill(true);
+    }
     maps
 }
 

@@ -280,7 +280,9 @@ pub(super) fn precise(value: f64, width: f64) -> String {
     if width == 0.0 || !width.is_finite() || !(1e-4..1e6).contains(&size) {
         return shown(value);
     }
-    let decimals = (1.0 - width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    // an interval far narrower than anything that is measured is one number
+    let width = width.abs().max(1e-6 * value.abs());
+    let decimals = (1.0 - width.log10().floor()).clamp(0.0, 12.0) as usize;
     let least = if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize };
     let words = format!("{value:.*}", decimals.max(least.min(4)));
     if words.trim_start_matches(['-', '0', '.']).is_empty() { "0".into() } else { words }
@@ -304,6 +306,7 @@ mod tests {
     #[test]
     fn ends_of_a_narrow_interval_differ() {
         assert_eq!([precise(0.499_98, 4e-5), precise(0.500_02, 4e-5)], ["0.499980", "0.500020"]);
+        assert_eq!(precise(6.599_999_999_84, 1e-9), "6.6000000");
         assert_eq!([precise(-0.4, 0.1), precise(0.0, 0.1), precise(96.84, 3.0)], ["-0.400", "0", "96.8"]);
     }
 

@@ -23,8 +23,7 @@ pub(super) fn text(plain: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             '\n' => out.push('\n'),
-            // marks that turn the direction of writing would let a name change what stands around it
-            '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            c if turns(c) => {
                 let _ = write!(out, "{}", c.escape_unicode());
             }
             c if c.is_control() => out.push_str(&visible(&c.to_string())),
@@ -32,6 +31,11 @@ pub(super) fn text(plain: &str) -> String {
         }
     }
     out
+}
+
+/// Marks that turn the direction of writing: they would let a name change what stands around it.
+fn turns(c: char) -> bool {
+    matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A name that is short enough for a heading: its beginning and its end.
@@ -57,7 +61,7 @@ pub(super) fn embedded(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+            c if turns(c) || matches!(c, '<' | '>' | '&' | '\u{2028}' | '\u{2029}') => {
                 let _ = write!(out, "\\u{:04x}", u32::from(c));
             }
             c => out.push(c),

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use crate::report::surface_view::{SurfaceView, Vector};
 
-use super::colour::{Field, hex};
+use super::colour::{Field, hex, mix};
 use super::html::text;
 
 /// Faces along each direction; more would not be told apart.
@@ -24,6 +24,19 @@ const SIZE: [f64; 2] = [600.0, 420.0];
 fn seen(p: Vector) -> [f64; 3] {
     let (across, away) = (p[0] * TURN.cos() + p[1] * TURN.sin(), p[1] * TURN.cos() - p[0] * TURN.sin());
     [across, p[2] * RISE.cos() + away * RISE.sin(), p[2] * RISE.sin() - away * RISE.cos()]
+}
+
+/// How bright a face is: light falls from beside the viewer, on either side of the surface.
+fn light([a, b, c, d]: [[f64; 3]; 4]) -> f64 {
+    let across = [0, 1, 2].map(|k| c[k] - a[k]);
+    let up = [0, 1, 2].map(|k| d[k] - b[k]);
+    let normal = [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        across[i] * up[j] - across[j] * up[i]
+    });
+    let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let along = 0.23 * normal[0] + 0.41 * normal[1] + 0.88 * normal[2];
+    if length > 0.0 { 0.42 + 0.58 * (along / length).abs().min(1.0) } else { 1.0 }
 }
 
 /// Points along one direction that are joined by faces: the first and the last among them.
@@ -60,7 +73,8 @@ pub(super) fn picture(view: &SurfaceView, field: &Field) -> String {
     for (_, corners) in faces {
         let points: Vec<String> =
             corners.iter().map(|k| place(all[*k])).map(|[x, y]| format!("{x:.0},{y:.0}")).collect();
-        let fill = field.colour(corners[0]).map_or("var(--unknown)".into(), hex);
+        let light = light(corners.map(|k| all[k]));
+        let fill = field.colour(corners[0]).map_or("var(--unknown)".into(), |c| hex(mix([0; 3], c, light)));
         let _ = writeln!(out, "<polygon points=\"{}\" fill=\"{fill}\"/>", points.join(" "));
     }
     if let Some(contacts) = &view.contacts {

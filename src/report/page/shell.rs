@@ -16,11 +16,12 @@ const STYLES: [&str; 2] = [include_str!("assets/page.css"), include_str!("assets
 /// three.js, of which `assets/vendor/build.sh` keeps what a page draws with.
 const THREE: &str = include_str!("assets/vendor/three.min.js");
 /// Our own scripts, in the order in which they build on each other.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("assets/tooltip.js"),
     include_str!("assets/data.js"),
     include_str!("assets/colours.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/lively.js"),
     include_str!("assets/stage.js"),
     include_str!("assets/controls.js"),
     include_str!("assets/maps.js"),
@@ -78,7 +79,7 @@ impl Page<'_> {
         let quoted = serde_json::to_string(&*table).map_err(std::io::Error::from)?;
         write!(
             out,
-            "<section><details><summary>The same as text, as the terminal shows it</summary><pre>{}</pre></details></section>\n\
+            "<section><details><summary>The same as text</summary><pre>{}</pre></details></section>\n\
              </main>\n<footer>palpate {version}</footer>\n\
              {DOCUMENT_TAG}\n{}{END_TAG}\n{TABLE_TAG}{}{END_TAG}\n",
             text(&table),

@@ -87,10 +87,7 @@ pub(super) fn probability(share: f64) -> String {
 /// The turning view, with a picture that stands there until it starts.
 pub(super) fn stage(view: &SurfaceView, fields: &[Field]) -> String {
     let still = fields.first().map_or(String::new(), |field| picture(view, field));
-    let mut hints = vec![
-        "Turn: drag, one finger, or the arrow keys. Zoom: wheel, two fingers, + and -. Shift and drag moves. Home brings the first view back."
-            .to_string(),
-    ];
+    let mut hints = Vec::new();
     if let Some(contacts) = &view.contacts {
         let drawn = contacts.points.len();
         if drawn < contacts.all {

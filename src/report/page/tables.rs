@@ -4,6 +4,9 @@ use std::fmt::Write as _;
 
 use super::html::text;
 
+/// Letters from which on a cell is a sentence.
+const LONG: usize = 30;
+
 /// A card with one large number; `lines` stand below it.
 pub(super) fn card(name: &str, large: &str, lines: &[String]) -> String {
     let lines: String = lines.iter().map(|line| format!("<p>{}</p>", text(line))).collect();
@@ -16,7 +19,10 @@ pub(super) fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let mut out = format!("<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>{cells}</tr></thead><tbody>\n");
     for row in rows {
         let cells = row.iter().enumerate().map(|(k, cell)| {
-            if k == 0 { format!("<th scope=\"row\">{}</th>", text(cell)) } else { format!("<td>{}</td>", text(cell)) }
+            // sentences may be broken, numbers may not
+            let class = if cell.chars().count() > LONG { " class=\"long\"" } else { "" };
+            let (open, close) = if k == 0 { ("th scope=\"row\"", "th") } else { ("td", "td") };
+            format!("<{open}{class}>{}</{close}>", text(cell))
         });
         let _ = writeln!(out, "<tr>{}</tr>", cells.collect::<String>());
     }

@@ -3,7 +3,12 @@
 function buildControls(stage) {
     const home = document.getElementById("stage-controls");
     home.hidden = false;
-    home.append(colourChoice(stage), legendOf(stage), switches(stage), stretchChoice(stage));
+    const hint = document.createElement("p");
+    hint.className = "hint";
+    hint.textContent =
+        "Turn: drag, one finger, or the arrow keys. Zoom: wheel, two fingers, + and -. " +
+        "Shift and drag moves. Home brings the first view back.";
+    home.append(colourChoice(stage), legendOf(stage), switches(stage), stretchChoice(stage), hint);
     showLegend(stage);
 }
 
@@ -116,7 +121,8 @@ function showLegend(stage) {
         const largest = shown(stage.largestResidual, 2);
         const gradient = gradientOf({ stops: stage.view.scales.diverging });
         const words = [`-${largest}`, "0", `+${largest}`];
-        stage.legend.append(scale(`residual ${stage.view.contacts.measured}, of contacts`, gradient, words));
+        const drawn = stage.longer > 1 ? `; strokes drawn ${stage.longer} times as long` : "";
+        stage.legend.append(scale(`residual ${stage.view.contacts.measured}, of contacts${drawn}`, gradient, words));
     }
 }
 

@@ -2,7 +2,9 @@
 
 /** Numbers from base 64. */
 function numbersOf(text) {
-    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const letters = atob(text);
+    const bytes = new Uint8Array(letters.length);
+    for (let k = 0; k < letters.length; k++) bytes[k] = letters.charCodeAt(k);
     return new Float32Array(bytes.buffer);
 }
 
@@ -34,7 +36,10 @@ function fieldOf(view, key) {
 
 /** What is known at corner k of the mesh, a line each. */
 function wordsAt(view, k) {
-    const lines = view.fields.map((field) => `${field.name}: ${shown(field.values[k])}`);
+    const known = Number.isFinite(fieldOf(view, "R").values[k]);
+    const lines = known
+        ? view.fields.map((field) => `${field.name}: ${shown(field.values[k])}`)
+        : ["no contacts near enough"];
     const place = [0, 1, 2].map((axis) => shown(view.points[3 * k + axis] + view.centre[axis]));
     lines.push(`x ${place[0]}, y ${place[1]}, z ${place[2]}`);
     return lines;

@@ -13,7 +13,7 @@ function watchMaps(view) {
             cross.setAttribute("transform", `translate(${x} ${y})`);
             cross.setAttribute("visibility", "visible");
             const place = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
-            showTooltip(mapWords(view, at.i, at.j), place.x, place.y);
+            showTooltip(wordsAt(view, at.i * m + at.j), place.x, place.y);
         };
         const hide = () => {
             cross.setAttribute("visibility", "hidden");
@@ -42,13 +42,4 @@ function watchMaps(view) {
             show();
         });
     }
-}
-
-function mapWords(view, i, j) {
-    const k = i * view.size[1] + j;
-    if (!Number.isFinite(fieldOf(view, "R").values[k])) {
-        const place = view.axes.map((name, axis) => `${name} ${shown(view.places[axis][[i, j][axis]])}`);
-        return [place.join(", "), "no contacts near enough"];
-    }
-    return wordsAt(view, k);
 }

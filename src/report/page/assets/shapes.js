@@ -145,13 +145,16 @@ function hiddenPoints(cloud) {
     return new THREE.Points(cloud.geometry, material);
 }
 
-/** Strokes from some contacts to their feet on the surface. */
-function residualStrokes(view, material) {
+/** Strokes from feet on the surface towards their contacts, `longer` times as long as the residuals. */
+function residualStrokes(view, longer, material) {
     const { points, feet, step } = view.contacts;
     const positions = new Float32Array(2 * feet.length);
     for (let k = 0; 3 * k < feet.length; k++) {
-        positions.set(points.subarray(3 * k * step, 3 * k * step + 3), 6 * k);
-        positions.set(feet.subarray(3 * k, 3 * k + 3), 6 * k + 3);
+        for (let axis = 0; axis < 3; axis++) {
+            const from = feet[3 * k + axis];
+            positions[6 * k + axis] = from;
+            positions[6 * k + 3 + axis] = from + longer * (points[3 * k * step + axis] - from);
+        }
     }
     return new THREE.LineSegments(geometryOf(positions), material);
 }

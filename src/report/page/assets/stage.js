@@ -12,7 +12,7 @@ function startStage(view) {
     const home = document.getElementById("stage");
     const stage = { view, home, frames: 0, dirty: true, colour: view.fields[0], stretch: 1 };
     stage.canvas = document.createElement("canvas");
-    const context = stage.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    const context = stage.canvas.getContext("webgl2", { antialias: !isCrowded(view), alpha: true });
     if (!context) {
         home.querySelector(".without").textContent = "This browser shows no WebGL; this is a still picture of the surface.";
         return false;
@@ -66,7 +66,10 @@ function furnish(stage) {
         parts.contacts = pointCloud(view.contacts.points, dot * devicePixelRatio);
         // so many points would hide each other, and cost twice
         if (few < 20000) parts.contacts.add(hiddenPoints(parts.contacts));
-        parts.residuals = residualStrokes(view, stage.ink.residual);
+        stage.largestResidual = largestResidual(view.contacts);
+        // the largest as long as a normal, where they would be too short to be seen
+        stage.longer = Math.max(1, Math.round((0.07 * stage.size) / (stage.largestResidual || stage.size)));
+        parts.residuals = residualStrokes(view, stage.longer, stage.ink.residual);
         if (view.contacts.normals) parts.normals = normalStrokes(view, 0.07 * stage.size, stage.ink.normal);
     }
     for (const name of ["net", "normals", "residuals"]) if (parts[name]) parts[name].visible = false;
@@ -165,16 +168,27 @@ function tintContacts(stage) {
     const { contacts } = stage.parts;
     if (!contacts) return;
     const { residuals, leftOut } = stage.view.contacts;
+    const largest = stage.largestResidual;
+    const byResidual = stage.parts.residuals.visible;
+    // pale residuals need a dark rim
+    for (const cloud of [contacts, ...contacts.children]) {
+        cloud.material.uniforms.rim.value.setScalar(byResidual ? 0.15 : 1);
+    }
+    const dark = [30, 34, 42, 255];
+    const cross = [200, 40, 120, 0];
+    // a few hundred shades, so that many contacts are coloured at once
+    const shades = Array.from({ length: 401 }, (_, k) => [...residualColour(stage.view, k / 200 - 1, 1), 255]);
+    const shade = (residual) => shades[Math.round(200 * (Math.min(Math.max(residual / (largest || 1), -1), 1) + 1))];
+    fill(contacts, (k) => (leftOut.has(k) ? cross : (byResidual && shade(residuals[k])) || dark));
+}
+
+/** The largest distance from the surface of a contact that belongs to it. */
+function largestResidual({ residuals, leftOut }) {
     let largest = 0;
     residuals.forEach((value, k) => {
         if (!leftOut.has(k) && Math.abs(value) > largest) largest = Math.abs(value);
     });
-    stage.largestResidual = largest;
-    const byResidual = stage.parts.residuals.visible;
-    fill(contacts, (k) => {
-        if (leftOut.has(k)) return [200, 40, 120, 0];
-        return byResidual ? [...residualColour(stage.view, residuals[k], largest), 255] : [30, 34, 42, 255];
-    });
+    return largest;
 }
 
 function resize(stage) {
@@ -191,7 +205,10 @@ function resize(stage) {
 function redraw(stage) {
     if (stage.waiting) return;
     stage.waiting = true;
-    requestAnimationFrame(() => drawNow(stage));
+    requestAnimationFrame((now) => {
+        keepLively(stage, now);
+        drawNow(stage);
+    });
 }
 
 function drawNow(stage) {
