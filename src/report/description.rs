@@ -21,7 +21,7 @@ use super::table::significant;
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 
 /// How the remark on imported surfaces begins.
-const INVERSE_CRIME: &str = "inverse crime";
+pub(super) const INVERSE_CRIME: &str = "inverse crime";
 
 /// A surface in words, numbers and pictures.
 pub(crate) trait Description {

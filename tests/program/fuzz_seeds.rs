@@ -57,5 +57,5 @@ fn reader_of_scenes() {
 
 #[test]
 fn reader_of_surfaces() {
-    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 2);
+    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 3);
 }

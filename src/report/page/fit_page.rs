@@ -8,7 +8,7 @@ use super::shell::Page;
 use super::surface_sections::{cards, fields, maps, numbers, residuals, stage, trust};
 use super::view_data::view_data;
 use super::words::finding;
-use crate::report::description::Description;
+use crate::report::description::{Description, INVERSE_CRIME};
 use crate::report::json::write_json;
 use crate::report::table::write_table;
 
@@ -51,12 +51,12 @@ pub(crate) fn write_fit_page(
     let page = Page {
         kind,
         lead: text(&finding(document)),
+        notices: document.fit.notes.iter().filter(|note| note.starts_with(INVERSE_CRIME)).cloned().collect(),
         title,
         sections,
         document: &json,
         table: &table,
         view: Some(view),
-        ..Page::default()
     };
     page.write(provenance, out)
 }

@@ -219,6 +219,9 @@ fn classes(document: &StudyDocument) -> String {
     format!("<section id=\"classes\"><h2>Which class the measurements show</h2>\n{}</section>\n", bars(&rows))
 }
 
+/// A share with its interval.
+type ShareWithEnds = (Option<f64>, Option<[f64; 2]>);
+
 fn effects(document: &StudyDocument) -> String {
     if document.effects.is_empty() {
         return String::new();
@@ -228,7 +231,7 @@ fn effects(document: &StudyDocument) -> String {
         (Some(share), None) => format!("{share:.3}"),
         _ => "-".into(),
     };
-    let of = |pick: fn(&EffectPart) -> (Option<f64>, Option<[f64; 2]>)| {
+    let of = |pick: fn(&EffectPart) -> ShareWithEnds| {
         let rows = document.effects.iter().map(|effect| {
             let (share, interval) = pick(effect);
             (effect.name.replace('_', " "), share.unwrap_or(0.0), words(share, interval))

@@ -10,7 +10,11 @@ const LONG: usize = 30;
 /// A card with one large number; `lines` stand below it.
 pub(super) fn card(name: &str, large: &str, lines: &[String]) -> String {
     let lines: String = lines.iter().map(|line| format!("<p>{}</p>", text(line))).collect();
-    format!("<div class=\"card\"><h3>{}</h3><p class=\"large\">{}</p>{lines}</div>\n", text(name), text(large))
+    format!(
+        "<div class=\"card\"><p class=\"name\">{}</p><p class=\"large\">{}</p>{lines}</div>\n",
+        text(name),
+        text(large)
+    )
 }
 
 /// A table with a head; the first column names the row. On a phone it scrolls by itself.
