@@ -68,7 +68,9 @@ function furnish(stage) {
         if (few < 20000) parts.contacts.add(hiddenPoints(parts.contacts));
         stage.largestResidual = largestResidual(view.contacts);
         // the largest as long as a normal, where they would be too short to be seen
-        stage.longer = Math.max(1, Math.round((0.07 * stage.size) / (stage.largestResidual || stage.size)));
+        const share = stage.largestResidual / stage.size;
+        // what is left by rounding is not blown up
+        stage.longer = share > 1e-9 ? Math.max(1, Math.round(0.07 / share)) : 1;
         parts.residuals = residualStrokes(view, stage.longer, stage.ink.residual);
         if (view.contacts.normals) parts.normals = normalStrokes(view, 0.07 * stage.size, stage.ink.normal);
     }
