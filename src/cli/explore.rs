@@ -187,6 +187,7 @@ fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Result<B
         chosen: found.chosen.clone(),
         lack_of_fit: found.lack_of_fit.clone(),
         input,
+        unit: None,
         truth: None,
         bare: false,
         notes: Vec::new(),

@@ -65,6 +65,11 @@ impl GridFlags {
         self.grid.is_some() || self.inset.is_some()
     }
 
+    /// Points each way, where they were typed.
+    pub(super) fn points(&self) -> Option<[usize; 2]> {
+        self.grid
+    }
+
     pub(super) fn apply(&self, options: &mut FitOptions) {
         set(&mut options.grid, self.grid);
         set(&mut options.inset, self.inset);
@@ -87,6 +92,11 @@ impl FitFlags {
             || self.robust.is_some()
             || self.grid.inset.is_some()
             || self.frame == Some(FrameChoice::Keep)
+    }
+
+    /// Points of the shape grid, where they were typed.
+    pub(super) fn typed_grid(&self) -> Option<[usize; 2]> {
+        self.grid.points()
     }
 
     /// What was typed and means nothing for the kind of surface that was fitted.
@@ -156,6 +166,18 @@ pub(super) struct OutputFlags {
     /// No tables for people and no progress
     #[arg(long, short)]
     pub(super) quiet: bool,
+}
+
+/// What the text for people says, and in which unit.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Output")]
+pub(super) struct WordsFlags {
+    /// Add the technical lines: how the surface was found, and how far to trust the arithmetic
+    #[arg(long, short)]
+    pub(super) verbose: bool,
+    /// Unit of the lengths in the input, such as mm: it is said beside every length, and nothing is converted
+    #[arg(long, value_parser = values::unit)]
+    pub(super) unit: Option<String>,
 }
 
 #[cfg(test)]

@@ -11,8 +11,9 @@ use crate::report::{Answer, Subject, inverse_crime_remark};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::provenance::provenance;
+use super::save::check_name;
 use super::scene;
 
 /// Arguments of `palpate run`.
@@ -21,7 +22,7 @@ pub(super) struct RunArgs {
     /// Built-in scene, scene file, or - for standard input
     #[arg(default_value = scene::DEFAULT)]
     scene: String,
-    /// Save the surface and all that is known of it as JSON
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
@@ -29,6 +30,8 @@ pub(super) struct RunArgs {
     bare: bool,
     #[command(flatten)]
     fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -40,6 +43,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
@@ -57,10 +61,28 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(inverse_crime_remark(&truth));
     notes.extend(args.fit.without_effect(found.is_parametric(), false));
-    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
+    let subject = Subject {
+        chosen,
+        lack_of_fit: None,
+        input: &input,
+        unit: args.words.unit.clone(),
+        truth: Some(&truth),
+        bare: args.bare,
+        notes,
+    };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    let provenance = provenance(&args.scene, Some(text), Some(scene.seed));
-    let to = Destination { output: &args.output, save: args.save.as_ref(), provenance };
-    describe(&found, &scene.name, &subject, &taken, &to)
+    describe(
+        &found,
+        &scene.name,
+        &subject,
+        &taken,
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+            provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
+        },
+    )
 }

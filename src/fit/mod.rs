@@ -160,11 +160,17 @@ impl Fit {
         describe::covariance_of_means(&self.solved)
     }
 
-    /// Uncertainty that noise leaves in S and R at single points of the domain; `None` where it would take too long.
-    /// Computed at every call.
+    /// Standard uncertainties at `points` places each way of the domain, input units; computed at every call. `None` where
+    /// nothing tells the noise, and where there are too many rows.
     #[cfg(feature = "cli")]
-    pub(crate) fn uncertainty_map(&self) -> Option<describe::UncertaintyMap> {
-        describe::uncertainty_map(&self.solved)
+    pub(crate) fn pointwise(&self, points: usize) -> Option<Vec<crate::shape::PointSds>> {
+        describe::pointwise::pointwise(&self.solved, points)
+    }
+
+    /// Whether contacts support a place along the frame's axes, input units.
+    #[cfg(feature = "cli")]
+    pub(crate) fn supported(&self) -> impl Fn(f64, f64) -> bool {
+        describe::pointwise::supported(&self.solved)
     }
 
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.

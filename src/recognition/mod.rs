@@ -51,6 +51,8 @@ mod options;
 mod orientation;
 mod paraboloid;
 mod patch;
+#[cfg(feature = "cli")]
+mod pointwise;
 mod posterior;
 mod reduced;
 mod region;
@@ -76,6 +78,8 @@ pub use estimated_normals::estimate_normals;
 #[cfg(feature = "cli")]
 pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
+#[cfg(feature = "cli")]
+pub(crate) use pointwise::Pointwise;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape};
-use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
+use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
+use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface, SupportMap, UNCERTAINTY_POINTS};
 use crate::scene::Truth;
-use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::shape::{PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
 use crate::simd::Isa;
 use crate::surface::HeightField;
 
@@ -20,10 +20,11 @@ use super::document::{
 };
 use super::height_view::{height_view, leave_out_beyond};
 use super::interval_words::interval_words;
-use super::maps::{write_maps_csv, write_maps_npz};
+use super::maps::write_maps_csv;
 use super::picture::{PictureOptions, write_picture};
 use super::surface_view::SurfaceView;
 use super::table::significant;
+use super::uncertainty;
 
 /// A height field with its document and its maps.
 pub(super) struct HeightDescription<'a> {
@@ -39,6 +40,8 @@ pub(super) struct HeightDescription<'a> {
     frame: Frame,
     /// The fit with its input, and whether its uncertainties are wanted.
     fitted: Option<(&'a Fit, &'a Input, bool)>,
+    /// The fit, and whether uncertainties were declined; `None` of a saved surface.
+    fit: Option<(&'a Fit, bool)>,
 }
 
 impl<'a> HeightDescription<'a> {
@@ -70,6 +73,7 @@ impl<'a> HeightDescription<'a> {
             },
             frame: *fit.frame(),
             fitted: Some((fit, subject.input, !subject.bare)),
+            fit: Some((fit, subject.bare)),
         })
     }
 
@@ -81,7 +85,13 @@ impl<'a> HeightDescription<'a> {
         grid: ShownGrid,
     ) -> HeightDescription<'a> {
         let domain = [0, 1].map(|k| surface.knots()[k].domain());
-        let maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        let mut maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        if let Some(map) = &saved.support_map {
+            let places = &maps.grid;
+            maps.supported
+                .indexed_iter_mut()
+                .for_each(|((i, j), s)| *s &= map.holds(domain, [places.x[i], places.y[j]]));
+        }
         if grid.again {
             take_again(&mut document, &spreads(&maps));
         }
@@ -94,6 +104,7 @@ impl<'a> HeightDescription<'a> {
             contacts: None,
             frame: saved.frame,
             fitted: None,
+            fit: None,
         }
     }
 }
@@ -103,12 +114,24 @@ impl Description for HeightDescription<'_> {
         &self.document
     }
 
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let Some((fit, bare)) = self.fit else { return document };
+        let knots = self.surface.knots();
+        let domain = knots.each_ref().map(|axis| axis.domain());
+        document.surface.support_map = SupportMap::of(domain, fit.supported());
+        let sds = if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) };
+        let sds: Vec<Option<PointSds>> = sds.into_iter().flatten().map(Some).collect();
+        document.uncertainty = uncertainty::map(knots, &sds, &document.shape);
+        document
+    }
+
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
         write_maps_csv(&self.maps, out)
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.maps, out)
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Borrowed(&self.maps)
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -151,6 +174,7 @@ fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
 fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Seconds) -> FitDocument {
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: subject.unit.clone(),
         contacts: match subject.input {
             Input::Contacts(contacts) => contacts.len(),
             Input::Grid(grid) => measured_pixels(grid),
@@ -160,6 +184,7 @@ fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Second
         shape: shape_part(fit, shape_of(fit, subject)),
         truth: subject.truth.map(|truth| truth_part(fit, shape_of(fit, subject), truth)),
         surface: SavedSurface::of(surface, &fit.solution().unsupported),
+        uncertainty: None,
         seconds,
     }
 }
@@ -182,6 +207,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         ..SigmaPart::default()
     });
     let finite = |v: f64| v.is_finite().then_some(v);
+    let about_intervals = if subject.bare { Vec::new() } else { interval_words(fit) };
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
         degree: [0, 1].map(|k| surface.knots()[k].degree()),
@@ -212,7 +238,14 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
-            .chain(if subject.bare { Vec::new() } else { interval_words(fit) })
+            .chain(about_intervals.iter().cloned())
+            .collect(),
+        technical_notes: fit
+            .notes()
+            .iter()
+            .filter(|note| matches!(note, Note::GaussNewton { .. }))
+            .map(ToString::to_string)
+            .chain(about_intervals.into_iter().filter(|_| fit.model_reading().found().is_some()))
             .collect(),
     }
 }
@@ -256,6 +289,8 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         k2: spread_part(shape.k2),
         direction_deg: shape.direction_deg,
         direction: None,
+        axis_deg: shape.axis_deg,
+        axis: None,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),

@@ -4,21 +4,21 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::fit::FitError;
-use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, UNCERTAINTY_POINTS};
 use crate::parametric::ParametricFit;
 use crate::scene::Truth;
-use crate::shape::{ParametricMaps, UvSupport, parametric_maps, spread, uv_grid};
+use crate::shape::{ParametricMaps, ShapeMaps, UvSupport, parametric_maps, spread, uv_grid};
 use crate::surface::Parametric;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
 };
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
-use super::maps::write_maps_npz;
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
 use super::surface_view::{ContactsView, Standing, SurfaceView};
+use super::uncertainty;
 
 /// A parametric surface with its document and its maps.
 pub(super) struct ParametricDescription<'a> {
@@ -31,6 +31,8 @@ pub(super) struct ParametricDescription<'a> {
     /// (u, v) of the contacts, for the picture.
     feet: Option<Vec<[f64; 2]>>,
     input: Option<&'a Input>,
+    /// The fit, unless uncertainties were declined; `None` of a saved surface.
+    fit: Option<&'a ParametricFit>,
 }
 
 impl<'a> ParametricDescription<'a> {
@@ -58,6 +60,7 @@ impl<'a> ParametricDescription<'a> {
             grid: fit.options().grid,
             feet: Some(fit.feet()),
             input: Some(subject.input),
+            fit: (!subject.bare).then_some(fit),
         })
     }
 
@@ -81,6 +84,7 @@ impl<'a> ParametricDescription<'a> {
             grid: grid.points,
             feet: None,
             input: None,
+            fit: None,
         }
     }
 }
@@ -90,12 +94,19 @@ impl Description for ParametricDescription<'_> {
         &self.document
     }
 
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let sds = self.fit.and_then(|fit| fit.pointwise(UNCERTAINTY_POINTS)).unwrap_or_default();
+        document.uncertainty = uncertainty::map(self.surface.knots(), &sds, &document.shape);
+        document
+    }
+
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
         write_parametric_maps_csv(&self.maps, out)
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.maps.flat(), out)
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Owned(self.maps.flat())
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -136,6 +147,7 @@ fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &UvSupport) -> 
 fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, seconds: Seconds) -> FitDocument {
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: subject.unit.clone(),
         contacts: match subject.input {
             Input::Contacts(contacts) => contacts.len(),
             Input::Grid(grid) => grid.len(),
@@ -145,6 +157,7 @@ fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, second
         shape: shape_part(fit),
         truth: subject.truth.map(|truth| truth_part(fit, truth)),
         surface: SavedSurface::of_parametric(surface, &fit.input_support()),
+        uncertainty: None,
         seconds,
     }
 }
@@ -158,6 +171,7 @@ fn decline(document: &mut FitDocument) {
     }
     shape.class_probability = None;
     (shape.direction_deg, shape.direction) = (None, None);
+    (shape.axis_deg, shape.axis) = (None, None);
 }
 
 fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
@@ -201,6 +215,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
         smooth: levels.fairness,
         rms: RmsPart { z: Some(rms[0]), normal_deg: Some(rms[1].to_degrees()), ..RmsPart::default() },
         notes: subject.remarks().chain(notes(fit)).collect(),
+        technical_notes: Vec::new(),
     }
 }
 
@@ -249,6 +264,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         k2: spread_part(shape.k2),
         direction_deg: None,
         direction: shape.direction,
+        axis_deg: None,
+        axis: shape.axis,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: None,

@@ -5,14 +5,15 @@
 //! surface, maps, picture      from the spline through the recognised surface
 //! ```
 
+use std::borrow::Cow;
 use std::io::Write;
 
-use crate::contact::{Contacts, Frame};
+use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
-use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
-use crate::recognition::{Estimate, NormalsUse, RecognisedSpline, RecognisedSurface, Recognition};
-use crate::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
+use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
+use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
@@ -20,12 +21,13 @@ use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
 use super::height_view::height_view;
-use super::maps::{write_maps_csv, write_maps_npz};
+use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
 use super::recognised_view::recognised_view;
 use super::surface_view::SurfaceView;
+use super::uncertainty;
 
 /// A recognised surface with its document and its spline.
 pub(super) struct RecognisedDescription<'a> {
@@ -34,6 +36,8 @@ pub(super) struct RecognisedDescription<'a> {
     spline: RecognisedSpline,
     contacts: Option<&'a Contacts>,
     input: &'a Input,
+    /// The pixels of a grid.
+    grid: Option<&'a Grid>,
 }
 
 impl<'a> RecognisedDescription<'a> {
@@ -49,6 +53,7 @@ impl<'a> RecognisedDescription<'a> {
         let spline = found.spline()?;
         let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
+            unit: subject.unit.clone(),
             contacts: found.contacts + found.dropped.outliers,
             frame: match &spline {
                 RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
@@ -61,15 +66,16 @@ impl<'a> RecognisedDescription<'a> {
                 RecognisedSpline::Height { surface, fit } => SavedSurface::of(surface, &fit.certificate().unsupported),
                 RecognisedSpline::Parametric { surface, support } => SavedSurface::of_parametric(surface, support),
             },
+            uncertainty: None,
             seconds,
         };
         let supported = found.map.iter().filter(|p| p.supported);
         take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
-        let contacts = match subject.input {
-            Input::Contacts(contacts) => Some(contacts),
-            Input::Grid(_) => None,
+        let (contacts, grid) = match subject.input {
+            Input::Contacts(contacts) => (Some(contacts), None),
+            Input::Grid(grid) => (None, Some(grid)),
         };
-        Ok(RecognisedDescription { document, found, spline, contacts, input: subject.input })
+        Ok(RecognisedDescription { document, found, spline, contacts, grid, input: subject.input })
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
@@ -94,6 +100,13 @@ impl<'a> RecognisedDescription<'a> {
         let chart = |r: usize| self.found.surface.chart_of([contacts.x[r], contacts.y[r], contacts.z[r]]);
         Some((0..contacts.len()).map(chart).map(|[u, v]| (scale * u, scale * v)).unzip())
     }
+}
+
+/// The measured pixels of a grid.
+fn pixels(grid: &Grid) -> Contacts {
+    let known = grid.z.indexed_iter().filter(|(_, z)| !z.is_nan());
+    let points: Vec<[f64; 3]> = known.map(|((i, j), z)| [grid.x[i], grid.y[j], *z]).collect();
+    Contacts::from_points(&points)
 }
 
 /// Maps of either kind of spline.
@@ -122,6 +135,38 @@ impl Description for RecognisedDescription<'_> {
         &self.document
     }
 
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let pixels = self.grid.map(pixels);
+        let Some(contacts) = self.contacts.or(pixels.as_ref()) else { return document };
+        let pointwise = Pointwise::new(self.found, contacts);
+        let found = &self.found.surface;
+        let (knots, sds): (_, Vec<Option<PointSds>>) = match &self.spline {
+            RecognisedSpline::Height { surface, .. } => {
+                let place = |x: f64, y: f64| [x, y, surface.at(x, y).z];
+                let held = |x: f64, y: f64| {
+                    let [u, v] = found.chart_of(place(x, y));
+                    found.supported_at(u, v)
+                };
+                let domain = surface.knots().each_ref().map(|axis| axis.domain());
+                document.surface.support_map = SupportMap::of(domain, held);
+                let [x, y] = uncertainty::places(surface.knots());
+                let places = x.iter().flat_map(|x| y.iter().map(|y| place(*x, *y)));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+            RecognisedSpline::Parametric { surface, .. } => {
+                let [u, v] = uncertainty::places(surface.knots());
+                let places = u.iter().flat_map(|u| v.iter().map(|v| surface.at(*u, *v).point));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+        };
+        // the draws have counted every kind of surface already
+        let mut shape = document.shape.clone();
+        (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
+        document.uncertainty = uncertainty::map(knots, &sds, &shape);
+        document
+    }
+
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
         match self.maps(self.found.grid) {
             Maps::Height(maps) => write_maps_csv(&maps, out),
@@ -129,11 +174,11 @@ impl Description for RecognisedDescription<'_> {
         }
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        match self.maps(self.found.grid) {
-            Maps::Height(maps) => write_maps_npz(&maps, out),
-            Maps::Parametric(maps) => write_maps_npz(&maps.flat(), out),
-        }
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Owned(match self.maps(self.found.grid) {
+            Maps::Height(maps) => *maps,
+            Maps::Parametric(maps) => maps.flat(),
+        })
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -207,6 +252,7 @@ fn fit_part(found: &Recognition, spline: &RecognisedSpline, subject: &Subject) -
         smooth: 0.0,
         rms: RmsPart { z: rms(found, subject.input), ..RmsPart::default() },
         notes: subject.notes.iter().cloned().chain(set_aside(found)).chain(found.notes.iter().cloned()).collect(),
+        technical_notes: Vec::new(),
     }
 }
 
@@ -310,6 +356,8 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         k2: over_map(|p| p.k2, found.k2),
         direction_deg: found.direction.filter(|_| level).map(projected),
         direction: found.direction.filter(|_| !level),
+        axis_deg: found.axis.filter(|_| level).map(projected),
+        axis: found.axis.filter(|_| !level),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,
         covariance: None,

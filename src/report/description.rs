@@ -4,6 +4,7 @@
 //! a fit, or a saved surface   ->   Description: document, maps as CSV and NPZ, picture
 //! ```
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
@@ -11,11 +12,13 @@ use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
 use crate::io::Input;
 use crate::scene::Truth;
-use crate::shape::{Spread, radius_of};
+use crate::shape::{ShapeMaps, Spread, radius_of};
 
 use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
+use super::maps::write_maps_npz;
 use super::surface_view::SurfaceView;
 use super::table::significant;
+use super::words::small_maps;
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
@@ -28,17 +31,32 @@ pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
 
+    /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
+    fn saved(&self) -> FitDocument {
+        self.document().clone()
+    }
+
     /// `maps.csv`: the surface and its shape over the grid.
     ///
     /// # Errors
     /// What the system says.
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()>;
 
+    /// S, R and their like over the grid, indexed by its two directions.
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps>;
+
     /// `maps.npz`: the same as arrays.
     ///
     /// # Errors
     /// What the system says.
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()>;
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_npz(&self.flat_maps(), out)
+    }
+
+    /// S and R over the grid in characters, where they differ from place to place.
+    fn small_maps(&self) -> String {
+        small_maps(&self.flat_maps())
+    }
 
     /// `shape.svg`: S and R as pictures, under a line that begins with `name`.
     ///
@@ -55,6 +73,8 @@ pub(crate) trait Description {
 pub(crate) struct Subject<'a> {
     /// The data.
     pub input: &'a Input,
+    /// Unit of all lengths, where the user named it.
+    pub unit: Option<String>,
     /// What is true, in a simulated world.
     pub truth: Option<&'a Truth>,
     /// Whether certificate, uncertainties and intervals were declined.
@@ -187,5 +207,8 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
     shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;
     document.truth = None;
-    document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    // a CAD file never had any
+    if document.contacts > 0 {
+        document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    }
 }

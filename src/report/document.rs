@@ -7,13 +7,16 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
-use crate::io::{SavedFrame, SavedSurface};
+use crate::io::{SavedFrame, SavedSurface, UncertaintyMap};
 
 /// One fit, described.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FitDocument {
     /// `palpate.fit/1`.
     pub(crate) schema: String,
+    /// Unit of all lengths, where the user named it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) unit: Option<String>,
     /// Number of contacts, or of pixels that hold a measurement.
     pub(crate) contacts: usize,
     /// The patch frame.
@@ -27,6 +30,9 @@ pub(crate) struct FitDocument {
     pub(crate) truth: Option<TruthPart>,
     /// The surface itself.
     pub(crate) surface: SavedSurface,
+    /// Standard uncertainties over the surface; in files that a surface is saved in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) uncertainty: Option<UncertaintyMap>,
     /// Where the time went.
     pub(crate) seconds: Seconds,
 }
@@ -77,6 +83,9 @@ pub(crate) struct FitPart {
     pub(crate) rms: RmsPart,
     /// What the user should know.
     pub(crate) notes: Vec<String>,
+    /// Those of `notes` that the first output says in other words, or leaves to `--verbose`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) technical_notes: Vec<String>,
 }
 
 /// Decimal digits that agree for certain with the exact solution of the written problem.
@@ -245,6 +254,12 @@ pub(crate) struct ShapePart {
     /// Unit direction of k1 in space at the centre (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) direction: Option<[f64; 3]>,
+    /// Direction along a ridge or rut, or the longer way of a dome or trough, as `direction_deg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) axis_deg: Option<f64>,
+    /// The same in space (parametric surfaces).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) axis: Option<[f64; 3]>,
     /// Points used / grid points.
     pub(crate) support: f64,
     /// p-value of the best plane against the fit.

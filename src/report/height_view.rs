@@ -15,10 +15,12 @@ use super::surface_view::{ContactsView, Standing, SurfaceView, Vector, between};
 /// Uncertainties of a map where no fit is at hand.
 const NOT_SAVED: &str = "not saved with the surface";
 const DECLINED: &str = "declined (--bare)";
-const TOO_LONG: &str =
-    "not computed point by point: with so many contacts or coefficients it would take longer than the fit";
-const NONE_KNOWN: &str = "unknown: the contacts leave nothing to tell noise from";
+const TOO_LONG: &str = "not computed point by point: the contacts leave nothing to tell noise from, or they are so many that \
+     it would take longer than the fit";
 const NOISE_ALONE: &str = "from noise alone, if this kind of surface is right";
+
+/// Points a side at which uncertainties are asked for; the coarser grid where the finer one would take too long.
+const SIDES: [usize; 2] = [25, 7];
 
 /// The view of a height field along the axes of `frame`; `fitted` is its fit, where there is one, with its input and whether
 /// its uncertainties are wanted.
@@ -82,18 +84,17 @@ fn uncertainty(maps: &ShapeMaps, fitted: Option<(&Fit, &Input, bool)>) -> Uncert
     if !wanted {
         return (None, DECLINED);
     }
-    let Some(coarse) = fit.uncertainty_map() else { return (None, TOO_LONG) };
-    if coarse.values.iter().all(|[s, r]| s.is_nan() && r.is_nan()) {
-        return (None, NONE_KNOWN);
-    }
+    let coarse = SIDES.into_iter().find_map(|side| Some((side, fit.pointwise(side)?)));
+    let Some((side, coarse)) = coarse else { return (None, TOO_LONG) };
     let (n, m) = maps.supported.dim();
     let share = |k: usize, count: usize| if count < 2 { 0.5 } else { k as f64 / (count - 1) as f64 };
-    let of = |q: usize| {
-        let values: Vec<f64> = coarse.values.iter().map(|both| both[q]).collect();
+    let of = |values: Vec<f64>| {
         let at = |((i, j), supported): ((usize, usize), &bool)| {
-            if *supported { between(&values, [coarse.side; 2], [share(i, n), share(j, m)]) } else { f64::NAN }
+            if *supported { between(&values, [side; 2], [share(i, n), share(j, m)]) } else { f64::NAN }
         };
         maps.supported.indexed_iter().map(at).collect()
     };
-    (Some([of(0), of(1)]), NOISE_ALONE)
+    let s = of(coarse.iter().map(|sds| sds.shape_index.unwrap_or(f64::NAN)).collect());
+    let r = of(coarse.iter().map(|sds| sds.curvedness.unwrap_or(f64::NAN)).collect());
+    (Some([s, r]), NOISE_ALONE)
 }

@@ -7,16 +7,20 @@
 //! a saved surface at points   ->  PointTable         points_at
 //! ```
 
+mod bare_surface;
 mod describe;
 mod describe_height;
 mod describe_parametric;
 mod describe_recognised;
 mod description;
+mod diff;
+mod diff_picture;
 mod document;
 mod drawing;
 mod drawing_png;
 mod explore;
 mod explore_picture;
+mod fits;
 mod frontier;
 mod frontier_axes;
 mod frontier_columns;
@@ -45,12 +49,18 @@ mod study_table;
 mod surface_view;
 mod sweep;
 mod table;
+mod uncertainty;
+mod words;
 
+pub(crate) use bare_surface::document_of_surface;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
+pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
+pub(crate) use diff_picture::write_diff_picture;
 pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
+pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
@@ -62,7 +72,7 @@ pub(crate) use page::{
     INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
     write_study_page, write_sweep_page, write_table_page,
 };
-pub use schema::{explore_schema, fit_schema, frontier_schema, study_schema};
+pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
@@ -70,3 +80,4 @@ pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub(crate) use table::{significant, write_table};
+pub(crate) use words::write_words;

@@ -1,18 +1,20 @@
-//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1` and `palpate.explore/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.fits/1`, `palpate.diff/1`, `palpate.study/1`, `palpate.frontier/1` and `palpate.explore/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
 
 use serde_json::{Map, Value, json};
 
+use super::diff::{DIFF_SCHEMA, diff_samples};
 use super::document::*;
 use super::explore::{EXPLORE_SCHEMA, explore_samples};
+use super::fits::{FITS_SCHEMA, fits_samples};
 use super::frontier::FRONTIER_SCHEMA;
 use super::frontier_samples::{empty_frontier, frontier_without_pick, full_frontier};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
-use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
+use crate::io::{Coefficient, FIT_SCHEMA, PointUncertainty, SavedFrame, SavedSurface, SupportMap, UncertaintyMap};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
@@ -49,6 +51,26 @@ pub fn explore_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = EXPLORE_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.diff/1`.
+pub fn diff_schema() -> Value {
+    let samples: Vec<Value> = diff_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = DIFF_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": DIFF_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.fits/1`.
+pub fn fits_schema() -> Value {
+    let samples: Vec<Value> = fits_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = FITS_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": FITS_SCHEMA });
     schema
 }
 
@@ -131,7 +153,7 @@ fn array(samples: &[&Value]) -> Value {
 }
 
 /// A document in which everything is there.
-fn full() -> FitDocument {
+pub(super) fn full() -> FitDocument {
     let measure = MeasurePart {
         mean: Some(0.5),
         sd: Some(0.5),
@@ -148,6 +170,7 @@ fn full() -> FitDocument {
     let shares = classes.map(|class| (class.name().to_string(), 0.5)).collect();
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: Some("mm".into()),
         contacts: 1,
         frame: SavedFrame { origin: [0.5; 3], axes: [[0.5; 3]; 3], scale: 0.5 },
         fit: FitPart {
@@ -194,6 +217,7 @@ fn full() -> FitDocument {
             smooth: 0.5,
             rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5), normal_deg: Some(0.5) },
             notes: vec!["a note".into()],
+            technical_notes: vec!["a note".into()],
         },
         shape: ShapePart {
             grid: [8, 8],
@@ -208,6 +232,8 @@ fn full() -> FitDocument {
             k2: spread,
             direction_deg: Some(0.5),
             direction: Some([0.5; 3]),
+            axis_deg: Some(0.5),
+            axis: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
             covariance: Some(0.5),
@@ -231,10 +257,19 @@ fn full() -> FitDocument {
             coefficients: vec![vec![Coefficient::Height(0.5)]],
             closed: None,
             support: None,
+            support_map: Some(SupportMap::of([[0.0, 1.0]; 2], |x, y| x < y)).flatten(),
             unsupported: vec![1],
         },
+        uncertainty: Some(uncertainty()),
         seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
     }
+}
+
+/// Uncertainties that are known at one point and not at the other.
+fn uncertainty() -> UncertaintyMap {
+    let half = Some(0.5);
+    let known = PointUncertainty { position: half, normal_deg: half, shape_index: half, curvedness: half };
+    UncertaintyMap::of([vec![0.5], vec![0.5, 1.5]], &[known, PointUncertainty::default()])
 }
 
 /// A parametric surface.
@@ -285,6 +320,7 @@ fn emptied() -> FitDocument {
 /// The same with every part missing that may be.
 fn bare() -> FitDocument {
     let mut document = full();
+    (document.uncertainty, document.surface.support_map) = (None, None);
     document.fit.weights = None;
     document.fit.sigma = None;
     document.fit.condition = None;
@@ -293,7 +329,9 @@ fn bare() -> FitDocument {
     document.fit.chosen = None;
     document.fit.lack_of_fit = None;
     document.fit.rms = RmsPart::default();
-    document.shape.direction = None;
+    document.fit.technical_notes = Vec::new();
+    (document.shape.direction, document.shape.axis) = (None, None);
+    (document.shape.axis_deg, document.unit) = (None, None);
     document.shape.shape_index = MeasurePart::default();
     document.shape.curvedness = MeasurePart::default();
     document.shape.radius = None;

@@ -15,6 +15,8 @@ mod maps;
 mod outline;
 mod parametric_maps;
 mod plane;
+#[cfg(feature = "cli")]
+mod point_sds;
 mod repeated_gradients;
 mod summary;
 mod truth;
@@ -29,6 +31,8 @@ pub use maps::{ShapeMaps, shape_maps};
 pub(crate) use outline::Outline;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+#[cfg(feature = "cli")]
+pub(crate) use point_sds::PointSds;
 pub(crate) use repeated_gradients::RepeatedGradients;
 pub use summary::Interval;
 pub(crate) use summary::{Spread, class_probabilities, normal_interval, radius_of, spread};

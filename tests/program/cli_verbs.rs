@@ -34,7 +34,11 @@ fn without_seconds(mut document: Value) -> Value {
 fn run_without_anything_tells_the_shape_of_the_cylinder() {
     let directory = tempfile::tempdir().unwrap();
     let table = text(directory.path(), &["run"]);
-    assert!(table.contains("class      ridge") && table.contains("S          0.500"), "{table}");
+    assert!(
+        table.contains("shape      ridge: like the outside of a pipe")
+            && table.contains("0.5000   0.49996 and 0.50004"),
+        "{table}"
+    );
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
     let document = json(directory.path(), &["run", "--json"]);
     assert_eq!(document["schema"], "palpate.fit/1");
@@ -100,14 +104,15 @@ fn bare_declines_certificate_and_intervals_alone() {
             assert!(found.remove(key).is_some(), "{quantity} {key}");
         }
     }
-    for key in ["cov_S_R", "intervals"] {
+    for key in ["cov_S_R", "intervals", "axis_deg"] {
         assert!(whole["shape"].as_object_mut().unwrap().remove(key).is_some(), "{key}");
     }
     let notes = std::mem::take(bare.pointer_mut("/fit/notes").unwrap());
     whole["fit"]["notes"].take();
+    assert!(whole["fit"].as_object_mut().unwrap().remove("technical_notes").is_some());
     assert!(notes[0].as_str().unwrap().contains("--bare"), "{notes}");
     assert_eq!(without_seconds(whole), without_seconds(bare));
-    let table = text(here, &["run", "--bare"]);
+    let table = text(here, &["run", "--bare", "--verbose"]);
     assert!(!table.contains("numbers ") && !table.contains("digits ") && !table.contains("u ="), "{table}");
     text(here, &["simulate", "paper-cylinder", "-o", "c.csv"]);
     let refused = palpate(here, &["fit", "c.csv", "--bare"]).output().unwrap();

@@ -5,9 +5,11 @@
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
+mod diff;
 mod explore;
 mod files_as_they_come;
 mod first_try;
+mod formats;
 mod frontier;
 mod fuzz_seeds;
 mod hostile;
@@ -16,3 +18,5 @@ mod readers;
 mod report_page;
 mod scene_file;
 mod schema;
+mod several;
+mod words;

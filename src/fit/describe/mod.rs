@@ -4,11 +4,11 @@ mod direction;
 mod flatness;
 mod interval;
 mod plane;
+#[cfg(feature = "cli")]
+pub(super) mod pointwise;
 pub(super) mod residuals;
 pub(super) mod shape;
 mod uncertainty;
-#[cfg(feature = "cli")]
-mod uncertainty_map;
 
 use ndarray::Array2;
 
@@ -19,13 +19,11 @@ use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
 use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, shape_maps, spread};
 use crate::surface::SurfacePoint;
-use direction::direction;
+use direction::{Directions, directions};
 use flatness::{is_flat, plane_probability};
 use interval::{NoisePart, statistic};
 use shape::{Shape, Statistic, supported_points};
 use uncertainty::Uncertainties;
-#[cfg(feature = "cli")]
-pub(crate) use uncertainty_map::UncertaintyMap;
 
 /// The significance at which the best plane is rejected; below it the patch is taken as a plane.
 const PLANE_SIGNIFICANCE: f64 = 0.01;
@@ -67,6 +65,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let other = model.and_then(ModelReading::found);
     let s_of_others = other.and_then(|other| other.shape_index);
     let r_of_others = other.map(|other| other.curvedness);
+    let Directions { k1: direction_deg, axis } =
+        curved.filter(|_| model.is_some()).map_or(Directions::NONE, |_| directions(solved));
     Shape {
         shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, s_of_others, level, [-1.0, 1.0])),
         curvedness: statistic(r, u_r, r_of_others, level, [0.0, f64::INFINITY]),
@@ -79,7 +79,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
         radius: r.mean.and_then(|mean| radius_of(class, mean)),
         k1: spread(supported_points(local).map(|at| local.k1[at] / scale)),
         k2: spread(supported_points(local).map(|at| local.k2[at] / scale)),
-        direction_deg: curved.filter(|_| model.is_some()).and_then(|_| direction(solved)),
+        direction_deg,
+        axis_deg: axis.filter(|_| class.has_axis()),
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
         maps: in_input_units(&solved.patch.frame, local),
@@ -95,12 +96,6 @@ pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
     let of_means = crate::shape::mean_gradients(&solved.surface, &local, &gradients);
     let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
     Some(found / solved.patch.frame.scale)
-}
-
-/// Uncertainty that noise leaves at single points; `None` where it would take too long.
-#[cfg(feature = "cli")]
-pub(super) fn uncertainty_map(solved: &Solved) -> Option<UncertaintyMap> {
-    UncertaintyMap::new(solved)
 }
 
 /// Every class in the order of S, and the plane, with its probability.

@@ -9,8 +9,10 @@ use super::surface_sections::{cards, fields, maps, numbers, residuals, stage, tr
 use super::view_data::view_data;
 use super::words::finding;
 use crate::report::description::{Description, INVERSE_CRIME};
+use crate::report::document::FitDocument;
 use crate::report::json::write_json;
 use crate::report::table::write_table;
+use crate::report::words::write_words;
 
 /// Sections of a surface, and the data of its turning view.
 ///
@@ -30,20 +32,23 @@ pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String,
     Ok((sections, view_data(&view, &fields)))
 }
 
-/// Writes the page of a surface; `name` is the scene or the file.
+/// Writes the page of a surface; `saved` is its document as it is saved, `name` the scene or the file.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn write_fit_page(
     description: &dyn Description,
+    saved: &FitDocument,
     name: &str,
     provenance: &Provenance,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
     let document = description.document();
     let (mut json, mut table) = (Vec::new(), Vec::new());
-    write_json(document, &mut json)?;
-    write_table(name, document, &mut table)?;
+    write_json(saved, &mut json)?;
+    write_words(name, document, &mut table)?;
+    table.push(b'\n');
+    write_table(document, &mut table)?;
     let (sections, view) = surface(description)?;
     // a scene has a name, a file a path
     let title = if provenance.scene.is_some() { short(name) } else { heading(name) };
