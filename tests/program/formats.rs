@@ -103,8 +103,8 @@ fn meshes_hold_the_points_that_their_headers_say() {
     let parquet = read("parquet");
     assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
     // what is written as contacts elsewhere is read as contacts here
-    let fitted = done(here, "fit s.ply --degree 2");
-    assert!(fitted.contains("20 of s.ply"), "{fitted}");
+    let fitted: Value = serde_json::from_str(&done(here, "fit s.ply --degree 2 --json")).unwrap();
+    assert_eq!(fitted["contacts"], points);
 }
 
 /// Normals turn to the free side, and every triangle turns with them.
@@ -232,7 +232,7 @@ fn cad_files_of_others_are_read_or_refused_by_name() {
         tail[at..].strip_suffix(");").unwrap()
     );
     std::fs::write(here.join("parted.step"), step.replace(surface, &parted)).unwrap();
-    assert!(done(here, "show parted.step").contains("ridge"));
+    assert!(done(here, "show parted.step --json").contains("\"ridge\""));
 }
 
 /// A name with markup, quotes and control characters stays harmless in every file.
@@ -252,5 +252,7 @@ fn names_do_no_harm() {
         let text = ["step", "igs", "obj"].contains(&ending);
         assert!(!text || bytes.iter().all(|b| b.is_ascii_graphic() || b" \n".contains(b)), "{ending}");
     }
-    assert!(done(here, "show s.step").contains("ridge") && done(here, "show s.igs").contains("ridge"));
+    for line in ["show s.step --json", "show s.igs --json"] {
+        assert!(done(here, line).contains("\"ridge\""), "{line}");
+    }
 }
