@@ -67,7 +67,7 @@ pub mod parametric {
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::{explore_schema, fit_schema, frontier_schema, study_schema};
+    pub use crate::report::{explore_schema, fit_schema, frontier_schema, parts_schema, study_schema};
 }
 
 /// The simulated world.

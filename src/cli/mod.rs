@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | parts INPUT|SCENE | scenes [NAME] | show SURFACE [--at POINTS]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -25,6 +25,7 @@ mod merge;
 mod named;
 mod options;
 mod output;
+mod parts;
 mod preparation;
 mod progress;
 mod reading;
@@ -71,6 +72,8 @@ enum Verb {
     Merge(merge::MergeArgs),
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
     Explore(Box<explore::ExploreArgs>),
+    /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
+    Parts(Box<parts::PartsArgs>),
     /// List the built-in scenes, or print one as TOML
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points
@@ -103,6 +106,7 @@ pub fn main() -> ExitCode {
         Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
+        Verb::Parts(args) => parts::parts(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
     };

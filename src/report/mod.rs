@@ -30,6 +30,8 @@ mod json;
 mod letters;
 mod maps;
 mod parametric;
+mod parts;
+mod parts_picture;
 mod picture;
 mod point_table;
 mod points;
@@ -53,7 +55,9 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
-pub use schema::{explore_schema, fit_schema, frontier_schema, study_schema};
+pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
+pub(crate) use parts_picture::write_parts_picture;
+pub use schema::{explore_schema, fit_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

@@ -12,6 +12,7 @@ mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod npz;
+mod parts;
 mod readers;
 mod scene_file;
 mod schema;

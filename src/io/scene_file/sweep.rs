@@ -20,6 +20,10 @@ pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
 }
 
 fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, SceneFileError> {
+    if let (Some(("scan", _)), None) = (section.word("path")?, inherited) {
+        let spacing = section.required("spacing", "the distance between the points of a scan is needed")?;
+        return Ok(Sweep::scan(spacing, section.several("eye")?));
+    }
     let fingers = match (section.numbers("fingers")?, inherited) {
         (Some(fingers), _) => fingers,
         (None, Some(first)) => first.fingers.clone(),
@@ -29,7 +33,7 @@ fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, Scene
         Some(first) => Sweep { fingers, ..first.clone() },
         None => Sweep::new(fingers, Vec::new()),
     };
-    let paths = ["down", "around"];
+    let paths = ["down", "around", "scan"];
     match section.word("path")? {
         None => {}
         Some(("down", _)) => sweep.path = SweepPath::Down,
