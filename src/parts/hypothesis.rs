@@ -70,7 +70,7 @@ pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], e
     let mut all = starts(kind, sample);
     all.extend(before.iter().filter(|p| p.kind == kind));
     all.retain(|start| start.is_sound(1e3 * extent));
-    // one start that is clearly the best is enough
+    // of several starts the two nearest to the points are worth a descent
     all.sort_by(|a, b| sum_of_squares(a, sample).total_cmp(&sum_of_squares(b, sample)));
     let found = all.iter().take(2).filter_map(|start| descend(start, sample));
     let sound = found.filter(|d| d.primitive.is_sound(extent) && d.sum.is_finite());

@@ -42,6 +42,7 @@ mod result;
 mod sides;
 mod small;
 mod start;
+mod wide_noise;
 
 pub(crate) use against::{Agreement, against, boundary};
 pub use error::PartsError;
@@ -58,12 +59,15 @@ use answer::Findings;
 use cloud::{Cloud, FEWEST};
 use local::{Noise, local_shapes};
 
-/// A share of the cloud's size that a departure must exceed to be a part: what a reader would not see in a drawing.
-const UNSEEN: f64 = 0.003;
+/// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
+/// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
+const UNSEEN: f64 = 0.01;
 /// The same in spacings: contacts do not resolve less.
 const UNRESOLVED: f64 = 0.1;
 /// Departures of normals that go with it, in degrees.
-const UNSEEN_DEG: f64 = 1.0;
+const UNSEEN_DEG: f64 = 3.0;
+/// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
+const BLURRED_DEG: f64 = 15.0;
 
 /// Cuts contacts into parts.
 ///
@@ -77,13 +81,16 @@ pub fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, Par
     }
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+    let estimated = contacts.unit_normal(0).is_none();
     let normals = normals(contacts, &points, options, &mut notes)?;
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;
     let (noise, shapes) = local_shapes(&cloud);
     let tolerance = options.tolerance.map_or((UNRESOLVED * cloud.spacing).max(UNSEEN), |t| t / cloud.scale);
-    let coarse =
-        Noise { distance: noise.distance.hypot(tolerance), normal: noise.normal.hypot(UNSEEN_DEG.to_radians()) };
-    let partition = partition::partition(&cloud, &shapes, &noise, &coarse);
+    let wide = wide_noise::wide_noise(&cloud, &shapes, &noise);
+    let unseen_deg = if estimated { BLURRED_DEG } else { UNSEEN_DEG };
+    let coarse = Noise { distance: wide.distance.hypot(tolerance), normal: wide.normal.hypot(unseen_deg.to_radians()) };
+    let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
+    let partition = partition::partition(&cloud, &shapes, &floor, &coarse);
     Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance }.parts(partition, notes))
 }
 

@@ -10,6 +10,8 @@
 //! H. Isack and Y. Boykov, *Energy-based geometric multi-model fitting*, IJCV 97 (2012) 123. Nothing is drawn at random: seeds
 //! come in the order of their misfit, all labels change at once.
 
+use std::collections::HashSet;
+
 use super::cloud::{Cloud, FEWEST, NEAREST};
 use super::descent::Sample;
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
@@ -88,7 +90,7 @@ fn grown(cloud: &Cloud, shapes: &[LocalShape], u: &Noise) -> Partition {
         tried[seed] = true;
         let found = grow(cloud, seed, u, &mut walk).filter(|(_, members)| members.len() >= FEWEST);
         let Some((primitive, members)) = found else {
-            cloud.linked(seed).iter().for_each(|&j| tried[j as usize] = true);
+            cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
             continue;
         };
         let better: Vec<(usize, f64)> = members
@@ -99,7 +101,7 @@ fn grown(cloud: &Cloud, shapes: &[LocalShape], u: &Noise) -> Partition {
         let gain: f64 = better.iter().map(|(i, cost)| costs[*i] - cost).sum();
         let price = (primitive.kind.free().len() + 1) as f64 * rows.ln();
         if gain <= price || better.len() < FEWEST / 2 {
-            cloud.linked(seed).iter().for_each(|&j| tried[j as usize] = true);
+            cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
             continue;
         }
         for (i, cost) in better {
@@ -223,24 +225,49 @@ impl Partition {
     /// Joins pairs of parts, the one that lowers the energy most first, until none does.
     fn join(&mut self, cloud: &Cloud, u: &Noise) -> bool {
         let mut joined = false;
-        loop {
-            let members = self.members();
-            let pairs: Vec<(usize, usize)> = (0..self.parts.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
-            let judged = threads::map(pairs.len(), 1, |k| {
-                let (a, b) = pairs[k];
-                self.gain_of_joining(cloud, u, (a, &members[a]), (b, &members[b]))
-            });
-            let best = judged
-                .into_iter()
-                .zip(&pairs)
-                .filter_map(|(found, pair)| found.map(|(gain, primitive)| (gain, primitive, *pair)))
-                .max_by(|x, y| x.0.total_cmp(&y.0));
-            let Some((_, primitive, (a, b))) = best else { return joined };
+        let pairs: Vec<(usize, usize)> = (0..self.parts.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
+        let mut gains = self.gains(cloud, u, &pairs);
+        while let Some((_, primitive, (a, b))) = gains.iter().copied().reduce(|x, y| if y.0 > x.0 { y } else { x }) {
             joined = true;
             self.parts[a] = primitive;
             self.labels.iter_mut().filter(|l| **l == b as u32).for_each(|l| *l = a as u32);
             self.keep(|part| part != b);
+            // numbers beyond b move down by one; what was known of a and b is void
+            gains.retain(|(_, _, (x, y))| ![*x, *y].iter().any(|k| *k == a || *k == b));
+            let moved = |k: usize| if k > b { k - 1 } else { k };
+            gains.iter_mut().for_each(|(_, _, (x, y))| (*x, *y) = (moved(*x), moved(*y)));
+            let others = (0..self.parts.len()).filter(|k| *k != a);
+            let new: Vec<(usize, usize)> = others.map(|k| (a.min(k), a.max(k))).collect();
+            gains.extend(self.gains(cloud, u, &new));
         }
+        joined
+    }
+
+    /// The pairs of which joining lowers the energy, by how much and to which primitive.
+    fn gains(&self, cloud: &Cloud, u: &Noise, pairs: &[(usize, usize)]) -> Vec<(f64, Primitive, (usize, usize))> {
+        let members = self.members();
+        let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part]));
+        let adjacent = self.adjacent(cloud);
+        let judged = threads::map(pairs.len(), 1, |k| {
+            let (a, b) = pairs[k];
+            self.gain_of_joining(cloud, u, (a, &inner[a]), (b, &inner[b]), adjacent.contains(&(a as u32, b as u32)))
+        });
+        let found = judged.into_iter().zip(pairs).filter_map(|(found, pair)| found.map(|(gain, p)| (gain, p, *pair)));
+        found.collect()
+    }
+
+    /// Pairs of parts with points next to each other, the smaller number first.
+    fn adjacent(&self, cloud: &Cloud) -> HashSet<(u32, u32)> {
+        let mut pairs = HashSet::new();
+        for i in 0..cloud.len() {
+            for &j in cloud.linked(i) {
+                let (a, b) = (self.labels[i], self.labels[j as usize]);
+                if a != b && a != NONE && b != NONE {
+                    pairs.insert((a.min(b), a.max(b)));
+                }
+            }
+        }
+        pairs
     }
 
     /// By how much the score falls when one primitive takes two parts, if it falls.
@@ -250,11 +277,12 @@ impl Partition {
         u: &Noise,
         (a, of_a): (usize, &[u32]),
         (b, of_b): (usize, &[u32]),
+        adjacent: bool,
     ) -> Option<(f64, Primitive)> {
         let [one, two] = [self.parts[a], self.parts[b]];
-        let (mut points, mut normals) = sampled(cloud, &self.inner(cloud, of_a), JUDGED);
+        let (mut points, mut normals) = sampled(cloud, of_a, JUDGED);
         let first = points.len();
-        let (more_points, more_normals) = sampled(cloud, &self.inner(cloud, of_b), JUDGED);
+        let (more_points, more_normals) = sampled(cloud, of_b, JUDGED);
         points.extend(more_points);
         normals.extend(more_normals);
         let costs = |primitive: &Primitive, from: usize, to: usize| -> f64 {
@@ -263,7 +291,8 @@ impl Partition {
         let count = points.len();
         // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
         let across = [costs(&one, first, count) / (count - first) as f64, costs(&two, 0, first) / first as f64];
-        if !self.are_neighbours(cloud, (a, of_a), (b, of_b)) && across.iter().all(|mean| *mean > 0.9 * CAP) {
+        let foreign = if adjacent { 0.98 } else { 0.7 };
+        if across.iter().all(|mean| *mean > foreign * CAP) {
             return None;
         }
         let price = |p: &Primitive| p.kind.free().len() as f64 * (4.0 * count as f64).ln();
@@ -272,11 +301,6 @@ impl Partition {
         let joint = best(&sample, &[one, two])?.primitive;
         let together = costs(&joint, 0, count) + price(&joint);
         (together < apart).then_some((apart - together, joint))
-    }
-
-    fn are_neighbours(&self, cloud: &Cloud, (a, of_a): (usize, &[u32]), (b, of_b): (usize, &[u32])) -> bool {
-        let (fewer, other) = if of_a.len() < of_b.len() { (of_a, b) } else { (of_b, a) };
-        fewer.iter().any(|&i| cloud.linked(i as usize).iter().any(|&j| self.labels[j as usize] == other as u32))
     }
 }
 

@@ -246,7 +246,8 @@ impl Primitive {
                 PartKind::Plane | PartKind::Patch => true,
                 PartKind::Sphere | PartKind::Cylinder => size(one),
                 PartKind::Cone => one.is_finite() && two.abs() < 1.55 && one.abs() < FAR * extent,
-                PartKind::Torus => size(one) && size(two),
+                // a tube far wider than its ring is a ball in disguise
+                PartKind::Torus => size(one) && size(two) && one > 0.2 * two,
             }
     }
 }
