@@ -30,6 +30,7 @@ mod answer;
 mod cloud;
 mod descent;
 mod error;
+mod evidence;
 mod exact;
 mod hypothesis;
 mod joints;
@@ -57,15 +58,17 @@ use crate::vector::{Vector, dot, minus, norm, scaled};
 
 use answer::Findings;
 use cloud::{Cloud, FEWEST};
+use evidence::Cells;
 use local::{Noise, local_shapes};
+use partition::{Field, partition};
 
 /// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
 /// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
-const UNSEEN: f64 = 0.01;
+const UNSEEN: f64 = 0.003;
 /// The same in spacings: contacts do not resolve less.
 const UNRESOLVED: f64 = 0.1;
 /// Departures of normals that go with it, in degrees.
-const UNSEEN_DEG: f64 = 3.0;
+const UNSEEN_DEG: f64 = 1.0;
 /// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
 const BLURRED_DEG: f64 = 15.0;
 
@@ -90,7 +93,10 @@ pub fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, Par
     let unseen_deg = if estimated { BLURRED_DEG } else { UNSEEN_DEG };
     let coarse = Noise { distance: wide.distance.hypot(tolerance), normal: wide.normal.hypot(unseen_deg.to_radians()) };
     let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
-    let partition = partition::partition(&cloud, &shapes, &floor, &coarse);
+    let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
+    let field =
+        Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
+    let partition = partition(&field);
     Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance }.parts(partition, notes))
 }
 

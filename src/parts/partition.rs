@@ -14,9 +14,10 @@ use std::collections::HashSet;
 
 use super::cloud::{Cloud, FEWEST, NEAREST};
 use super::descent::Sample;
+use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
-use super::primitive::Primitive;
+use super::primitive::{PartKind, Primitive};
 use crate::threads;
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
@@ -42,24 +43,38 @@ pub(super) struct Partition {
     pub(super) labels: Vec<u32>,
 }
 
-/// Cuts the cloud into parts. `coarse` is the noise with what departures from a primitive are let pass.
-pub(super) fn partition(cloud: &Cloud, shapes: &[LocalShape], noise: &Noise, coarse: &Noise) -> Partition {
-    let mut partition = grown(cloud, shapes, coarse);
+/// What a partition is made from.
+pub(super) struct Field<'a> {
+    pub(super) cloud: &'a Cloud,
+    pub(super) shapes: &'a [LocalShape],
+    /// The noise as most places show it.
+    pub(super) noise: &'a Noise,
+    /// The noise with what departures from a primitive are let pass.
+    pub(super) coarse: &'a Noise,
+    /// What is let pass.
+    pub(super) pass: Noise,
+    pub(super) cells: Cells,
+}
+
+/// Cuts the cloud into parts.
+pub(super) fn partition(field: &Field) -> Partition {
+    let (cloud, coarse) = (field.cloud, field.coarse);
+    let mut partition = grown(cloud, field.shapes, coarse);
     let mut fine = *coarse;
     for round in 0..ROUNDS {
         let before = partition.labels.clone();
-        partition.refit(cloud, coarse);
+        partition.refit(field);
         if round > 0 {
-            fine = partition.noise(cloud, noise);
+            fine = partition.noise(cloud, field.noise);
         }
         (0..SWEEPS).for_each(|_| partition.relabel(cloud, &fine));
         partition.drop_small();
-        let joined = partition.join(cloud, coarse);
+        let joined = partition.join(field);
         if !joined && round > 1 && same(&before, &partition.labels) {
             break;
         }
     }
-    partition.refit(cloud, coarse);
+    partition.refit(field);
     partition
 }
 
@@ -134,22 +149,15 @@ impl Partition {
     }
 
     /// Fits every part to its inner points, its kind chosen anew.
-    fn refit(&mut self, cloud: &Cloud, u: &Noise) {
-        /// Points that a part is fitted to while labels still change.
-        const FITTED: usize = 1000;
+    fn refit(&mut self, field: &Field) {
         let members = self.members();
         let fitted = threads::map(self.parts.len(), 1, |part| {
-            let inner = self.inner(cloud, &members[part]);
-            if inner.len() < NEAREST / 2 {
-                return None;
-            }
-            let (points, normals) = sampled(cloud, &inner, FITTED);
-            let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-            best(&sample, &[self.parts[part]])
+            let inner = self.inner(field.cloud, &members[part]);
+            if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) }
         });
         for (part, fitted) in self.parts.iter_mut().zip(fitted) {
             if let Some(fitted) = fitted {
-                *part = fitted.primitive;
+                *part = fitted;
             }
         }
     }
@@ -223,10 +231,10 @@ impl Partition {
     }
 
     /// Joins pairs of parts, the one that lowers the energy most first, until none does.
-    fn join(&mut self, cloud: &Cloud, u: &Noise) -> bool {
+    fn join(&mut self, field: &Field) -> bool {
         let mut joined = false;
         let pairs: Vec<(usize, usize)> = (0..self.parts.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
-        let mut gains = self.gains(cloud, u, &pairs);
+        let mut gains = self.gains(field, &pairs);
         while let Some((_, primitive, (a, b))) = gains.iter().copied().reduce(|x, y| if y.0 > x.0 { y } else { x }) {
             joined = true;
             self.parts[a] = primitive;
@@ -238,19 +246,20 @@ impl Partition {
             gains.iter_mut().for_each(|(_, _, (x, y))| (*x, *y) = (moved(*x), moved(*y)));
             let others = (0..self.parts.len()).filter(|k| *k != a);
             let new: Vec<(usize, usize)> = others.map(|k| (a.min(k), a.max(k))).collect();
-            gains.extend(self.gains(cloud, u, &new));
+            gains.extend(self.gains(field, &new));
         }
         joined
     }
 
     /// The pairs of which joining lowers the energy, by how much and to which primitive.
-    fn gains(&self, cloud: &Cloud, u: &Noise, pairs: &[(usize, usize)]) -> Vec<(f64, Primitive, (usize, usize))> {
+    fn gains(&self, field: &Field, pairs: &[(usize, usize)]) -> Vec<(f64, Primitive, (usize, usize))> {
+        let cloud = field.cloud;
         let members = self.members();
         let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part]));
         let adjacent = self.adjacent(cloud);
         let judged = threads::map(pairs.len(), 1, |k| {
             let (a, b) = pairs[k];
-            self.gain_of_joining(cloud, u, (a, &inner[a]), (b, &inner[b]), adjacent.contains(&(a as u32, b as u32)))
+            self.gain_of_joining(field, (a, &inner[a]), (b, &inner[b]), adjacent.contains(&(a as u32, b as u32)))
         });
         let found = judged.into_iter().zip(pairs).filter_map(|(found, pair)| found.map(|(gain, p)| (gain, p, *pair)));
         found.collect()
@@ -270,38 +279,65 @@ impl Partition {
         pairs
     }
 
-    /// By how much the score falls when one primitive takes two parts, if it falls.
+    /// By how much one primitive beats two, if it does.
     fn gain_of_joining(
         &self,
-        cloud: &Cloud,
-        u: &Noise,
+        field: &Field,
         (a, of_a): (usize, &[u32]),
         (b, of_b): (usize, &[u32]),
         adjacent: bool,
     ) -> Option<(f64, Primitive)> {
+        let (cloud, u) = (field.cloud, field.coarse);
         let [one, two] = [self.parts[a], self.parts[b]];
         let (mut points, mut normals) = sampled(cloud, of_a, JUDGED);
         let first = points.len();
         let (more_points, more_normals) = sampled(cloud, of_b, JUDGED);
         points.extend(more_points);
         normals.extend(more_normals);
-        let costs = |primitive: &Primitive, from: usize, to: usize| -> f64 {
-            (from..to).map(|k| cost(primitive, points[k], normals[k], u)).sum()
+        let mean = |primitive: &Primitive, from: usize, to: usize| -> f64 {
+            (from..to).map(|k| cost(primitive, points[k], normals[k], u)).sum::<f64>() / (to - from) as f64
         };
-        let count = points.len();
         // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
-        let across = [costs(&one, first, count) / (count - first) as f64, costs(&two, 0, first) / first as f64];
-        let foreign = if adjacent { 0.98 } else { 0.7 };
-        if across.iter().all(|mean| *mean > foreign * CAP) {
+        let foreign = if adjacent { 0.98 } else { 0.7 } * CAP;
+        if mean(&one, first, points.len()) > foreign && mean(&two, 0, first) > foreign {
             return None;
         }
-        let price = |p: &Primitive| p.kind.free().len() as f64 * (4.0 * count as f64).ln();
-        let apart = costs(&one, 0, first) + costs(&two, first, count) + price(&one) + price(&two);
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
         let joint = best(&sample, &[one, two])?.primitive;
-        let together = costs(&joint, 0, count) + price(&joint);
-        (together < apart).then_some((apart - together, joint))
+        let (mut together, mut apart) = (Residuals::default(), Residuals::default());
+        together.add(cloud, of_a, &joint);
+        together.add(cloud, of_b, &joint);
+        apart.add(cloud, of_a, &one);
+        apart.add(cloud, of_b, &two);
+        let unknowns = |p: &Primitive| p.kind.free().len();
+        let more = (unknowns(&one) + unknowns(&two) + 1).saturating_sub(unknowns(&joint));
+        let lost = together.lose_to(&apart, more, &field.cells, &field.pass);
+        (lost < 0.0).then_some((-lost, joint))
     }
+}
+
+/// The simplest kind that no richer one beats.
+fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive> {
+    /// Points that a part is fitted to while labels still change.
+    const FITTED: usize = 1000;
+    let (cloud, u) = (field.cloud, field.coarse);
+    let (points, normals) = sampled(cloud, inner, FITTED);
+    let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
+    let extent = extent(&points);
+    let mut kept: Option<(Primitive, Residuals)> = None;
+    for kind in PartKind::EXACT {
+        let Some(found) = descended(kind, &sample, &[*before], extent) else { continue };
+        let mut residuals = Residuals::default();
+        residuals.add(cloud, inner, &found.primitive);
+        let better = kept.as_ref().is_none_or(|(primitive, simpler)| {
+            let more = kind.free().len().saturating_sub(primitive.kind.free().len());
+            simpler.lose_to(&residuals, more, &field.cells, &field.pass) > 0.0
+        });
+        if better {
+            kept = Some((found.primitive, residuals));
+        }
+    }
+    kept.map(|(primitive, _)| primitive)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.

@@ -79,9 +79,8 @@ fn rotation_and_unit_change_nothing_but_coordinates() {
 fn the_order_of_the_contacts_does_not_matter() {
     let contacts = body();
     let count = contacts.len();
-    // a step that has no divisor in common with the count
-    let step = (count / 2..).find(|s| (2..=*s).all(|d| count % d != 0 || s % d != 0)).unwrap();
-    let order: Vec<u32> = (0..count).map(|k| ((k * step) % count) as u32).collect();
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    order.sort_by(|a, b| (f64::from(*a) * 0.618).fract().total_cmp(&(f64::from(*b) * 0.618).fract()));
     let mut place = vec![0; count];
     order.iter().enumerate().for_each(|(k, i)| place[*i as usize] = k);
     let (before, after) = (found(&contacts), found(&contacts.in_order(&order)));
