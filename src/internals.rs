@@ -64,6 +64,11 @@ pub mod parametric {
     pub use crate::parametric::choose_surface;
 }
 
+/// Parts beside the truth.
+pub mod parts {
+    pub use crate::parts::{Agreement, against};
+}
+
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {

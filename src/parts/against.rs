@@ -15,7 +15,7 @@ use crate::vector::{Vector, minus, norm};
 
 /// A segmentation beside the truth.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Agreement {
+pub struct Agreement {
     /// Contacts of each face in each part; the last column counts those in none.
     pub table: Vec<Vec<usize>>,
     /// The part that each face corresponds to, one to one.
@@ -27,7 +27,7 @@ pub(crate) struct Agreement {
 }
 
 /// Compares parts with the true face of every contact.
-pub(crate) fn against(contacts: &Contacts, parts: &Parts, faces: &[usize], kinds: usize) -> Agreement {
+pub fn against(contacts: &Contacts, parts: &Parts, faces: &[usize], kinds: usize) -> Agreement {
     let columns = parts.parts.len() + 1;
     let mut table = vec![vec![0_usize; columns]; kinds];
     let label = |i: usize| parts.labels[i].map_or(columns - 1, |l| l as usize);
@@ -49,6 +49,7 @@ pub(crate) fn against(contacts: &Contacts, parts: &Parts, faces: &[usize], kinds
 }
 
 /// Which contacts have a neighbour in another part.
+#[cfg(feature = "cli")]
 pub(crate) fn boundary(contacts: &Contacts, labels: &[Option<u32>]) -> Vec<bool> {
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
     let tree = Neighbours::new(&points);

@@ -45,7 +45,10 @@ mod small;
 mod start;
 mod wide_noise;
 
-pub(crate) use against::{Agreement, against, boundary};
+#[cfg(feature = "cli")]
+pub(crate) use against::boundary;
+#[doc(hidden)]
+pub use against::{Agreement, against};
 pub use error::PartsError;
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;

@@ -92,7 +92,7 @@ fn view(contacts: &Contacts, found: &Parts, edge: &[bool], eye: Vector, left: f6
     let mut order: Vec<(f64, usize)> =
         (0..contacts.len()).step_by(step).filter(|&r| seen(r)).map(|r| (dot(eye, place(r)), r)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let radius = (0.45 * found.spacing * scale * (step as f64).sqrt()).clamp(0.8, 7.0);
+    let radius = (0.85 * found.spacing * scale * (step as f64).sqrt()).clamp(0.8, 9.0);
     let mut sums = vec![([0.0; 2], 0.0); found.parts.len()];
     for (_, r) in order {
         let [x, y] = pixel(flat(r));

@@ -66,11 +66,13 @@ impl Truth {
     }
 
     /// Which face of a body of solids each point lies on; `None` for other bodies.
-    pub(crate) fn faces(&self) -> Option<Vec<usize>> {
+    #[doc(hidden)]
+    pub fn faces(&self) -> Option<Vec<usize>> {
         self.points.iter().map(|touch| self.surface.face_at(touch.point)).collect()
     }
 
     /// The kinds of those faces: `plane`, `sphere`, `cylinder`, `cone`, `torus`.
+    #[cfg(feature = "cli")]
     pub(crate) fn face_kinds(&self) -> Vec<&'static str> {
         match &self.surface.body {
             Body::Solids(solids) => solids.face_kinds(),
