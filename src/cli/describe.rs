@@ -5,17 +5,18 @@ use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_atomically, write_contacts};
 use crate::report::{
-    Answer, Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
-    write_table,
+    Answer, Description, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json, write_table,
+    write_words,
 };
 
 use super::failure::{Failure, fit_message};
-use super::options::OutputFlags;
-use super::output::print;
+use super::options::{OutputFlags, WordsFlags};
+use super::output::{print, wants_colour, with_bold_labels};
 
 /// Where a description goes.
 pub(super) struct Destination<'a> {
     pub(super) output: &'a OutputFlags,
+    pub(super) words: &'a WordsFlags,
     pub(super) save: Option<&'a PathBuf>,
 }
 
@@ -58,7 +59,7 @@ pub(super) fn describe(
     }
     // what `--save -` sent to standard output is not to be mixed with a table
     let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
-    show(description.document(), name, to.output, saved_there)
+    show(&*description, name, to.output, to.words, saved_there)
 }
 
 /// The files of the output directory, if one is asked for.
@@ -69,13 +70,32 @@ pub(super) fn files(description: &dyn Description, name: &str, output: &OutputFl
     output.file("shape.svg", &mut |out| description.write_picture(name, out))
 }
 
-/// The document on standard output, as JSON or as a table; no table where standard output is taken.
-pub(super) fn show(document: &FitDocument, name: &str, output: &OutputFlags, taken: bool) -> Result<(), Failure> {
+/// The document on standard output, as JSON or in words; no words where standard output is taken.
+pub(super) fn show(
+    description: &dyn Description,
+    name: &str,
+    output: &OutputFlags,
+    words: &WordsFlags,
+    taken: bool,
+) -> Result<(), Failure> {
+    let document = description.document();
     if output.json {
         return print(&mut |out| write_json(document, out));
     }
     if output.quiet || taken {
         return Ok(());
     }
-    print(&mut |out| write_table(name, document, out))
+    let mut text = Vec::new();
+    write_words(name, document, &mut text)?;
+    if words.verbose {
+        text.push(b'\n');
+        write_table(document, &mut text)?;
+        let maps = description.small_maps();
+        if !maps.is_empty() {
+            text.extend(format!("\n{maps}").into_bytes());
+        }
+    }
+    let text = String::from_utf8_lossy(&text);
+    let text = if wants_colour() { with_bold_labels(&text).into() } else { text };
+    print(&mut |out| out.write_all(text.as_bytes()))
 }

@@ -15,7 +15,7 @@ use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
 use crate::parametric::{FittedSurface, ParametricFit};
 use crate::recognition::{Recognition, RecognitionOptions, count_model_error};
-use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_table};
+use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
 
 use super::automatic::{Found, Refusal, automatic};
 use super::failure::Failure;
@@ -123,6 +123,7 @@ impl FitAnswer {
         let seconds = Seconds { read: 0.0, fit: self.seconds, shape, total: self.seconds + shape };
         let subject = Subject {
             input: &self.input,
+            unit: None,
             truth: None,
             bare: self.bare,
             notes: self.found.notes.clone(),
@@ -133,7 +134,7 @@ impl FitAnswer {
         let (mut json, mut table) = (Vec::new(), Vec::new());
         // a Vec takes every byte
         let _ = write_json(description.document(), &mut json);
-        let _ = write_table(name, description.document(), &mut table);
+        let _ = write_words(name, description.document(), &mut table);
         Ok([json, table])
     }
 }

@@ -168,6 +168,7 @@ fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<S
         chosen: found.chosen,
         lack_of_fit: found.lack_of_fit,
         input,
+        unit: None,
         truth: None,
         bare: false,
         notes: Vec::new(),

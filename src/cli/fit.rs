@@ -15,7 +15,7 @@ use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::preparation::PreparationFlags;
 use super::reading::{ReadFlags, seen_from};
 
@@ -39,6 +39,8 @@ pub(super) struct FitArgs {
     reading: ReadFlags,
     #[command(flatten)]
     fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -79,6 +81,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
         chosen: found.chosen,
         lack_of_fit: found.lack_of_fit,
         input: &reading.input,
+        unit: args.words.unit.clone(),
         truth: None,
         bare: args.bare,
         notes,
@@ -90,7 +93,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
         &reading.file,
         &subject,
         &taken,
-        &Destination { output: &args.output, save: args.save.as_ref() },
+        &Destination { output: &args.output, words: &args.words, save: args.save.as_ref() },
     )
 }
 

@@ -1,16 +1,20 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | parts INPUT|SCENE | scenes [NAME] | show SURFACE [--at POINTS]
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE
+//! palpate parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
 mod automatic;
+mod completions;
 mod coverage;
 mod describe;
 #[doc(hidden)]
 pub mod embedded;
+mod examples;
+mod explain;
 mod explore;
 mod failure;
 mod fit;
@@ -21,6 +25,7 @@ mod frontier_emit;
 mod frontier_input;
 mod frontier_scene;
 mod gathered;
+mod help;
 mod merge;
 mod named;
 mod options;
@@ -47,7 +52,8 @@ use failure::Failure;
 
 /// The shape of a curved surface from a few touches, and how far to trust it.
 #[derive(Parser)]
-#[command(name = "palpate", version, max_term_width = 110)]
+#[command(name = "palpate", version, max_term_width = 110, disable_help_subcommand = true)]
+#[command(after_help = examples::ALL)]
 struct Line {
     /// The kernels' plain path on every machine, for the same bits; results by QR keep their library's instruction set
     #[arg(long, global = true)]
@@ -59,25 +65,45 @@ struct Line {
 #[derive(Subcommand)]
 enum Verb {
     /// Sweep, fit and describe one scene
+    #[command(after_help = examples::RUN)]
     Run(Box<run::RunArgs>),
     /// Write the contacts of a scene and nothing else
+    #[command(after_help = examples::SIMULATE)]
     Simulate(simulate::SimulateArgs),
     /// Fit a surface to contacts or a grid and describe its shape
+    #[command(after_help = examples::FIT)]
     Fit(Box<fit::FitArgs>),
     /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
+    #[command(after_help = examples::STUDY)]
     Study(Box<study_plan::StudyArgs>),
     /// What accuracy costs in time: ways of fitting a scene or a file, each timed and judged, and the one that meets a request
+    #[command(after_help = examples::FRONTIER)]
     Frontier(frontier_args::FrontierArgs),
     /// Join parts of a study made with --range to the bits of one run
+    #[command(after_help = examples::MERGE)]
     Merge(merge::MergeArgs),
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
+    #[command(after_help = examples::EXPLORE)]
     Explore(Box<explore::ExploreArgs>),
     /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
+    #[command(after_help = examples::PARTS)]
     Parts(Box<parts::PartsArgs>),
+    /// Say what a word of the output means
+    #[command(after_help = examples::EXPLAIN)]
+    Explain(explain::ExplainArgs),
     /// List the built-in scenes, or print one as TOML
+    #[command(after_help = examples::SCENES)]
     Scenes(scenes::ScenesArgs),
     /// Describe a saved surface, or evaluate it at given points
+    #[command(after_help = examples::SHOW)]
     Show(show::ShowArgs),
+    /// Print what a shell needs to complete commands and options
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(completions::CompletionsArgs),
+    /// Print the manual page (palpate man | man -l -)
+    Man,
+    /// Print help on a command, or on scene files (palpate help scene)
+    Help(help::HelpArgs),
 }
 
 /// Runs the command line of this process.
@@ -107,6 +133,10 @@ pub fn main() -> ExitCode {
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
         Verb::Parts(args) => parts::parts(&args),
+        Verb::Explain(args) => explain::explain(&args),
+        Verb::Completions(args) => completions::completions(&args),
+        Verb::Man => completions::man(),
+        Verb::Help(args) => help::help(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
     };

@@ -158,6 +158,18 @@ pub(super) struct OutputFlags {
     pub(super) quiet: bool,
 }
 
+/// What the text for people says, and in which unit.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Output")]
+pub(super) struct WordsFlags {
+    /// Add the technical lines: how the surface was found, and how far to trust the arithmetic
+    #[arg(long, short)]
+    pub(super) verbose: bool,
+    /// Unit of the lengths in the input, such as mm: it is said beside every length, and nothing is converted
+    #[arg(long, value_parser = values::unit)]
+    pub(super) unit: Option<String>,
+}
+
 #[cfg(test)]
 mod tests {
     use clap::Parser;

@@ -1,6 +1,6 @@
 //! Standard output, the output directory, and a spinner for people who wait.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
 use std::time::Duration;
@@ -120,6 +120,21 @@ impl Drop for Spinner {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
+}
+
+/// Whether standard output is a terminal that shows colours; NO_COLOR says no (no-color.org).
+pub(super) fn wants_colour() -> bool {
+    let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    !refused && std::env::var_os("TERM").is_none_or(|term| term != "dumb") && std::io::stdout().is_terminal()
+}
+
+/// Text with what stands before the first two blanks of a line in bold.
+pub(super) fn with_bold_labels(text: &str) -> String {
+    let bold = |line: &str| match line.find("  ").filter(|at| *at > 0) {
+        Some(at) => format!("\u{1b}[1m{}\u{1b}[0m{}\n", &line[..at], &line[at..]),
+        None => format!("{line}\n"),
+    };
+    text.lines().map(bold).collect()
 }
 
 /// Writes to standard output, whole.

@@ -11,7 +11,7 @@ use crate::report::{Answer, Subject, inverse_crime_remark};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::scene;
 
 /// Arguments of `palpate run`.
@@ -28,6 +28,8 @@ pub(super) struct RunArgs {
     bare: bool,
     #[command(flatten)]
     fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -56,8 +58,22 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(inverse_crime_remark(&truth));
     notes.extend(args.fit.without_effect(found.is_parametric(), false));
-    let subject = Subject { chosen, lack_of_fit: None, input: &input, truth: Some(&truth), bare: args.bare, notes };
+    let subject = Subject {
+        chosen,
+        lack_of_fit: None,
+        input: &input,
+        unit: args.words.unit.clone(),
+        truth: Some(&truth),
+        bare: args.bare,
+        notes,
+    };
     drop(spinner);
     let taken = Taken { began, read, fitted };
-    describe(&found, &scene.name, &subject, &taken, &Destination { output: &args.output, save: args.save.as_ref() })
+    describe(
+        &found,
+        &scene.name,
+        &subject,
+        &taken,
+        &Destination { output: &args.output, words: &args.words, save: args.save.as_ref() },
+    )
 }

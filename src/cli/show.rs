@@ -10,7 +10,7 @@ use crate::report::{FitDocument, ShownGrid, describe_saved, points_at};
 
 use super::describe;
 use super::failure::{Failure, fit_message};
-use super::options::{GridFlags, OutputFlags};
+use super::options::{GridFlags, OutputFlags, WordsFlags};
 use super::output::print;
 
 /// Arguments of `palpate show`.
@@ -23,6 +23,8 @@ pub(super) struct ShowArgs {
     at: Option<PathBuf>,
     #[command(flatten)]
     grid: GridFlags,
+    #[command(flatten)]
+    words: WordsFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -55,8 +57,11 @@ fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure>
 }
 
 fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failure> {
-    let document: FitDocument = serde_json::from_slice(bytes)
+    let mut document: FitDocument = serde_json::from_slice(bytes)
         .map_err(|e| Failure::Input(format!("{}: no whole palpate.fit/1 document: {e}", saved.file)))?;
+    if args.words.unit.is_some() {
+        document.unit.clone_from(&args.words.unit);
+    }
     let mut options = FitOptions::default().with_grid(document.shape.grid[0], document.shape.grid[1]);
     args.grid.apply(&mut options);
     if exceeds(options.grid, MOST_GRID_POINTS) {
@@ -71,5 +76,5 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     let description = describe_saved(saved, document, grid);
     describe::files(&*description, &saved.file, &args.output)?;
     args.output.publish()?;
-    describe::show(description.document(), &saved.file, &args.output, false)
+    describe::show(&*description, &saved.file, &args.output, &args.words, false)
 }

@@ -74,6 +74,18 @@ pub(super) fn bounds(text: &str) -> Result<[f64; 6], String> {
         .ok_or_else(|| "six numbers X0,X1,Y0,Y1,Z0,Z1, each pair in order, such as -4,4,-4,4,0,10".into())
 }
 
+/// Longest name of a unit.
+const LONGEST_UNIT: usize = 12;
+
+/// The name of a unit of length.
+pub(super) fn unit(text: &str) -> Result<String, String> {
+    let fits = (1..=LONGEST_UNIT).contains(&text.chars().count());
+    if fits && text.chars().all(char::is_alphanumeric) {
+        return Ok(text.into());
+    }
+    Err(format!("a unit of length in at most {LONGEST_UNIT} letters, such as mm, m or inch"))
+}
+
 /// `X,Y,Z`.
 pub(super) fn point(text: &str) -> Result<[f64; 3], String> {
     numbers::<3>(text).ok_or_else(|| "three numbers X,Y,Z, such as 0,0,0".into())
@@ -245,6 +257,14 @@ mod tests {
             assert!(level(wrong).is_err(), "{wrong}");
         }
         assert!(seconds("0").is_err() && seconds("0.5").is_ok());
+    }
+
+    #[test]
+    fn units_are_plain_words() {
+        assert_eq!((unit("mm"), unit("µm")), (Ok("mm".into()), Ok("µm".into())));
+        for wrong in ["", "<b>", "a b", "m\u{1b}[31m", "megaparsecsandmore"] {
+            assert!(unit(wrong).unwrap_err().contains("such as mm"), "{wrong}");
+        }
     }
 
     #[test]

@@ -54,6 +54,12 @@ impl ShapeClass {
         Some((lo, hi))
     }
 
+    /// Whether one direction of the class bends less than the other: that is its axis.
+    pub(crate) fn has_axis(self) -> bool {
+        use ShapeClass::{Dome, Ridge, Rut, SaddleRidge, SaddleRut, Trough};
+        matches!(self, Ridge | Rut | Dome | Trough | SaddleRidge | SaddleRut)
+    }
+
     /// The word used in every output.
     pub fn name(self) -> &'static str {
         match self {

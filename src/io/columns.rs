@@ -54,7 +54,9 @@ pub(super) enum Need {
 impl Need {
     fn words(self) -> &'static str {
         match self {
-            Need::Contacts => "x,y,z and optionally nx,ny,nz or zx,zy, finger, station, wz,wx,wy",
+            Need::Contacts => {
+                "x,y,z; normals nx,ny,nz (or slopes zx,zy) help, and finger, station, wz,wx,wy may stand beside them"
+            }
             Need::Points => "x,y",
         }
     }

@@ -1,21 +1,40 @@
 //! What can be wrong with a file, with enough fields to say where and what would be right.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::contact::ContactError;
 
 use super::Place;
+use super::visible::visible;
 
 /// Every format of contacts, for whoever came with another one.
 const READ: &str = "tables of text with a header such as x,y,z,nx,ny,nz (CSV, XYZ, PTS), NPZ, NPY, PLY, PCD, OBJ, OFF, STL, \
                     depth images (PNG, NPZ), each also as .gz";
+
+/// Names less alike than this, of 1, are not proposed.
+const ALIKE: f64 = 0.85;
+
+/// Why a file cannot be read; of one that is not there, the file beside its place whose name is most alike.
+fn why_unread(file: &str, source: &std::io::Error) -> String {
+    if source.kind() != std::io::ErrorKind::NotFound {
+        return source.to_string();
+    }
+    let path = Path::new(file);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let alike =
+        names.map(|other| visible(&other.to_string_lossy())).map(|other| (strsim::jaro_winkler(&name, &other), other));
+    let closest = alike.filter(|(score, _)| *score >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0));
+    closest.map_or("there is no such file".into(), |(_, other)| format!("there is no such file; did you mean {other}?"))
+}
 
 /// A file that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {
     /// The input cannot be opened or read.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read: {}", why_unread(file, source))]
     Read {
         /// Name of the input.
         file: String,
@@ -57,7 +76,7 @@ pub enum IoError {
         example: &'static str,
     },
     /// A needed column or array is not there.
-    #[error("{file}: no column {column}; it has {}, needed are {needed}", list(found))]
+    #[error("{file}: no column {column}; it has {}. Needed are {needed}", list(found))]
     MissingColumn {
         /// Name of the input.
         file: String,

@@ -7,7 +7,7 @@
 use super::fit_data::FitData;
 use super::gradient::{INPUTS, shape_gradient};
 use super::problem;
-use super::vector::{Vector, dot, minus, unit};
+use super::vector::{Vector, cross, dot, minus, unit};
 use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
 use crate::shape::{
@@ -43,6 +43,8 @@ pub struct ParametricShape {
     pub k2: Spread,
     /// Unit direction of k1 in space at the supported grid point nearest the middle of (u, v).
     pub direction: Option<Vector>,
+    /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
+    pub axis: Option<Vector>,
     /// Share of the grid points that contacts surround.
     pub support: f64,
     /// p-value of the best plane against the fit.
@@ -71,6 +73,7 @@ pub(super) fn describe(fit: &FitData) -> ParametricShape {
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let curvedness = statistic(r, 1.0 / scale, u_r, 0.0, f64::INFINITY);
     let maps = local.placed(fit.frame.origin, scale);
+    let directions = curved.and_then(|_| directions(&maps));
     ParametricShape {
         shape_index: if curved.is_some() { statistic(s, 1.0, u_s, -1.0, 1.0) } else { Statistic::default() },
         radius: curvedness.mean.and_then(|mean| radius_of(class, mean)),
@@ -79,7 +82,8 @@ pub(super) fn describe(fit: &FitData) -> ParametricShape {
         class_probability: curved.map_or(Vec::new(), |mean| class_probabilities(mean, u_s)),
         k1: spread(maps.defined(&maps.k1)),
         k2: spread(maps.defined(&maps.k2)),
-        direction: curved.and_then(|_| direction(&maps)),
+        direction: directions.map(|[k1, _]| k1),
+        axis: directions.map(|[_, axis]| axis).filter(|_| class.has_axis()),
         support: s.count as f64 / maps.grid.len() as f64,
         plane_p,
         maps,
@@ -114,15 +118,17 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
     })
 }
 
-/// Unit direction of k1 at the supported point nearest the middle.
-fn direction(maps: &ParametricMaps) -> Option<Vector> {
+/// Unit directions at the supported point nearest the middle: of k1, and of the curvature that is smaller by magnitude.
+fn directions(maps: &ParametricMaps) -> Option<[Vector; 2]> {
     let middle = [&maps.grid.x, &maps.grid.y].map(|axis| 0.5 * (axis[0] + axis[axis.len() - 1]));
     let distance = |at: (usize, usize)| (maps.grid.x[at.0] - middle[0]).hypot(maps.grid.y[at.1] - middle[1]);
     let supported = maps.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at);
     let at = supported.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
     let (k1, k2) = (maps.k1[at], maps.k2[at]);
     // an umbilic has no direction, and a spline leaves 1 % of the curvature as a difference there
-    (k1 - k2 > 0.01 * k1.abs().max(k2.abs())).then_some(maps.direction[at]).filter(|d| d[0].is_finite())
+    let k1_along =
+        (k1 - k2 > 0.01 * k1.abs().max(k2.abs())).then_some(maps.direction[at]).filter(|d| d[0].is_finite())?;
+    Some([k1_along, if k1.abs() <= k2.abs() { k1_along } else { cross(maps.normals[at], k1_along) }])
 }
 
 /// p-value of the best plane against the fit, by chi-square at the noise sds. The degrees of freedom are one for every

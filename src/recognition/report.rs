@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::shape::radius_of;
-use crate::vector::Vector;
+use crate::vector::{Vector, cross};
 
 use super::dense;
 use super::evidence::{Evidence, Node, curvatures};
@@ -83,6 +83,7 @@ impl Findings<'_> {
         let [k1, k2] = [found.k1 / scale, found.k2 / scale];
         let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
         let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
+        let directions = if directed { self.directions(&surface) } else { None };
         Ok(Recognition {
             hypothesis,
             class,
@@ -94,7 +95,10 @@ impl Findings<'_> {
             radius: radius_of(class, curvedness.mean),
             radii: radii(class, k1, k2),
             radius_interval: bounds[0].zip(bounds[1]).map(|(lo, hi)| [lo, hi]),
-            direction: if directed { self.direction(&surface) } else { None },
+            direction: directions.map(|[k1, _]| k1),
+            axis: directions
+                .map(|[k1, k2]| if found.k1.abs() <= found.k2.abs() { k1 } else { k2 })
+                .filter(|_| class.has_axis()),
             plane_probability,
             frame: self.patch.frame,
             support: (supported.iter().filter(|s| **s).count(), points.len()),
@@ -200,11 +204,12 @@ impl Findings<'_> {
         points.iter().enumerate().map(one).collect()
     }
 
-    /// Direction of k1 in the middle of the cells, input axes.
-    fn direction(&self, surface: &RecognisedSurface) -> Option<[f64; 3]> {
+    /// Directions of k1 and of k2 in the middle of the cells, input axes.
+    fn directions(&self, surface: &RecognisedSurface) -> Option<[[f64; 3]; 2]> {
         let [u, v] = [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]));
-        let direction = surface.state.at(&surface.chart_point(u, v)).direction?;
-        Some(self.patch.frame.rotate_back(direction))
+        let middle = surface.state.at(&surface.chart_point(u, v));
+        let k1 = middle.direction?;
+        Some([k1, cross(middle.normal, k1)].map(|direction| self.patch.frame.rotate_back(direction)))
     }
 
     fn noise(&self, best: &Node) -> NoiseFound {

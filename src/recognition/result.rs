@@ -236,6 +236,8 @@ pub struct Recognition {
     pub radius_interval: Option<[f64; 2]>,
     /// Unit direction of `k1` in the middle of the patch, input axes; `None` for plane and sphere.
     pub direction: Option<[f64; 3]>,
+    /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
+    pub axis: Option<[f64; 3]>,
     /// Posterior probability of the plane.
     pub plane_probability: f64,
     /// Frame of the patch: its third axis points to the free side.

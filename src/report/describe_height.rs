@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
-use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Shape};
+use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
 use crate::scene::Truth;
 use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
@@ -19,7 +19,7 @@ use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
 };
 use super::interval_words::interval_words;
-use super::maps::{write_maps_csv, write_maps_npz};
+use super::maps::write_maps_csv;
 use super::picture::{PictureOptions, write_picture};
 use super::table::significant;
 
@@ -97,8 +97,8 @@ impl Description for HeightDescription<'_> {
         write_maps_csv(&self.maps, out)
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.maps, out)
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Borrowed(&self.maps)
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -130,6 +130,7 @@ fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
 fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Seconds) -> FitDocument {
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: subject.unit.clone(),
         contacts: match subject.input {
             Input::Contacts(contacts) => contacts.len(),
             Input::Grid(grid) => measured_pixels(grid),
@@ -161,6 +162,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         ..SigmaPart::default()
     });
     let finite = |v: f64| v.is_finite().then_some(v);
+    let about_intervals = if subject.bare { Vec::new() } else { interval_words(fit) };
     let known = sigma.z.or(sigma.normal_deg).or(sigma.slope).is_some();
     FitPart {
         degree: [0, 1].map(|k| surface.knots()[k].degree()),
@@ -191,7 +193,14 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
-            .chain(if subject.bare { Vec::new() } else { interval_words(fit) })
+            .chain(about_intervals.iter().cloned())
+            .collect(),
+        technical_notes: fit
+            .notes()
+            .iter()
+            .filter(|note| matches!(note, Note::GaussNewton { .. }))
+            .map(ToString::to_string)
+            .chain(about_intervals.into_iter().filter(|_| fit.model_reading().found().is_some()))
             .collect(),
     }
 }
@@ -235,6 +244,8 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         k2: spread_part(shape.k2),
         direction_deg: shape.direction_deg,
         direction: None,
+        axis_deg: shape.axis_deg,
+        axis: None,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),

@@ -7,14 +7,13 @@ use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
 use crate::parametric::ParametricFit;
 use crate::scene::Truth;
-use crate::shape::{ParametricMaps, UvSupport, parametric_maps, spread, uv_grid};
+use crate::shape::{ParametricMaps, ShapeMaps, UvSupport, parametric_maps, spread, uv_grid};
 use crate::surface::Parametric;
 
 use super::description::{
     Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
 };
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
-use super::maps::write_maps_npz;
 use super::parametric::write_parametric_maps_csv;
 use super::picture::{PictureOptions, write_picture};
 
@@ -89,8 +88,8 @@ impl Description for ParametricDescription<'_> {
         write_parametric_maps_csv(&self.maps, out)
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.maps.flat(), out)
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Owned(self.maps.flat())
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -113,6 +112,7 @@ fn picture_maps(surface: &Parametric, grid: [usize; 2], support: &UvSupport) -> 
 fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, seconds: Seconds) -> FitDocument {
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: subject.unit.clone(),
         contacts: match subject.input {
             Input::Contacts(contacts) => contacts.len(),
             Input::Grid(grid) => grid.len(),
@@ -135,6 +135,7 @@ fn decline(document: &mut FitDocument) {
     }
     shape.class_probability = None;
     (shape.direction_deg, shape.direction) = (None, None);
+    (shape.axis_deg, shape.axis) = (None, None);
 }
 
 fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
@@ -178,6 +179,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
         smooth: levels.fairness,
         rms: RmsPart { z: Some(rms[0]), normal_deg: Some(rms[1].to_degrees()), ..RmsPart::default() },
         notes: subject.remarks().chain(notes(fit)).collect(),
+        technical_notes: Vec::new(),
     }
 }
 
@@ -226,6 +228,8 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         k2: spread_part(shape.k2),
         direction_deg: None,
         direction: shape.direction,
+        axis_deg: None,
+        axis: shape.axis,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: None,

@@ -5,6 +5,7 @@
 //! surface, maps, picture      from the spline through the recognised surface
 //! ```
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use crate::contact::Contacts;
@@ -19,7 +20,7 @@ use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, 
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
-use super::maps::{write_maps_csv, write_maps_npz};
+use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
 use super::picture::{PictureOptions, write_picture};
 
@@ -44,6 +45,7 @@ impl<'a> RecognisedDescription<'a> {
         let spline = found.spline()?;
         let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
+            unit: subject.unit.clone(),
             contacts: found.contacts + found.dropped.outliers,
             frame: match &spline {
                 RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
@@ -120,11 +122,11 @@ impl Description for RecognisedDescription<'_> {
         }
     }
 
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        match self.maps(self.found.grid) {
-            Maps::Height(maps) => write_maps_npz(&maps, out),
-            Maps::Parametric(maps) => write_maps_npz(&maps.flat(), out),
-        }
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
+        Cow::Owned(match self.maps(self.found.grid) {
+            Maps::Height(maps) => *maps,
+            Maps::Parametric(maps) => maps.flat(),
+        })
     }
 
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
@@ -183,6 +185,7 @@ fn fit_part(found: &Recognition, spline: &RecognisedSpline, subject: &Subject) -
         smooth: 0.0,
         rms: RmsPart { z: rms(found, subject.input), ..RmsPart::default() },
         notes: subject.notes.iter().cloned().chain(set_aside(found)).chain(found.notes.iter().cloned()).collect(),
+        technical_notes: Vec::new(),
     }
 }
 
@@ -286,6 +289,8 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         k2: over_map(|p| p.k2, found.k2),
         direction_deg: found.direction.filter(|_| level).map(projected),
         direction: found.direction.filter(|_| !level),
+        axis_deg: found.axis.filter(|_| level).map(projected),
+        axis: found.axis.filter(|_| !level),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,
         covariance: None,

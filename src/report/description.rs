@@ -4,6 +4,7 @@
 //! a fit, or a saved surface   ->   Description: document, maps as CSV and NPZ, picture
 //! ```
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
@@ -11,10 +12,12 @@ use crate::curvature::ShapeClass;
 use crate::fit::Statistic;
 use crate::io::Input;
 use crate::scene::Truth;
-use crate::shape::{Spread, radius_of};
+use crate::shape::{ShapeMaps, Spread, radius_of};
 
 use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
+use super::maps::write_maps_npz;
 use super::table::significant;
+use super::words::small_maps;
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
@@ -33,11 +36,21 @@ pub(crate) trait Description {
     /// What the system says.
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()>;
 
+    /// S, R and their like over the grid, indexed by its two directions.
+    fn flat_maps(&self) -> Cow<'_, ShapeMaps>;
+
     /// `maps.npz`: the same as arrays.
     ///
     /// # Errors
     /// What the system says.
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()>;
+    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_npz(&self.flat_maps(), out)
+    }
+
+    /// S and R over the grid in characters, where they differ from place to place.
+    fn small_maps(&self) -> String {
+        small_maps(&self.flat_maps())
+    }
 
     /// `shape.svg`: S and R as pictures, under a line that begins with `name`.
     ///
@@ -51,6 +64,8 @@ pub(crate) trait Description {
 pub(crate) struct Subject<'a> {
     /// The data.
     pub input: &'a Input,
+    /// Unit of all lengths, where the user named it.
+    pub unit: Option<String>,
     /// What is true, in a simulated world.
     pub truth: Option<&'a Truth>,
     /// Whether certificate, uncertainties and intervals were declined.

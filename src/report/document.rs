@@ -14,6 +14,9 @@ use crate::io::{SavedFrame, SavedSurface};
 pub(crate) struct FitDocument {
     /// `palpate.fit/1`.
     pub(crate) schema: String,
+    /// Unit of all lengths, where the user named it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) unit: Option<String>,
     /// Number of contacts, or of pixels that hold a measurement.
     pub(crate) contacts: usize,
     /// The patch frame.
@@ -77,6 +80,9 @@ pub(crate) struct FitPart {
     pub(crate) rms: RmsPart,
     /// What the user should know.
     pub(crate) notes: Vec<String>,
+    /// Those of `notes` that the first output says in other words, or leaves to `--verbose`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) technical_notes: Vec<String>,
 }
 
 /// Decimal digits that agree for certain with the exact solution of the written problem.
@@ -245,6 +251,12 @@ pub(crate) struct ShapePart {
     /// Unit direction of k1 in space at the centre (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) direction: Option<[f64; 3]>,
+    /// Direction along a ridge or rut, or the longer way of a dome or trough, as `direction_deg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) axis_deg: Option<f64>,
+    /// The same in space (parametric surfaces).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) axis: Option<[f64; 3]>,
     /// Points used / grid points.
     pub(crate) support: f64,
     /// p-value of the best plane against the fit.

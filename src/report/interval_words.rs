@@ -23,11 +23,13 @@ pub(super) fn interval_words(fit: &Fit) -> Vec<String> {
              declare --sigma, or take more contacts"
         )];
     }
+    // that a plane has no other curvature than noise is said by its interval
+    if fit.shape().class == ShapeClass::Plane {
+        return Vec::new();
+    }
     match fit.model_reading() {
         ModelReading::NotAsked => Vec::new(),
         ModelReading::Unknown { why } => vec![format!("the intervals count noise alone: {why}")],
-        // that a plane has no other curvature than noise is said by its interval
-        ModelReading::Found(_) if fit.shape().class == ShapeClass::Plane => Vec::new(),
         ModelReading::Found(other) => beyond_noise(fit, other),
     }
 }

@@ -42,6 +42,7 @@ mod study_samples;
 mod study_table;
 mod sweep;
 mod table;
+mod words;
 
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
@@ -65,3 +66,4 @@ pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
 pub(crate) use table::{significant, write_table};
+pub(crate) use words::write_words;

@@ -142,7 +142,7 @@ fn array(samples: &[&Value]) -> Value {
 }
 
 /// A document in which everything is there.
-fn full() -> FitDocument {
+pub(super) fn full() -> FitDocument {
     let measure = MeasurePart {
         mean: Some(0.5),
         sd: Some(0.5),
@@ -159,6 +159,7 @@ fn full() -> FitDocument {
     let shares = classes.map(|class| (class.name().to_string(), 0.5)).collect();
     FitDocument {
         schema: FIT_SCHEMA.into(),
+        unit: Some("mm".into()),
         contacts: 1,
         frame: SavedFrame { origin: [0.5; 3], axes: [[0.5; 3]; 3], scale: 0.5 },
         fit: FitPart {
@@ -205,6 +206,7 @@ fn full() -> FitDocument {
             smooth: 0.5,
             rms: RmsPart { z: Some(0.5), zx: Some(0.5), zy: Some(0.5), normal_deg: Some(0.5) },
             notes: vec!["a note".into()],
+            technical_notes: vec!["a note".into()],
         },
         shape: ShapePart {
             grid: [8, 8],
@@ -219,6 +221,8 @@ fn full() -> FitDocument {
             k2: spread,
             direction_deg: Some(0.5),
             direction: Some([0.5; 3]),
+            axis_deg: Some(0.5),
+            axis: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
             covariance: Some(0.5),
@@ -304,7 +308,9 @@ fn bare() -> FitDocument {
     document.fit.chosen = None;
     document.fit.lack_of_fit = None;
     document.fit.rms = RmsPart::default();
-    document.shape.direction = None;
+    document.fit.technical_notes = Vec::new();
+    (document.shape.direction, document.shape.axis) = (None, None);
+    (document.shape.axis_deg, document.unit) = (None, None);
     document.shape.shape_index = MeasurePart::default();
     document.shape.curvedness = MeasurePart::default();
     document.shape.radius = None;

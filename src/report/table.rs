@@ -1,4 +1,4 @@
-//! The table for people: what the surface is, how sure that is, and how far to trust the numbers, in a dozen lines.
+//! The technical lines: spread, uncertainty and its parts, how the surface was found, how far to trust the arithmetic.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -12,13 +12,16 @@ const DIGITS: i32 = 4;
 const SMALLEST: f64 = 1e-6;
 const LARGEST: f64 = 1e7;
 
-/// Writes the table of one fit; `name` is the scene or the file.
+/// Classes less likely than this are not listed.
+const LEAST_SHARE: f64 = 0.001;
+
+/// Writes the technical lines of one fit.
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_table(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_table(document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = Lines::default();
-    shape_lines(name, document, &mut lines);
+    shape_lines(document, &mut lines);
     truth_line(document, &mut lines);
     fit_lines(document, &mut lines);
     for note in &document.fit.notes {
@@ -36,42 +39,29 @@ impl Lines {
     }
 }
 
-fn shape_lines(name: &str, document: &FitDocument, lines: &mut Lines) {
+fn shape_lines(document: &FitDocument, lines: &mut Lines) {
     let shape = &document.shape;
-    lines.add("contacts", format!("{} of {name}", document.contacts));
-    let class = shape.class.as_deref().unwrap_or(if shape.shape_index.mean.is_some() {
-        "none: see the notes"
-    } else {
-        "none: S is undefined here"
-    });
-    let sure = shape.class_probability.as_ref().and_then(|shares| {
-        let share = shares.0.iter().find(|(name, _)| name == class)?.1;
-        Some(format!("  (probability {share:.3})"))
-    });
-    lines.add("class", format!("{class}{}", sure.unwrap_or_default()));
     lines.add("S", measure(&shape.shape_index, |_| 4));
     lines.add("R", measure(&shape.curvedness, |mean| decimals(mean, DIGITS)));
-    if let Some(radius) = shape.radius {
-        let between = shape.radius_interval.map_or(String::new(), |[lo, hi]| {
-            format!(",  between {} and {}", significant(lo, DIGITS), significant(hi, DIGITS))
-        });
-        lines.add("radius", format!("{}{between}", significant(radius, DIGITS)));
-    }
-    if let Some([small, large]) = shape.radii {
-        let both = [small, large].map(|r| significant(r, DIGITS));
-        lines.add("radii", format!("{} and {}, of the two curvatures", both[0], both[1]));
+    if let Some(shares) = &shape.class_probability {
+        let mut likely: Vec<&(String, f64)> = shares.0.iter().filter(|(_, share)| *share >= LEAST_SHARE).collect();
+        likely.sort_by(|a, b| b.1.total_cmp(&a.1));
+        lines.add(
+            "classes",
+            likely.iter().map(|(name, share)| format!("{name} {share:.3}")).collect::<Vec<_>>().join(", "),
+        );
     }
     if let Some(direction) = shape.direction_deg {
-        lines.add("direction", format!("{direction:.1} deg, of k1 from +x towards +y"));
+        lines.add("k1", format!("along {direction:.1} deg from +x towards +y, the direction of the larger curvature"));
     }
     if let Some([x, y, z]) = shape.direction {
-        lines.add("direction", format!("({x:.3}, {y:.3}, {z:.3}), of k1 in space"));
+        lines.add("k1", format!("along ({x:.3}, {y:.3}, {z:.3}) in space, the direction of the larger curvature"));
     }
     let [n, m] = shape.grid;
     let used = (shape.support * (n * m) as f64).round();
-    lines.add("support", format!("{used} of {n} x {m} grid points"));
+    lines.add("support", format!("{used} of {n} x {m} grid points lie among the contacts"));
     if let Some(p) = shape.plane_p {
-        lines.add("plane", format!("p = {}", significant(p, 2)));
+        lines.add("plane", format!("p = {}: chance of contacts like these on a plane", significant(p, 2)));
     }
 }
 
@@ -175,7 +165,7 @@ fn certificate_lines(fit: &FitPart, lines: &mut Lines) {
             digits.shape_index.floor(),
             digits.curvedness.floor()
         );
-        lines.add("digits", format!("at least {digits}"));
+        lines.add("digits", format!("at least {digits} are free of rounding; noise is not counted here"));
     }
 }
 
@@ -202,7 +192,7 @@ fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
     let shown = |value: f64| if fixed { format!("{value:.places$}") } else { significant(value, DIGITS) };
     let mut text = shown(mean);
     if let Some(sd) = part.sd {
-        let _ = write!(text, " +- {} over the patch", shown(sd));
+        let _ = write!(text, ", varies by {} over the patch", shown(sd));
     }
     if let Some(u) = part.u {
         let _ = write!(text, ",  u = {}", significant(u, 2));
@@ -218,7 +208,7 @@ fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
 }
 
 /// Decimals that show `digits` significant digits of `value`.
-fn decimals(value: f64, digits: i32) -> usize {
+pub(super) fn decimals(value: f64, digits: i32) -> usize {
     if value == 0.0 || !value.is_finite() {
         return digits as usize;
     }
@@ -253,7 +243,7 @@ mod tests {
     #[test]
     fn spread_is_cut_where_the_mean_is() {
         let part = MeasurePart { mean: Some(0.00730123), sd: Some(0.0012589), u: Some(1e-5), ..MeasurePart::default() };
-        assert_eq!(measure(&part, |m| decimals(m, DIGITS)), "0.007301 +- 0.001259 over the patch,  u = 1.0e-5");
+        assert_eq!(measure(&part, |m| decimals(m, DIGITS)), "0.007301, varies by 0.001259 over the patch,  u = 1.0e-5");
         assert_eq!(measure(&MeasurePart::default(), |_| 4), "undefined");
     }
 }

@@ -34,7 +34,11 @@ fn without_seconds(mut document: Value) -> Value {
 fn run_without_anything_tells_the_shape_of_the_cylinder() {
     let directory = tempfile::tempdir().unwrap();
     let table = text(directory.path(), &["run"]);
-    assert!(table.contains("class      ridge") && table.contains("S          0.500"), "{table}");
+    assert!(
+        table.contains("shape      ridge: like the outside of a pipe")
+            && table.contains("0.5000   0.49996 and 0.50004"),
+        "{table}"
+    );
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
     let document = json(directory.path(), &["run", "--json"]);
     assert_eq!(document["schema"], "palpate.fit/1");

@@ -16,3 +16,4 @@ mod parts;
 mod readers;
 mod scene_file;
 mod schema;
+mod words;

@@ -6,23 +6,23 @@ use palpate::scene::surface::{Body, Pose, Solid, SolidShape, Solids, Surface};
 use palpate::scene::{Sweep, World};
 
 /// The families in the order of the table.
-pub const FAMILIES: [&str; 5] = ["box", "capsule", "cone", "mug", "pipe"];
+pub(crate) const FAMILIES: [&str; 5] = ["box", "capsule", "cone", "mug", "pipe"];
 
 /// A true face.
 #[derive(Clone, Copy, Debug)]
-pub struct Face {
-    pub kind: PartKind,
-    pub radius: Option<f64>,
-    pub minor_radius: Option<f64>,
-    pub half_angle_deg: Option<f64>,
+pub(crate) struct Face {
+    pub(crate) kind: PartKind,
+    pub(crate) radius: Option<f64>,
+    pub(crate) minor_radius: Option<f64>,
+    pub(crate) half_angle_deg: Option<f64>,
 }
 
 /// A body with its truth.
-pub struct Drawn {
-    pub world: World,
+pub(crate) struct Drawn {
+    pub(crate) world: World,
     /// In the order in which the simulation numbers them.
-    pub faces: Vec<Face>,
-    pub joints: Vec<(usize, usize, JointKind)>,
+    pub(crate) faces: Vec<Face>,
+    pub(crate) joints: Vec<(usize, usize, JointKind)>,
 }
 
 /// SplitMix64, which needs no state but a counter.
@@ -56,7 +56,7 @@ fn faces_of(shape: &SolidShape) -> Vec<Face> {
 }
 
 /// The body of a family and a seed.
-pub fn draw(family: &str, seed: u64) -> Drawn {
+pub(crate) fn draw(family: &str, seed: u64) -> Drawn {
     use JointKind::{Concave, Convex, Smooth};
     let number = FAMILIES.iter().position(|f| *f == family).expect("a family of the list") as u64;
     let mut random = Random(seed.wrapping_mul(31).wrapping_add(number));

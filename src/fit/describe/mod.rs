@@ -17,7 +17,7 @@ use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
 use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, shape_maps, spread};
 use crate::surface::SurfacePoint;
-use direction::direction;
+use direction::{Directions, directions};
 use flatness::{is_flat, plane_probability};
 use interval::{NoisePart, statistic};
 use shape::{Shape, Statistic, supported_points};
@@ -63,6 +63,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let other = model.and_then(ModelReading::found);
     let s_of_others = other.and_then(|other| other.shape_index);
     let r_of_others = other.map(|other| other.curvedness);
+    let Directions { k1: direction_deg, axis } =
+        curved.filter(|_| model.is_some()).map_or(Directions::NONE, |_| directions(solved));
     Shape {
         shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, s_of_others, level, [-1.0, 1.0])),
         curvedness: statistic(r, u_r, r_of_others, level, [0.0, f64::INFINITY]),
@@ -75,7 +77,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
         radius: r.mean.and_then(|mean| radius_of(class, mean)),
         k1: spread(supported_points(local).map(|at| local.k1[at] / scale)),
         k2: spread(supported_points(local).map(|at| local.k2[at] / scale)),
-        direction_deg: curved.filter(|_| model.is_some()).and_then(|_| direction(solved)),
+        direction_deg,
+        axis_deg: axis.filter(|_| class.has_axis()),
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
         maps: in_input_units(&solved.patch.frame, local),

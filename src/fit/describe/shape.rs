@@ -49,6 +49,9 @@ pub struct Shape {
     pub k2: Spread,
     /// Direction of k1 at the patch centre projected to the input's x, y, degrees in [0, 180).
     pub direction_deg: Option<f64>,
+    /// The same of the axis: the direction along a ridge or rut, or the longer way of a dome or trough; `None` for the
+    /// other classes.
+    pub axis_deg: Option<f64>,
     /// Points used / grid points.
     pub support: f64,
     /// p-value of the best plane against the fit.

@@ -8,7 +8,7 @@
 //! [study]                # replicates, level
 //! ```
 //!
-//! Everything is checked before anything is simulated. An unknown key, effect or surface names the nearest known one
+//! [`manual`] describes every key. Everything is checked before anything is simulated. An unknown key, effect or surface names the nearest known one
 //! with line and column.
 
 mod builtin;
@@ -16,6 +16,7 @@ mod coverage_family;
 mod effects;
 mod error;
 mod fit;
+mod manual;
 mod section;
 mod surface;
 mod sweep;
@@ -28,6 +29,7 @@ pub(crate) use builtin::{BuiltinScene, builtin_text};
 pub use builtin::{builtin, builtin_scenes, family_members};
 pub(crate) use coverage_family::coverage_family;
 pub use error::SceneFileError;
+pub(crate) use manual::{scene_manual, scene_topics};
 
 use crate::fit::FitOptions;
 use crate::montecarlo::StudyOptions;

@@ -20,9 +20,10 @@ pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
 }
 
 fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, SceneFileError> {
+    let (spacing, eye) = (section.number("spacing")?, section.several("eye")?);
     if let (Some(("scan", _)), None) = (section.word("path")?, inherited) {
-        let spacing = section.required("spacing", "the distance between the points of a scan is needed")?;
-        return Ok(Sweep::scan(spacing, section.several("eye")?));
+        let missing = || section.missing("spacing", "the distance between the points of a scan is needed");
+        return Ok(Sweep::scan(spacing.ok_or_else(missing)?, eye));
     }
     let fingers = match (section.numbers("fingers")?, inherited) {
         (Some(fingers), _) => fingers,

@@ -1,0 +1,62 @@
+//! The class as a sentence: what such a surface looks like from the side that was touched, and how sure it is.
+
+use super::super::document::ShapePart;
+use super::numbers::chance;
+
+/// What each class looks like from the side that was touched.
+const LIKE: [(&str, &str); 10] = [
+    ("cup", "like the inside of a bowl"),
+    ("trough", "like the inside of a spoon"),
+    ("rut", "like the inside of a pipe"),
+    ("saddle rut", "between a rut and a saddle"),
+    ("saddle", "like a horse's saddle: hollow one way, raised the other"),
+    ("saddle ridge", "between a saddle and a ridge"),
+    ("ridge", "like the outside of a pipe"),
+    ("dome", "like the side of an egg"),
+    ("cap", "like the outside of a ball"),
+    ("plane", "flat, as far as these contacts can tell"),
+];
+
+/// The class, what it looks like, and how sure it is.
+pub(super) fn sentence(shape: &ShapePart) -> String {
+    let Some(class) = shape.class.as_deref() else {
+        return if shape.shape_index.mean.is_some() {
+            "NO RESULT: the contacts show none of the shapes; the notes say why".into()
+        } else {
+            "NO RESULT: these contacts are too few to tell; the notes say why".into()
+        };
+    };
+    if let (Some(p), Some((other, q))) = (probability(shape, class), second(shape))
+        && q >= p
+    {
+        return format!("{class} or {other}: the contacts do not tell which ({} and {} sure)", chance(p), chance(q));
+    }
+    let like = LIKE.iter().find(|(name, _)| *name == class).map_or(String::new(), |(_, like)| format!(": {like}"));
+    let sure = probability(shape, class).map_or(String::new(), |p| format!(" ({} sure)", chance(p)));
+    format!("{class}{like}{sure}")
+}
+
+/// Probability of a class, where it is known.
+pub(super) fn probability(shape: &ShapePart, class: &str) -> Option<f64> {
+    shape.class_probability.as_ref()?.0.iter().find(|(name, _)| name == class).map(|(_, p)| *p)
+}
+
+/// The likeliest other class with its probability.
+pub(super) fn second(shape: &ShapePart) -> Option<(&str, f64)> {
+    let class = shape.class.as_deref()?;
+    let others = shape.class_probability.as_ref()?.0.iter().filter(|(name, _)| name != class);
+    others.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, p)| (name.as_str(), *p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::ShapeClass;
+
+    #[test]
+    fn every_class_has_words() {
+        for class in ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]) {
+            assert!(LIKE.iter().any(|(name, _)| *name == class.name()), "{class}");
+        }
+    }
+}

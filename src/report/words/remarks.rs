@@ -1,0 +1,195 @@
+//! How sure the values are and why, what else was noticed, and what to do next.
+
+use super::super::document::{FitDocument, MeasurePart};
+use super::super::table::significant;
+use super::class::{probability, second};
+use super::numbers::chance;
+use super::wrap::Labelled;
+
+/// A class less likely than this is said to be open.
+const SETTLED: f64 = 0.9;
+
+/// Variation over the patch below this fraction of the mean (of R), or below this number (of S), is not worth a line.
+const EVEN: f64 = 0.02;
+
+/// Fraction of R beyond which its uncertainty asks for more contacts.
+const WIDE: f64 = 0.1;
+
+/// Below this p-value residuals hold a pattern.
+const PATTERN: f64 = 0.05;
+
+/// Less of the grid among the contacts than this is said.
+const THIN: f64 = 0.2;
+
+pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
+    if let Some(words) = found_as(document) {
+        text.add("found as", words);
+    }
+    if let Some(words) = varies(document) {
+        text.add("varies", words);
+    }
+    if let Some(words) = noise(document) {
+        text.add("noise", words);
+    }
+    if let Some(words) = pattern(document) {
+        text.add("pattern", words);
+    }
+    if let Some(words) = doubt(document) {
+        text.add("doubt", words);
+    }
+    let shown = document.fit.notes.iter().filter(|note| !document.fit.technical_notes.contains(note));
+    // without a result the first note says why, and what the fit lacked besides is for --verbose
+    let most = if document.shape.class.is_some() { usize::MAX } else { 1 };
+    for note in shown.take(most) {
+        text.add("note", note);
+    }
+    for words in next(document) {
+        text.add("next", words);
+    }
+}
+
+/// The kind of surface that explains the contacts best, and the next best.
+fn found_as(document: &FitDocument) -> Option<String> {
+    let chosen = document.fit.chosen.as_ref()?;
+    let hypothesis = chosen.hypothesis.as_deref()?;
+    let sure = |name: &str| chosen.tried.iter().find(|tried| tried.name == name).and_then(|tried| tried.probability);
+    let said =
+        |name: &str| format!("{}{}", in_words(name), sure(name).map_or(String::new(), |p| format!(" ({})", chance(p))));
+    let count = chosen.tried.len();
+    let next = chosen.tried.iter().find(|tried| tried.name != hypothesis);
+    let next = next.map_or(String::new(), |tried| format!("; next {}", said(&tried.name)));
+    Some(format!("of {count} kinds of surface {} explains the contacts best{next}", said(hypothesis)))
+}
+
+/// What a kind of surface is.
+fn in_words(hypothesis: &str) -> &str {
+    match hypothesis {
+        "plane" => "a plane",
+        "sphere" => "a ball",
+        "cylinder" => "a pipe or round bar",
+        "general" => "an evenly bent surface",
+        "paraboloid" => "a paraboloid",
+        _ => "a free surface that follows the contacts",
+    }
+}
+
+/// Variation from place to place, which is no uncertainty.
+fn varies(document: &FitDocument) -> Option<String> {
+    let shape = &document.shape;
+    let of = |name: &str, part: &MeasurePart, least: f64| {
+        let sd = part.sd.filter(|sd| *sd > least)?;
+        Some(format!("{name} by {}", significant(sd, 4)))
+    };
+    let s = of("S", &shape.shape_index, EVEN);
+    let r = of("R", &shape.curvedness, EVEN * shape.curvedness.mean.unwrap_or(0.0));
+    let both: Vec<String> = s.into_iter().chain(r).collect();
+    (!both.is_empty()).then(|| {
+        format!(
+            "from place to place {} (standard deviation); the values above are means over the patch",
+            both.join(", ")
+        )
+    })
+}
+
+/// How far off the contacts are.
+fn noise(document: &FitDocument) -> Option<String> {
+    let fit = &document.fit;
+    document.shape.class.as_ref()?;
+    let length = |value: f64| {
+        let text = significant(value, 2);
+        document.unit.as_ref().map_or(text.clone(), |unit| format!("{text} {unit}"))
+    };
+    let recognised = fit.chosen.as_ref().is_some_and(|chosen| chosen.hypothesis.is_some());
+    if let (true, Some(sigma)) = (recognised, &fit.sigma) {
+        let points = sigma.z.map(|z| format!("measured points scatter by about {}", length(z)));
+        let normals = sigma.normal_deg.map(|v| format!("normals by about {} degrees", significant(v, 2)));
+        let both: Vec<String> = points.into_iter().chain(normals).collect();
+        return (!both.is_empty())
+            .then(|| format!("{} (standard deviations, found from the contacts)", both.join(", ")));
+    }
+    fit.rms.z.map(|rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms)))
+}
+
+/// Errors that neighbouring contacts share.
+fn pattern(document: &FitDocument) -> Option<String> {
+    let lack = document.fit.lack_of_fit.as_ref().filter(|lack| lack.p.is_some_and(|p| p < PATTERN))?;
+    let size =
+        lack.percent_of_relief.map_or(String::new(), |p| format!(", by {} % of the patch's rise", significant(p, 2)));
+    Some(format!("neighbouring contacts are wrong the same way{size}; the bounds above allow for that"))
+}
+
+/// Where the uncertainty of R comes from, where it is worth a word.
+fn doubt(document: &FitDocument) -> Option<String> {
+    let part = &document.shape.curvedness;
+    let (total, noise, model) = (part.u?, part.u_noise?, part.u_model?);
+    let mean = part.mean.filter(|mean| *mean > 0.0)?;
+    if noise.hypot(model) < 1e-3 * mean || document.shape.class.as_deref() == Some("plane") {
+        return None;
+    }
+    let [total, noise, model] = [total, noise, model].map(|v| significant(v, 2));
+    let beside = document.shape.intervals.as_ref().and_then(|part| part.beside.as_ref());
+    let why = beside.map_or(String::new(), |other| {
+        format!(
+            ": {other} explains the contacts too and would differ; palpate fit without a named model chooses between them"
+        )
+    });
+    Some(format!(
+        "standard uncertainty of R {total}: {noise} from measuring noise, {model} from not knowing the kind of surface{why}"
+    ))
+}
+
+/// What to do next.
+fn next(document: &FitDocument) -> Vec<String> {
+    let shape = &document.shape;
+    let mut next = Vec::new();
+    let Some(class) = shape.class.as_deref() else {
+        next.push("touch more places, a dozen or more, spread over the patch, with surface normals if you can".into());
+        return next;
+    };
+    if class == "plane" {
+        next.extend(flat(document));
+        return next;
+    }
+    if let (Some(p), Some((other, q))) = (probability(shape, class).filter(|p| *p < SETTLED), second(shape)) {
+        next.push(format!(
+            "the contacts leave the class open: {class} {}, {other} {}; contacts over a larger patch would tell",
+            chance(p),
+            chance(q)
+        ));
+    }
+    let wide = shape.curvedness.mean.zip(shape.curvedness.u).is_some_and(|(mean, u)| u > WIDE * mean);
+    if wide && next.is_empty() {
+        let model = shape.curvedness.u_model > shape.curvedness.u_noise;
+        let what = if model {
+            "contacts over a larger patch narrow the bounds of R"
+        } else {
+            "more contacts narrow the bounds of R"
+        };
+        next.push(what.into());
+    }
+    if shape.support < THIN {
+        let [n, m] = shape.grid;
+        let used = (shape.support * (n * m) as f64).round();
+        next.push(format!(
+            "only {used} of {n} x {m} grid points lie among the contacts, and S and R are means over those; \
+             touch the patch more evenly"
+        ));
+    }
+    next
+}
+
+/// What would still look flat.
+fn flat(document: &FitDocument) -> Option<String> {
+    let [_, most] = document.shape.curvedness.interval?;
+    let ball = 1.0 / most;
+    let pipe = std::f64::consts::FRAC_1_SQRT_2 / most;
+    let unit = document.unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"));
+    ball.is_finite().then(|| {
+        format!(
+            "a pipe of radius {}{unit} or more, or a ball of radius {}{unit} or more, would look as flat as this; \
+             touch a larger patch to tell",
+            significant(pipe, 2),
+            significant(ball, 2)
+        )
+    })
+}

@@ -1,0 +1,166 @@
+//! The values in columns: what was found, between which bounds the truth lies, what the number means.
+
+use super::super::document::{FitDocument, MeasurePart};
+use super::super::table::{decimals, significant};
+use super::numbers::{DIGITS, like};
+
+/// Most decimals beyond those of the value that are spent on telling the ends of an interval apart.
+const MOST_MORE: usize = 4;
+
+/// What S stands for, in one line.
+const SCALE: &str = "-1 cup, -0.5 rut, 0 saddle, 0.5 ridge, 1 cap";
+
+/// One line of the table.
+#[derive(Default)]
+struct Row {
+    label: &'static str,
+    value: String,
+    between: String,
+    truth: String,
+    meaning: String,
+}
+
+impl Row {
+    fn cells(&self) -> [&str; 5] {
+        [self.label, &self.value, &self.between, &self.truth, &self.meaning]
+    }
+}
+
+/// The table, aligned; with a column of true values in a simulated world.
+pub(super) fn table(document: &FitDocument) -> String {
+    let rows = rows(document);
+    let some = |pick: fn(&Row) -> &String| rows.iter().any(|row| !pick(row).is_empty());
+    let level = document.shape.curvedness.level.filter(|_| some(|row| &row.between));
+    let head = level.map_or(String::new(), |level| format!("{} % sure to lie between", significant(100.0 * level, 2)));
+    let truth = if some(|row| &row.truth) { "in truth" } else { "" };
+    let heads = [["", "value", &head, truth, ""]];
+    let all: Vec<[&str; 5]> = heads.into_iter().chain(rows.iter().map(Row::cells)).collect();
+    let widths: [usize; 4] =
+        std::array::from_fn(|k| all.iter().map(|cells| cells[k].chars().count()).max().unwrap_or(0));
+    let mut text = String::new();
+    for cells in all.iter().filter(|cells| cells.iter().any(|cell| !cell.is_empty())) {
+        text.push_str(aligned(cells, &widths).trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// Cells below each other, three blanks apart; columns that are empty throughout take no room.
+fn aligned(cells: &[&str; 5], widths: &[usize; 4]) -> String {
+    let mut line = String::new();
+    for (k, width) in widths.iter().enumerate().filter(|(_, width)| **width > 0) {
+        let gap = width - cells[k].chars().count();
+        // values stand to the right, as numbers do
+        let [left, right] = if k == 1 { [gap, 0] } else { [0, gap] };
+        line.extend([" ".repeat(left), cells[k].to_string(), " ".repeat(right + 3)]);
+    }
+    line + cells[4]
+}
+
+fn rows(document: &FitDocument) -> Vec<Row> {
+    let truth = document.truth.as_ref();
+    let known = |value: Option<f64>| value.map_or(String::new(), |v| significant(v, DIGITS));
+    let mut rows: Vec<Row> = radius(document).into_iter().chain(axis(document)).collect();
+    rows.push(Row { truth: known(truth.and_then(|t| t.shape_index)), ..shape_index(document) });
+    rows.push(Row { truth: known(truth.and_then(|t| t.curvedness)), ..curvedness(document) });
+    rows
+}
+
+fn shape_index(document: &FitDocument) -> Row {
+    let shape = &document.shape;
+    let meaning = match (shape.shape_index.mean, shape.class.as_deref()) {
+        (Some(_), _) => SCALE,
+        (None, Some(_)) => "a flat surface has none",
+        (None, None) => "not known",
+    };
+    Row { meaning: meaning.into(), ..measure("S, shape as a number", &shape.shape_index, Some(4)) }
+}
+
+fn curvedness(document: &FitDocument) -> Row {
+    let shape = &document.shape;
+    let label = "R, strength of bend";
+    let per =
+        document.unit.as_ref().map_or("per unit of length (--unit names it)".into(), |unit| format!("per {unit}"));
+    if shape.curvedness.mean.is_none() {
+        return Row { label, value: "-".into(), meaning: "not known".into(), ..Row::default() };
+    }
+    let meaning = match shape.class.as_deref() {
+        Some("ridge" | "rut") => format!("{per}; 0.707/radius; 0 is flat"),
+        Some("cap" | "cup") => format!("{per}; 1/radius; 0 is flat"),
+        _ => format!("{per}; 0 is flat"),
+    };
+    // a plane's R is zero within its bounds: the upper one says all
+    if let (Some("plane"), Some([_, hi])) = (shape.class.as_deref(), shape.curvedness.interval) {
+        let value = if hi > 0.0 { format!("below {}", significant(hi, 2)) } else { "0".into() };
+        return Row { label, value, meaning, ..Row::default() };
+    }
+    Row { meaning, ..measure(label, &shape.curvedness, None) }
+}
+
+fn measure(label: &'static str, part: &MeasurePart, places: Option<usize>) -> Row {
+    let Some(mean) = part.mean else {
+        return Row { label, value: "-".into(), ..Row::default() };
+    };
+    let between = part.interval.map_or(String::new(), |ends| bounds(mean, places, ends));
+    Row { label, value: like(mean, places)(mean), between, ..Row::default() }
+}
+
+/// Both ends of an interval, with as many decimals as tell them apart.
+fn bounds(mean: f64, places: Option<usize>, [lo, hi]: [f64; 2]) -> String {
+    let fewest = places.unwrap_or_else(|| decimals(mean, DIGITS));
+    let shown = |places: usize| [lo, hi].map(like(mean, Some(places)));
+    let apart = (fewest..fewest + MOST_MORE).map(shown).find(|[lo, hi]| lo != hi);
+    let [lo, hi] = apart.unwrap_or_else(|| shown(fewest));
+    format!("{lo} and {hi}")
+}
+
+fn radius(document: &FitDocument) -> Option<Row> {
+    let shape = &document.shape;
+    let with_unit = |text: String| document.unit.as_ref().map_or(text.clone(), |unit| format!("{text} {unit}"));
+    if let Some([small, large]) = shape.radii {
+        let [small, large] = [small, large].map(|radius| significant(radius, DIGITS));
+        return Some(Row {
+            label: "radii",
+            value: with_unit(format!("{small}, {large}")),
+            meaning: "across and along: of the circles that fit best".into(),
+            ..Row::default()
+        });
+    }
+    let radius = shape.radius?;
+    let [lo, hi] = match shape.radius_interval {
+        Some([lo, hi]) => [Some(lo), Some(hi)],
+        // R's interval, turned round
+        None => shape.curvedness.interval.map_or([None; 2], |[lo, hi]| {
+            let factor = radius * shape.curvedness.mean.unwrap_or(f64::NAN);
+            [hi, lo].map(|end| Some(factor / end).filter(|radius| radius.is_finite()))
+        }),
+    };
+    let between = match [lo, hi] {
+        [Some(lo), Some(hi)] => format!("{} and {}", significant(lo, DIGITS), significant(hi, DIGITS)),
+        [Some(lo), None] => format!("above {}", significant(lo, DIGITS)),
+        _ => String::new(),
+    };
+    let body = if matches!(shape.class.as_deref(), Some("cap" | "cup")) { "ball" } else { "pipe or bar" };
+    let meaning = format!("of the {body} that fits best; diameter {}", significant(2.0 * radius, DIGITS));
+    Some(Row { label: "radius", value: with_unit(significant(radius, DIGITS)), between, meaning, ..Row::default() })
+}
+
+/// Along which direction a ridge or rut runs, or in which direction a saddle rises.
+fn axis(document: &FitDocument) -> Option<Row> {
+    let shape = &document.shape;
+    let saddle = shape.class.as_deref() == Some("saddle");
+    let (label, degrees, vector) = if saddle {
+        ("hollow along", shape.direction_deg, shape.direction)
+    } else {
+        ("axis", shape.axis_deg, shape.axis)
+    };
+    let class = shape.class.as_deref().unwrap_or("surface");
+    let along =
+        if saddle { "the direction in which it is hollow".into() } else { format!("the way along the {class}") };
+    let row = |value, meaning| Row { label, value, meaning, ..Row::default() };
+    if let Some(degrees) = degrees {
+        return Some(row(format!("{degrees:.1} deg"), format!("from x towards y: {along}")));
+    }
+    let [x, y, z] = vector?;
+    Some(row(format!("{x:.2}, {y:.2}, {z:.2}"), format!("along x, y, z: {along}")))
+}

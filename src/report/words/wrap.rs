@@ -1,0 +1,65 @@
+//! Labelled lines, wrapped at words.
+
+use std::fmt::Write as _;
+
+/// Columns of a line.
+pub(super) const WIDTH: usize = 110;
+
+/// Columns of a label.
+const LABEL: usize = 11;
+
+/// Text that is put together line by line.
+#[derive(Default)]
+pub(super) struct Labelled(String);
+
+impl Labelled {
+    /// A labelled paragraph; further lines stand below its text.
+    pub(super) fn add(&mut self, label: &str, words: impl AsRef<str>) {
+        let (mut line, mut label) = (String::new(), label);
+        for word in words.as_ref().split(' ') {
+            if !line.is_empty() && LABEL + line.chars().count() + 1 + word.chars().count() > WIDTH {
+                self.line(label, &line);
+                (line, label) = (String::new(), "");
+            }
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+        self.line(label, &line);
+    }
+
+    fn line(&mut self, label: &str, words: &str) {
+        let _ = writeln!(self.0, "{}", format!("{label:<LABEL$}{}", words.trim()).trim_end());
+    }
+
+    /// An empty line, never two.
+    pub(super) fn blank(&mut self) {
+        if !self.0.ends_with("\n\n") {
+            self.0.push('\n');
+        }
+    }
+
+    /// Lines as they are.
+    pub(super) fn push(&mut self, lines: &str) {
+        self.0.push_str(lines);
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_paragraphs_go_on_below_their_text() {
+        let mut text = Labelled::default();
+        text.add("note", "word ".repeat(30));
+        let lines: Vec<&str> = text.text().lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("note       word") && lines[1].starts_with("           word"), "{lines:?}");
+    }
+}

@@ -1,0 +1,145 @@
+//! The words: the first output of four things that a newcomer feels, what explains it, and what the shell wants.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const BAR: &str = "name = \"a bar\"\nseed = 4\n[surface]\nkind = \"cylinder\"\nradius = 25.0\naxis_deg = 30.0\n[sweep]\n\
+    fingers = [-6.0, -3.0, 0.0, 3.0, 6.0]\nfrom = -6.0\nto = 6.0\nstations = 12\n[effects.position_noise]\nsigma = 0.05\n\
+    [effects.normal_noise]\nsigma_deg = 3.0\n";
+
+fn output(directory: &Path, line: &str) -> (String, String, Option<i32>) {
+    let mut command = Command::cargo_bin("palpate").unwrap();
+    let output = command.current_dir(directory).args(line.split_whitespace()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr), output.status.code())
+}
+
+fn told(directory: &Path, line: &str) -> String {
+    let (out, err, code) = output(directory, line);
+    assert_eq!((err.as_str(), code), ("", Some(0)), "{line}");
+    out
+}
+
+/// A folder with contacts of a bar, a groove and a plate.
+fn bench() -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let groove = BAR.replace("radius = 25.0", "radius = 40.0\nconcave = true");
+    let plate = BAR.replace("kind = \"cylinder\"\nradius = 25.0\naxis_deg = 30.0", "kind = \"plane\"");
+    for (name, scene) in [("bar", BAR.to_string()), ("groove", groove), ("plate", plate)] {
+        std::fs::write(directory.path().join(format!("{name}.toml")), scene).unwrap();
+        told(directory.path(), &format!("simulate {name}.toml -o {name}.csv"));
+    }
+    directory
+}
+
+#[test]
+fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
+    let directory = bench();
+    let here = directory.path();
+    let bar = told(here, "fit bar.csv --unit mm");
+    for words in [
+        "ridge: like the outside of a pipe",
+        "% sure to lie between",
+        " mm ",
+        "per mm; 0.707/radius",
+        "the way along the ridge",
+    ] {
+        assert!(bar.contains(words), "{words}: {bar}");
+    }
+    assert!(!bar.contains("cholesky") && !bar.contains("rank"), "{bar}");
+    let groove = told(here, "fit groove.csv");
+    assert!(groove.contains("rut: like the inside of a pipe") && groove.contains("the way along the rut"), "{groove}");
+    let plate = told(here, "fit plate.csv");
+    assert!(
+        plate.contains("plane: flat, as far as these contacts can tell") && plate.contains("would look as flat"),
+        "{plate}"
+    );
+    assert!(told(here, "fit bar.csv --verbose").contains("support"));
+}
+
+/// The axis is where the thing lies, whichever of its curvatures is the larger one.
+#[test]
+fn a_groove_has_the_axis_of_the_bar_that_would_lie_in_it() {
+    let directory = bench();
+    let axis = |line: &str| -> f64 {
+        let document: Value = serde_json::from_str(&told(directory.path(), line)).unwrap();
+        document["shape"]["axis_deg"].as_f64().unwrap()
+    };
+    for line in [
+        "fit bar.csv --json",
+        "fit groove.csv --json",
+        "fit bar.csv --degree 2 --json",
+        "fit groove.csv --degree 2 --json",
+    ] {
+        assert!((axis(line) - 30.0).abs() < 5.0, "{line}: {}", axis(line));
+    }
+    let named: Value = serde_json::from_str(&told(directory.path(), "fit groove.csv --degree 2 --json")).unwrap();
+    let direction = named["shape"]["direction_deg"].as_f64().unwrap();
+    assert!((direction - 120.0).abs() < 5.0, "{direction}");
+}
+
+#[test]
+fn three_contacts_are_no_result_and_a_slip_of_the_pen_is_understood() {
+    let directory = bench();
+    let here = directory.path();
+    let bar = std::fs::read_to_string(here.join("bar.csv")).unwrap();
+    std::fs::write(here.join("few.csv"), bar.lines().take(4).map(|line| format!("{line}\n")).collect::<String>())
+        .unwrap();
+    let few = told(here, "fit few.csv");
+    assert!(few.contains("NO RESULT") && few.contains("touch more places") && !few.contains("flat"), "{few}");
+    let (_, wrong, code) = output(here, "fit bar.cvs");
+    assert!(wrong.contains("did you mean bar.csv?") && code == Some(2), "{wrong}");
+}
+
+#[test]
+fn units_are_kept_with_a_saved_surface() {
+    let directory = bench();
+    told(directory.path(), "fit bar.csv --unit mm --save bar.json");
+    assert!(told(directory.path(), "show bar.json").contains("per mm"));
+    assert!(told(directory.path(), "show bar.json --unit inch").contains("per inch"));
+    assert!(output(directory.path(), "fit bar.csv --unit <b>").1.contains("such as mm"));
+}
+
+#[test]
+fn every_label_of_the_first_output_is_explained() {
+    let directory = bench();
+    let here = directory.path();
+    let text = told(here, "fit bar.csv") + &told(here, "run paper-fig6-r8-degree3");
+    let labels = text.lines().filter(|line| !line.starts_with(' ')).filter_map(|line| line.split("  ").next());
+    for label in labels.map(str::trim).filter(|label| !["", "note", "next", "more"].contains(label)) {
+        let word = label.split(',').next().unwrap();
+        let (out, err, code) = output(here, &format!("explain {word}"));
+        assert!(code == Some(0) && out.len() > 100, "{label}: {err}");
+    }
+    let (_, err, code) = output(here, "explain curvednes");
+    assert!(err.contains("did you mean \"curvedness\"?") && code == Some(2), "{err}");
+    let document: Value = serde_json::from_str(&told(here, "explain S --json")).unwrap();
+    assert_eq!((&document["schema"], &document["entries"][0]["word"]), (&"palpate.explain/1".into(), &"S".into()));
+}
+
+#[test]
+fn help_knows_scenes_and_commands_and_shells_get_their_completions() {
+    let here = Path::new(".");
+    let manual = told(here, "help scene");
+    assert!(
+        ["[sweep]", "kind = \"torus\"", "[effects.encoder]", "replicates"].iter().all(|part| manual.contains(part))
+    );
+    assert!(told(here, "help scene encoder").contains("resolution_deg"));
+    assert!(told(here, "help fit").contains("--degree") && told(here, "help").contains("Examples:"));
+    let (_, err, code) = output(here, "help torus");
+    assert!(err.contains("palpate help scene torus") && code == Some(2), "{err}");
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(told(here, &format!("completions {shell}")).contains("palpate"));
+    }
+    assert!(told(here, "man").contains(".TH palpate"));
+}
+
+/// Nothing is coloured where nobody looks.
+#[test]
+fn a_pipe_gets_plain_text() {
+    for line in ["run", "help", "help fit", "explain S"] {
+        assert!(!told(Path::new("."), line).contains('\u{1b}'), "{line}");
+    }
+}
