@@ -73,14 +73,18 @@ pub(super) fn joints(cloud: &Cloud, labels: &[u32], normal: impl Fn(u32, usize, 
         }
     }
     let joint = |([a, b], turns): ([u32; 2], Vec<f64>)| {
-        let mean = turns.iter().sum::<f64>() / turns.len() as f64;
-        let angle_deg = mean.abs().to_degrees();
-        let kind = match mean {
-            _ if angle_deg < SMOOTH_DEG => JointKind::Smooth,
-            turn if turn > 0.0 => JointKind::Convex,
-            _ => JointKind::Concave,
+        let count = turns.len() as f64;
+        let signed = turns.iter().sum::<f64>() / count;
+        let unsigned = turns.iter().map(|turn| turn.abs()).sum::<f64>() / count;
+        // a boundary that is off by half a spacing turns the normals of a smooth joint either way, and the signs cancel; at an edge
+        // noise may reverse the sign of a pair, but not its angle
+        let is_smooth = signed.abs().to_degrees() < SMOOTH_DEG && unsigned.to_degrees() < 3.0 * SMOOTH_DEG;
+        let (kind, angle) = match signed {
+            _ if is_smooth => (JointKind::Smooth, signed.abs()),
+            turn if turn > 0.0 => (JointKind::Convex, unsigned),
+            _ => (JointKind::Concave, unsigned),
         };
-        Joint { parts: [a as usize, b as usize], kind, angle_deg }
+        Joint { parts: [a as usize, b as usize], kind, angle_deg: angle.to_degrees() }
     };
     turns.into_iter().filter(|(_, turns)| turns.len() >= FEWEST_PAIRS).map(joint).collect()
 }

@@ -217,7 +217,11 @@ pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -
         text.push_str("      * seen from inside\n");
     }
     if document.unassigned > 0 {
-        let _ = writeln!(text, "{:>4}  {} contacts belong to no part", "-", document.unassigned);
+        let _ = writeln!(
+            text,
+            "{:>4}  {} contacts are in no part: off every part, and too few side by side for one of their own",
+            "-", document.unassigned
+        );
     }
     for joint in &document.joints {
         let [a, b] = joint.parts;
