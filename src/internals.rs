@@ -72,7 +72,9 @@ pub mod parts {
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::{explore_schema, fit_schema, frontier_schema, parts_schema, study_schema};
+    pub use crate::report::{
+        diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema,
+    };
 }
 
 /// The simulated world.

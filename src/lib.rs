@@ -41,6 +41,8 @@ mod cases;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(feature = "cli")]
+mod comparison;
 mod contact;
 mod curvature;
 mod draws;

@@ -3,21 +3,26 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::io::{ContactFormat, Input, write_atomically, write_contacts};
+use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
-    Answer, Description, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json, write_table,
-    write_words,
+    Answer, Description, FitDocument, Provenance, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    write_fit_page, write_json, write_table, write_words,
 };
 
 use super::failure::{Failure, fit_message};
 use super::options::{OutputFlags, WordsFlags};
 use super::output::{print, wants_colour, with_bold_labels};
+use super::save::save;
 
 /// Where a description goes.
 pub(super) struct Destination<'a> {
     pub(super) output: &'a OutputFlags,
     pub(super) words: &'a WordsFlags,
     pub(super) save: Option<&'a PathBuf>,
+    /// Vertices of a saved mesh each way, where they were typed.
+    pub(super) grid: Option<[usize; 2]>,
+    /// What the page says of where its numbers come from.
+    pub(super) provenance: Provenance,
 }
 
 /// When a verb began, and the seconds that it has taken so far.
@@ -37,6 +42,29 @@ pub(super) fn describe(
     taken: &Taken,
     to: &Destination,
 ) -> Result<(), Failure> {
+    let description = description_of(answer, name, subject, taken)?;
+    let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
+    files(&*description, saved.as_ref(), name, to.output, &to.provenance)?;
+    if let Input::Contacts(contacts) = subject.input {
+        let remark = subject.truth.and_then(inverse_crime_remark);
+        to.output
+            .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
+    }
+    to.output.publish()?;
+    if let (Some(path), Some(document)) = (to.save, &saved) {
+        save(path, document, name, to.grid, to.output.quiet)?;
+    }
+    // what `--save -` sent to standard output is not to be mixed with a table
+    let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
+    show(&*description, name, to.output, to.words, saved_there)
+}
+
+fn description_of<'a>(
+    answer: &'a Answer,
+    name: &str,
+    subject: &Subject<'a>,
+    taken: &Taken,
+) -> Result<Box<dyn Description + 'a>, Failure> {
     let clock = Instant::now();
     compute_shape(answer, subject.bare);
     let seconds = Seconds {
@@ -45,29 +73,33 @@ pub(super) fn describe(
         shape: clock.elapsed().as_secs_f64(),
         total: taken.began.elapsed().as_secs_f64(),
     };
-    let description =
-        describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))?;
-    files(&*description, name, to.output)?;
-    if let Input::Contacts(contacts) = subject.input {
-        let remark = subject.truth.and_then(inverse_crime_remark);
-        to.output
-            .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;
-    }
-    to.output.publish()?;
-    if let Some(path) = to.save {
-        write_atomically(path, &mut |out| write_json(description.document(), out))?;
-    }
-    // what `--save -` sent to standard output is not to be mixed with a table
-    let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
-    show(&*description, name, to.output, to.words, saved_there)
+    describe_fit(answer, subject, seconds).map_err(|e| Failure::Input(format!("{name}: {}", fit_message(&e))))
 }
 
-/// The files of the output directory, if one is asked for.
-pub(super) fn files(description: &dyn Description, name: &str, output: &OutputFlags) -> Result<(), Failure> {
-    output.file("fit.json", &mut |out| write_json(description.document(), out))?;
+/// The document of an answer and nothing else.
+pub(super) fn document_of(
+    answer: &Answer,
+    name: &str,
+    subject: &Subject,
+    taken: &Taken,
+) -> Result<FitDocument, Failure> {
+    Ok(description_of(answer, name, subject, taken)?.document().clone())
+}
+
+/// The files of the output directory, if one is asked for; `saved` is the document as it is saved.
+pub(super) fn files(
+    description: &dyn Description,
+    saved: Option<&FitDocument>,
+    name: &str,
+    output: &OutputFlags,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    let document = saved.unwrap_or_else(|| description.document());
+    output.file("fit.json", &mut |out| write_json(document, out))?;
     output.file("maps.csv", &mut |out| description.write_maps_csv(out))?;
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
-    output.file("shape.svg", &mut |out| description.write_picture(name, out))
+    output.file("shape.svg", &mut |out| description.write_picture(name, out))?;
+    output.file("report.html", &mut |out| write_fit_page(description, document, name, provenance, out))
 }
 
 /// The document on standard output, as JSON or in words; no words where standard output is taken.

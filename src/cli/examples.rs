@@ -23,6 +23,7 @@ Examples:
   palpate fit contacts.csv                      # palpate chooses the model
   palpate fit scan.ply --unit mm --out out      # pictures and tables into out
   palpate fit contacts.csv --degree 2 --sigma 0.02,2 --save surface.json    # exactly this model
+  palpate fit a.csv b.csv --table out.csv       # a row of each file
   simulator | palpate fit - --json | jq .shape.R.interval";
 
 pub(super) const STUDY: &str = "\
@@ -66,7 +67,13 @@ Examples:
 pub(super) const SHOW: &str = "\
 Examples:
   palpate show surface.json
-  palpate show surface.json --at points.csv     # heights, slopes, normals, k1, k2, S, R there";
+  palpate show surface.json --at points.csv     # heights, slopes, normals, k1, k2, S, R there
+  palpate show surface.json --save part.step    # for CAD; .ply, .vtu and others as a mesh";
+
+pub(super) const DIFF: &str = "\
+Examples:
+  palpate diff before.json after.json
+  palpate diff surface.json part.step --out out";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:

@@ -1,6 +1,6 @@
-//! `palpate fit INPUT`: contacts or a grid, from a file or a pipe, to surface and shape.
+//! `palpate fit INPUT`: contacts or a grid, from a file or a pipe, to surface and shape. Several files at once: `several.rs`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -9,25 +9,32 @@ use crate::contact::ContactError;
 use crate::fit::{FitError, FitOptions};
 use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::recognition::RecognitionOptions;
-use crate::report::{Answer, Subject};
+use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 
 use super::automatic::{Found, Refusal, automatic};
-use super::describe::{Destination, Taken, describe};
+use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::preparation::PreparationFlags;
+use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
+use super::save::check_name;
+use super::several;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
     /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
-    input: PathBuf,
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// One row a file: name, contacts, class, S and R with their uncertainty and interval, radius, notes, or why there is no answer
+    #[arg(long, value_name = "F.csv", conflicts_with = "save")]
+    table: Option<PathBuf>,
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
     #[arg(long)]
     skip_invalid: bool,
-    /// Save the surface and all that is known of it as JSON
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
@@ -55,46 +62,96 @@ impl FitArgs {
 }
 
 pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
-    let began = Instant::now();
+    if let ([input], None) = (&args.inputs[..], &args.table) {
+        return fit_one(input, args);
+    }
+    let one_only = |option: &str| {
+        Failure::Input(format!("{option} is for one file; with several, --table F.csv has a row of each"))
+    };
+    if args.save.is_some() {
+        return Err(one_only("--save"));
+    }
+    if args.output.out.is_some() {
+        return Err(one_only("--out"));
+    }
+    several::fit_several(&args.inputs, args.table.as_deref(), &args.output, |input| row_of(input, args))
+}
+
+fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    args.output.prepare(&[&args.input], args.save.as_slice())?;
-    let spinner = args.output.spinner(format!("fitting {}", args.input.display()));
-    let mut reading = read_input(&args.input, &args.read_options())?;
-    let prepared = args.preparation.apply(&mut reading)?;
-    let read = began.elapsed().as_secs_f64();
-    let clock = Instant::now();
-    let found = answer(&reading, args).map_err(|refusal| {
-        Failure::Input(match refusal {
-            Refusal::Fit(error) => placed(&error, &reading),
-            Refusal::Shape(message) => format!("{}: {message}", reading.file),
-        })
-    })?;
-    let fitted = clock.elapsed().as_secs_f64();
-    let mut notes = notes(&reading);
-    notes.extend(prepared);
-    notes.extend(found.notes);
-    let gridded = matches!(reading.input, Input::Grid(_));
-    notes.extend(args.fit.without_effect(found.answer.is_parametric(), gridded));
-    let subject = Subject {
-        chosen: found.chosen,
-        lack_of_fit: found.lack_of_fit,
-        input: &reading.input,
-        unit: args.words.unit.clone(),
-        truth: None,
-        bare: args.bare,
-        notes,
-    };
+    args.output.prepare(&[input], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
+    let spinner = args.output.spinner(format!("fitting {}", input.display()));
+    let one = One::of(input, args)?;
     drop(spinner);
-    let taken = Taken { began, read, fitted };
     describe(
-        &found.answer,
-        &reading.file,
-        &subject,
-        &taken,
-        &Destination { output: &args.output, words: &args.words, save: args.save.as_ref() },
+        &one.answer,
+        &one.reading.file,
+        &one.subject(args),
+        &one.taken,
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+            provenance: provenance(&one.reading.file, None, None),
+        },
     )
+}
+
+/// The document of one of several files.
+fn row_of(input: &Path, args: &FitArgs) -> Result<FitDocument, Failure> {
+    let one = One::of(input, args)?;
+    document_of(&one.answer, &one.reading.file, &one.subject(args), &one.taken)
+}
+
+/// One file, read and fitted.
+struct One {
+    reading: Reading,
+    answer: Answer,
+    chosen: Option<ChosenPart>,
+    lack_of_fit: Option<LackOfFitPart>,
+    notes: Vec<String>,
+    taken: Taken,
+}
+
+impl One {
+    fn of(input: &Path, args: &FitArgs) -> Result<One, Failure> {
+        let began = Instant::now();
+        let mut reading = read_input(input, &args.read_options())?;
+        let prepared = args.preparation.apply(&mut reading)?;
+        let read = began.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        let found = answer(&reading, args).map_err(|refusal| {
+            Failure::Input(match refusal {
+                Refusal::Fit(error) => placed(&error, &reading),
+                Refusal::Shape(message) => format!("{}: {message}", reading.file),
+            })
+        })?;
+        let fitted = clock.elapsed().as_secs_f64();
+        let mut notes = notes(&reading);
+        notes.extend(prepared);
+        let Found { answer, chosen, lack_of_fit, notes: own } = found;
+        notes.extend(own);
+        let gridded = matches!(reading.input, Input::Grid(_));
+        notes.extend(args.fit.without_effect(answer.is_parametric(), gridded));
+        let taken = Taken { began, read, fitted };
+        Ok(One { reading, answer, chosen, lack_of_fit, notes, taken })
+    }
+
+    fn subject(&self, args: &FitArgs) -> Subject<'_> {
+        Subject {
+            chosen: self.chosen.clone(),
+            lack_of_fit: self.lack_of_fit.clone(),
+            input: &self.reading.input,
+            unit: args.words.unit.clone(),
+            truth: None,
+            bare: args.bare,
+            notes: self.notes.clone(),
+        }
+    }
 }
 
 /// The model that was named, or what the contacts show where none was.

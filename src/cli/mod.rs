@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. One file per verb.
 //!
 //! ```text
-//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE
+//! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | diff A B
 //! palpate parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
 //! ```
 //!
@@ -11,6 +11,7 @@ mod automatic;
 mod completions;
 mod coverage;
 mod describe;
+mod diff;
 #[doc(hidden)]
 pub mod embedded;
 mod examples;
@@ -26,6 +27,7 @@ mod frontier_input;
 mod frontier_scene;
 mod gathered;
 mod help;
+mod interrupt;
 mod merge;
 mod named;
 mod options;
@@ -33,10 +35,13 @@ mod output;
 mod parts;
 mod preparation;
 mod progress;
+mod provenance;
 mod reading;
 mod run;
+mod save;
 mod scene;
 mod scenes;
+mod several;
 mod show;
 mod simulate;
 mod study;
@@ -94,9 +99,12 @@ enum Verb {
     /// List the built-in scenes, or print one as TOML
     #[command(after_help = examples::SCENES)]
     Scenes(scenes::ScenesArgs),
-    /// Describe a saved surface, or evaluate it at given points
+    /// Describe a saved surface, evaluate it at given points, or write it in another format
     #[command(after_help = examples::SHOW)]
     Show(show::ShowArgs),
+    /// Compare two saved surfaces: height, normal, S, R, each against its uncertainty
+    #[command(after_help = examples::DIFF)]
+    Diff(diff::DiffArgs),
     /// Print what a shell needs to complete commands and options
     #[command(after_help = examples::COMPLETIONS)]
     Completions(completions::CompletionsArgs),
@@ -121,6 +129,9 @@ pub fn main() -> ExitCode {
     // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
     // does, wants it ignored: then no handler is set.
     let _ = ctrlc::try_set_handler(|| {
+        if interrupt::caught() {
+            return;
+        }
         crate::io::remove_unfinished();
         std::process::exit(130)
     });
@@ -139,6 +150,7 @@ pub fn main() -> ExitCode {
         Verb::Help(args) => help::help(&args),
         Verb::Scenes(args) => scenes::scenes(&args),
         Verb::Show(args) => show::show(&args),
+        Verb::Diff(args) => diff::diff(&args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

@@ -65,6 +65,11 @@ impl GridFlags {
         self.grid.is_some() || self.inset.is_some()
     }
 
+    /// Points each way, where they were typed.
+    pub(super) fn points(&self) -> Option<[usize; 2]> {
+        self.grid
+    }
+
     pub(super) fn apply(&self, options: &mut FitOptions) {
         set(&mut options.grid, self.grid);
         set(&mut options.inset, self.inset);
@@ -87,6 +92,11 @@ impl FitFlags {
             || self.robust.is_some()
             || self.grid.inset.is_some()
             || self.frame == Some(FrameChoice::Keep)
+    }
+
+    /// Points of the shape grid, where they were typed.
+    pub(super) fn typed_grid(&self) -> Option<[usize; 2]> {
+        self.grid.points()
     }
 
     /// What was typed and means nothing for the kind of surface that was fitted.

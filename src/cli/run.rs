@@ -12,6 +12,8 @@ use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
+use super::provenance::provenance;
+use super::save::check_name;
 use super::scene;
 
 /// Arguments of `palpate run`.
@@ -20,7 +22,7 @@ pub(super) struct RunArgs {
     /// Built-in scene, scene file, or - for standard input
     #[arg(default_value = scene::DEFAULT)]
     scene: String,
-    /// Save the surface and all that is known of it as JSON
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
@@ -39,8 +41,9 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    let scene = scene::load(&args.scene)?;
+    let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
     let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
     let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
@@ -74,6 +77,12 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         &scene.name,
         &subject,
         &taken,
-        &Destination { output: &args.output, words: &args.words, save: args.save.as_ref() },
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+            provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
+        },
     )
 }

@@ -160,6 +160,19 @@ impl Fit {
         describe::covariance_of_means(&self.solved)
     }
 
+    /// Standard uncertainties at `points` places each way of the domain, input units; computed at every call. `None` where
+    /// nothing tells the noise, and where there are too many rows.
+    #[cfg(feature = "cli")]
+    pub(crate) fn pointwise(&self, points: usize) -> Option<Vec<crate::shape::PointSds>> {
+        describe::pointwise::pointwise(&self.solved, points)
+    }
+
+    /// Whether contacts support a place along the frame's axes, input units.
+    #[cfg(feature = "cli")]
+    pub(crate) fn supported(&self) -> impl Fn(f64, f64) -> bool {
+        describe::pointwise::supported(&self.solved)
+    }
+
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.
     pub fn certificate(&self) -> &Certificate {
         self.certificate.get_or_init(|| certificate::certify(&self.solved, self.shape()))

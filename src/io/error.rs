@@ -239,6 +239,14 @@ pub enum IoError {
         /// What is wrong.
         what: String,
     },
+    /// A surface that a format cannot hold.
+    #[error("{format} cannot hold this surface: {what}")]
+    Unholdable {
+        /// Name of the format.
+        format: &'static str,
+        /// What it cannot hold, and which format can.
+        what: String,
+    },
     /// The output's ending names no format.
     #[error("{path:?}: cannot tell the format; end the name in {expected}")]
     Extension {

@@ -5,6 +5,8 @@
 //! XYZ, PTS, PCD, OBJ, OFF, STL, NPY                x,y,z [nx,ny,nz]                                       -> Contacts
 //! PNG, NPZ with depth                              d(u, v), 0 = missing, and a camera's intrinsics        -> Contacts
 //! NPZ with 1-D x (n), y (m) and 2-D z (n x m)      [zx, zy] [wz, wx, wy], NaN = missing                   -> Grid
+//! JSON, STEP, IGES                                 knots and coefficients or control points                <-> Saved
+//! NPZ, PLY, OBJ, STL, glTF, VTU, Parquet           a spline, a mesh or its points                          <- Saved
 //! ```
 //!
 //! The format is recognised by the first bytes, not by the name, so that a pipe works like a file; each may be packed by
@@ -24,6 +26,7 @@ mod names;
 mod npy;
 mod npz;
 mod npz_writer;
+mod page_file;
 mod place;
 mod ply;
 mod records;
@@ -31,9 +34,12 @@ mod remark;
 mod same_file;
 pub(crate) mod scene_file;
 mod study_file;
+mod support_map;
 mod surface_file;
+mod surfaces;
 mod table_form;
 mod together;
+mod uncertainty_map;
 mod unpack;
 mod visible;
 mod write;
@@ -53,14 +59,17 @@ pub(crate) use error::IoError;
 pub(crate) use imported::import_surface;
 pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
+pub(crate) use page_file::{DOCUMENT_TAG, END_TAG, TABLE_TAG, page_content, schema_of};
 pub use place::Place;
 pub(crate) use place::Places;
 pub(crate) use records::{RecordFormat, Records, write_parquet};
 pub(crate) use same_file::same_file;
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, text_hash, write_study};
-pub use surface_file::read_surface_bytes;
-pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface, read_surface};
+pub(crate) use support_map::SupportMap;
+pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};
+pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad};
 pub(crate) use together::Together;
+pub(crate) use uncertainty_map::{PointUncertainty, UNCERTAINTY_POINTS, UncertaintyMap};
 pub(crate) use visible::visible;
 pub use write::{ContactFormat, write_contacts};
 
@@ -153,6 +162,26 @@ pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     match outcome {
         Ok(()) => Ok((file, bytes)),
         Err(source) => Err(IoError::Read { file, source }),
+    }
+}
+
+/// Reads a saved surface, or one in STEP or IGES, from a file; `-` is standard input.
+///
+/// # Errors
+/// [`IoError::Read`], [`IoError::Surface`], [`IoError::Form`].
+pub(crate) fn read_surface(path: &Path) -> Result<Saved, IoError> {
+    let (file, bytes) = read_bytes(path)?;
+    read_surface_bytes(&file, &bytes)
+}
+
+/// Reads a surface from bytes, as `fit --save` wrote it in JSON, STEP or IGES.
+///
+/// # Errors
+/// Every fault of the file, with its place.
+pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
+    match surfaces::read_cad(file, bytes) {
+        Some(found) => found,
+        None => surface_file::read_document_bytes(file, bytes),
     }
 }
 

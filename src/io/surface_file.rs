@@ -6,17 +6,18 @@
 //! space has three numbers a coefficient, input units, and u, v are lengths of the input; its knots are SciPy's too, those
 //! of a closed direction going on beyond both ends.
 
-use std::path::Path;
-
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::bspline::Knots;
 use crate::contact::Frame;
-use crate::shape::UvSupport;
+use crate::shape::{ShapeGrid, UvSupport, shape_maps};
 use crate::surface::{HeightField, Parametric};
 
-use super::{IoError, read_bytes};
+use super::IoError;
+use super::page_file::document_bytes;
+use super::support_map::SupportMap;
+use super::uncertainty_map::UncertaintyMap;
 
 /// `frame` of the document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +47,9 @@ pub(crate) struct SavedSurface {
     /// Triangles of (u, v) that contacts span (`parametric`); elsewhere S and R are masked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support: Option<Vec<[[f64; 2]; 3]>>,
+    /// Where contacts support a height field, where they do not support all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) support_map: Option<SupportMap>,
     /// Coefficients (number `i m + j`) that no data hold; where they matter, S and R are masked.
     #[serde(default)]
     pub unsupported: Vec<usize>,
@@ -76,6 +80,8 @@ struct Document {
     schema: String,
     frame: SavedFrame,
     surface: SavedSurface,
+    #[serde(default)]
+    uncertainty: Option<UncertaintyMap>,
 }
 
 /// The only schema that is read.
@@ -92,6 +98,10 @@ pub struct Saved {
     pub surface: AnySurface,
     /// Coefficients that no data hold.
     pub unsupported: Vec<usize>,
+    /// Where contacts support a height field, where they do not support all of it.
+    pub support_map: Option<SupportMap>,
+    /// Standard uncertainties over the domain, where they are known.
+    pub uncertainty: Option<UncertaintyMap>,
 }
 
 impl SavedFrame {
@@ -112,6 +122,7 @@ impl SavedSurface {
             coefficients: rows(surface.coefficients(), |c| Coefficient::Height(*c)),
             closed: None,
             support: None,
+            support_map: None,
             unsupported: unsupported.to_vec(),
         }
     }
@@ -126,6 +137,7 @@ impl SavedSurface {
             coefficients: rows(surface.coefficients(), |c| Coefficient::Space(*c)),
             closed: Some([u.is_closed(), v.is_closed()]),
             support: Some(support.triangles().to_vec()),
+            support_map: None,
             unsupported: Vec::new(),
         }
     }
@@ -204,36 +216,67 @@ impl SavedFrame {
     }
 }
 
-/// Reads a surface that `fit --save` or `--json` wrote; `-` is standard input.
-///
-/// # Errors
-/// [`IoError::Read`], [`IoError::Surface`].
-pub(crate) fn read_surface(path: &Path) -> Result<Saved, IoError> {
-    let (file, bytes) = read_bytes(path)?;
-    read_surface_bytes(&file, &bytes)
+impl Saved {
+    /// The surface of a document, checked; `file` names it in messages.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(crate) fn of(
+        file: &str,
+        frame: &SavedFrame,
+        surface: SavedSurface,
+        uncertainty: Option<UncertaintyMap>,
+    ) -> Result<Saved, String> {
+        let frame = frame.frame()?;
+        let (unsupported, support_map) = (surface.unsupported.clone(), surface.support_map.clone());
+        support_map.as_ref().map_or(Ok(()), SupportMap::check)?;
+        uncertainty.as_ref().map_or(Ok(()), UncertaintyMap::check)?;
+        let surface = surface.surface()?;
+        let count = match &surface {
+            AnySurface::Height(field) => field.coefficients().len(),
+            AnySurface::Parametric(map, _) => map.coefficients().len(),
+        };
+        match unsupported.iter().find(|u| **u >= count) {
+            Some(u) => Err(format!("surface.unsupported names coefficient {u} of {count}")),
+            None => Ok(Saved { file: file.into(), frame, surface, unsupported, support_map, uncertainty }),
+        }
+    }
 }
 
-/// Reads a saved surface from bytes.
+impl Saved {
+    /// Whether contacts support a place of the surface's own domain, and data every coefficient that it depends on.
+    pub(crate) fn supports(&self, place: [f64; 2]) -> bool {
+        let [u, v] = place;
+        match &self.surface {
+            AnySurface::Height(field) => {
+                let domain = [0, 1].map(|k| field.knots()[k].domain());
+                let within = (0..2).all(|k| (domain[k][0]..=domain[k][1]).contains(&place[k]));
+                within
+                    && self.is_determined(field, u, v)
+                    && self.support_map.as_ref().is_none_or(|m| m.holds(domain, place))
+            }
+            AnySurface::Parametric(_, support) => support.holds(u, v),
+        }
+    }
+
+    fn is_determined(&self, field: &HeightField, u: f64, v: f64) -> bool {
+        let grid = ShapeGrid { x: vec![u], y: vec![v] };
+        self.unsupported.is_empty() || shape_maps(field, grid, &self.unsupported).supported[[0, 0]]
+    }
+}
+
+/// Reads a saved surface from the bytes of its document.
 ///
 /// # Errors
 /// Every fault of the document, with its place.
-pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
+pub(super) fn read_document_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
     let wrong = |what: String| IoError::Surface { file: file.into(), what };
-    let document: Document = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+    let bytes = document_bytes(file, bytes)?;
+    let document: Document = serde_json::from_slice(&bytes).map_err(|e| wrong(e.to_string()))?;
     if document.schema != FIT_SCHEMA {
         return Err(wrong(format!("schema is {:?}, not {FIT_SCHEMA:?}", document.schema)));
     }
-    let frame = document.frame.frame().map_err(wrong)?;
-    let unsupported = document.surface.unsupported.clone();
-    let surface = document.surface.surface().map_err(wrong)?;
-    let count = match &surface {
-        AnySurface::Height(field) => field.coefficients().len(),
-        AnySurface::Parametric(map, _) => map.coefficients().len(),
-    };
-    match unsupported.iter().find(|u| **u >= count) {
-        Some(u) => Err(wrong(format!("surface.unsupported names coefficient {u} of {count}"))),
-        None => Ok(Saved { file: file.into(), frame, surface, unsupported }),
-    }
+    Saved::of(file, &document.frame, document.surface, document.uncertainty).map_err(wrong)
 }
 
 #[cfg(test)]
@@ -249,7 +292,7 @@ mod tests {
                         "coefficients": [[0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [7.0, 8.0, 9.5]]},
         });
         change(&mut value);
-        read_surface_bytes("s.json", value.to_string().as_bytes()).map_err(|e| e.to_string())
+        read_document_bytes("s.json", value.to_string().as_bytes()).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -289,6 +332,6 @@ mod tests {
             let message = document(change).unwrap_err();
             assert!(message.contains(word) && message.starts_with("s.json"), "{message}");
         }
-        assert!(read_surface_bytes("s.json", b"x,y,z\n").unwrap_err().to_string().contains("--save"));
+        assert!(read_document_bytes("s.json", b"x,y,z\n").unwrap_err().to_string().contains("--save"));
     }
 }

@@ -35,6 +35,8 @@ mod noise;
 mod parallel;
 mod parametric_fit;
 mod patch_contacts;
+#[cfg(feature = "cli")]
+mod pointwise;
 mod problem;
 mod quadrature;
 mod robust;

@@ -115,6 +115,12 @@ impl ParametricFit {
         [rms(0) * self.data.frame.scale, rms(1)]
     }
 
+    /// Standard uncertainties at `points` places each way of (u, v), input units; computed at every call.
+    #[cfg(feature = "cli")]
+    pub(crate) fn pointwise(&self, points: usize) -> Option<Vec<Option<crate::shape::PointSds>>> {
+        super::pointwise::pointwise(&self.data, points)
+    }
+
     /// S, R and the rest over the grid of the options, where contacts reach; computed on first access.
     pub fn shape(&self) -> &ParametricShape {
         self.shape.get_or_init(|| describe(&self.data))

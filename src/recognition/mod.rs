@@ -51,6 +51,8 @@ mod options;
 mod orientation;
 mod paraboloid;
 mod patch;
+#[cfg(feature = "cli")]
+mod pointwise;
 mod posterior;
 mod reduced;
 mod region;
@@ -78,6 +80,8 @@ pub(crate) use neighbours::Neighbours;
 #[cfg(feature = "cli")]
 pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
+#[cfg(feature = "cli")]
+pub(crate) use pointwise::Pointwise;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};

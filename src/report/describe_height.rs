@@ -5,9 +5,9 @@ use std::io::Write;
 
 use crate::contact::{Contacts, Frame, Grid};
 use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
-use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface};
+use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface, SupportMap, UNCERTAINTY_POINTS};
 use crate::scene::Truth;
-use crate::shape::{ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::shape::{PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
 use crate::simd::Isa;
 use crate::surface::HeightField;
 
@@ -18,10 +18,13 @@ use super::description::{
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
 };
+use super::height_view::{height_view, leave_out_beyond};
 use super::interval_words::interval_words;
 use super::maps::write_maps_csv;
 use super::picture::{PictureOptions, write_picture};
+use super::surface_view::SurfaceView;
 use super::table::significant;
+use super::uncertainty;
 
 /// A height field with its document and its maps.
 pub(super) struct HeightDescription<'a> {
@@ -33,6 +36,12 @@ pub(super) struct HeightDescription<'a> {
     unsupported: &'a [usize],
     /// Contacts for the picture, and the frame along whose axes they are drawn.
     contacts: Option<(&'a Contacts, &'a Frame)>,
+    /// The frame along whose axes the surface stands.
+    frame: Frame,
+    /// The fit with its input, and whether its uncertainties are wanted.
+    fitted: Option<(&'a Fit, &'a Input, bool)>,
+    /// The fit, and whether uncertainties were declined; `None` of a saved surface.
+    fit: Option<(&'a Fit, bool)>,
 }
 
 impl<'a> HeightDescription<'a> {
@@ -62,6 +71,9 @@ impl<'a> HeightDescription<'a> {
                 Input::Contacts(contacts) => Some((contacts, fit.frame())),
                 Input::Grid(_) => None,
             },
+            frame: *fit.frame(),
+            fitted: Some((fit, subject.input, !subject.bare)),
+            fit: Some((fit, subject.bare)),
         })
     }
 
@@ -73,7 +85,13 @@ impl<'a> HeightDescription<'a> {
         grid: ShownGrid,
     ) -> HeightDescription<'a> {
         let domain = [0, 1].map(|k| surface.knots()[k].domain());
-        let maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        let mut maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        if let Some(map) = &saved.support_map {
+            let places = &maps.grid;
+            maps.supported
+                .indexed_iter_mut()
+                .for_each(|((i, j), s)| *s &= map.holds(domain, [places.x[i], places.y[j]]));
+        }
         if grid.again {
             take_again(&mut document, &spreads(&maps));
         }
@@ -84,6 +102,9 @@ impl<'a> HeightDescription<'a> {
             grid: grid.points,
             unsupported: &saved.unsupported,
             contacts: None,
+            frame: saved.frame,
+            fitted: None,
+            fit: None,
         }
     }
 }
@@ -91,6 +112,18 @@ impl<'a> HeightDescription<'a> {
 impl Description for HeightDescription<'_> {
     fn document(&self) -> &FitDocument {
         &self.document
+    }
+
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let Some((fit, bare)) = self.fit else { return document };
+        let knots = self.surface.knots();
+        let domain = knots.each_ref().map(|axis| axis.domain());
+        document.surface.support_map = SupportMap::of(domain, fit.supported());
+        let sds = if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) };
+        let sds: Vec<Option<PointSds>> = sds.into_iter().flatten().map(Some).collect();
+        document.uncertainty = uncertainty::map(knots, &sds, &document.shape);
+        document
     }
 
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
@@ -107,6 +140,17 @@ impl Description for HeightDescription<'_> {
         let places = self.contacts.map(|(contacts, frame)| along_axes(contacts, frame));
         let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
         write_picture(&maps, &PictureOptions { title: &title, contacts, ..PictureOptions::default() }, out)
+    }
+
+    fn view(&self) -> SurfaceView {
+        let mut maps = picture_maps(&self.surface, self.grid, self.unsupported);
+        // who names a domain asks about all of it
+        let all_of_it = self.fitted.is_some_and(|(fit, _, _)| fit.options().domain.is_some());
+        if let Some((contacts, frame)) = self.contacts.filter(|_| !all_of_it) {
+            let (x, y) = along_axes(contacts, frame);
+            leave_out_beyond(&x, &y, &mut maps);
+        }
+        height_view(&self.surface, &self.frame, &maps, self.fitted)
     }
 }
 
@@ -140,6 +184,7 @@ fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Second
         shape: shape_part(fit, shape_of(fit, subject)),
         truth: subject.truth.map(|truth| truth_part(fit, shape_of(fit, subject), truth)),
         surface: SavedSurface::of(surface, &fit.solution().unsupported),
+        uncertainty: None,
         seconds,
     }
 }

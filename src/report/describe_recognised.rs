@@ -8,21 +8,26 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-use crate::contact::Contacts;
+use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
-use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface};
-use crate::recognition::{Estimate, NormalsUse, RecognisedSpline, RecognisedSurface, Recognition};
-use crate::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
+use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
+use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
+use super::height_view::height_view;
 use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
+use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
+use super::recognised_view::recognised_view;
+use super::surface_view::SurfaceView;
+use super::uncertainty;
 
 /// A recognised surface with its document and its spline.
 pub(super) struct RecognisedDescription<'a> {
@@ -30,6 +35,9 @@ pub(super) struct RecognisedDescription<'a> {
     found: &'a Recognition,
     spline: RecognisedSpline,
     contacts: Option<&'a Contacts>,
+    input: &'a Input,
+    /// The pixels of a grid.
+    grid: Option<&'a Grid>,
 }
 
 impl<'a> RecognisedDescription<'a> {
@@ -58,15 +66,16 @@ impl<'a> RecognisedDescription<'a> {
                 RecognisedSpline::Height { surface, fit } => SavedSurface::of(surface, &fit.certificate().unsupported),
                 RecognisedSpline::Parametric { surface, support } => SavedSurface::of_parametric(surface, support),
             },
+            uncertainty: None,
             seconds,
         };
         let supported = found.map.iter().filter(|p| p.supported);
         take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
-        let contacts = match subject.input {
-            Input::Contacts(contacts) => Some(contacts),
-            Input::Grid(_) => None,
+        let (contacts, grid) = match subject.input {
+            Input::Contacts(contacts) => (Some(contacts), None),
+            Input::Grid(grid) => (None, Some(grid)),
         };
-        Ok(RecognisedDescription { document, found, spline, contacts })
+        Ok(RecognisedDescription { document, found, spline, contacts, grid, input: subject.input })
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
@@ -93,6 +102,13 @@ impl<'a> RecognisedDescription<'a> {
     }
 }
 
+/// The measured pixels of a grid.
+fn pixels(grid: &Grid) -> Contacts {
+    let known = grid.z.indexed_iter().filter(|(_, z)| !z.is_nan());
+    let points: Vec<[f64; 3]> = known.map(|((i, j), z)| [grid.x[i], grid.y[j], *z]).collect();
+    Contacts::from_points(&points)
+}
+
 /// Maps of either kind of spline.
 enum Maps {
     Height(Box<ShapeMaps>),
@@ -107,12 +123,48 @@ fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize;
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);
     }
+    if !maps.supported.iter().any(|supported| *supported) {
+        // the recognition took its means over all points then, and says so in its support
+        maps.supported.fill(true);
+    }
     maps
 }
 
 impl Description for RecognisedDescription<'_> {
     fn document(&self) -> &FitDocument {
         &self.document
+    }
+
+    fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let pixels = self.grid.map(pixels);
+        let Some(contacts) = self.contacts.or(pixels.as_ref()) else { return document };
+        let pointwise = Pointwise::new(self.found, contacts);
+        let found = &self.found.surface;
+        let (knots, sds): (_, Vec<Option<PointSds>>) = match &self.spline {
+            RecognisedSpline::Height { surface, .. } => {
+                let place = |x: f64, y: f64| [x, y, surface.at(x, y).z];
+                let held = |x: f64, y: f64| {
+                    let [u, v] = found.chart_of(place(x, y));
+                    found.supported_at(u, v)
+                };
+                let domain = surface.knots().each_ref().map(|axis| axis.domain());
+                document.surface.support_map = SupportMap::of(domain, held);
+                let [x, y] = uncertainty::places(surface.knots());
+                let places = x.iter().flat_map(|x| y.iter().map(|y| place(*x, *y)));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+            RecognisedSpline::Parametric { surface, .. } => {
+                let [u, v] = uncertainty::places(surface.knots());
+                let places = u.iter().flat_map(|u| v.iter().map(|v| surface.at(*u, *v).point));
+                (surface.knots(), places.map(|place| pointwise.at(place)).collect())
+            }
+        };
+        // the draws have counted every kind of surface already
+        let mut shape = document.shape.clone();
+        (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
+        document.uncertainty = uncertainty::map(knots, &sds, &shape);
+        document
     }
 
     fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
@@ -138,6 +190,21 @@ impl Description for RecognisedDescription<'_> {
         let places = self.places();
         let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
         write_picture(&maps, &PictureOptions { title: &headline(name, &self.document), contacts, axes }, out)
+    }
+
+    fn view(&self) -> SurfaceView {
+        let [least, most] = PICTURE_CELLS;
+        let maps = self.maps(self.found.grid.map(|n| n.clamp(least, most)));
+        let mut view = match (&maps, &self.spline) {
+            (Maps::Height(maps), RecognisedSpline::Height { surface, .. }) => {
+                height_view(surface, &Frame::IDENTITY, maps, None)
+            }
+            (Maps::Parametric(maps), RecognisedSpline::Parametric { surface, .. }) => parametric_view(surface, maps),
+            // maps are of their spline's kind
+            _ => SurfaceView::default(),
+        };
+        recognised_view(self.found, self.input, &mut view);
+        view
     }
 }
 

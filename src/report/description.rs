@@ -16,6 +16,7 @@ use crate::shape::{ShapeMaps, Spread, radius_of};
 
 use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
 use super::maps::write_maps_npz;
+use super::surface_view::SurfaceView;
 use super::table::significant;
 use super::words::small_maps;
 
@@ -23,12 +24,17 @@ use super::words::small_maps;
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 
 /// How the remark on imported surfaces begins.
-const INVERSE_CRIME: &str = "inverse crime";
+pub(super) const INVERSE_CRIME: &str = "inverse crime";
 
 /// A surface in words, numbers and pictures.
 pub(crate) trait Description {
     /// All that is known, as JSON has it.
     fn document(&self) -> &FitDocument;
+
+    /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
+    fn saved(&self) -> FitDocument {
+        self.document().clone()
+    }
 
     /// `maps.csv`: the surface and its shape over the grid.
     ///
@@ -57,6 +63,9 @@ pub(crate) trait Description {
     /// # Errors
     /// What the system says.
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()>;
+
+    /// What `report.html` draws.
+    fn view(&self) -> SurfaceView;
 }
 
 /// What is known of a fit besides the fit itself.
@@ -198,5 +207,8 @@ pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
     (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
     shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;
     document.truth = None;
-    document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    // a CAD file never had any
+    if document.contacts > 0 {
+        document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
+    }
 }

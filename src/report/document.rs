@@ -7,7 +7,7 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
-use crate::io::{SavedFrame, SavedSurface};
+use crate::io::{SavedFrame, SavedSurface, UncertaintyMap};
 
 /// One fit, described.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,6 +30,9 @@ pub(crate) struct FitDocument {
     pub(crate) truth: Option<TruthPart>,
     /// The surface itself.
     pub(crate) surface: SavedSurface,
+    /// Standard uncertainties over the surface; in files that a surface is saved in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) uncertainty: Option<UncertaintyMap>,
     /// Where the time went.
     pub(crate) seconds: Seconds,
 }

@@ -7,16 +7,20 @@
 //! a saved surface at points   ->  PointTable         points_at
 //! ```
 
+mod bare_surface;
 mod describe;
 mod describe_height;
 mod describe_parametric;
 mod describe_recognised;
 mod description;
+mod diff;
+mod diff_picture;
 mod document;
 mod drawing;
 mod drawing_png;
 mod explore;
 mod explore_picture;
+mod fits;
 mod frontier;
 mod frontier_axes;
 mod frontier_columns;
@@ -25,30 +29,40 @@ mod frontier_picture;
 mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
+mod height_view;
 mod interval_words;
 mod json;
 mod letters;
 mod maps;
+mod page;
 mod parametric;
+mod parametric_view;
 mod parts;
 mod parts_picture;
 mod picture;
 mod point_table;
 mod points;
+mod recognised_view;
 mod schema;
 mod study;
 mod study_picture;
 mod study_samples;
 mod study_table;
+mod surface_view;
 mod sweep;
 mod table;
+mod uncertainty;
 mod words;
 
+pub(crate) use bare_surface::document_of_surface;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
+pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
+pub(crate) use diff_picture::write_diff_picture;
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
+pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
@@ -56,9 +70,13 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
+pub(crate) use page::{
+    INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
+    write_study_page, write_sweep_page, write_table_page,
+};
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
 pub(crate) use parts_picture::write_parts_picture;
-pub use schema::{explore_schema, fit_schema, frontier_schema, parts_schema, study_schema};
+pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

@@ -1,19 +1,21 @@
-//! The JSON Schemas of `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1` and `palpate.parts/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.fits/1`, `palpate.diff/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1` and `palpate.parts/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
 
 use serde_json::{Map, Value, json};
 
+use super::diff::{DIFF_SCHEMA, diff_samples};
 use super::document::*;
 use super::explore::{EXPLORE_SCHEMA, explore_samples};
+use super::fits::{FITS_SCHEMA, fits_samples};
 use super::frontier::FRONTIER_SCHEMA;
 use super::frontier_samples::{empty_frontier, frontier_without_pick, full_frontier};
 use super::parts::{PARTS_SCHEMA, parts_samples};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
-use crate::io::{Coefficient, FIT_SCHEMA, SavedFrame, SavedSurface};
+use crate::io::{Coefficient, FIT_SCHEMA, PointUncertainty, SavedFrame, SavedSurface, SupportMap, UncertaintyMap};
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
@@ -60,6 +62,26 @@ pub fn parts_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = PARTS_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": PARTS_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.diff/1`.
+pub fn diff_schema() -> Value {
+    let samples: Vec<Value> = diff_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = DIFF_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": DIFF_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.fits/1`.
+pub fn fits_schema() -> Value {
+    let samples: Vec<Value> = fits_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = FITS_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": FITS_SCHEMA });
     schema
 }
 
@@ -246,10 +268,19 @@ pub(super) fn full() -> FitDocument {
             coefficients: vec![vec![Coefficient::Height(0.5)]],
             closed: None,
             support: None,
+            support_map: Some(SupportMap::of([[0.0, 1.0]; 2], |x, y| x < y)).flatten(),
             unsupported: vec![1],
         },
+        uncertainty: Some(uncertainty()),
         seconds: Seconds { read: 0.5, fit: 0.5, shape: 0.5, total: 0.5 },
     }
+}
+
+/// Uncertainties that are known at one point and not at the other.
+fn uncertainty() -> UncertaintyMap {
+    let half = Some(0.5);
+    let known = PointUncertainty { position: half, normal_deg: half, shape_index: half, curvedness: half };
+    UncertaintyMap::of([vec![0.5], vec![0.5, 1.5]], &[known, PointUncertainty::default()])
 }
 
 /// A parametric surface.
@@ -300,6 +331,7 @@ fn emptied() -> FitDocument {
 /// The same with every part missing that may be.
 fn bare() -> FitDocument {
     let mut document = full();
+    (document.uncertainty, document.surface.support_map) = (None, None);
     document.fit.weights = None;
     document.fit.sigma = None;
     document.fit.condition = None;

@@ -74,9 +74,10 @@ fn quantity_lines(name: &str, part: &QuantityPart, level: f64, line: &mut dyn Fn
         line(name, "undefined in every replicate".into());
         return;
     };
-    let mut words = format!("{} +- {}", significant(mean, 5), significant(sd, 3));
+    let mut words =
+        format!("mean {}, differs by {} from replicate to replicate", significant(mean, 5), significant(sd, 3));
     if let (Some(truth), Some(bias)) = (part.truth, part.bias) {
-        let _ = write!(words, "   truth {}, bias {}", significant(truth, 5), significant(bias, 2));
+        let _ = write!(words, ";  the truth is {}, the mean off by {}", significant(truth, 5), significant(bias, 2));
     }
     if part.undefined > 0 {
         let _ = write!(words, "   undefined in {}", part.undefined);
@@ -88,7 +89,7 @@ fn quantity_lines(name: &str, part: &QuantityPart, level: f64, line: &mut dyn Fn
         line(
             "",
             format!(
-                "{} %: [{}, {}] to {e}, {f};  shortest [{}, {}]",
+                "{} % of replicates between {} and {} (ends known to {e} and {f}); shortest such interval {} to {}",
                 100.0 * level,
                 significant(lo, 5),
                 significant(hi, 5),

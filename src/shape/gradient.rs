@@ -94,7 +94,7 @@ pub(crate) fn by_coefficients(g: &[f64; 5], bx: &BasisRow, by: &BasisRow, mut vi
 }
 
 /// Derivatives of S and of R by `(S_x, S_y, S_xx, S_xy, S_yy)` at one point, and the curvatures they belong to.
-#[cfg(test)]
+#[cfg(any(test, feature = "cli"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShapeGradient {
     /// Of S.
@@ -108,7 +108,7 @@ pub(crate) struct ShapeGradient {
 }
 
 /// Gradients of S and R at one point.
-#[cfg(test)]
+#[cfg(any(test, feature = "cli"))]
 pub(crate) fn shape_gradient(point: &SurfacePoint) -> ShapeGradient {
     let Operator { a, b, c, da, db, dc } = operator(point);
     let difference = (a - c).hypot(2.0 * b);

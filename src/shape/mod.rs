@@ -15,12 +15,14 @@ mod maps;
 mod outline;
 mod parametric_maps;
 mod plane;
+#[cfg(feature = "cli")]
+mod point_sds;
 mod repeated_gradients;
 mod summary;
 mod truth;
 mod uv_support;
 
-#[cfg(test)]
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use gradient::{by_coefficients, shape_gradient};
 pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;
@@ -29,6 +31,8 @@ pub use maps::{ShapeMaps, shape_maps};
 pub(crate) use outline::Outline;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+#[cfg(feature = "cli")]
+pub(crate) use point_sds::PointSds;
 pub(crate) use repeated_gradients::RepeatedGradients;
 pub use summary::Interval;
 pub(crate) use summary::{Spread, class_probabilities, normal_interval, radius_of, spread};

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 26] = [
+const FLOORS: [(&str, u8); 27] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
@@ -24,6 +24,7 @@ const FLOORS: [(&str, u8); 26] = [
     ("surface", 2),
     ("shape", 3),
     ("fit", 4),
+    ("comparison", 4),
     ("parametric", 5),
     ("plans", 5),
     ("recognition", 5),

@@ -104,14 +104,15 @@ fn bare_declines_certificate_and_intervals_alone() {
             assert!(found.remove(key).is_some(), "{quantity} {key}");
         }
     }
-    for key in ["cov_S_R", "intervals"] {
+    for key in ["cov_S_R", "intervals", "axis_deg"] {
         assert!(whole["shape"].as_object_mut().unwrap().remove(key).is_some(), "{key}");
     }
     let notes = std::mem::take(bare.pointer_mut("/fit/notes").unwrap());
     whole["fit"]["notes"].take();
+    assert!(whole["fit"].as_object_mut().unwrap().remove("technical_notes").is_some());
     assert!(notes[0].as_str().unwrap().contains("--bare"), "{notes}");
     assert_eq!(without_seconds(whole), without_seconds(bare));
-    let table = text(here, &["run", "--bare"]);
+    let table = text(here, &["run", "--bare", "--verbose"]);
     assert!(!table.contains("numbers ") && !table.contains("digits ") && !table.contains("u ="), "{table}");
     text(here, &["simulate", "paper-cylinder", "-o", "c.csv"]);
     let refused = palpate(here, &["fit", "c.csv", "--bare"]).output().unwrap();
@@ -162,7 +163,7 @@ fn the_output_directory_holds_pictures_tables_and_records() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "shape.svg"]);
+    assert_eq!(names, ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "report.html", "shape.svg"]);
     let maps = std::fs::read_to_string(here.join("deep/er/maps.csv")).unwrap();
     assert_eq!((maps.lines().next(), maps.lines().count()), (Some("x,y,z,k1,k2,S,R"), 1 + 20));
     let svg = std::fs::read_to_string(here.join("deep/er/shape.svg")).unwrap();

@@ -215,3 +215,24 @@ fn declared_noise_that_the_contacts_contradict_is_said() {
     let high = fitted(at, "fit ball.csv --degree 4 --segments 2 --sigma 1,5");
     assert!(notes(&high).contains("the noise is smaller"), "{}", notes(&high));
 }
+
+/// The contacts of every built-in scene, as if they were somebody's own: an answer, or a refusal that speaks of the contacts
+/// and not of what the program makes of them on its way.
+#[test]
+fn the_contacts_of_every_built_in_scene_are_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = run(folder.path(), "scenes --json");
+    let list: Value = serde_json::from_slice(&list.stdout).unwrap();
+    let names: Vec<&str> =
+        list["scenes"].as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
+    let mut answered = 0;
+    for name in
+        names.iter().filter(|name| run(folder.path(), &format!("simulate {name} -o {name}.csv")).status.success())
+    {
+        let output = run(folder.path(), &format!("fit {name}.csv"));
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() || message.contains("the normals point all ways"), "{name}: {message}");
+        answered += usize::from(output.status.success());
+    }
+    assert!(answered >= 9, "{answered} of {}", names.len());
+}

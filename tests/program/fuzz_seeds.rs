@@ -56,6 +56,12 @@ fn reader_of_scenes() {
 }
 
 #[test]
+fn readers_of_cad_files() {
+    // a height field and a surface in space, each in STEP and in IGES
+    assert_eq!(replay("cad", |bytes| read_surface_bytes("-", bytes).is_ok()), 4);
+}
+
+#[test]
 fn reader_of_surfaces() {
-    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 2);
+    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 3);
 }

@@ -7,19 +7,25 @@ use serde_json::Value;
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
 const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.explore-1.json");
 const PARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.parts-1.json");
+const DIFF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.diff-1.json");
+const FITS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fits-1.json");
 const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
 const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.frontier-1.json");
 
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
-    use palpate::internals::report::{explore_schema, fit_schema, frontier_schema, parts_schema, study_schema};
+    use palpate::internals::report::{
+        diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema,
+    };
     let schemas = [
         (FIT, fit_schema()),
         (STUDY, study_schema()),
         (FRONTIER, frontier_schema()),
         (EXPLORE, explore_schema()),
         (PARTS, parts_schema()),
+        (DIFF, diff_schema()),
+        (FITS, fits_schema()),
     ];
     for (file, schema) in schemas {
         let generated = serde_json::to_string_pretty(&schema).unwrap() + "\n";
@@ -169,6 +175,32 @@ fn every_frontier_obeys_the_schema() {
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
         check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
     }
+}
+
+/// Documents of two surfaces with uncertainties, of two without, and of several files of which one fails.
+#[test]
+fn every_comparison_and_every_table_obeys_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        command.current_dir(folder.path()).args(line.split(' ')).output().unwrap()
+    };
+    run("run paper-table2 --quiet --save a.json");
+    run("run paper-plane --quiet --save b.step");
+    run("simulate paper-table2 -o c.csv --quiet");
+    for (line, file) in [
+        ("diff a.json a.json --json", DIFF),
+        ("diff b.step b.step --json", DIFF),
+        ("diff a.json b.step --json", DIFF),
+        ("fit c.csv missing.csv --json", FITS),
+    ] {
+        let output = run(line);
+        let schema: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+    let saved: Value = serde_json::from_slice(&std::fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    assert!(saved["uncertainty"]["position"].is_array());
+    check("a.json", &saved, &serde_json::from_str(&std::fs::read_to_string(FIT).unwrap()).unwrap());
 }
 
 /// Every key of the design's section 4, spelt out here once more.

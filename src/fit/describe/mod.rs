@@ -4,6 +4,8 @@ mod direction;
 mod flatness;
 mod interval;
 mod plane;
+#[cfg(feature = "cli")]
+pub(super) mod pointwise;
 pub(super) mod residuals;
 pub(super) mod shape;
 mod uncertainty;

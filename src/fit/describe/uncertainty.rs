@@ -41,7 +41,7 @@ fn degrees_of_freedom(parts: [f64; 2], dof: [f64; 2]) -> f64 {
 }
 
 /// Of a mean of S or of R; `None` where the measurements leave nothing from which noise could be told.
-fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+pub(super) fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
     let fitted = &solved.fitted;
     let source = fitted.noise.source();
     if source != NoiseSource::Sigma && fitted.equations.count() <= fitted.solution.rank {
@@ -59,11 +59,22 @@ fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePa
     (part.dof >= 1.0).then_some(part)
 }
 
+/// Factors by which the noise sds are larger than declared, at least 1.
+pub(super) fn above_declared(solved: &Solved) -> [f64; 2] {
+    declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0))
+}
+
+/// Standard uncertainty of `g'c` from noise, as the means have it; `above` is [`above_declared`].
+#[cfg(feature = "cli")]
+pub(super) fn noise_at_point(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<f64> {
+    of_mean(solved, gradient, above).map(|part| part.u)
+}
+
 /// Covariance of the noise in two means, from their gradients: half of what the variance of the sum of both, in units of
 /// their own uncertainties, exceeds 2 by.
 #[cfg(feature = "cli")]
 pub(super) fn covariance(solved: &Solved, gradients: [&[f64]; 2]) -> Option<f64> {
-    let above = declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0));
+    let above = above_declared(solved);
     let [a, b] = gradients.map(|g| of_mean(solved, g, above));
     let [a, b] = [a?.u, b?.u];
     if a <= 0.0 || b <= 0.0 {
@@ -125,7 +136,7 @@ impl Uncertainties {
         let gradients = GridGradients::new(&solved.surface, &local.rows);
         let of_means = mean_gradients(&solved.surface, local, &gradients);
         // nothing between -1 and 1 has a larger standard deviation
-        let above = declared_off(solved).map(|factor| factor.unwrap_or(1.0).max(1.0));
+        let above = above_declared(solved);
         let of_shape_index = of_mean(solved, &of_means.shape_index, above);
         let of_shape_index = of_shape_index.map(|part| NoisePart { u: part.u.min(1.0), ..part });
         let of_curvedness = of_mean(solved, &of_means.curvedness, above);

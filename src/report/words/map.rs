@@ -30,7 +30,9 @@ fn small_map(name: &str, maps: &ShapeMaps, value: impl Fn(usize, usize) -> Optio
     let at = |i, j| value(i, j).filter(|v| v.is_finite());
     let all = columns.iter().flat_map(|i| rows.iter().filter_map(|j| at(*i, *j)));
     let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-    if !(hi - lo > LEAST * hi.abs().max(lo.abs())) {
+    // without any value the ends are infinite, and there is no map either
+    let differs = hi - lo > LEAST * hi.abs().max(lo.abs());
+    if !differs {
         return None;
     }
     let step = |v: f64| STEPS[(((v - lo) / (hi - lo) * STEPS.len() as f64) as usize).min(STEPS.len() - 1)];
