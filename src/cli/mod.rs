@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | diff A B
-//! palpate explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
+//! palpate parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -27,12 +27,15 @@ mod frontier_input;
 mod frontier_scene;
 mod gathered;
 mod help;
+mod interrupt;
 mod merge;
 mod named;
 mod options;
 mod output;
+mod parts;
 mod preparation;
 mod progress;
+mod provenance;
 mod reading;
 mod run;
 mod save;
@@ -87,6 +90,9 @@ enum Verb {
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
     #[command(after_help = examples::EXPLORE)]
     Explore(Box<explore::ExploreArgs>),
+    /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
+    #[command(after_help = examples::PARTS)]
+    Parts(Box<parts::PartsArgs>),
     /// Say what a word of the output means
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::ExplainArgs),
@@ -123,6 +129,9 @@ pub fn main() -> ExitCode {
     // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
     // does, wants it ignored: then no handler is set.
     let _ = ctrlc::try_set_handler(|| {
+        if interrupt::caught() {
+            return;
+        }
         crate::io::remove_unfinished();
         std::process::exit(130)
     });
@@ -134,6 +143,7 @@ pub fn main() -> ExitCode {
         Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
+        Verb::Parts(args) => parts::parts(&args),
         Verb::Explain(args) => explain::explain(&args),
         Verb::Completions(args) => completions::completions(&args),
         Verb::Man => completions::man(),

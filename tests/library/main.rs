@@ -6,6 +6,7 @@ mod hard_cases;
 #[cfg(feature = "cli")]
 mod paper;
 mod parametric;
+mod parts;
 mod properties;
 mod random_problems;
 mod robust;

@@ -105,9 +105,9 @@ mod tests {
         let z = (0..36).map(|r| 0.1 * x[r] * x[r] - 0.05 * y[r] * y[r] + NOISE * noise[r]).collect();
         let normals: Vec<[f64; 3]> = (0..36).map(|r| [-slopes(r)[0], -slopes(r)[1], 1.0]).collect();
         let contacts = Contacts::from_positions(x.clone(), y.clone(), z).with_normal_vectors(&normals);
-        let mut options = FitOptions::default();
         // normals of one degree hold the slopes; both sds are declared, and only heights are drawn
-        options.objective = Objective::Normals(NormalSigma::Known { z: NOISE, normal_deg: 60.0 });
+        let objective = Objective::Normals(NormalSigma::Known { z: NOISE, normal_deg: 60.0 });
+        let options = FitOptions { objective, ..FitOptions::default() };
         fit_contacts(&contacts, &options).unwrap()
     }
 
