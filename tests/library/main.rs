@@ -8,6 +8,7 @@ mod paper;
 mod parametric;
 mod parts;
 mod properties;
+mod random_problems;
 mod robust;
 mod routes;
 mod scene_effects;
