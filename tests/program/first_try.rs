@@ -221,7 +221,7 @@ fn declared_noise_that_the_contacts_contradict_is_said() {
 #[test]
 fn the_contacts_of_every_built_in_scene_are_answered() {
     let folder = tempfile::tempdir().unwrap();
-    let list = run(folder.path(), "scenes --json");
+    let list = run(folder.path(), "scenes");
     let list: Value = serde_json::from_slice(&list.stdout).unwrap();
     let names: Vec<&str> =
         list["scenes"].as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
