@@ -83,8 +83,8 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
     }
     args.output.prepare(&[input], args.save.as_slice())?;
     check_name(args.save.as_deref())?;
-    let spinner = args.output.spinner(format!("fitting {}", input.display()));
-    let one = One::of(input, args)?;
+    let spinner = args.output.spinner(format!("reading {}", input.display()));
+    let one = One::of(input, args, &|phase| spinner.phase(phase))?;
     drop(spinner);
     describe(
         &one.answer,
@@ -103,7 +103,7 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
 
 /// The document of one of several files.
 fn row_of(input: &Path, args: &FitArgs) -> Result<FitDocument, Failure> {
-    let one = One::of(input, args)?;
+    let one = One::of(input, args, &|_| ())?;
     document_of(&one.answer, &one.reading.file, &one.subject(args), &one.taken)
 }
 
@@ -118,12 +118,14 @@ struct One {
 }
 
 impl One {
-    fn of(input: &Path, args: &FitArgs) -> Result<One, Failure> {
+    /// `phase` is told what is done next.
+    fn of(input: &Path, args: &FitArgs, phase: &dyn Fn(&str)) -> Result<One, Failure> {
         let began = Instant::now();
         let mut reading = read_input(input, &args.read_options())?;
         let prepared = args.preparation.apply(&mut reading)?;
         let read = began.elapsed().as_secs_f64();
         let clock = Instant::now();
+        phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
         let found = answer(&reading, args).map_err(|refusal| {
             Failure::Input(match refusal {
                 Refusal::Fit(error) => placed(&error, &reading),
@@ -178,6 +180,14 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
     let recognition =
         RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
     automatic(input, &recognition, &fit)
+}
+
+/// Contacts, or pixels.
+fn count_of(input: &Input) -> usize {
+    match input {
+        Input::Contacts(contacts) => contacts.len(),
+        Input::Grid(grid) => grid.z.len(),
+    }
 }
 
 /// The error with its file, and its line where it is about one contact.

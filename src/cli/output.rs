@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::io::{Together, same_file, visible, write_atomically};
 
@@ -98,6 +98,9 @@ impl OutputFlags {
             return Spinner(ProgressBar::hidden());
         }
         let bar = ProgressBar::new_spinner().with_message(visible(&what.into()));
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+            bar.set_style(style);
+        }
         // short work ends before the first tick and shows nothing
         bar.enable_steady_tick(Duration::from_millis(250));
         Spinner(bar)
@@ -117,6 +120,13 @@ fn has_place(output: &Path) -> Result<(), Failure> {
 
 /// Goes away when dropped.
 pub(super) struct Spinner(ProgressBar);
+
+impl Spinner {
+    /// What is done from now on.
+    pub(super) fn phase(&self, what: &str) {
+        self.0.set_message(visible(what));
+    }
+}
 
 impl Drop for Spinner {
     fn drop(&mut self) {
