@@ -139,11 +139,10 @@ pub(crate) fn explore_error(py: Python<'_>, error: &ExploreError) -> PyErr {
 
 pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr {
     match refusal {
-        PlannerRefusal::Fit(error) => fit_error(py, error),
         PlannerRefusal::Explore(error) => explore_error(py, error),
         PlannerRefusal::Surface => {
-            let what = "touches are planned over x and y, by a height field, and this surface stands in space: \
-                        fit with a model that is a height field, as degree=2";
+            let what = "touches are planned over x and y, by a height field, and none fits these contacts: \
+                        name a model that is one, as degree=2, or plan over a part of them";
             plain(py, "ExploreError", what.into(), "Surface")
         }
     }

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use palpate::cli::embedded::{self, FitAnswer};
 use palpate::explore::{ExploreError, TouchPlanner};
-use palpate::fit::FitError;
 use palpate::internals::io::Input;
 use palpate::recognition::RecognisedSpline;
 use pyo3::exceptions::PyValueError;
@@ -60,24 +59,17 @@ impl FitCore {
 }
 
 impl FitCore {
-    /// A planner of next touches by the fitted height field, or by the spline of what was recognised.
+    /// A planner of next touches by the fitted height field, or by one with the noise of what was recognised.
     pub(crate) fn planner(&self) -> Result<TouchPlanner, PlannerRefusal> {
-        let in_space = || PlannerRefusal::Surface;
-        if let Some(fit) = self.answer.height_field() {
-            return TouchPlanner::new(fit).map_err(PlannerRefusal::Explore);
-        }
-        match self.answer.recognition().ok_or_else(in_space)?.spline().map_err(PlannerRefusal::Fit)? {
-            RecognisedSpline::Height { fit, .. } => TouchPlanner::new(&fit).map_err(PlannerRefusal::Explore),
-            RecognisedSpline::Parametric { .. } => Err(in_space()),
-        }
+        let fit = self.answer.planning_fit().ok_or(PlannerRefusal::Surface)?;
+        TouchPlanner::new(&fit).map_err(PlannerRefusal::Explore)
     }
 }
 
 /// Why a fit plans no touches.
 pub(crate) enum PlannerRefusal {
-    /// Its surface stands in space.
+    /// No height field over x and y.
     Surface,
-    Fit(FitError),
     Explore(ExploreError),
 }
 

@@ -8,12 +8,14 @@
 //! arguments of `palpate explore`                  -> palpate.explore/1, and the contacts
 //! ```
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
 
 use crate::contact::Contacts;
+use crate::explore::planning_fit;
 use crate::fit::{Fit, FitError, FitOptions};
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
@@ -99,6 +101,18 @@ impl FitAnswer {
     pub fn parametric(&self) -> Option<&ParametricFit> {
         match &self.found.answer {
             Answer::Fitted(FittedSurface::Parametric(fit)) => Some(fit),
+            _ => None,
+        }
+    }
+
+    /// The fit by which touches are planned: the fitted height field, or, of contacts that were recognised, one with the
+    /// noise that was found. `None` where no height field over x and y fits them.
+    pub fn planning_fit(&self) -> Option<Cow<'_, Fit>> {
+        match (&self.found.answer, &self.input) {
+            (Answer::Fitted(FittedSurface::Height(fit)), _) => Some(Cow::Borrowed(fit)),
+            (Answer::Recognised(found), Input::Contacts(contacts)) => {
+                planning_fit(contacts, Some(found)).map(Cow::Owned)
+            }
             _ => None,
         }
     }

@@ -196,11 +196,11 @@ class TouchPlanner:
     """A fit prepared for choosing next touches again and again: no refit is made, one call takes microseconds.
 
     fit: contacts fitted by a height field that keeps the input's axes, with known or estimated noise. Where the contacts
-    were recognised, their spline plans. units=(of S, of R) count the falls of u(S) and u(R), such as the goals (of R in
+    were recognised, a spline of one segment with the noise that was found plans. units=(of S, of R) count the falls of u(S) and u(R), such as the goals (of R in
     1/length); the fit's own u where nothing is said. A planner does not pickle; fits do, without their equations.
 
-    Raises ExploreError: a fit with preset weights, without noise, with free coefficients, with axes of its own, in space,
-    or read from a file.
+    Raises ExploreError: a fit with preset weights, without noise, with free coefficients, with axes of its own, a
+    surface in space or a grid that was recognised, or a fit that was read from a file.
 
     >>> import numpy as np, palpate
     >>> x, y = (a.ravel() for a in np.meshgrid([-4.0, 0.0, 4.0], [-4.0, 0.0, 4.0]))

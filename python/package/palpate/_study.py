@@ -178,7 +178,7 @@ def arguments(scene: str, options: dict[str, Any]) -> list[str]:
     for name, value in options.items():
         if name in repeated:
             entries = [value] if isinstance(value, str) else value or []
-            flags += [flag for entry in entries for flag in flag(name, entry)]
+            flags += [word for entry in entries for word in flag(name, entry)]
         else:
             flags += flag(name, value)
     return [scene, *flags]
