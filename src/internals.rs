@@ -64,10 +64,17 @@ pub mod parametric {
     pub use crate::parametric::choose_surface;
 }
 
+/// Parts beside the truth.
+pub mod parts {
+    pub use crate::parts::{Agreement, against};
+}
+
 /// The schema of documents.
 #[cfg(feature = "cli")]
 pub mod report {
-    pub use crate::report::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema};
+    pub use crate::report::{
+        diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema,
+    };
 }
 
 /// The simulated world.

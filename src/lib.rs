@@ -57,6 +57,7 @@ mod linalg;
 pub mod montecarlo;
 mod observation;
 pub mod parametric;
+pub mod parts;
 pub mod plans;
 pub mod recognition;
 #[cfg(feature = "cli")]

@@ -49,6 +49,11 @@ Examples:
   palpate explore paper-cylinder --contacts 60
   palpate explore my.toml --u-s 0.01 --u-r 0.02 --out out";
 
+pub(super) const PARTS: &str = "\
+Examples:
+  palpate parts parts-mug                       # a built-in body, beside its truth
+  palpate parts scan.ply --out out              # picture, table and every contact's part into out";
+
 pub(super) const EXPLAIN: &str = "\
 Examples:
   palpate explain

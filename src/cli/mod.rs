@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | diff A B
-//! palpate explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
+//! palpate parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -32,6 +32,7 @@ mod merge;
 mod named;
 mod options;
 mod output;
+mod parts;
 mod preparation;
 mod progress;
 mod provenance;
@@ -89,6 +90,9 @@ enum Verb {
     /// Sweep a scene, then touch where it tells most, until S and R are known well enough
     #[command(after_help = examples::EXPLORE)]
     Explore(Box<explore::ExploreArgs>),
+    /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
+    #[command(after_help = examples::PARTS)]
+    Parts(Box<parts::PartsArgs>),
     /// Say what a word of the output means
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::ExplainArgs),
@@ -139,6 +143,7 @@ pub fn main() -> ExitCode {
         Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
+        Verb::Parts(args) => parts::parts(&args),
         Verb::Explain(args) => explain::explain(&args),
         Verb::Completions(args) => completions::completions(&args),
         Verb::Man => completions::man(),

@@ -17,7 +17,7 @@ pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<
 
 /// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
 /// be of two.
-const FAMILIES: [&[&str]; 8] = [
+const FAMILIES: [&[&str]; 9] = [
     &["fit.json", "maps.csv", "maps.npz", "shape.svg", "contacts.csv", "points.csv"],
     &["report.html"],
     &["study.json", "study.svg"],
@@ -25,6 +25,7 @@ const FAMILIES: [&[&str]; 8] = [
     &["sweep.json", "sweep.csv", "sweep.svg"],
     &["coverage.json", "coverage.csv"],
     &["explore.json", "explore.csv", "explore.svg"],
+    &["parts.json", "parts.csv", "parts.svg"],
     &[
         "frontier.json",
         "frontier.csv",

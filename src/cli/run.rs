@@ -6,7 +6,9 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::io::Input;
+use crate::io::scene_file::SceneFile;
 use crate::report::{Answer, Subject, inverse_crime_remark};
+use crate::scene::surface::Body;
 
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
@@ -52,13 +54,15 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let (found, chosen) = fit_input(&input, &args.fit.over(scene.fit.clone())).map_err(|e| wrong(fit_message(&e)))?;
+    let (found, chosen) = fit_input(&input, &args.fit.over(scene.fit.clone()))
+        .map_err(|e| wrong(format!("{}{}", fit_message(&e), several_faces(&scene, "; "))))?;
     let found = Answer::Fitted(if args.bare { found } else { counting_other_kinds(found) });
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = Vec::new();
     if reached < asked {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
+    notes.extend(Some(several_faces(&scene, "")).filter(|words| !words.is_empty()));
     notes.extend(inverse_crime_remark(&truth));
     notes.extend(args.fit.without_effect(found.is_parametric(), false));
     let subject = Subject {
@@ -85,4 +89,12 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
         },
     )
+}
+
+/// What to do with a body of several faces, which one patch rounds off; after `join`. Nothing for other surfaces.
+fn several_faces(scene: &SceneFile, join: &str) -> String {
+    match scene.world.surface.body {
+        Body::Solids(_) => format!("{join}a body of several faces is taken apart by palpate parts"),
+        _ => String::new(),
+    }
 }

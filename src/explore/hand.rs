@@ -36,7 +36,7 @@ pub(super) struct Hand {
 impl Hand {
     /// The world with its candidates: a lattice over the rectangle of the first sweep, or over `reach` (`[x0, x1, y0, y1]`).
     pub(super) fn new(world: &World, seed: u64, reach: Option<[f64; 4]>) -> Result<Hand, ExploreError> {
-        if world.sweeps.iter().any(|sweep| sweep.path == SweepPath::Around) {
+        if world.sweeps.iter().any(|sweep| sweep.path != SweepPath::Down) {
             return Err(ExploreError::Around);
         }
         let simulator = world.compile()?;

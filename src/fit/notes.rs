@@ -35,8 +35,13 @@ pub enum Note {
     Outliers {
         /// How many.
         sites: usize,
-        /// Reweightings until the weights stood still.
+        /// Reweightings until the weights stood still, or until they were given up.
         steps: usize,
+    },
+    /// The weights of the robust loss did not stand still: two sets of outliers explain the data nearly as well.
+    Unsettled {
+        /// By how much the last reweighting moved a weight's root, at most.
+        moved: f64,
     },
 }
 
@@ -60,6 +65,11 @@ impl std::fmt::Display for Note {
             Note::Outliers { sites, steps } => {
                 write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")
             }
+            Note::Unsettled { moved } => write!(
+                f,
+                "the weights of the robust loss did not stand still: the last step moved one by {moved:.1e}, and what is \
+                 said of S and R depends on where it stopped; lower degree or segments, or add contacts"
+            ),
             Note::Smoothed { lambda } => write!(
                 f,
                 "smoothing parameter {lambda:.3e} chosen by generalised cross-validation, which assumes independent rows"

@@ -16,7 +16,7 @@ const LEAF: usize = 12;
 
 /// A tree over points that it borrows, or owns once it is to outlive them.
 #[derive(Clone, Debug)]
-pub(super) struct Neighbours<'a> {
+pub(crate) struct Neighbours<'a> {
     points: Cow<'a, [Vector]>,
     /// Numbers of the points, halves next to each other.
     order: Vec<u32>,
@@ -28,7 +28,7 @@ pub(super) struct Neighbours<'a> {
 type Near = (f64, u32);
 
 impl<'a> Neighbours<'a> {
-    pub(super) fn new(points: &'a [Vector]) -> Neighbours<'a> {
+    pub(crate) fn new(points: &'a [Vector]) -> Neighbours<'a> {
         let mut items: Vec<(Vector, u32)> = points.iter().copied().zip(0..).collect();
         let depth_of = |mut count: usize| {
             let mut depth = 0;
@@ -45,19 +45,19 @@ impl<'a> Neighbours<'a> {
     }
 
     /// The same tree with points of its own.
-    pub(super) fn into_owned(self) -> Neighbours<'static> {
+    pub(crate) fn into_owned(self) -> Neighbours<'static> {
         Neighbours { points: Cow::Owned(self.points.into_owned()), order: self.order, cuts: self.cuts }
     }
 
     /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
-    pub(super) fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
+    pub(crate) fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
         let mut found = Vec::with_capacity(k + 1);
         self.visit(place, k, 0, 0, self.order.len(), &mut found);
         found
     }
 
     /// Distance from point `number` to the nearest other point, and that point.
-    pub(super) fn nearest_other(&self, number: usize) -> Option<(f64, usize)> {
+    pub(crate) fn nearest_other(&self, number: usize) -> Option<(f64, usize)> {
         let found = self.nearest(self.points[number], 2);
         found.iter().find(|(_, other)| *other as usize != number).map(|(d, other)| (d.sqrt(), *other as usize))
     }

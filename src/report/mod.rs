@@ -37,6 +37,8 @@ mod maps;
 mod page;
 mod parametric;
 mod parametric_view;
+mod parts;
+mod parts_picture;
 mod picture;
 mod point_table;
 mod points;
@@ -72,7 +74,9 @@ pub(crate) use page::{
     INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
     write_study_page, write_sweep_page, write_table_page,
 };
-pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema};
+pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
+pub(crate) use parts_picture::write_parts_picture;
+pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };

@@ -1,4 +1,4 @@
-//! The JSON Schemas of `palpate.fit/1`, `palpate.fits/1`, `palpate.diff/1`, `palpate.study/1`, `palpate.frontier/1` and `palpate.explore/1`, generated from documents that the types themselves write.
+//! The JSON Schemas of `palpate.fit/1`, `palpate.fits/1`, `palpate.diff/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1` and `palpate.parts/1`, generated from documents that the types themselves write.
 //!
 //! A key is required when every sample has it, and may be `null` when some sample has it `null`. So the schema cannot
 //! fall behind the structs; `tests/program/schema.rs` holds the committed files to it and real output to the files.
@@ -11,6 +11,7 @@ use super::explore::{EXPLORE_SCHEMA, explore_samples};
 use super::fits::{FITS_SCHEMA, fits_samples};
 use super::frontier::FRONTIER_SCHEMA;
 use super::frontier_samples::{empty_frontier, frontier_without_pick, full_frontier};
+use super::parts::{PARTS_SCHEMA, parts_samples};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
 use crate::curvature::ShapeClass;
@@ -51,6 +52,16 @@ pub fn explore_schema() -> Value {
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = EXPLORE_SCHEMA.into();
     schema["properties"]["schema"] = json!({ "const": EXPLORE_SCHEMA });
+    schema
+}
+
+/// JSON Schema (draft 2020-12) of `palpate.parts/1`.
+pub fn parts_schema() -> Value {
+    let samples: Vec<Value> = parts_samples().iter().filter_map(|d| serde_json::to_value(d).ok()).collect();
+    let mut schema = merged(&samples.iter().collect::<Vec<_>>());
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = PARTS_SCHEMA.into();
+    schema["properties"]["schema"] = json!({ "const": PARTS_SCHEMA });
     schema
 }
 

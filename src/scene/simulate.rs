@@ -41,7 +41,7 @@ impl World {
         let mut fingers = 0;
         for sweep in &self.sweeps {
             sweep.touch(&self.surface, fingers, &mut touched)?;
-            fingers += sweep.fingers.len() as u32;
+            fingers += sweep.fingers.len().max(1) as u32;
         }
         // only an effect asks where a tip came from; a scene without one does not pay for the answer
         let sites = if self.effects.is_empty() { Vec::new() } else { sites(&self.sweeps, &touched) };
@@ -91,10 +91,10 @@ impl World {
             });
         }
         if let Some(effect) = effects.iter().find(|effect| !effect.goes_around())
-            && self.sweeps.iter().any(|sweep| sweep.path == SweepPath::Around)
+            && let Some(sweep) = self.sweeps.iter().find(|sweep| sweep.path != SweepPath::Down)
         {
             return Err(SceneError::Clash {
-                first: "sweep.path = \"around\"".into(),
+                first: format!("sweep.path = \"{}\"", if sweep.path == SweepPath::Scan { "scan" } else { "around" }),
                 second: format!("effects.{}", effect.name()),
                 why: "that effect belongs to fingers that come down from above".into(),
             });
@@ -258,7 +258,7 @@ fn sites(sweeps: &[Sweep], touched: &Touched) -> Vec<Site> {
     let mut first_of = Vec::new();
     for (sweep, fingers) in sweeps.iter().enumerate() {
         let first = first_of.len() as u32;
-        first_of.extend(std::iter::repeat_n((sweep, first), fingers.fingers.len()));
+        first_of.extend(std::iter::repeat_n((sweep, first), fingers.fingers.len().max(1)));
     }
     let labels = touched.fingers.iter().zip(&touched.stations);
     let site = |((finger, station), touch): ((&u32, &u32), &SurfacePoint)| {

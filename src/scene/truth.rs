@@ -1,6 +1,6 @@
 //! What is true of each contact, so that a report can give the error beside the spread.
 
-use super::surface::{Local, Surface, SurfacePoint};
+use super::surface::{Body, Local, Surface, SurfacePoint};
 use crate::vector::{dot, norm};
 
 /// The truth behind contacts: for each of them, what the surface is where it was made.
@@ -63,6 +63,21 @@ impl Truth {
         }
         let along = self.surface.hit(point, normal).filter(|t| t.abs() <= reach)?;
         self.surface.local([0, 1, 2].map(|k| point[k] + along * normal[k]))
+    }
+
+    /// Which face of a body of solids each point lies on; `None` for other bodies.
+    #[doc(hidden)]
+    pub fn faces(&self) -> Option<Vec<usize>> {
+        self.points.iter().map(|touch| self.surface.face_at(touch.point)).collect()
+    }
+
+    /// The kinds of those faces: `plane`, `sphere`, `cylinder`, `cone`, `torus`.
+    #[cfg(feature = "cli")]
+    pub(crate) fn face_kinds(&self) -> Vec<&'static str> {
+        match &self.surface.body {
+            Body::Solids(solids) => solids.face_kinds(),
+            _ => Vec::new(),
+        }
     }
 
     /// The true surface.

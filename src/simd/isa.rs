@@ -7,7 +7,13 @@ use super::lanes::Kind;
 /// An instruction set that this machine has.
 ///
 /// It can only be made by asking the processor ([`Isa::best`], [`Isa::available`]), so a kernel may run the instructions
-/// of any `Isa` that it is given.
+/// of any `Isa` that it is given. Nobody else can make one:
+///
+/// ```compile_fail,E0423
+/// use palpate::internals::simd::Isa;
+/// let portable = Isa::PORTABLE;
+/// let forged = Isa(unreachable!());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Isa(Kind);
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Floor of every room; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 26] = [
+const FLOORS: [(&str, u8); 27] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
@@ -31,6 +31,7 @@ const FLOORS: [(&str, u8); 26] = [
     ("montecarlo", 6),
     ("explore", 6),
     ("cases", 6),
+    ("parts", 6),
     ("frontier", 7),
     ("io", 7),
     ("report", 8),

@@ -1,7 +1,7 @@
 //! Each hard case of `palpate::cases` against its reference in 80 digits (`tests/golden/`).
 
 #[path = "../golden/mod.rs"]
-mod golden;
+pub(crate) mod golden;
 
 use golden::Golden;
 use golden::judge::{Judged, judge};

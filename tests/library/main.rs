@@ -6,7 +6,9 @@ mod hard_cases;
 #[cfg(feature = "cli")]
 mod paper;
 mod parametric;
+mod parts;
 mod properties;
+mod random_problems;
 mod robust;
 mod routes;
 mod scene_effects;

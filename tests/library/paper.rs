@@ -128,7 +128,10 @@ fn cholesky_and_qr_agree_on_every_built_in_scene_without_effects() {
     let mut worst = 0.0_f64;
     use palpate::internals::io::scene_file::{builtin_scenes, family_members};
     for scene in builtin_scenes().into_iter().chain(family_members()) {
-        // surfaces in space have no height field to compare
+        // surfaces in space, and bodies of several faces, have no height field to compare
+        if scene.name.starts_with("parts-") {
+            continue;
+        }
         if palpate::internals::io::scene_file::builtin(&scene.name).unwrap().fit.surface
             == palpate::fit::SurfaceKind::Parametric
         {

@@ -221,18 +221,20 @@ fn declared_noise_that_the_contacts_contradict_is_said() {
 #[test]
 fn the_contacts_of_every_built_in_scene_are_answered() {
     let folder = tempfile::tempdir().unwrap();
-    let list = run(folder.path(), "scenes --json");
+    let list = run(folder.path(), "scenes");
     let list: Value = serde_json::from_slice(&list.stdout).unwrap();
     let names: Vec<&str> =
         list["scenes"].as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
+    // bodies of several faces are no patch
+    let patches: Vec<&&str> = names.iter().filter(|name| !name.starts_with("parts-")).collect();
     let mut answered = 0;
-    for name in
-        names.iter().filter(|name| run(folder.path(), &format!("simulate {name} -o {name}.csv")).status.success())
-    {
+    for name in &patches {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        command.current_dir(folder.path()).args(["simulate", name, "-o", &format!("{name}.csv")]).assert().success();
         let output = run(folder.path(), &format!("fit {name}.csv"));
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success() || message.contains("the normals point all ways"), "{name}: {message}");
         answered += usize::from(output.status.success());
     }
-    assert!(answered >= 9, "{answered} of {}", names.len());
+    assert!(answered >= 9, "{answered} of {}", patches.len());
 }

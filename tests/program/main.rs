@@ -14,6 +14,7 @@ mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod npz;
+mod parts;
 mod readers;
 mod report_page;
 mod scene_file;

@@ -203,13 +203,17 @@ fn every_built_in_scene_runs() {
     for listed in builtin_scenes().into_iter().chain(family_members()) {
         let scene = builtin(&listed.name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
+        assert!(truth.points.len() == contacts.len() && listed.line.len() > 20, "{}", listed.name);
+        // bodies of several faces are no patch: tests/program/parts.rs runs them
+        if listed.name.starts_with("parts-") {
+            continue;
+        }
         let (fit, _) = fit_surface(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
         let curvedness = match fit {
             FittedSurface::Height(fit) => fit.shape().curvedness,
             FittedSurface::Parametric(fit) => fit.shape().curvedness,
         };
         assert!(curvedness.mean.is_some_and(f64::is_finite), "{}", listed.name);
-        assert!(truth.points.len() == contacts.len() && listed.line.len() > 20, "{}", listed.name);
     }
 }
 

@@ -6,6 +6,7 @@ use serde_json::Value;
 
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
 const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.explore-1.json");
+const PARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.parts-1.json");
 const DIFF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.diff-1.json");
 const FITS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fits-1.json");
 const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
@@ -15,13 +16,14 @@ const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/p
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
     use palpate::internals::report::{
-        diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema,
+        diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema,
     };
     let schemas = [
         (FIT, fit_schema()),
         (STUDY, study_schema()),
         (FRONTIER, frontier_schema()),
         (EXPLORE, explore_schema()),
+        (PARTS, parts_schema()),
         (DIFF, diff_schema()),
         (FITS, fits_schema()),
     ];
@@ -130,6 +132,29 @@ fn every_exploration_obeys_the_schema() {
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
         check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
     }
+}
+
+/// Documents of a scene of solids, of a scene that is none, and of a file.
+#[test]
+fn every_document_of_parts_obeys_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(PARTS).unwrap()).unwrap();
+    let mut simulate = Command::cargo_bin("palpate").unwrap();
+    simulate.current_dir(folder.path()).args(["simulate", "parts-cone", "-o", "contacts.csv"]).assert().success();
+    for line in ["parts parts-capsule", "parts parts-box --tolerance 0.1", "parts paper-table2", "parts contacts.csv"] {
+        let mut command = Command::cargo_bin("palpate").unwrap();
+        let output = command.current_dir(folder.path()).args(line.split(' ')).arg("--json").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        check(line, &serde_json::from_slice(&output.stdout).unwrap(), &schema);
+    }
+    let promised = "schema parts joints";
+    promised.split(' ').for_each(|name| assert!(schema["properties"].get(name).is_some(), "no {name}"));
+    let part = &schema["properties"]["parts"]["items"]["properties"];
+    "id kind parameters u class points rejected"
+        .split(' ')
+        .for_each(|key| assert!(part.get(key).is_some(), "no {key}"));
+    let joint = &schema["properties"]["joints"]["items"]["properties"];
+    "parts kind angle_deg".split(' ').for_each(|key| assert!(joint.get(key).is_some(), "no {key}"));
 }
 
 /// Documents of a scene with noise, of one without, of a request, and of a file.

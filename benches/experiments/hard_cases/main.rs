@@ -1,19 +1,15 @@
-//! Prints the hard-case table, S against the radius, and the random problems.
+//! Prints the hard-case table and S against the radius.
 //!
-//!     cargo bench --bench hard_cases [-- RANDOM_PROBLEMS]            10,000 without a number
+//!     cargo bench --bench hard_cases
 //!     cargo bench --bench hard_cases -- --record                     writes hard-cases.md and radius.md of benches/runs as well
 
 #[path = "../../../tests/golden/mod.rs"]
 mod golden;
-mod oracle;
-mod problems;
-mod random;
 mod table;
 
 use golden::record;
 
 fn main() {
-    let count = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(10_000);
     let recorded = std::env::args().any(|a| a == "--record");
     for (name, title, text) in
         [("hard-cases", "Hard cases", table::table()), ("radius", "S against the radius", golden::radius::table())]
@@ -23,5 +19,4 @@ fn main() {
             record::write(name, title, &text);
         }
     }
-    problems::print(count);
 }

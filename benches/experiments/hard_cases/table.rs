@@ -25,7 +25,7 @@ pub(crate) fn table() -> String {
 }
 
 /// Middle value; NaN of nothing.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     if values.is_empty() { f64::NAN } else { values[values.len() / 2] }
 }

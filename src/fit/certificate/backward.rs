@@ -10,6 +10,7 @@
 //! rounding.
 
 use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
+use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::solved::Solved;
 use crate::simd::{RowSums, add_lanes};
@@ -30,6 +31,8 @@ pub(crate) struct Backward {
     pub rows: f64,
     /// `|r|_2`.
     pub residual: f64,
+    /// Largest share of the roughness in a diagonal entry of the normal matrix.
+    pub rough_share: f64,
     /// `|E|'|r|`, by which it moves the normal equations, and the squared norms of E's columns.
     pub columns: Vec<ColumnTotals>,
 }
@@ -52,6 +55,8 @@ pub(super) fn backward(solved: &Solved) -> Backward {
         Some(scales) => columns.iter_mut().zip(scales).for_each(|(column, d)| column.norm = 1.0 / (d * d)),
         None => passes.norms(&mut columns),
     }
+    // the penalty is rows like those of the data: the condition is that of both, and so are residual and columns
+    let (bent, rough_share) = add_roughness(equations, c, penalty.as_deref(), &mut columns);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
     let of_columns = orthogonality(solution, &columns, penalty.as_deref());
     let of_rows = if worst <= SUSPICIOUS {
@@ -62,9 +67,27 @@ pub(super) fn backward(solved: &Solved) -> Backward {
     Backward {
         error: of_rows.max(of_columns),
         rows: add_lanes(&rows.sizes).sqrt(),
-        residual: add_lanes(&rows.residual).sqrt(),
+        residual: (add_lanes(&rows.residual) + bent).sqrt(),
+        rough_share,
         columns,
     }
+}
+
+/// `lambda c'Pc`, the squares of the penalty's rows, and the largest share that they have in a column's squares; the squared
+/// norms of their columns are added to `columns`.
+fn add_roughness(
+    equations: &Equations,
+    c: &[f64],
+    penalty: Option<&[f64]>,
+    columns: &mut [ColumnTotals],
+) -> (f64, f64) {
+    let (Some((lambda, p)), Some(bent)) = (&equations.roughness, penalty) else { return (0.0, 0.0) };
+    let mut share = 0.0_f64;
+    for (column, d) in columns.iter_mut().zip(p.diagonal()) {
+        column.norm += lambda * d;
+        share = share.max(lambda * d / column.norm);
+    }
+    (c.iter().zip(bent).map(|(c, b)| c * b).sum::<f64>().max(0.0), share)
 }
 
 /// v, the part of the computed residual in the span of E; `columns` is a buffer for its sums.

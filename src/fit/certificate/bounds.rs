@@ -7,7 +7,7 @@
 //!                                                                                     v = w / (1 - 10 w kappa)
 //! ```
 //!
-//! The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
+//! Under a roughness penalty the first line has `10 u kappa^2 |D^-1 c|` beside it. The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
 //! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
 //! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
 
@@ -63,12 +63,18 @@ impl Bound {
         let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
         let error = backward.error.max(PLACING);
         let residual = largest * backward.residual;
-        // with a contraction of one half, what is left of the error is as large as the last step
-        let last_move = solved.fitted.last_move;
+        // what the iterations for normal rows and for gaps have left
+        let last_move = solved.fitted.last_move + solved.fitted.solution.unsettled;
         let remaining = if last_move > 0.0 { last_move.max(PLACING) } else { 0.0 };
-        let moved = ESTIMATOR * error * (condition * size + condition * condition * residual / held.sqrt());
+        // the rows of free coefficients are rounded too, and these may be far larger than the others
+        let rows = if solution.unsupported.is_empty() { 0.0 } else { largest * backward.rows };
+        let size = size.max(rows);
+        let moved =
+            ESTIMATOR * solution.enlarged * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
-        let moved = moved + remaining * size;
+        // P is rounded itself, and no residual shows it: unlike the rows' rounding it counts with the condition of P
+        let rough = ESTIMATOR * PLACING * backward.rough_share * condition * condition;
+        let moved = moved + (remaining + rough) * size;
         let directed = Directed::new(solved, backward, remaining);
         // a NaN compares as false, which keeps the plain bound
         let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);

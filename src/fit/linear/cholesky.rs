@@ -73,6 +73,8 @@ impl NormalFactor {
             pinned: free.pinned(),
             refinements: 0,
             refinement_gain: 1.0,
+            unsettled: 0.0,
+            enlarged: 1.0,
         };
         solve_with_gaps(equations, &mut solution, free)
             .map_err(|source| UnfilledGap { coefficients: free.count(), source })?;

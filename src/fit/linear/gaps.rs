@@ -5,18 +5,37 @@
 //! A_DD c_D = E_D'(b - E_F c_F)
 //! ```
 //!
-//! The two are solved alternately. So few data reach F that a handful of alternations settles both.
+//! The two are solved alternately. Mostly so few data reach F that a handful of alternations settles both; where they reach
+//! farther, alternation is slow or diverges, and its fixed point is solved for.
+
+use faer::linalg::solvers::Solve;
 
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
-use crate::linalg::{RowWeights, SiteWeights, apply_rows};
+use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows};
 use crate::observation::roughness_matrix;
-use crate::solve::{Cholesky, SolveError};
+use crate::solve::{Cholesky, Factor, SolveError};
 
 /// Alternations of the two solves at most; nearly free columns couple by less than 0.05^2, so 12 reach rounding.
 const MAX_ALTERNATIONS: usize = 40;
+/// Free coefficients for whose coupling a dense system is written down where alternation has not settled: each costs an
+/// alternation.
+const MAX_DENSE: usize = 500;
+/// Corrections by that system at most; one is nearly always enough.
+const MAX_CORRECTIONS: usize = 4;
+/// Moves of less than this share of the largest coefficient are rounding.
+const STILL: f64 = 4.0 * f64::EPSILON;
+
+/// The two solves.
+struct Gap<'a> {
+    equations: &'a Equations,
+    factor: &'a dyn Factor,
+    free: &'a Free,
+    penalty: StencilMatrix,
+    smooth: Cholesky,
+}
 
 /// Solves for the held unknowns by `solution.factor` (of the masked matrix) and for the free ones by least roughness.
 ///
@@ -34,32 +53,97 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     let penalty = roughness_matrix(&equations.sites.knots());
     let mut smooth = Cholesky::plan(penalty.shape())?;
     smooth.factor(&free.keep(&penalty))?;
-    let mut bent = vec![0.0; solution.coefficients.len()];
+    let gap = Gap { equations, factor: &*solution.factor, free, penalty, smooth };
+    let mut c = vec![0.0; solution.coefficients.len()];
+    let mut moved = f64::INFINITY;
+    let mut first = Vec::new();
     for alternation in 0..MAX_ALTERNATIONS {
-        let before = solution.coefficients.clone();
-        let mut step = equations.descent(&solution.coefficients);
-        free.clear(&mut step);
-        solution.factor.solve(&mut step);
-        solution.coefficients.iter_mut().zip(&step).for_each(|(c, d)| *c += d);
-        let mut held = solution.coefficients.clone();
-        free.clear(&mut held);
-        penalty.multiply(&held, &mut bent);
-        for (u, b) in bent.iter_mut().enumerate() {
-            *b = if free.has(u) { -*b } else { 0.0 };
-        }
-        smooth.solve(&mut bent);
-        for (u, b) in bent.iter().enumerate() {
-            if free.has(u) {
-                solution.coefficients[u] = *b;
-            }
-        }
-        let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let moved = before.iter().zip(&solution.coefficients).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-        if alternation > 0 && moved <= 4.0 * f64::EPSILON * largest {
-            break;
+        moved = gap.alternate(&mut c);
+        if alternation == 0 {
+            first = c.clone();
+        } else if moved <= STILL {
+            solution.coefficients = c;
+            return Ok(());
         }
     }
+    if free.count() <= MAX_DENSE
+        && let Some(settled) = gap.settle(first)
+    {
+        (c, moved, solution.enlarged) = settled;
+    }
+    solution.coefficients = c;
+    solution.unsettled = moved;
     Ok(())
+}
+
+impl Gap<'_> {
+    /// Held unknowns by the data, then free ones by the roughness; the largest move over the largest coefficient.
+    fn alternate(&self, c: &mut [f64]) -> f64 {
+        let before = c.to_vec();
+        let mut step = self.equations.descent(c);
+        self.free.clear(&mut step);
+        self.factor.solve(&mut step);
+        c.iter_mut().zip(&step).for_each(|(c, d)| *c += d);
+        let mut held = c.to_vec();
+        self.free.clear(&mut held);
+        let mut bent = vec![0.0; c.len()];
+        self.penalty.multiply(&held, &mut bent);
+        for (u, b) in bent.iter_mut().enumerate() {
+            *b = if self.free.has(u) { -*b } else { 0.0 };
+        }
+        self.smooth.solve(&mut bent);
+        (0..c.len()).filter(|&u| self.free.has(u)).for_each(|u| c[u] = bent[u]);
+        let largest = c.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let moved = before.iter().zip(&*c).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        if largest > 0.0 { moved / largest } else { 0.0 }
+    }
+
+    /// Where one alternation takes the free coefficients `x` to `t + M x`, those with `(I - M) x = t`, by a dense factor of
+    /// I - M; what they can be off by, `|(I - M)^-1|` times the next alternation's move; and `|(I - M)^-1| (1 + |M|)`. `None`
+    /// where not finite.
+    fn settle(&self, mut c: Vec<f64>) -> Option<(Vec<f64>, f64, f64)> {
+        let list = self.free.list();
+        let size = c.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+        let of_free = |c: &[f64]| list.iter().map(|&u| c[u]).collect::<Vec<f64>>();
+        let mut reached = c.clone();
+        self.alternate(&mut reached);
+        let reached = of_free(&reached);
+        let mut coupling = faer::Mat::<f64>::identity(list.len(), list.len());
+        for (k, &u) in list.iter().enumerate() {
+            let mut pushed = c.clone();
+            pushed[u] += size;
+            self.alternate(&mut pushed);
+            let pushed = of_free(&pushed);
+            (0..list.len()).for_each(|l| coupling[(l, k)] -= (pushed[l] - reached[l]) / size);
+        }
+        let factor = coupling.full_piv_lu();
+        let mut inverse = faer::Mat::<f64>::identity(list.len(), list.len());
+        factor.solve_in_place(&mut inverse);
+        let row = |k: usize| (0..list.len()).map(|l| inverse[(k, l)].abs()).sum::<f64>();
+        let amplified = (0..list.len()).map(row).fold(1.0_f64, f64::max);
+        let of =
+            |k: usize| (0..list.len()).map(|l| (coupling[(k, l)] - f64::from(u8::from(k == l))).abs()).sum::<f64>();
+        let enlarged = amplified * (1.0 + (0..list.len()).map(of).fold(0.0_f64, f64::max));
+        let mut moved = f64::INFINITY;
+        for _ in 0..MAX_CORRECTIONS {
+            let from = of_free(&c);
+            self.alternate(&mut c);
+            let mut step = faer::Mat::<f64>::from_fn(list.len(), 1, |k, _| c[list[k]] - from[k]);
+            factor.solve_in_place(&mut step);
+            list.iter().enumerate().for_each(|(k, &u)| c[u] = from[k] + step[(k, 0)]);
+            let mut next = c.clone();
+            let rest = self.alternate(&mut next);
+            if !rest.is_finite() || rest >= moved {
+                break;
+            }
+            (c, moved) = (next, rest);
+            if moved <= STILL {
+                break;
+            }
+        }
+        let off = amplified * moved.max(STILL);
+        (off.is_finite() && enlarged.is_finite()).then_some((c, off, enlarged))
+    }
 }
 
 /// Moves the surface up or down until its mean height over the sites with slopes is zero, which changes no residual.

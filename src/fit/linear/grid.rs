@@ -74,6 +74,8 @@ pub(super) fn solve(
         pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
+        unsettled: 0.0,
+        enlarged: 1.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)

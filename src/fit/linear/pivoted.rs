@@ -1,7 +1,7 @@
-//! Rank-revealing QR of the rows written out; directions that the data do not determine take least roughness.
+//! Rank-revealing QR of the rows written out, those of the roughness among them; directions that the data do not determine take least roughness.
 //!
 //! ```text
-//! E = Q R P, rank r      c <- c + Z t,  (Z'PZ) t = -Z'P c       Z the null space, P the roughness
+//! [E; sqrt(lambda) L] = Q R P, rank r      c <- c + Z t,  (Z'PZ) t = -Z'P c       Z the null space, P the roughness
 //! ```
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;
 use crate::linalg::StencilMatrix;
-use crate::observation::{roughness_matrix, to_csr};
+use crate::observation::{roughness_matrix, roughness_rows, to_csr};
 use crate::solve::PivotedQr;
 
 /// Solves by rank-revealing QR; `reasons` are those that led here.
@@ -50,6 +50,8 @@ pub(super) fn by_pivoted_qr(
         pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
+        unsettled: 0.0,
+        enlarged: 1.0,
     })
 }
 
@@ -60,7 +62,10 @@ fn factor_rows(equations: &Equations, free: &Free) -> Result<PivotedQr, FitError
     let filled: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
     // slope rows do not see the constant: a row of its own sets the sum of the coefficients to zero
     let constant = free.pinned().is_some();
-    let rows = filled.len() + usize::from(constant);
+    let rough =
+        equations.roughness.as_ref().map(|(lambda, _)| (lambda.sqrt(), roughness_rows(&equations.sites.knots())));
+    let bends = rough.as_ref().map_or(0, |(_, bends)| bends.len());
+    let rows = filled.len() + bends + usize::from(constant);
     let mut values = vec![0.0; rows * unknowns];
     let mut rhs = vec![0.0; rows];
     for (k, &r) in filled.iter().enumerate() {
@@ -69,6 +74,11 @@ fn factor_rows(equations: &Equations, free: &Free) -> Result<PivotedQr, FitError
             values[column * rows + k] = *value;
         }
         rhs[k] = equations.targets[r / 3][r % 3];
+    }
+    if let Some((root, bends)) = &rough {
+        for (k, bend) in bends.iter().enumerate() {
+            bend.iter().enumerate().for_each(|(column, v)| values[column * rows + filled.len() + k] = root * v);
+        }
     }
     if constant {
         let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

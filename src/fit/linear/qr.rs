@@ -12,6 +12,7 @@ use crate::fit::linear::refinement::{Refinement, refine};
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;
 use crate::linalg::{Sites, StencilMatrix};
+use crate::observation::roughness_row_count;
 use crate::solve::TriangularFactor;
 
 /// Most entries of E that are written out for the dense rank-revealing factor (32 MB).
@@ -30,9 +31,9 @@ pub(super) fn by_qr(
     free: &Free,
     mut reasons: Vec<Reason>,
 ) -> Result<Solution, FitError> {
-    let dense = equations.count() * equations.unknowns() <= DENSE_ENTRIES && equations.roughness.is_none();
+    let dense = dense_rows(equations) * equations.unknowns() <= DENSE_ENTRIES;
     let ratio = weight_ratio(equations);
-    if dense && ratio > WEIGHTS_DIFFER {
+    if dense && ratio > WEIGHTS_DIFFER && equations.roughness.is_none() {
         reasons.push(Reason::WeightsDiffer { ratio });
         return by_pivoted_qr(equations, reasons, free);
     }
@@ -59,13 +60,21 @@ pub(super) fn by_qr(
         pinned: None,
         refinements: 0,
         refinement_gain: 1.0,
+        unsettled: 0.0,
+        enlarged: 1.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)
 }
 
+/// Rows of the dense factor: those of the data, and those whose squares are the roughness.
+fn dense_rows(equations: &Equations) -> usize {
+    let of_roughness = equations.roughness.as_ref().map_or(0, |_| roughness_row_count(&equations.sites.knots()));
+    equations.count().saturating_add(of_roughness)
+}
+
 /// With gaps or roughness the normal matrix is factored whatever its condition, and refinement from the rows regains the
-/// digits; where there is no such answer, small problems take the rank-revealing QR.
+/// digits; where there is no such answer, small problems take the rank-revealing QR, with rows for the roughness.
 fn by_masked_cholesky(
     equations: &Equations,
     matrix: &StencilMatrix,

@@ -28,6 +28,10 @@ pub struct Solution {
     pub refinements: usize,
     /// Size of the last refinement step over that of the first.
     pub refinement_gain: f64,
+    /// What coefficients without data and their neighbours may still have to move, relative to the largest coefficient.
+    pub unsettled: f64,
+    /// By how much the coefficients without data enlarge what the others are off by; 1 where the two settle by turns.
+    pub enlarged: f64,
 }
 
 impl Solution {

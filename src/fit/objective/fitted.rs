@@ -16,6 +16,6 @@ pub(crate) struct Fitted {
     pub noise: NoiseRecord,
     /// Remarks.
     pub notes: Vec<Note>,
-    /// Relative move of the last Gauss-Newton step; zero for slope rows.
+    /// What the Gauss-Newton steps not taken would have moved, relative to the largest coefficient; zero for slope rows.
     pub last_move: f64,
 }

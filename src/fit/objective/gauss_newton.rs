@@ -39,6 +39,20 @@ pub(super) struct Minimum {
     pub steps: usize,
     /// Move of the last step, relative to the largest coefficient.
     pub moved: f64,
+    /// By which share of itself a step shrank lately.
+    pub contraction: f64,
+}
+
+/// Contractions above this are taken for it: what is left after a step would be more than 19 times the step.
+const SLOWEST: f64 = 0.95;
+
+impl Minimum {
+    /// What all steps that were not taken would have moved: `moved (rho + rho^2 + ...)`, one step at least, and three times
+    /// that, because some directions shrink more slowly than the step as a whole.
+    pub(super) fn remaining(&self) -> f64 {
+        let rho = self.contraction.clamp(0.5, SLOWEST);
+        3.0 * self.moved * rho / (1.0 - rho)
+    }
 }
 
 /// The nonlinear problem at fixed noise sds.
@@ -76,12 +90,14 @@ impl NormalProblem<'_> {
             let mut solution = linear::solve_intermediate(&equations, self.method)?;
             let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
             let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            let before = moved;
             moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
             moved /= largest.max(f64::MIN_POSITIVE);
+            let contraction = moved / before;
             (current, value) = (next, next_value);
             if moved <= tolerance {
                 solution.coefficients = current;
-                return Ok(Minimum { equations, solution, steps, moved });
+                return Ok(Minimum { equations, solution, steps, moved, contraction });
             }
             self.spare.replace(Some(equations));
         }
@@ -105,17 +121,22 @@ impl NormalProblem<'_> {
             let largest = solution.coefficients.iter().fold(f64::MIN_POSITIVE, |m, c| m.max(c.abs()));
             let moved = step.iter().fold(0.0_f64, |m, d| m.max(d.abs())) / largest;
             if moved >= last {
+                // what is left is no less than this step that is not taken
+                found.moved = moved;
                 break;
             }
             last = moved;
             from = solution.coefficients.clone();
             let steps = found.steps + 1;
-            let replaced = std::mem::replace(&mut found, Minimum { equations, solution, steps, moved });
+            let contraction = found.contraction;
+            let next = Minimum { equations, solution, steps, moved, contraction };
+            let replaced = std::mem::replace(&mut found, next);
             self.spare.replace(Some(replaced.equations));
             if moved <= POLISHED {
                 break;
             }
             let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
+            found.contraction = found.contraction.max(rho);
             from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
             // the step after an extrapolation does not show the contraction
             before = (rho == 0.0).then_some(step);

@@ -46,8 +46,10 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         }
         NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
     };
-    let unpolished = Minimum { equations: trial.equations, solution: trial.solution, steps, moved: 0.0 };
-    let Minimum { equations, solution, steps, moved } = at(sds).polish(unpolished)?;
+    let Trial { equations, solution, contraction, .. } = trial;
+    let polished = at(sds).polish(Minimum { equations, solution, steps, moved: 0.0, contraction })?;
+    let last_move = polished.remaining();
+    let Minimum { equations, solution, steps, .. } = polished;
     let mut notes = Vec::from_iter(note);
     if measured.z_weight.iter().all(|w| *w == 0.0) {
         notes.push(Note::SlopesOnly);
@@ -63,11 +65,12 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         dof,
         efficiency: 1.0,
     };
-    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move: moved })
+    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move })
 }
 
 fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {
-    let Minimum { equations, solution, steps, moved } = problem.minimise(request.start, request.tolerance)?;
+    let Minimum { equations, solution, steps, moved, contraction } =
+        problem.minimise(request.start, request.tolerance)?;
     let squares = problem.squares(&solution.coefficients);
-    Ok(Trial { equations, solution, squares, moved, steps })
+    Ok(Trial { equations, solution, squares, moved, steps, contraction })
 }

@@ -52,6 +52,8 @@ struct Reweighted {
     /// Square roots of the weights of every site, `[heights, slopes]`.
     weights: [Vec<f64>; 2],
     steps: usize,
+    /// Largest move of a weight's root in the last step.
+    moved: f64,
 }
 
 /// Fits under the loss of the options.
@@ -69,11 +71,14 @@ pub(super) fn fit_with_loss(patch: &Patch, data: &Data, options: &FitOptions) ->
         found = reweight(patch, data, options, Loss::Tukey, found.fitted)?;
         found.steps += steps;
     }
-    let Reweighted { mut fitted, weights, steps } = found;
+    let Reweighted { mut fitted, weights, steps, moved } = found;
     // these are square roots: half the weight is 0.5 in the square
     let is_outlier = |r: usize| weights.iter().any(|w| w[r] * w[r] < 0.5);
     let sites = (0..weights[0].len()).filter(|&r| is_outlier(r)).count();
     fitted.notes.push(Note::Outliers { sites, steps });
+    if moved >= CONVERGED {
+        fitted.notes.push(Note::Unsettled { moved });
+    }
     Ok(fitted)
 }
 
@@ -86,7 +91,7 @@ fn reweight(
     start: Fitted,
 ) -> Result<Reweighted, FitError> {
     let sites = start.equations.sites.len();
-    let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0 };
+    let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0, moved: 0.0 };
     for step in 1..=MAX_STEPS {
         let distances = distances(data, options, &found.fitted);
         let scales = [scale(&distances.z, OF_HEIGHTS), scale(&distances.slope, OF_NORMALS)];
@@ -100,7 +105,7 @@ fn reweight(
             let estimated = declared.objective != options.objective;
             fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));
         }
-        found = Reweighted { fitted, weights: next, steps: step };
+        found = Reweighted { fitted, weights: next, steps: step, moved };
         if is_last {
             break;
         }

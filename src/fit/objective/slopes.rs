@@ -72,7 +72,7 @@ fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError>
     check_count(&equations)?;
     let solution = linear::solve(&equations, setting.method)?;
     let squares = equations.residual_squares(&solution.coefficients);
-    Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0 }, unit))
+    Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0, contraction: 0.0 }, unit))
 }
 
 /// `[wz, wx, wy]` in patch units: presets as they are, explicit ones with the height's length.

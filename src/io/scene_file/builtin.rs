@@ -39,6 +39,11 @@ const FILES: &[(&str, &str)] = files![
     "poor-normals",
     "around-cylinder",
     "around-torus",
+    "parts-box",
+    "parts-capsule",
+    "parts-cone",
+    "parts-mug",
+    "parts-pipe",
 ];
 
 /// Radii of the paper's Figures 5 and 6: the range 5.7 to 1000.

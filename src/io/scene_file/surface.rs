@@ -39,16 +39,15 @@ pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, Sce
                 None => return Err(section.missing("exponents", "the exponents e1, e2 in (0, 1] are needed")),
             },
         }),
+        "solids" => Body::Solids(Solids { parts: solids(&section)? }),
         "union" => Body::Union(Union { parts: parts(&section, importer)? }),
         "imported" => imported(&section, importer)?,
         other => return Err(section.unknown_word("surface", value, other, Body::KINDS)),
     };
-    let axis = section.number_or("axis_deg", 0.0)?;
-    let rotation = section.several("rotation_deg")?.unwrap_or([0.0; 3]);
-    let offset = section.several("offset")?.unwrap_or([0.0; 3]);
+    let pose = pose(&section)?;
     let concave = section.truth("concave")?;
     section.finish("key")?;
-    Ok(Surface { body, concave, pose: Pose::new(axis, rotation, offset) })
+    Ok(Surface { body, concave, pose })
 }
 
 fn radius(section: &Section) -> Result<f64, SceneFileError> {
@@ -64,6 +63,14 @@ fn radii(section: &Section) -> Result<[f64; 2], SceneFileError> {
 }
 
 fn parts(section: &Section, importer: &Importer) -> Result<Vec<Surface>, SceneFileError> {
+    each_part(section, |part| read(part, importer))
+}
+
+/// Every `[[surface.parts]]`, read one by one.
+fn each_part<T>(
+    section: &Section,
+    read: impl Fn(Section) -> Result<T, SceneFileError>,
+) -> Result<Vec<T>, SceneFileError> {
     const EXPECTED: &str = "give each part as a [[surface.parts]]";
     let Some(value) = section.get("parts") else { return Err(section.missing("parts", EXPECTED)) };
     let table = |part: &'_ Value| part.span().start;
@@ -73,9 +80,47 @@ fn parts(section: &Section, importer: &Importer) -> Result<Vec<Surface>, SceneFi
         let DeValue::Table(inner) = part.get_ref() else {
             return Err(section.value_error("parts", part, EXPECTED));
         };
-        parts.push(read(Section::new(section.source, &section.full("parts"), inner, table(part)), importer)?);
+        parts.push(read(Section::new(section.source, &section.full("parts"), inner, table(part)))?);
     }
     Ok(parts)
+}
+
+/// Blocks, balls, bars, frustums and rings.
+fn solids(section: &Section) -> Result<Vec<Solid>, SceneFileError> {
+    each_part(section, |part| {
+        let Some((kind, value)) = part.word("kind")? else {
+            return Err(part.missing("kind", "one of block, ball, bar, frustum, ring is needed"));
+        };
+        let length = |part: &Section| part.required("length", "the length from end to end is needed");
+        let shape = match kind {
+            "block" => SolidShape::Block {
+                size: part.several("size")?.ok_or_else(|| part.missing("size", "three sides are needed"))?,
+            },
+            "ball" => SolidShape::Ball { radius: radius(&part)? },
+            "bar" => SolidShape::Bar { radius: radius(&part)?, length: length(&part)? },
+            "frustum" => SolidShape::Frustum {
+                radius: radius(&part)?,
+                top: part.required("top", "the radius of the upper end is needed")?,
+                length: length(&part)?,
+            },
+            "ring" => SolidShape::Ring {
+                major: part.required("major", "the radius of the ring is needed")?,
+                minor: part.required("minor", "the radius of the tube is needed")?,
+            },
+            other => return Err(part.unknown_word("solid", value, other, &SolidShape::KINDS)),
+        };
+        let pose = pose(&part)?;
+        let cut = part.truth("cut")?;
+        part.finish("key")?;
+        Ok(Solid { shape, pose, cut })
+    })
+}
+
+fn pose(section: &Section) -> Result<Pose, SceneFileError> {
+    let axis = section.number_or("axis_deg", 0.0)?;
+    let rotation = section.several("rotation_deg")?.unwrap_or([0.0; 3]);
+    let offset = section.several("offset")?.unwrap_or([0.0; 3]);
+    Ok(Pose::new(axis, rotation, offset))
 }
 
 fn imported(section: &Section, importer: &Importer) -> Result<Body, SceneFileError> {

@@ -20,6 +20,11 @@ pub(super) fn read(section: Section) -> Result<Vec<Sweep>, SceneFileError> {
 }
 
 fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, SceneFileError> {
+    let (spacing, eye) = (section.number("spacing")?, section.several("eye")?);
+    if let (Some(("scan", _)), None) = (section.word("path")?, inherited) {
+        let missing = || section.missing("spacing", "the distance between the points of a scan is needed");
+        return Ok(Sweep::scan(spacing.ok_or_else(missing)?, eye));
+    }
     let fingers = match (section.numbers("fingers")?, inherited) {
         (Some(fingers), _) => fingers,
         (None, Some(first)) => first.fingers.clone(),
@@ -29,7 +34,7 @@ fn read_one(section: &Section, inherited: Option<&Sweep>) -> Result<Sweep, Scene
         Some(first) => Sweep { fingers, ..first.clone() },
         None => Sweep::new(fingers, Vec::new()),
     };
-    let paths = ["down", "around"];
+    let paths = ["down", "around", "scan"];
     match section.word("path")? {
         None => {}
         Some(("down", _)) => sweep.path = SweepPath::Down,

@@ -29,7 +29,8 @@ pub(super) fn sentence(shape: &ShapePart) -> String {
     if let (Some(p), Some((other, q))) = (probability(shape, class), second(shape))
         && q >= p
     {
-        return format!("{class} or {other}: the contacts do not tell which ({} and {} sure)", chance(p), chance(q));
+        let sure = format!("{} and {} sure", chance(p), chance(q));
+        return format!("{class} by the mean of S, {other} by its bounds: the contacts do not tell which ({sure})");
     }
     let like = LIKE.iter().find(|(name, _)| *name == class).map_or(String::new(), |(_, like)| format!(": {like}"));
     let sure = probability(shape, class).map_or(String::new(), |p| format!(" ({} sure)", chance(p)));

@@ -79,8 +79,7 @@ fn shape_index(document: &FitDocument) -> Row {
 fn curvedness(document: &FitDocument) -> Row {
     let shape = &document.shape;
     let label = "R, strength of bend";
-    let per =
-        document.unit.as_ref().map_or("per unit of length (--unit names it)".into(), |unit| format!("per {unit}"));
+    let per = document.unit.as_ref().map_or("per unit of length".into(), |unit| format!("per {unit}"));
     if shape.curvedness.mean.is_none() {
         return Row { label, value: "-".into(), meaning: "not known".into(), ..Row::default() };
     }
@@ -122,7 +121,7 @@ fn radius(document: &FitDocument) -> Option<Row> {
         return Some(Row {
             label: "radii",
             value: with_unit(format!("{small}, {large}")),
-            meaning: "across and along: of the circles that fit best".into(),
+            meaning: "across and along".into(),
             ..Row::default()
         });
     }

@@ -96,4 +96,6 @@ bodies! {
     Superquadric(Superquadric) => "superquadric";
     /// The upper envelope of several surfaces.
     Union(Union) => "union";
+    /// Solids that are joined and cut.
+    Solids(Solids) => "solids";
 }

@@ -1,5 +1,6 @@
 //! The questions that every body answers in closed form, or by a search along a line.
 
+use super::SurfacePoint;
 use super::local::Local;
 use crate::scene::error::SceneError;
 
@@ -28,6 +29,12 @@ pub(crate) trait Geometry {
 
     /// `across` and `angle` of the point nearest to `p`, as [`Geometry::around`] takes them.
     fn nearest(&self, _p: [f64; 3]) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Points `spacing` apart all over the body, those that `eye` sees where there is one; `None` for bodies that are not
+    /// scanned.
+    fn scan(&self, _spacing: f64, _eye: Option<[f64; 3]>) -> Option<Vec<SurfacePoint>> {
         None
     }
 

@@ -23,6 +23,8 @@ mod quadric;
 mod ray;
 mod saddle;
 mod sinusoid;
+mod solid;
+mod solids;
 mod sphere;
 mod superquadric;
 mod torus;
@@ -40,6 +42,8 @@ pub use paraboloid::Paraboloid;
 pub use pose::Pose;
 pub use saddle::Saddle;
 pub use sinusoid::Sinusoid;
+pub use solid::SolidShape;
+pub use solids::{Solid, Solids};
 pub use sphere::Sphere;
 pub use superquadric::Superquadric;
 pub use torus::Torus;
@@ -155,6 +159,27 @@ impl Surface {
         }
         let point = self.pose.to_world(body);
         Some(SurfacePoint { point, local: self.local(point)? })
+    }
+
+    /// Points `spacing` apart all over a body of solids, those that `eye` sees where there is one; `None` for other bodies.
+    pub(crate) fn scan(&self, spacing: f64, eye: Option<Vector>) -> Option<Vec<SurfacePoint>> {
+        if self.concave {
+            return None;
+        }
+        let mut points = self.body.geometry().scan(spacing, eye.map(|eye| self.pose.to_body(eye)))?;
+        for found in &mut points {
+            found.point = self.pose.to_world(found.point);
+            found.local.normal = self.pose.direction_to_world(found.local.normal);
+        }
+        Some(points)
+    }
+
+    /// The face of a body of solids that a point of it lies on, and the kinds of all its faces.
+    pub(crate) fn face_at(&self, point: Vector) -> Option<usize> {
+        match &self.body {
+            Body::Solids(solids) => solids.face_at(self.pose.to_body(point)),
+            _ => None,
+        }
     }
 
     /// The point of a cylinder or torus nearest to `point`; `None` for other bodies, and where many are as near.

@@ -6,6 +6,7 @@
 //! spherical tip       contact P with P + rho n(P) over (x, y): tip and surface share their normal
 //! path = around       finger f at length f along a cylinder or at angle f round a torus, station s at angle s round the
 //!                     bar or the tube, 0 on top
+//! path = scan         no fingers: points a spacing apart all over a body of solids, or those of it that an eye sees
 //! ```
 //!
 //! Order: finger, then station, then repeat. A second sweep has fingers of its own, numbered onwards.
@@ -13,7 +14,7 @@
 mod tip;
 
 use super::SceneError;
-use super::error::{finite, not_negative};
+use super::error::{finite, not_negative, positive};
 use super::surface::{Surface, SurfacePoint};
 use crate::scene::rotation::sin_cos_deg;
 
@@ -26,6 +27,8 @@ pub enum SweepPath {
     Down,
     /// Round it: a cylinder or a torus.
     Around,
+    /// No fingers at all: a scanner sees a body of solids.
+    Scan,
 }
 
 /// Fingers, stations and tips of one sweep.
@@ -48,6 +51,12 @@ pub struct Sweep {
     pub tip_radius: f64,
     /// Whether sites off the surface are left out; otherwise they are refused.
     pub skip_unreachable: bool,
+    /// Of a scan: the distance between points, input units.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spacing: f64,
+    /// Of a scan: where the scanner stands; without one it sees every side.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub eye: Option<[f64; 3]>,
 }
 
 /// `count` values from `from` to `to`, both ends included; one value: the middle.
@@ -91,7 +100,14 @@ impl Sweep {
             centre: [0.0; 2],
             tip_radius: 0.0,
             skip_unreachable: false,
+            spacing: 0.0,
+            eye: None,
         }
+    }
+
+    /// A scan with points `spacing` apart, from all sides or as seen by an eye.
+    pub fn scan(spacing: f64, eye: Option<[f64; 3]>) -> Sweep {
+        Sweep { path: SweepPath::Scan, spacing, eye, ..Sweep::new(Vec::new(), Vec::new()) }
     }
 
     fn check(&self) -> Result<(), SceneError> {
@@ -129,10 +145,10 @@ impl Sweep {
     /// One touch with all that an effect may ask of it; `finger` and `first_finger` are counted over all sweeps.
     pub(crate) fn site(&self, first_finger: u32, finger: u32, station: u32, touch: SurfacePoint) -> Site {
         let [sin, cos] = self.sin_cos();
-        let along = self.stations[station as usize];
+        let along = self.stations.get(station as usize).copied().unwrap_or(0.0);
         let aim = match self.path {
             SweepPath::Down => self.aim([sin, cos], self.fingers[(finger - first_finger) as usize], along),
-            SweepPath::Around => [touch.point[0], touch.point[1]],
+            SweepPath::Around | SweepPath::Scan => [touch.point[0], touch.point[1]],
         };
         Site { finger, station, aim, direction: [-sin, cos], along, touch }
     }
@@ -142,6 +158,9 @@ impl Sweep {
     /// # Errors
     /// Numbers out of range; a site off the surface, unless those are skipped (then: when none is left).
     pub(crate) fn touch(&self, surface: &Surface, first_finger: u32, into: &mut Touched) -> Result<(), SceneError> {
+        if self.path == SweepPath::Scan {
+            return self.see(surface, first_finger, into);
+        }
         self.check()?;
         if self.path == SweepPath::Around && surface.around(0.0, 0.0).is_none() {
             return Err(SceneError::Clash {
@@ -160,7 +179,7 @@ impl Sweep {
                 let aim = self.aim(angle, across, along);
                 let found = match self.path {
                     SweepPath::Down => contact(surface, aim, self.tip_radius),
-                    SweepPath::Around => surface.around(across, along),
+                    SweepPath::Around | SweepPath::Scan => surface.around(across, along),
                 };
                 match found {
                     Some(touch) => {
@@ -183,6 +202,32 @@ impl Sweep {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl Sweep {
+    /// Scans the surface and adds what was seen.
+    fn see(&self, surface: &Surface, first_finger: u32, into: &mut Touched) -> Result<(), SceneError> {
+        positive("sweep.spacing", self.spacing)?;
+        self.eye.iter().flatten().try_for_each(|value| finite("sweep.eye", *value))?;
+        let Some(points) = surface.scan(self.spacing, self.eye) else {
+            return Err(SceneError::Clash {
+                first: "sweep.path = \"scan\"".into(),
+                second: format!("surface.kind = \"{}\"", surface.body.kind()),
+                why: "only solids are scanned, and those from outside".into(),
+            });
+        };
+        if points.is_empty() || points.len() > MAX_TOUCHES {
+            let expected = "a spacing that leaves one point at least and ten million at most is needed";
+            return Err(SceneError::range("sweep.spacing", self.spacing, expected));
+        }
+        into.reserve(points.len());
+        into.reachable += points.len();
+        into.total += points.len();
+        for (station, touch) in points.into_iter().enumerate() {
+            into.add(touch, first_finger, station as u32, 1);
+        }
+        Ok(())
     }
 }
 

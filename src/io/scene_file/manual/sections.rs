@@ -24,8 +24,8 @@ pub(super) const SWEEP: &[Entry] = &[Entry {
     about: "How the fingers move: side by side, each stopping at every station.",
     keys: keys! {
         "fingers" = "[-4.0, 0.0, 4.0]", Required, NUMBERS, "offset of each finger across the sweep, units of length";
-        "path" = "\"down\"", Value("\"down\""), Range::Words(&["down", "around"]),
-            "down onto the surface from above, or around a cylinder or torus";
+        "path" = "\"down\"", Value("\"down\""), Range::Words(&["down", "around", "scan"]),
+            "down onto the surface from above, around a cylinder or torus, or a scan of solids without fingers";
         "at" = "[-4.0, 0.0, 4.0]", Words("from, to and stations"), NUMBERS,
             "the stations one by one, in place of from, to and stations, units of length";
         "from" = "-4.0", Required, Any, "first station, units of length (around: degrees, 0 on top)";
@@ -37,6 +37,8 @@ pub(super) const SWEEP: &[Entry] = &[Entry {
         "centre" = "[1.0, 0.0]", Value("[0.0, 0.0]"), Other("two numbers", "1.0"), "where fingers and stations are counted from, units of length";
         "unreachable" = "\"skip\"", Value("\"error\""), Range::Words(&["error", "skip"]),
             "whether a station beside the surface is an error or is left out";
+        "spacing" = "0.5", Words("a scan needs one"), Other("a number above 0", "\"wide\""), "of a scan: from point to point, units of length";
+        "eye" = "[50.0, 40.0, 45.0]", Words("every side is seen"), Other("three numbers", "1.0"), "of a scan: where the scanner stands, units of length";
         "second" = "{ angle_deg = 90.0 }", Words("one sweep"), Other("a table [sweep.second] with the keys above", "1"),
             "a second sweep; what it leaves out is as in the first";
     },

@@ -103,6 +103,15 @@ pub(super) const SURFACES: &[Entry] = &[
         },
     ),
     surface(
+        "solids",
+        "Solids joined and cut: block (size), ball (radius), bar (radius, length), frustum (radius, top, length), ring (major, \
+         minor), each centred at its offset with its axis upright, and taken away where cut = true.",
+        keys! {
+            "parts" = "[{ kind = \"ball\", radius = 10.0 }, { kind = \"bar\", radius = 3.0, length = 8.0, cut = true }]", Required,
+                Other("a list of solids; each part may be its own [[surface.parts]]", "[]"), "the solids";
+        },
+    ),
+    surface(
         "imported",
         "A surface that palpate fitted and saved.",
         keys! {

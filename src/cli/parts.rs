@@ -1,0 +1,137 @@
+//! `palpate parts INPUT|SCENE`: what a body is made of, and how its parts adjoin.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::contact::{Contacts, Grid};
+use crate::io::scene_file::builtin_text;
+use crate::io::{Input, read_input};
+use crate::parts::{Agreement, Parts, PartsOptions, against, boundary, segment};
+use crate::report::{PartsDocument, write_json, write_parts_csv, write_parts_picture, write_parts_table};
+
+use super::failure::Failure;
+use super::options::OutputFlags;
+use super::output::print;
+use super::preparation::PreparationFlags;
+use super::reading::{ReadFlags, seen_from};
+use super::scene;
+
+/// Arguments of `palpate parts`.
+#[derive(Args)]
+pub(super) struct PartsArgs {
+    /// A file of contacts, a mesh or a grid; or a built-in scene (palpate scenes) or a scene file ending in .toml
+    input: String,
+    /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Seed in place of the scene's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
+    #[arg(long)]
+    skip_invalid: bool,
+    #[command(flatten)]
+    preparation: PreparationFlags,
+    #[command(flatten)]
+    reading: ReadFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+/// Contacts, and the true face of each where they come from a scene.
+struct Taken {
+    name: String,
+    contacts: Contacts,
+    faces: Option<(Vec<usize>, Vec<&'static str>)>,
+    viewpoint: Option<[f64; 3]>,
+    notes: Vec<String>,
+}
+
+pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
+    let is_scene =
+        builtin_text(&args.input).is_some() || Path::new(&args.input).extension().is_some_and(|e| e == "toml");
+    args.output.prepare(&[args.input.as_ref()], &[])?;
+    let spinner = args.output.spinner(format!("looking for the parts of {}", args.input));
+    let taken = if is_scene { from_scene(args)? } else { from_file(args)? };
+    let clock = Instant::now();
+    let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
+    let found = segment(&taken.contacts, &options).map_err(|error| {
+        let message = error.to_string().replace("tolerance =", "--tolerance");
+        Failure::Input(format!("{}: {message}", taken.name))
+    })?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
+    if let Some((faces, kinds)) = &taken.faces {
+        let agreement: Agreement = against(&taken.contacts, &found, faces, kinds.len());
+        document = document.with_truth(&agreement, kinds);
+    }
+    drop(spinner);
+    publish(args, &document, &taken.contacts, &found)
+}
+
+fn publish(args: &PartsArgs, document: &PartsDocument, contacts: &Contacts, found: &Parts) -> Result<(), Failure> {
+    let output = &args.output;
+    if output.out.is_some() {
+        let edge = boundary(contacts, &found.labels);
+        output.file("parts.json", &mut |out| write_json(document, out))?;
+        output.file("parts.csv", &mut |out| write_parts_csv(contacts, found, out))?;
+        output.file("parts.svg", &mut |out| write_parts_picture(contacts, found, &edge, out))?;
+        output.publish()?;
+    }
+    if output.json {
+        return print(&mut |out| write_json(document, out));
+    }
+    if output.quiet {
+        return Ok(());
+    }
+    print(&mut |out| write_parts_table(document, out))
+}
+
+fn from_scene(args: &PartsArgs) -> Result<Taken, Failure> {
+    let scene = scene::load(&args.input)?;
+    let simulator = scene.world.compile().map_err(|e| Failure::Input(format!("{}: {e}", scene.name)))?;
+    let (contacts, truth) = simulator.into_contacts(args.seed.unwrap_or(scene.seed), 0);
+    let faces = truth.faces().map(|faces| (faces, truth.face_kinds()));
+    let mut notes = Vec::new();
+    if faces.is_none() {
+        notes.push("the scene's surface is no body of solids, so that its true parts are not known".into());
+    }
+    Ok(Taken { name: scene.name, contacts, faces, viewpoint: None, notes })
+}
+
+fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
+    if args.seed.is_some() {
+        return Err(Failure::Input(format!("--seed is for scenes, and {} is a file of contacts", args.input)));
+    }
+    let path = PathBuf::from(&args.input);
+    let mut reading = read_input(&path, &args.reading.options(args.skip_invalid))?;
+    let mut notes = reading.notes.clone();
+    notes.extend(args.preparation.apply(&mut reading)?);
+    if reading.skipped > 0 {
+        notes.push(format!("{} invalid rows counted out", reading.skipped));
+    }
+    let viewpoint = args.preparation.viewpoint.or(seen_from(&reading));
+    let contacts = match reading.input {
+        Input::Contacts(contacts) => contacts,
+        Input::Grid(grid) => contacts_of(&grid),
+    };
+    Ok(Taken { name: reading.file, contacts, faces: None, viewpoint, notes })
+}
+
+/// The pixels that are there, as contacts.
+fn contacts_of(grid: &Grid) -> Contacts {
+    let (mut x, mut y, mut z, mut zx, mut zy) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let slope = |slopes: &Option<ndarray::Array2<f64>>, at: (usize, usize)| slopes.as_ref().map(|s| s[at]);
+    for ((i, j), height) in grid.z.indexed_iter().filter(|(_, height)| height.is_finite()) {
+        x.push(grid.x[i]);
+        y.push(grid.y[j]);
+        z.push(*height);
+        zx.extend(slope(&grid.zx, (i, j)));
+        zy.extend(slope(&grid.zy, (i, j)));
+    }
+    let whole = zx.len() == x.len() && zy.len() == x.len() && zx.iter().chain(&zy).all(|v| v.is_finite());
+    let contacts = Contacts::from_positions(x, y, z);
+    if whole { contacts.with_slopes(zx, zy) } else { contacts }
+}

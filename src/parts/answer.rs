@@ -1,0 +1,186 @@
+//! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
+
+use super::cloud::Cloud;
+use super::exact::{Exact, REJECTED, fitted};
+use super::joints::joints;
+use super::leftover::label_leftover;
+use super::local::{LocalShape, Noise};
+use super::partition::{NONE, Partition};
+use super::primitive::{PartKind, Primitive};
+use super::result::{Part, PartGeometry, PartUncertainty, Parts};
+use crate::curvature::{ShapeClass, curvedness, shape_index};
+use crate::threads;
+use crate::vector::{Vector, along, scaled};
+
+/// What the answer is made of.
+pub(super) struct Findings<'a> {
+    pub(super) cloud: &'a Cloud,
+    pub(super) shapes: &'a [LocalShape],
+    pub(super) noise: Noise,
+    pub(super) coarse: Noise,
+    pub(super) tolerance: f64,
+}
+
+impl Findings<'_> {
+    /// The whole answer.
+    pub(super) fn parts(&self, mut partition: Partition, notes: Vec<String>) -> Parts {
+        let cloud = self.cloud;
+        let exact_parts = partition.parts.len() as u32;
+        let patches = label_leftover(cloud, self.shapes, &mut partition.labels, exact_parts);
+        let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
+        let exact = threads::map(exact_parts as usize, 1, |part| {
+            let inner = partition.inner(cloud, &members[part]);
+            fitted(cloud, &inner, &partition.parts[part], &self.coarse)
+        });
+        let surface: Vec<Primitive> = partition
+            .parts
+            .iter()
+            .zip(&exact)
+            .map(|(coarse, exact)| exact.map_or(*coarse, |e| e.descended.primitive))
+            .collect();
+        let normal = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
+            Some(primitive) => primitive.nearest(place).1,
+            None => cloud.normals[i],
+        };
+        let mut joints = joints(cloud, &partition.labels, normal);
+        let mut parts: Vec<Part> = members
+            .iter()
+            .enumerate()
+            .map(|(k, members)| match surface.get(k) {
+                Some(primitive) => self.primitive_part(primitive, exact[k].as_ref(), members),
+                None => self.patch_part(members),
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..parts.len()).collect();
+        order.sort_by_key(|k| (std::cmp::Reverse(parts[*k].points), *k));
+        let mut number = vec![0; parts.len()];
+        order.iter().enumerate().for_each(|(id, k)| number[*k] = id);
+        parts.iter_mut().zip(&number).for_each(|(part, id)| part.id = *id);
+        parts.sort_by_key(|part| part.id);
+        for joint in &mut joints {
+            joint.parts = joint.parts.map(|k| number[k]);
+            joint.parts.sort_unstable();
+        }
+        joints.sort_by_key(|joint| joint.parts);
+        let label = |l: &u32| (*l != NONE).then(|| number[*l as usize] as u32);
+        Parts {
+            parts,
+            joints,
+            labels: partition.labels.iter().map(label).collect(),
+            spacing: cloud.spacing * cloud.scale,
+            noise: self.noise.distance * cloud.scale,
+            normal_noise_deg: self.noise.normal.to_degrees(),
+            tolerance: self.tolerance * cloud.scale,
+            notes,
+        }
+    }
+
+    fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32]) -> Part {
+        let cloud = self.cloud;
+        let (mut s_sum, mut r_sum) = (0.0, 0.0);
+        for &i in members {
+            let [k1, k2] = primitive.curvatures(cloud.points[i as usize]);
+            s_sum += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
+            r_sum += curvedness(k1, k2);
+        }
+        let count = members.len() as f64;
+        let mean = (primitive.kind != PartKind::Plane).then_some(s_sum / count);
+        Part {
+            id: 0,
+            kind: primitive.kind,
+            hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
+            geometry: geometry(cloud, primitive),
+            u: exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e)),
+            class: Some(mean.map_or(ShapeClass::Plane, ShapeClass::of_shape_index)),
+            shape_index: mean,
+            curvedness: r_sum / count / cloud.scale,
+            points: members.len(),
+            misfit: exact.map_or(0.0, |e| e.noise.distance * cloud.scale),
+            rejected: exact.and_then(|e| e.p).map(|p| p < REJECTED),
+            p: exact.and_then(|e| e.p),
+            departure: exact.map_or(0.0, |e| e.departure * cloud.scale),
+        }
+    }
+
+    fn patch_part(&self, members: &[u32]) -> Part {
+        let cloud = self.cloud;
+        let known: Vec<&LocalShape> = members.iter().map(|&i| &self.shapes[i as usize]).collect();
+        let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
+        let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
+        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        let middle = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
+        let mut variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
+        variances.sort_by(f64::total_cmp);
+        Part {
+            id: 0,
+            kind: PartKind::Patch,
+            hollow: false,
+            geometry: PartGeometry {
+                point: cloud.outside(scaled(1.0 / members.len() as f64, middle)),
+                ..PartGeometry::default()
+            },
+            u: PartUncertainty::default(),
+            class: mean(&of_s).map(ShapeClass::of_shape_index),
+            shape_index: mean(&of_s),
+            curvedness: mean(&of_r).unwrap_or(0.0) / cloud.scale,
+            points: members.len(),
+            misfit: variances[variances.len() / 2].sqrt() * cloud.scale,
+            rejected: None,
+            p: None,
+            departure: 0.0,
+        }
+    }
+}
+
+fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); parts];
+    for (i, label) in labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
+        members[*label as usize].push(i as u32);
+    }
+    members
+}
+
+/// In the input's units, with directions made unique: the largest component of an axis is positive, a cone widens along its own.
+fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
+    let [one, two] = primitive.sizes;
+    let axis = primitive.axes[2];
+    let largest = (0..3).fold(0, |best, k| if axis[k].abs() > axis[best].abs() { k } else { best });
+    let upward = if axis[largest] < 0.0 { scaled(-1.0, axis) } else { axis };
+    let point = cloud.outside(primitive.origin);
+    let length = |v: f64| Some(v * cloud.scale);
+    let base = PartGeometry { point, ..PartGeometry::default() };
+    match primitive.kind {
+        PartKind::Plane => PartGeometry { axis: Some(scaled(primitive.side, axis)), ..base },
+        PartKind::Sphere => PartGeometry { radius: length(one), ..base },
+        PartKind::Cylinder => PartGeometry { axis: Some(upward), radius: length(one), ..base },
+        PartKind::Cone => PartGeometry {
+            axis: Some(scaled(if two < 0.0 { -1.0 } else { 1.0 }, axis)),
+            radius: length(one),
+            half_angle_deg: Some(two.abs().to_degrees()),
+            apex: (two != 0.0).then(|| cloud.outside(along(primitive.origin, -one / two.tan(), axis))),
+            ..base
+        },
+        PartKind::Torus => PartGeometry { axis: Some(upward), radius: length(one), minor_radius: length(two), ..base },
+        PartKind::Patch => base,
+    }
+}
+
+fn uncertainty(cloud: &Cloud, exact: &Exact) -> PartUncertainty {
+    let Some(covariance) = exact.descended.covariance() else { return PartUncertainty::default() };
+    let kind = exact.descended.primitive.kind;
+    let free = kind.free();
+    let sd = |k: usize| free.contains(&k).then(|| covariance[k][k].max(0.0).sqrt());
+    let length = |v: Option<f64>| v.map(|v| v * cloud.scale);
+    // one number for several directions: the root mean square
+    let joint = |of: &[usize]| {
+        let sds: Vec<f64> = of.iter().filter_map(|k| sd(*k)).collect();
+        (!sds.is_empty()).then(|| (sds.iter().map(|s| s * s).sum::<f64>() / sds.len() as f64).sqrt())
+    };
+    PartUncertainty {
+        point: length(joint(&[0, 1, 2])),
+        axis_deg: joint(&[3, 4]).map(f64::to_degrees),
+        radius: length(sd(5)),
+        minor_radius: if kind == PartKind::Torus { length(sd(6)) } else { None },
+        half_angle_deg: if kind == PartKind::Cone { sd(6).map(f64::to_degrees) } else { None },
+    }
+}

@@ -1,0 +1,95 @@
+//! Whether one primitive does for two, or a simpler kind for a richer one, when neighbours may share errors.
+//!
+//! ```text
+//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > (unknowns 2 - unknowns 1) ln(n_e) / 2
+//! s, v                 rms of distances and of normals per tangent axis, of the simpler (1) and of the richer (2) description
+//! n_e = n / max over widths of  sum_cells (sum_i d_i)^2 / sum_i d_i^2               d: distances from the simpler
+//! ```
+//!
+//! n_e is the number of independent residuals: n where they have nothing to do with each other, and n over the points of one
+//! patch where a patch errs together. So a dent a hundred times the noise is a part, and the waves of a depth camera are not, however
+//! many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461.
+
+use std::collections::HashMap;
+
+use super::cloud::Cloud;
+use super::local::Noise;
+use super::primitive::Primitive;
+use crate::vector::{dot, minus};
+
+/// Widths of cells in spacings; the widest holds some 4000 points of a surface.
+const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
+
+/// Cells of all widths, one number for each point and width.
+#[derive(Clone, Debug)]
+pub(super) struct Cells {
+    of: [Vec<u32>; WIDTHS.len()],
+}
+
+impl Cells {
+    pub(super) fn new(cloud: &Cloud) -> Cells {
+        let of = WIDTHS.map(|width| {
+            let mut numbers: HashMap<[i32; 3], u32> = HashMap::new();
+            let side = width * cloud.spacing.max(f64::MIN_POSITIVE);
+            let cell = |p: &[f64; 3]| p.map(|v| (v / side).floor() as i32);
+            let mut number = |p| {
+                let next = numbers.len() as u32;
+                *numbers.entry(cell(p)).or_insert(next)
+            };
+            cloud.points.iter().map(&mut number).collect()
+        });
+        Cells { of }
+    }
+
+    /// How many of these residuals are independent.
+    pub(super) fn independent(&self, residuals: &[(u32, f64)]) -> f64 {
+        let squares: f64 = residuals.iter().map(|(_, d)| d * d).sum();
+        let count = residuals.len() as f64;
+        if squares <= 0.0 {
+            return count;
+        }
+        let shared = self.of.iter().map(|cells| {
+            let mut sums: HashMap<u32, f64> = HashMap::new();
+            residuals.iter().for_each(|(i, d)| *sums.entry(cells[*i as usize]).or_default() += d);
+            sums.values().map(|sum| sum * sum).sum::<f64>() / squares
+        });
+        (count / shared.fold(1.0, f64::max)).max(3.0)
+    }
+}
+
+/// Residuals of some points under their primitives.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Residuals {
+    distances: Vec<(u32, f64)>,
+    normals: f64,
+}
+
+impl Residuals {
+    /// Adds points that belong to one primitive.
+    pub(super) fn add(&mut self, cloud: &Cloud, members: &[u32], primitive: &Primitive) {
+        for &i in members {
+            let (d, normal) = primitive.nearest(cloud.points[i as usize]);
+            let off = minus(normal, cloud.normals[i as usize]);
+            self.distances.push((i, d));
+            self.normals += dot(off, off);
+        }
+    }
+
+    /// Root mean squares, with what is let pass.
+    fn spread(&self, pass: &Noise) -> Noise {
+        let count = self.distances.len().max(1) as f64;
+        let distances = self.distances.iter().map(|(_, d)| d * d).sum::<f64>() / count;
+        Noise {
+            distance: distances.sqrt().hypot(pass.distance),
+            normal: (0.5 * self.normals / count).sqrt().hypot(pass.normal),
+        }
+    }
+
+    /// By how much the richer description beats this one.
+    pub(super) fn lose_to(&self, richer: &Residuals, unknowns: usize, cells: &Cells, pass: &Noise) -> f64 {
+        let (one, two) = (self.spread(pass), richer.spread(pass));
+        let independent = cells.independent(&self.distances);
+        let gain = (one.distance / two.distance).ln() + 2.0 * (one.normal / two.normal).ln();
+        independent * gain - 0.5 * unknowns as f64 * independent.ln()
+    }
+}

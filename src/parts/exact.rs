@@ -1,0 +1,128 @@
+//! Each part fitted to all its inner points, with the noise that they show, uncertainties, and whether the data reject it.
+//!
+//! ```text
+//! u_d^2, u_n^2 = residual sums / (rows - unknowns' share)      covariance = (J' W J)^-1
+//! F = (between / (cells - unknowns)) / (within / (points - cells))
+//!     between = sum_c n_c mean_c(d)^2,  within = sum_c sum_i (d_i - mean_c)^2          cells of some 12 neighbouring points
+//! ```
+//!
+//! Points of one cell are near-replicates: whatever the true surface is, it hardly varies within a cell, so that the scatter
+//! there is noise and the means beyond noise are lack of fit. N. R. Draper and H. Smith, *Applied Regression Analysis*,
+//! section 2.1.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::cloud::{Cloud, LINKED};
+use super::descent::Descended;
+use super::local::{Noise, ROUNDING};
+use super::partition::exact;
+use super::primitive::Primitive;
+use crate::vector::{dot, minus};
+
+/// Points of a cell besides its first.
+const CELL: usize = 11;
+
+/// Below this probability the data reject the primitive. One true primitive in a hundred is then rejected by chance.
+pub(super) const REJECTED: f64 = 0.01;
+
+/// A part's primitive at the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exact {
+    pub(super) descended: Descended,
+    /// The noise that its inner points show.
+    pub(super) noise: Noise,
+    /// Probability of so large a lack of fit by chance; `None` with too few cells.
+    pub(super) p: Option<f64>,
+    /// Root mean square of what noise does not explain, along the normal.
+    pub(super) departure: f64,
+}
+
+/// Fits until the noise has settled.
+pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise) -> Option<Exact> {
+    let mut noise = *coarse;
+    let mut descended = exact(cloud, inner, start, &noise)?;
+    for _ in 0..4 {
+        let next = noise_of(cloud, inner, &descended);
+        let settled = (next.distance / noise.distance - 1.0).abs().max((next.normal / noise.normal - 1.0).abs()) < 1e-4;
+        noise = next;
+        descended = exact(cloud, inner, &descended.primitive, &noise)?;
+        if settled {
+            break;
+        }
+    }
+    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive);
+    Some(Exact { descended, noise, p, departure })
+}
+
+/// Two variance components; the unknowns are shared out as the rows determine them.
+fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended) -> Noise {
+    let primitive = &descended.primitive;
+    let (mut distances, mut normals) = (0.0, 0.0);
+    for &i in inner {
+        let (d, normal) = primitive.nearest(cloud.points[i as usize]);
+        let off = minus(normal, cloud.normals[i as usize]);
+        distances += d * d;
+        normals += dot(off, off);
+    }
+    let unknowns = primitive.kind.free().len() as f64;
+    let count = inner.len() as f64;
+    // one row of distances, two of normals: the third is along the normal itself
+    let share = unknowns / 3.0;
+    Noise {
+        distance: (distances / (count - share).max(1.0)).sqrt().max(ROUNDING),
+        normal: (normals / (2.0 * count - 2.0 * share).max(1.0)).sqrt().max(ROUNDING),
+    }
+}
+
+/// The probability of F, and the departure.
+fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> (Option<f64>, f64) {
+    let distance = |i: u32| primitive.nearest(cloud.points[i as usize]).0;
+    let (mut between, mut within, mut cells, mut points) = (0.0, 0.0, 0.0, 0.0);
+    for cell in cells_of(cloud, inner) {
+        let values: Vec<f64> = cell.iter().map(|&i| distance(i)).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        between += count * mean * mean;
+        within += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        cells += 1.0;
+        points += count;
+    }
+    let unknowns = primitive.kind.free().len() as f64;
+    let (upper, lower) = (cells - unknowns, points - cells);
+    if upper < 3.0 || lower < 3.0 {
+        return (None, 0.0);
+    }
+    let (mean_between, mean_within) = (between / upper, within / lower);
+    if mean_within.sqrt() <= ROUNDING {
+        // no noise at all: whatever is left is rounding, or a misfit that needs no statistics
+        let rejected = mean_between.sqrt() > 100.0 * ROUNDING;
+        return (Some(if rejected { 0.0 } else { 1.0 }), (between / points).sqrt());
+    }
+    let p = FisherSnedecor::new(upper, lower).map(|law| law.sf(mean_between / mean_within)).ok();
+    (p.filter(|p| p.is_finite()), ((between - upper * mean_within).max(0.0) / points).sqrt())
+}
+
+/// Neighbouring points in cells, every inner point in one; cells of fewer than 4 are left out.
+fn cells_of(cloud: &Cloud, inner: &[u32]) -> Vec<Vec<u32>> {
+    let mut free = vec![false; cloud.len()];
+    inner.iter().for_each(|&i| free[i as usize] = true);
+    let mut cells = Vec::new();
+    // along the axes the walk is even, whatever the order of the file
+    for &first in inner {
+        if !free[first as usize] {
+            continue;
+        }
+        free[first as usize] = false;
+        let mut cell = vec![first];
+        for &j in cloud.near(first as usize).iter().take(LINKED + CELL) {
+            if free[j as usize] && cell.len() <= CELL {
+                free[j as usize] = false;
+                cell.push(j);
+            }
+        }
+        if cell.len() >= 4 {
+            cells.push(cell);
+        }
+    }
+    cells
+}

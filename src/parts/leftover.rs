@@ -1,0 +1,64 @@
+//! Points that no primitive explains: connected regions of one class, by their own S and how sure it is.
+//!
+//! ```text
+//! cost(p, class) = ((S_p - S_class) / hypot(u(S_p), 1/8))^2 / 2 + AGREE (neighbours of another class)
+//! classes: cup -1, rut -1/2, saddle 0, ridge 1/2, cap 1
+//! ```
+//!
+//! A class's own width is half a bin, so that a region whose S drifts across an edge is not cut by noise.
+
+use super::cloud::{Cloud, FEWEST};
+use super::hypothesis::Walk;
+use super::local::LocalShape;
+use super::partition::NONE;
+
+/// As between primitives.
+const AGREE: f64 = 0.7;
+
+/// Sweeps over all labels.
+const SWEEPS: usize = 8;
+
+/// Labels the points without a part: regions get numbers from `first` on, and the points of regions that are too small keep
+/// none. Gives back how many regions there are.
+pub(super) fn label_leftover(cloud: &Cloud, shapes: &[LocalShape], labels: &mut [u32], first: u32) -> u32 {
+    let left: Vec<usize> = (0..cloud.len()).filter(|&i| labels[i] == NONE).collect();
+    let free: Vec<bool> = labels.iter().map(|l| *l == NONE).collect();
+    let mut classes: Vec<u8> = vec![0; cloud.len()];
+    let data = |i: usize, class: u8| {
+        let Some(s) = shapes[i].principal.and_then(|p| p.shape_index()) else { return 0.0 };
+        let centre = 0.5 * f64::from(class) - 1.0;
+        0.5 * ((s - centre) / shapes[i].u_shape_index.hypot(0.125)).powi(2)
+    };
+    let least = |energy: &dyn Fn(u8) -> f64| {
+        (1..5).fold((0, energy(0)), |best, class| {
+            let new = energy(class);
+            if new < best.1 { (class, new) } else { best }
+        })
+    };
+    left.iter().for_each(|&i| classes[i] = least(&|class| data(i, class)).0);
+    for _ in 0..SWEEPS {
+        let chosen: Vec<u8> = left
+            .iter()
+            .map(|&i| {
+                let linked = cloud.linked(i).iter().filter(|&&j| free[j as usize]);
+                let others: Vec<u8> = linked.map(|&j| classes[j as usize]).collect();
+                let differing = |class: u8| others.iter().filter(|other| **other != class).count() as f64;
+                least(&|class| data(i, class) + AGREE * differing(class)).0
+            })
+            .collect();
+        left.iter().zip(chosen).for_each(|(&i, class)| classes[i] = class);
+    }
+    let mut walk = Walk::new(cloud.len());
+    let mut next = first;
+    for &i in &left {
+        if labels[i] != NONE {
+            continue;
+        }
+        let region = walk.reach(cloud, &[i as u32], usize::MAX, |j| labels[j] == NONE && classes[j] == classes[i]);
+        if region.len() >= FEWEST {
+            region.iter().for_each(|&j| labels[j as usize] = next);
+            next += 1;
+        }
+    }
+    next - first
+}

@@ -1,0 +1,139 @@
+//! Linear algebra of a handful of unknowns: Cholesky's factorisation and Jacobi's rotations on arrays of a fixed order.
+//!
+//! ```text
+//! A = L L'        A = V diag(w) V', w ascending, columns of V orthonormal        A of order N
+//! ```
+//!
+//! G. H. Golub and C. F. Van Loan, *Matrix Computations*, sections 4.2 and 8.5. A general library's entrance costs more
+//! than the work at these orders, and a segmentation does it a hundred thousand times.
+
+/// A square matrix of order N.
+pub(super) type Square<const N: usize> = [[f64; N]; N];
+
+/// Largest number of sweeps over all pairs; six suffice for order 7.
+const SWEEPS: usize = 30;
+
+/// The lower factor of a positive definite matrix; `None` where it is not.
+pub(super) fn cholesky<const N: usize>(matrix: &Square<N>) -> Option<Square<N>> {
+    let mut lower = [[0.0; N]; N];
+    for j in 0..N {
+        let diagonal = matrix[j][j] - (0..j).map(|k| lower[j][k] * lower[j][k]).sum::<f64>();
+        if !(diagonal > 0.0 && diagonal.is_finite()) {
+            return None;
+        }
+        lower[j][j] = diagonal.sqrt();
+        for i in j + 1..N {
+            let sum: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
+            lower[i][j] = (matrix[i][j] - sum) / lower[j][j];
+        }
+    }
+    Some(lower)
+}
+
+/// `x` of `L L' x = b`.
+pub(super) fn solve<const N: usize>(lower: &Square<N>, mut b: [f64; N]) -> [f64; N] {
+    for i in 0..N {
+        let sum: f64 = (0..i).map(|k| lower[i][k] * b[k]).sum();
+        b[i] = (b[i] - sum) / lower[i][i];
+    }
+    for i in (0..N).rev() {
+        let sum: f64 = (i + 1..N).map(|k| lower[k][i] * b[k]).sum();
+        b[i] = (b[i] - sum) / lower[i][i];
+    }
+    b
+}
+
+/// The inverse of `L L'`.
+pub(super) fn inverse<const N: usize>(lower: &Square<N>) -> Square<N> {
+    let mut inverse = [[0.0; N]; N];
+    for j in 0..N {
+        let mut unit = [0.0; N];
+        unit[j] = 1.0;
+        let column = solve(lower, unit);
+        (0..N).for_each(|i| inverse[i][j] = column[i]);
+    }
+    inverse
+}
+
+/// Eigenvalues, ascending, and the eigenvector of each of them.
+pub(super) fn eigen<const N: usize>(matrix: &Square<N>) -> ([f64; N], [[f64; N]; N]) {
+    let mut a = *matrix;
+    let mut v = [[0.0; N]; N];
+    (0..N).for_each(|i| v[i][i] = 1.0);
+    for _ in 0..SWEEPS {
+        let off: f64 = (0..N).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j] * a[i][j]).sum();
+        let whole: f64 = a.iter().flatten().map(|x| x * x).sum();
+        if off <= 1e-32 * whole {
+            break;
+        }
+        for p in 0..N {
+            for q in p + 1..N {
+                rotate(&mut a, &mut v, p, q);
+            }
+        }
+    }
+    let mut order: [usize; N] = std::array::from_fn(|i| i);
+    order.sort_by(|i, j| a[*i][*i].total_cmp(&a[*j][*j]));
+    (order.map(|i| a[i][i]), order.map(|i| std::array::from_fn(|row| v[row][i])))
+}
+
+/// Makes `a[p][q]` zero by a rotation in the plane of p and q.
+fn rotate<const N: usize>(a: &mut Square<N>, v: &mut Square<N>, p: usize, q: usize) {
+    if a[p][q] == 0.0 {
+        return;
+    }
+    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
+    let t = if theta == 0.0 { 1.0 } else { t };
+    let cos = 1.0 / t.hypot(1.0);
+    let sin = t * cos;
+    for k in 0..N {
+        let (x, y) = (a[k][p], a[k][q]);
+        (a[k][p], a[k][q]) = (cos * x - sin * y, sin * x + cos * y);
+    }
+    for k in 0..N {
+        let (x, y) = (a[p][k], a[q][k]);
+        (a[p][k], a[q][k]) = (cos * x - sin * y, sin * x + cos * y);
+    }
+    for row in v.iter_mut() {
+        let (x, y) = (row[p], row[q]);
+        (row[p], row[q]) = (cos * x - sin * y, sin * x + cos * y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATRIX: Square<3> = [[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 5.0]];
+
+    #[test]
+    fn the_factor_solves_and_inverts() {
+        let lower = cholesky(&MATRIX).unwrap();
+        let x = solve(&lower, [1.0, 2.0, 3.0]);
+        let inverse = inverse(&lower);
+        for i in 0..3 {
+            let back: f64 = (0..3).map(|k| MATRIX[i][k] * x[k]).sum();
+            assert!((back - (i + 1) as f64).abs() < 1e-14);
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| MATRIX[i][k] * inverse[k][j]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+        }
+        assert!(cholesky(&[[1.0, 2.0], [2.0, 1.0]]).is_none());
+    }
+
+    #[test]
+    fn eigenvectors_are_orthonormal_and_make_the_matrix_again() {
+        let (w, v) = eigen(&MATRIX);
+        assert!(w[0] <= w[1] && w[1] <= w[2]);
+        for i in 0..3 {
+            for j in 0..3 {
+                let back: f64 = (0..3).map(|k| w[k] * v[k][i] * v[k][j]).sum();
+                assert!((back - MATRIX[i][j]).abs() < 1e-13);
+                let product: f64 = (0..3).map(|k| v[i][k] * v[j][k]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+        }
+    }
+}

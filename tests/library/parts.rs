@@ -1,0 +1,91 @@
+//! Parts of a body: what must not depend on how it lies, and how large its numbers are.
+
+use palpate::parts::{JointKind, PartKind, Parts, PartsOptions, segment};
+use palpate::scene::surface::{Body, Pose, Solid, SolidShape, Solids, Surface};
+use palpate::scene::{Sweep, World, effects::NormalNoise, effects::PositionNoise};
+use palpate::{Contacts, Orientation};
+
+/// A bar with a ball on top, beside a ring.
+fn body() -> Contacts {
+    let solid = |shape, offset| Solid { shape, pose: Pose::new(0.0, [0.0; 3], offset), cut: false };
+    let parts = vec![
+        solid(SolidShape::Bar { radius: 5.0, length: 14.0 }, [0.0; 3]),
+        solid(SolidShape::Ball { radius: 5.0 }, [0.0, 0.0, 7.0]),
+        solid(SolidShape::Ring { major: 9.0, minor: 1.9 }, [0.0, 0.0, -4.0]),
+    ];
+    let surface = Surface::new(Body::Solids(Solids { parts }), 0.0);
+    let world = World::new(surface, Sweep::scan(0.7, None))
+        .with(PositionNoise::Sigma([0.02; 3]))
+        .with(NormalNoise { sigma_deg: 2.0 });
+    world.compile().unwrap().simulate(11, 0).0
+}
+
+fn found(contacts: &Contacts) -> Parts {
+    segment(contacts, &PartsOptions::default()).unwrap()
+}
+
+fn vectors(contacts: &Contacts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let Orientation::Normals { nx, ny, nz } = &contacts.orientation else { panic!("no normals") };
+    (0..contacts.len()).map(|r| ([contacts.x[r], contacts.y[r], contacts.z[r]], [nx[r], ny[r], nz[r]])).unzip()
+}
+
+/// Share of the contacts with the same part, parts being numbered alike.
+fn same_labels(a: &Parts, b: &Parts, order: impl Fn(usize) -> usize) -> f64 {
+    let same = (0..a.labels.len()).filter(|&i| a.labels[i] == b.labels[order(i)]).count();
+    same as f64 / a.labels.len() as f64
+}
+
+fn radii(parts: &Parts) -> Vec<f64> {
+    parts.parts.iter().filter_map(|part| part.geometry.radius).collect()
+}
+
+#[test]
+fn the_body_is_found_with_its_sizes() {
+    let parts = found(&body());
+    let mut kinds: Vec<PartKind> = parts.parts.iter().map(|part| part.kind).collect();
+    kinds.sort();
+    assert_eq!(kinds, [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Torus]);
+    for (radius, u) in parts.parts.iter().filter_map(|part| part.geometry.radius.zip(part.u.radius)) {
+        let nearest = [5.0, 9.0].into_iter().fold(f64::INFINITY, |least: f64, r: f64| least.min((r - radius).abs()));
+        assert!(nearest < 4.0 * u && u < 0.01, "{radius} +- {u}");
+    }
+    assert!(parts.parts.iter().all(|part| part.rejected != Some(true)));
+    assert!(parts.joints.iter().any(|joint| joint.kind == JointKind::Smooth));
+}
+
+#[test]
+fn rotation_and_unit_change_nothing_but_coordinates() {
+    let contacts = body();
+    let (points, normals) = vectors(&contacts);
+    let before = found(&contacts);
+    // a rotation by a third of a turn about (1, 1, 1), one by an odd angle about z, a shift, and metres
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let turned = |[x, y, z]: [f64; 3]| [cos * z - sin * x, sin * z + cos * x, y];
+    let moved = |p: [f64; 3]| turned(p).map(|v| 1e-3 * (v + 40.0));
+    let again = Contacts::from_points(&points.iter().map(|p| moved(*p)).collect::<Vec<_>>())
+        .with_normal_vectors(&normals.iter().map(|n| turned(*n)).collect::<Vec<_>>());
+    let after = found(&again);
+    assert!(same_labels(&before, &after, |i| i) > 0.999);
+    assert_eq!(before.parts.len(), after.parts.len());
+    for (a, b) in before.parts.iter().zip(&after.parts) {
+        assert_eq!((a.kind, a.class, a.hollow), (b.kind, b.class, b.hollow));
+    }
+    for (a, b) in radii(&before).iter().zip(radii(&after)) {
+        assert!((a - 1e3 * b).abs() < 1e-3 * a, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_order_of_the_contacts_does_not_matter() {
+    let contacts = body();
+    let count = contacts.len();
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    order.sort_by(|a, b| (f64::from(*a) * 0.618).fract().total_cmp(&(f64::from(*b) * 0.618).fract()));
+    let mut place = vec![0; count];
+    order.iter().enumerate().for_each(|(k, i)| place[*i as usize] = k);
+    let (before, after) = (found(&contacts), found(&contacts.in_order(&order)));
+    assert!(same_labels(&before, &after, |i| place[i]) > 0.999);
+    for (a, b) in radii(&before).iter().zip(radii(&after)) {
+        assert!((a - b).abs() < 1e-3 * a, "{a} {b}");
+    }
+}

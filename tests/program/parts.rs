@@ -1,0 +1,191 @@
+//! `palpate parts`: scenes beside their truth, files of every kind, and what is refused.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn palpate(folder: &Path, line: &str) -> Output {
+    let mut command = Command::cargo_bin("palpate").unwrap();
+    command.current_dir(folder).args(line.split_whitespace()).output().unwrap()
+}
+
+fn document(folder: &Path, line: &str) -> Value {
+    let output = palpate(folder, &format!("{line} --json"));
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// `kind, kind, ...` and `a-b kind, ...`, in an order of their own.
+fn summary(found: &Value) -> (Vec<String>, Vec<String>) {
+    let mut kinds: Vec<String> =
+        found["parts"].as_array().unwrap().iter().map(|p| p["kind"].as_str().unwrap().to_string()).collect();
+    let mut joints: Vec<String> = found["joints"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|joint| {
+            let mut pair: Vec<&str> = (0..2)
+                .map(|k| found["parts"][joint["parts"][k].as_u64().unwrap() as usize]["kind"].as_str().unwrap())
+                .collect();
+            pair.sort_unstable();
+            format!("{} {}", pair.join("-"), joint["kind"].as_str().unwrap())
+        })
+        .collect();
+    kinds.sort();
+    joints.sort();
+    (kinds, joints)
+}
+
+#[test]
+fn every_scene_of_parts_is_taken_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&str, &[&str], &[&str]); 5] = [
+        ("parts-box", &["plane"; 3], &["plane-plane convex"; 3]),
+        ("parts-capsule", &["cylinder", "plane", "sphere"], &["cylinder-plane convex", "cylinder-sphere smooth"]),
+        (
+            "parts-cone",
+            &["cone", "cylinder", "plane", "plane"],
+            &["cone-cylinder convex", "cone-plane convex", "cylinder-plane convex"],
+        ),
+        (
+            "parts-mug",
+            &["cylinder", "cylinder", "plane", "plane", "plane", "torus"],
+            &[
+                "cylinder-plane concave",
+                "cylinder-plane convex",
+                "cylinder-plane convex",
+                "cylinder-plane convex",
+                "cylinder-torus concave",
+            ],
+        ),
+        (
+            "parts-pipe",
+            &["cylinder", "cylinder", "plane", "plane", "torus"],
+            &[
+                "cylinder-plane convex",
+                "cylinder-plane convex",
+                "cylinder-plane convex",
+                "cylinder-plane convex",
+                "cylinder-torus convex",
+            ],
+        ),
+    ];
+    for (scene, kinds, joints) in cases {
+        let found = document(folder.path(), &format!("parts {scene}"));
+        let (found_kinds, found_joints) = summary(&found);
+        assert_eq!(found_kinds, kinds, "{scene}");
+        assert_eq!(found_joints, joints, "{scene}");
+        assert!(found["truth"]["right"].as_f64().unwrap() > 0.985, "{scene}: {}", found["truth"]["right"]);
+        assert!(found["truth"]["boundary_error"].as_f64().unwrap() < 0.5, "{scene}");
+    }
+}
+
+#[test]
+fn the_table_says_size_joints_and_truth_in_plain_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = palpate(folder.path(), "parts parts-capsule");
+    let text = String::from_utf8(output.stdout).unwrap();
+    for words in [
+        "3 of capped cylinder",
+        "radius 5.00",
+        "smooth, the normal turns by",
+        "of the contacts in the part of their face",
+    ] {
+        assert!(text.contains(words), "{words} is not in\n{text}");
+    }
+}
+
+#[test]
+fn the_directory_gets_a_document_a_table_and_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(palpate(folder.path(), "parts parts-box --out made --quiet").stdout.is_empty());
+    let made = |name: &str| std::fs::read_to_string(folder.path().join("made").join(name)).unwrap();
+    let document: Value = serde_json::from_str(&made("parts.json")).unwrap();
+    let rows = made("parts.csv");
+    assert_eq!(rows.lines().count() as u64, document["contacts"].as_u64().unwrap() + 1);
+    assert!(made("parts.svg").contains("3 parts from both sides"));
+}
+
+#[test]
+fn a_file_without_normals_is_taken_apart_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(palpate(folder.path(), "simulate parts-box -o box.csv").status.success());
+    let text = std::fs::read_to_string(folder.path().join("box.csv")).unwrap();
+    let bare: Vec<String> = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(',').take(3).collect::<Vec<_>>().join(","))
+        .collect();
+    std::fs::write(folder.path().join("bare.csv"), bare.join("\n")).unwrap();
+    let found = document(folder.path(), "parts bare.csv");
+    assert!(found["notes"].to_string().contains("there are no normals"), "{}", found["notes"]);
+    let (kinds, joints) = summary(&found);
+    assert_eq!(kinds, ["plane"; 3]);
+    assert_eq!(joints, ["plane-plane convex"; 3]);
+}
+
+#[test]
+fn normals_of_mixed_side_are_turned_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(palpate(folder.path(), "simulate parts-cone -o cone.csv").status.success());
+    let text = std::fs::read_to_string(folder.path().join("cone.csv")).unwrap();
+    let mut rows = 0;
+    let mut flipped = String::new();
+    for line in text.lines() {
+        let numbers: Result<Vec<f64>, _> = line.split(',').map(str::parse::<f64>).collect();
+        match numbers {
+            Ok(mut numbers) => {
+                rows += 1;
+                if rows % 10 == 0 {
+                    (3..6).for_each(|k| numbers[k] = -numbers[k]);
+                }
+                flipped += &numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+            }
+            Err(_) => flipped += line,
+        }
+        flipped.push('\n');
+    }
+    std::fs::write(folder.path().join("mixed.csv"), flipped).unwrap();
+    let found = document(folder.path(), "parts mixed.csv");
+    let note = format!("{} of {rows} normals point to the other side", rows / 10);
+    assert!(found["notes"].to_string().contains(&note), "{}", found["notes"]);
+    assert_eq!(summary(&found).0, ["cone", "cylinder", "plane", "plane"]);
+}
+
+#[test]
+fn bad_usage_and_bad_input_name_the_place_and_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("one.csv", "x,y,z\n1,2,3\n");
+    write("same.csv", &format!("x,y,z\n{}", "1,2,3\n".repeat(50)));
+    let random = |k: u64| (k as f64 * 0.618).fract() - 0.5;
+    let rows: String = (0..400_u64)
+        .map(|k| {
+            format!("{},{},0,{},{},{}\n", k % 20, k / 20, random(7 * k), random(11 * k + 3), random(5 * k * k + 1))
+        })
+        .collect();
+    write("noise.csv", &format!("x,y,z,nx,ny,nz\n{rows}"));
+    write(
+        "bad.toml",
+        "[surface]\nkind = \"solids\"\n[[surface.parts]]\nkind = \"bal\"\nradius = 1.0\n[sweep]\npath = \"scan\"\nspacing = 0.1\n",
+    );
+    write("sphere.toml", "[surface]\nkind = \"sphere\"\nradius = 1.0\n[sweep]\npath = \"scan\"\nspacing = 0.1\n");
+    let cases = [
+        ("parts one.csv", "1 contacts are too few to be cut into parts"),
+        ("parts same.csv", "no extent"),
+        ("parts noise.csv", "no normals of a surface"),
+        ("parts parts-box --tolerance -1", "--tolerance -1: a length"),
+        ("parts one.csv --seed 3", "--seed is for scenes"),
+        ("parts nothing.csv", "nothing.csv"),
+        ("parts bad.toml", "ball"),
+        ("parts sphere.toml", "only solids are scanned"),
+    ];
+    for (line, words) in cases {
+        let output = palpate(folder.path(), line);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.stdout.len(), output.status.code()), (0, Some(2)), "{line}: {told}");
+        assert!(told.contains(words), "{line}: {told}");
+    }
+}
