@@ -168,7 +168,7 @@ fn document(
     args: &ExploreArgs,
     scene: &SceneFile,
     (options, found): (&ExploreOptions, &Exploration),
-    (answer, described): (&Result<(Found, f64), String>, &Result<Box<dyn Description + '_>, String>),
+    (answer, described): (&Answered, &Described<'_>),
 ) -> ExploreDocument {
     let mut notes: Vec<String> = args.without_effect().into_iter().collect();
     notes.extend(inverse_crime_remark(&found.truth));
@@ -191,8 +191,13 @@ fn ended(document: &ExploreDocument) -> Result<(), Failure> {
     Err(Failure::Interrupted(format!("interrupted after {contacts} contacts; what they show is kept")))
 }
 
-/// What all contacts show, as `palpate fit` answers, with the seconds that it took; or why there is no answer.
-fn answer_of(input: &Input, options: &ExploreOptions) -> Result<(Found, f64), String> {
+/// An answer with the seconds that it took, or why there is none.
+type Answered = Result<(Found, f64), String>;
+/// The same described.
+type Described<'a> = Result<Box<dyn Description + 'a>, String>;
+
+/// What all contacts show, as `palpate fit` answers.
+fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {
     let level = options.level;
     let began = Instant::now();
     let found = match &options.model {
@@ -214,7 +219,7 @@ fn answer_of(input: &Input, options: &ExploreOptions) -> Result<(Found, f64), St
 }
 
 /// The answer described; its notes are told apart from it.
-fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Result<Box<dyn Description + 'a>, String> {
+fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Described<'a> {
     let subject = Subject {
         chosen: found.chosen.clone(),
         lack_of_fit: found.lack_of_fit.clone(),
