@@ -28,6 +28,11 @@ impl Teller<'_> {
     pub(crate) fn tell(&self, done: u64, of: u64) -> bool {
         // nobody listens any more where the caller was interrupted
         let _ = self.to.send((done, of));
+        self.goes_on()
+    }
+
+    /// Whether to go on, where there is nothing to tell.
+    pub(crate) fn goes_on(&self) -> bool {
         !self.stop.load(Ordering::Relaxed)
     }
 }

@@ -4,12 +4,15 @@
 //! FitError::Outside { index, x, y, domain }   ->   palpate.FitError, kind = "Outside", fields = {"index": ..., ...}
 //! ```
 
+use palpate::explore::ExploreError;
 use palpate::fit::FitError;
 use palpate::plans::PlanError;
 use palpate::spline::{KnotError, SurfaceError};
 use palpate::{ContactError, cli::embedded::FitRefusal};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+use super::fitting::PlannerRefusal;
 
 /// Puts fields of a variant into a dictionary under their own names.
 macro_rules! put {
@@ -114,6 +117,34 @@ pub(crate) fn plan_error(py: Python<'_>, error: &PlanError) -> PyErr {
     match filled {
         Ok(()) => exception(py, "PlanError", error.to_string(), &kind(error), dict),
         Err(error) => error,
+    }
+}
+
+pub(crate) fn explore_error(py: Python<'_>, error: &ExploreError) -> PyErr {
+    let dict = PyDict::new(py);
+    let filled = (|| {
+        match error {
+            ExploreError::NoCandidate { why } => put!(dict, why),
+            ExploreError::NotFinite { index, x, y } => put!(dict, index, x, y),
+            ExploreError::Unsupported { coefficients } => put!(dict, coefficients),
+            _ => {}
+        }
+        PyResult::Ok(())
+    })();
+    match filled {
+        Ok(()) => exception(py, "ExploreError", error.to_string(), &kind(error), dict),
+        Err(error) => error,
+    }
+}
+
+pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr {
+    match refusal {
+        PlannerRefusal::Explore(error) => explore_error(py, error),
+        PlannerRefusal::Surface => {
+            let what = "touches are planned over x and y, by a height field, and none fits these contacts: \
+                        name a model that is one, as degree=2, or plan over a part of them";
+            plain(py, "ExploreError", what.into(), "Surface")
+        }
     }
 }
 

@@ -2,9 +2,11 @@
 
 use std::time::Instant;
 
-use palpate::cli::embedded::FitAnswer;
+use palpate::cli::embedded::{self, FitAnswer};
+use palpate::explore::{ExploreError, TouchPlanner};
 use palpate::internals::io::Input;
 use palpate::recognition::RecognisedSpline;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -21,9 +23,15 @@ pub(crate) struct FitCore {
 
 #[pymethods]
 impl FitCore {
-    /// The document of `palpate fit --json` as UTF-8, and the table for people.
-    fn document<'py>(&self, py: Python<'py>, name: &str) -> PyResult<(Bound<'py, PyBytes>, String)> {
-        let [json, table] = py.detach(|| self.answer.document(name)).map_err(|error| errors::fit_error(py, &error))?;
+    /// The document of `palpate fit --json` as UTF-8, and the table for people, with lengths in this unit.
+    fn document<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        unit: Option<&str>,
+    ) -> PyResult<(Bound<'py, PyBytes>, String)> {
+        let made = py.detach(|| self.answer.document(name, unit));
+        let [json, table] = made.map_err(|error| errors::fit_error(py, &error))?;
         Ok((PyBytes::new(py, &json), String::from_utf8_lossy(&table).into_owned()))
     }
 
@@ -48,6 +56,27 @@ impl FitCore {
             }
         })
     }
+}
+
+impl FitCore {
+    /// A planner of next touches by the fitted height field, or by one with the noise of what was recognised.
+    pub(crate) fn planner(&self) -> Result<TouchPlanner, PlannerRefusal> {
+        let fit = self.answer.planning_fit().ok_or(PlannerRefusal::Surface)?;
+        TouchPlanner::new(&fit).map_err(PlannerRefusal::Explore)
+    }
+}
+
+/// Why a fit plans no touches.
+pub(crate) enum PlannerRefusal {
+    /// No height field over x and y.
+    Surface,
+    Explore(ExploreError),
+}
+
+/// A unit of length, where the text is one.
+#[pyfunction]
+pub(crate) fn unit_name(text: &str) -> PyResult<String> {
+    embedded::unit(text).map_err(|expected| PyValueError::new_err(format!("unit is {text:?}: {expected}")))
 }
 
 /// Fits contacts.

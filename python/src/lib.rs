@@ -13,7 +13,9 @@ mod batch;
 mod contacts;
 mod errors;
 mod evaluate;
+mod explorations;
 mod fitting;
+mod frontiers;
 mod options;
 mod scenes;
 mod stream;
@@ -28,7 +30,11 @@ mod _native {
     #[pymodule_export]
     use super::batch::{class_names, fit_batch};
     #[pymodule_export]
-    use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit};
+    use super::explorations::{TouchPlanner, explore};
+    #[pymodule_export]
+    use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit, unit_name};
+    #[pymodule_export]
+    use super::frontiers::frontier;
     #[pymodule_export]
     use super::scenes::{scene_contacts, scene_texts};
     #[pymodule_export]

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use numpy::IntoPyArray;
-use palpate::Orientation;
 use palpate::cli::embedded;
+use palpate::{Contacts, Orientation};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -27,6 +27,11 @@ pub(crate) fn scene_contacts<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let made = py.detach(|| embedded::simulate(scene, text, seed, replicate));
     let (contacts, _) = made.map_err(|message| errors::plain(py, "StudyError", message, "Scene"))?;
+    columns_of(py, contacts)
+}
+
+/// Contacts as columns by their names.
+pub(crate) fn columns_of(py: Python<'_>, contacts: Contacts) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     let put = |name: &str, column: Vec<f64>| dict.set_item(name, column.into_pyarray(py));
     put("x", contacts.x)?;

@@ -154,3 +154,21 @@ def test_recognition_names_what_it_chose(noisy: Columns) -> None:
     assert abs(z) < 0.05
 
 
+
+
+def test_the_axis_of_a_ridge_runs_along_it(noisy: Columns) -> None:
+    found = palpate.fit(noisy["x"], noisy["y"], noisy["z"], normals=normals(noisy)).shape
+    assert found.axis_deg is not None and abs(found.axis_deg - 90) < 5
+
+
+def test_a_unit_is_said_and_nothing_is_converted(noisy: Columns) -> None:
+    columns = (noisy["x"], noisy["y"], noisy["z"])
+    bare, named = (palpate.fit(*columns, normals=normals(noisy), unit=unit) for unit in (None, "mm"))
+    assert (bare.unit, named.unit) == (None, "mm") and named.to_dict()["unit"] == "mm"
+    assert bare.shape == named.shape and "mm" in str(named) and "mm" not in str(bare)
+    assert pickle.loads(pickle.dumps(named)).unit == "mm"
+    for wrong in ("", "a b", "<b>"):
+        with pytest.raises(ValueError, match="unit"):
+            palpate.fit(*columns, normals=normals(noisy), unit=wrong)
+    with pytest.raises(TypeError):
+        palpate.fit(*columns, unit=3)

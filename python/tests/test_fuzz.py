@@ -77,6 +77,7 @@ words = st.fixed_dictionaries(
     },
 )
 REFUSALS = (ValueError, TypeError, OverflowError)
+FIT = palpate.fit([0, 0, 0, 1, 1, 1, 2, 2, 2], [0, 1, 2] * 3, [0, 1, 0.1, 2, 0, 1, 1, 0, 2], normals=[[0, 0, 1]] * 9, degree=2, sigma=(0.1, 5))
 
 
 @FUZZ
@@ -153,5 +154,19 @@ def test_stream(data: st.DataObject) -> None:
         )
         for _ in range(data.draw(st.integers(0, 12))):
             live.touch(*(data.draw(numbers) for _ in range(3)), slopes=(data.draw(numbers), data.draw(numbers)))
+    except REFUSALS:
+        pass
+
+
+@FUZZ
+@given(st.data())
+def test_next_touches(data: st.DataObject) -> None:
+    k = data.draw(st.integers(0, 6))
+    try:
+        planner = palpate.TouchPlanner(FIT, units=data.draw(st.one_of(st.none(), st.tuples(numbers, numbers))))
+        candidates = data.draw(arrays((k, 2)))
+        chosen = planner.next_touches(candidates, data.draw(st.integers(-1, 9)))
+        assert len(set(chosen.tolist())) == len(chosen) and (chosen < len(candidates)).all()
+        palpate.fit([0.0, 1.0], [0.0, 1.0], [0.0, 1.0], unit=data.draw(st.text(max_size=4)))
     except REFUSALS:
         pass

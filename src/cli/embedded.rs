@@ -1,15 +1,21 @@
-//! What `fit`, `study` and `merge` compute, for a program that holds the contacts already and wants no files: the Python
+//! What `fit`, `study`, `merge`, `frontier` and `explore` compute, for a program that holds the contacts already and wants no files: the Python
 //! package. It is no part of the public interface and changes without notice.
 //!
 //! ```text
 //! contacts or a grid, options   ->  FitAnswer        -> palpate.fit/1
 //! arguments of `palpate study`  ->  StudyPlan -> StudyRun -> palpate.study/1, or a part for `palpate merge`
+//! arguments of `palpate frontier`                 -> palpate.frontier/1
+//! arguments of `palpate explore`                  -> palpate.explore/1, and the contacts
 //! ```
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use clap::Parser;
+
 use crate::contact::Contacts;
+use crate::explore::planning_fit;
 use crate::fit::{Fit, FitError, FitOptions};
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
@@ -18,11 +24,15 @@ use crate::recognition::{Recognition, RecognitionOptions, count_model_error};
 use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
 
 use super::automatic::{Found, Refusal, automatic};
+use super::explore::{ExploreArgs, explore_in_memory};
 use super::failure::Failure;
+use super::frontier::is_scene;
+use super::frontier_args::FrontierArgs;
 use super::merge::join;
 use super::named::fit_input;
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
+use super::{frontier_input, frontier_scene, values};
 
 /// Why there is no fit.
 #[derive(Debug)]
@@ -95,6 +105,18 @@ impl FitAnswer {
         }
     }
 
+    /// The fit by which touches are planned: the fitted height field, or, of contacts that were recognised, one with the
+    /// noise that was found. `None` where no height field over x and y fits them.
+    pub fn planning_fit(&self) -> Option<Cow<'_, Fit>> {
+        match (&self.found.answer, &self.input) {
+            (Answer::Fitted(FittedSurface::Height(fit)), _) => Some(Cow::Borrowed(fit)),
+            (Answer::Recognised(found), Input::Contacts(contacts)) => {
+                planning_fit(contacts, Some(found)).map(Cow::Owned)
+            }
+            _ => None,
+        }
+    }
+
     /// What the contacts were recognised as.
     pub fn recognition(&self) -> Option<&Recognition> {
         match &self.found.answer {
@@ -103,11 +125,11 @@ impl FitAnswer {
         }
     }
 
-    /// The document that `palpate fit --json` prints, and the table that it prints without.
+    /// The document that `palpate fit --json` prints, and the table that it prints without; lengths are in `unit`.
     ///
     /// # Errors
     /// When the input's own rounding leaves no distinct knots.
-    pub fn document(&self, name: &str) -> Result<[Vec<u8>; 2], FitError> {
+    pub fn document(&self, name: &str, unit: Option<&str>) -> Result<[Vec<u8>; 2], FitError> {
         let clock = Instant::now();
         // other kinds of surface are asked only here: it takes longer than many a fit, whose surface alone may be wanted
         let counted = match &self.found.answer {
@@ -123,7 +145,7 @@ impl FitAnswer {
         let seconds = Seconds { read: 0.0, fit: self.seconds, shape, total: self.seconds + shape };
         let subject = Subject {
             input: &self.input,
-            unit: None,
+            unit: unit.map(String::from),
             truth: None,
             bare: self.bare,
             notes: self.found.notes.clone(),
@@ -167,10 +189,7 @@ impl StudyPlan {
         let line: Vec<String> = std::iter::once("study".to_string()).chain(arguments).collect();
         let args = StudyArgs::read(&line)?;
         let name = args.scene.clone().unwrap_or_default();
-        let source = match text {
-            Some(text) => Source::of_text(&name, text),
-            None => scene::source(&name).map_err(Failure::into_message)?,
-        };
+        let source = source(&name, text)?;
         let plan = Plan::new(&args, &source).map_err(Failure::into_message)?;
         Ok(StudyPlan { plan, args, arguments: line, scene: source.text })
     }
@@ -241,6 +260,88 @@ pub fn merge(parts: &[PathBuf]) -> Result<Vec<u8>, String> {
     Ok(json)
 }
 
+#[derive(Parser)]
+struct FrontierLine {
+    #[command(flatten)]
+    args: FrontierArgs,
+}
+
+#[derive(Parser)]
+struct ExploreLine {
+    #[command(flatten)]
+    args: ExploreArgs,
+}
+
+/// The verb and its arguments, read.
+fn parsed<T: Parser>(verb: &str, arguments: Vec<String>) -> Result<T, String> {
+    T::try_parse_from(std::iter::once(verb.to_string()).chain(arguments)).map_err(|error| error.to_string())
+}
+
+/// The document that `palpate frontier --json` prints, from its arguments, the scene or the file of contacts first. `text`
+/// is the scene as TOML, as for [`StudyPlan::new`]. `watch(step, steps)` is asked
+/// before every call that is timed, and ends the measurement by saying `false`.
+///
+/// # Errors
+/// What the command line would say, and that it was ended.
+pub fn frontier(
+    arguments: Vec<String>,
+    text: Option<String>,
+    watch: &(dyn Fn(usize, usize) -> bool + Sync),
+) -> Result<Vec<u8>, String> {
+    let clock = Instant::now();
+    let FrontierLine { args } = parsed("frontier", arguments)?;
+    let subject = args.subject.clone().unwrap_or_default();
+    let request = args.request().map_err(Failure::into_message)?;
+    let found = if text.is_some() || is_scene(&subject) {
+        let source = source(&subject, text)?;
+        frontier_scene::measure(&args, &subject, &source, request.as_ref(), watch)
+    } else {
+        frontier_input::measure(&args, &subject, request.as_ref(), watch).map(Some)
+    };
+    let mut document = found.map_err(Failure::into_message)?.ok_or("ended before everything was measured")?;
+    document.seconds = clock.elapsed().as_secs_f64();
+    let mut json = Vec::new();
+    // a Vec takes every byte
+    let _ = write_json(&document, &mut json);
+    Ok(json)
+}
+
+/// The document that `palpate explore --json` prints, from its arguments, the scene first, and all contacts. `text` is
+/// the scene as TOML, as for [`StudyPlan::new`]. `watch(contacts, most)` ends the exploration by saying `false`.
+///
+/// # Errors
+/// What the command line would say.
+pub fn explore(
+    arguments: Vec<String>,
+    text: Option<String>,
+    watch: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<(Vec<u8>, Contacts), String> {
+    let ExploreLine { args } = parsed("explore", arguments)?;
+    let source = source(&args.scene, text)?;
+    let scene = source.read().map_err(|e| format!("{}: {e}", source.name))?;
+    let most = u64::from(args.contacts);
+    let found = explore_in_memory(&args, &scene, |look| watch(look.contacts as u64, most));
+    let (document, contacts) = found.map_err(Failure::into_message)?;
+    let mut json = Vec::new();
+    let _ = write_json(&document, &mut json);
+    Ok((json, contacts))
+}
+
+/// The name of a unit of length, where it is one.
+///
+/// # Errors
+/// What the command line would say.
+pub fn unit(text: &str) -> Result<String, String> {
+    values::unit(text)
+}
+
+fn source(name: &str, text: Option<String>) -> Result<Source, String> {
+    match text {
+        Some(text) => Ok(Source::of_text(name, text)),
+        None => scene::source(name).map_err(Failure::into_message),
+    }
+}
+
 /// Names of the built-in scenes, a line on each, and each as TOML.
 pub fn scenes() -> Vec<[String; 3]> {
     builtin_scenes().into_iter().map(|scene| [scene.name, scene.line, scene.toml.into_owned()]).collect()
@@ -256,10 +357,7 @@ pub fn simulate(
     seed: Option<u64>,
     replicate: u64,
 ) -> Result<(Contacts, FitOptions), String> {
-    let source = match text {
-        Some(text) => Source::of_text(name, text),
-        None => scene::source(name).map_err(Failure::into_message)?,
-    };
+    let source = source(name, text)?;
     let scene = source.read().map_err(|e| format!("{}: {e}", source.name))?;
     let simulator = scene.world.compile().map_err(|e| format!("{}: {e}", scene.name))?;
     let (contacts, _) = simulator.into_contacts(seed.unwrap_or(scene.seed), replicate);

@@ -5,8 +5,10 @@ use std::time::Instant;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::explore::{ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
+use crate::contact::Contacts;
+use crate::explore::{Exploration, ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
 use crate::fit::{FitOptions, SurfaceKind};
+use crate::io::scene_file::SceneFile;
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::recognition::{Estimate, RecognitionOptions};
 use crate::report::{
@@ -30,13 +32,13 @@ use super::values;
 #[derive(Args)]
 pub(super) struct ExploreArgs {
     /// Built-in scene, scene file, or - for standard input; its own sweep comes first
-    scene: String,
+    pub(super) scene: String,
     /// How touches are chosen
     #[arg(long, default_value = "shape", value_parser = strategy(), value_name = "NAME")]
     strategy: Strategy,
     /// Most contacts, those of the first sweep among them
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000), value_name = "N")]
-    contacts: u32,
+    pub(super) contacts: u32,
     /// Stop when the standard uncertainty of S, in all, is at most this; R follows by --u-r
     #[arg(long, value_parser = positive, value_name = "U", allow_hyphen_values = true, requires = "u_r")]
     u_s: Option<f64>,
@@ -106,30 +108,18 @@ impl ExploreArgs {
 pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], &[])?;
-    let wrong = |e: &ExploreError| Failure::Input(format!("{}: {}", scene.name, with_flags(e)));
-    let options = args.options(scene.seed, scene.fit.level)?;
     let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
     interrupt::gently();
-    let found = explored(&scene.world, &options, |look: &Look| {
+    let (options, found) = play(args, &scene, |look: &Look| {
         bar.step(words(look));
         !interrupt::asked()
-    })
-    .map_err(|e| wrong(&e))?;
+    })?;
     drop(bar);
-    let mut notes: Vec<String> = args.without_effect().into_iter().collect();
-    notes.extend(inverse_crime_remark(&found.truth));
-    notes.extend(finger_note(&scene.world));
     let input = Input::Contacts(found.contacts.clone());
     let answer = answer_of(&input, &options);
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
-    match (&answer, &described) {
-        (Ok((answer, _)), Ok(_)) => notes.extend(answer.notes.iter().cloned()),
-        (_, Err(refusal)) => notes.push(refusal.clone()),
-        (Err(_), Ok(_)) => {}
-    }
+    let document = document(args, &scene, (&options, &found), (&answer, &described));
     let surface = described.ok();
-    let shape = surface.as_ref().map(|surface| surface.document().shape.clone());
-    let document = ExploreDocument::new(&scene.name, &found, &options, shape, notes);
     let provenance = provenance(&args.scene, Some(text), Some(options.seed));
     args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_deref(), &provenance, out))?;
     let remark = inverse_crime_remark(&found.truth);
@@ -150,6 +140,48 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     ended(&document)
 }
 
+/// The same for a program that wants no files: the document, and the contacts.
+pub(super) fn explore_in_memory(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    seen: impl FnMut(&Look) -> bool,
+) -> Result<(ExploreDocument, Contacts), Failure> {
+    let (options, found) = play(args, scene, seen)?;
+    let input = Input::Contacts(found.contacts.clone());
+    let answer = answer_of(&input, &options);
+    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    Ok((document(args, scene, (&options, &found), (&answer, &described)), found.contacts))
+}
+
+fn play(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    seen: impl FnMut(&Look) -> bool,
+) -> Result<(ExploreOptions, Exploration), Failure> {
+    let options = args.options(scene.seed, scene.fit.level)?;
+    let found = explored(&scene.world, &options, seen)
+        .map_err(|e| Failure::Input(format!("{}: {}", scene.name, with_flags(&e))))?;
+    Ok((options, found))
+}
+
+fn document(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    (options, found): (&ExploreOptions, &Exploration),
+    (answer, described): (&Answered, &Described<'_>),
+) -> ExploreDocument {
+    let mut notes: Vec<String> = args.without_effect().into_iter().collect();
+    notes.extend(inverse_crime_remark(&found.truth));
+    notes.extend(finger_note(&scene.world));
+    match (answer, described) {
+        (Ok((answer, _)), Ok(_)) => notes.extend(answer.notes.iter().cloned()),
+        (_, Err(refusal)) => notes.push(refusal.clone()),
+        (Err(_), Ok(_)) => {}
+    }
+    let shape = described.as_ref().ok().map(|surface| surface.document().shape.clone());
+    ExploreDocument::new(&scene.name, found, options, shape, notes)
+}
+
 /// Exit 130 where Ctrl-C ended it early.
 fn ended(document: &ExploreDocument) -> Result<(), Failure> {
     if !interrupt::asked() {
@@ -159,8 +191,13 @@ fn ended(document: &ExploreDocument) -> Result<(), Failure> {
     Err(Failure::Interrupted(format!("interrupted after {contacts} contacts; what they show is kept")))
 }
 
-/// What all contacts show, as `palpate fit` answers, with the seconds that it took; or why there is no answer.
-fn answer_of(input: &Input, options: &ExploreOptions) -> Result<(Found, f64), String> {
+/// An answer with the seconds that it took, or why there is none.
+type Answered = Result<(Found, f64), String>;
+/// The same described.
+type Described<'a> = Result<Box<dyn Description + 'a>, String>;
+
+/// What all contacts show, as `palpate fit` answers.
+fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {
     let level = options.level;
     let began = Instant::now();
     let found = match &options.model {
@@ -182,7 +219,7 @@ fn answer_of(input: &Input, options: &ExploreOptions) -> Result<(Found, f64), St
 }
 
 /// The answer described; its notes are told apart from it.
-fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Result<Box<dyn Description + 'a>, String> {
+fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Described<'a> {
     let subject = Subject {
         chosen: found.chosen.clone(),
         lack_of_fit: found.lack_of_fit.clone(),

@@ -20,24 +20,28 @@ use super::failure::Failure;
 use super::frontier_args::FrontierArgs;
 use super::output::print;
 use super::provenance::provenance;
-use super::{frontier_input, frontier_scene};
+use super::{frontier_input, frontier_scene, scene};
 
 pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     let began = Instant::now();
     let Some(subject) = &args.subject else { return print_orders(args) };
     let request = args.request()?;
-    let is_scene = builtin_text(subject).is_some()
-        || subject == "-"
-        || Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-        || !Path::new(subject).exists();
-    let found = if is_scene {
-        frontier_scene::measure(args, subject, request.as_ref())?
+    let found = if is_scene(subject) {
+        frontier_scene::measure(args, subject, &scene::source(subject)?, request.as_ref(), &|_, _| true)?
     } else {
-        Some(frontier_input::measure(args, subject, request.as_ref())?)
+        Some(frontier_input::measure(args, subject, request.as_ref(), &|_, _| true)?)
     };
     let Some(mut document) = found else { return Ok(()) };
     document.seconds = began.elapsed().as_secs_f64();
     publish(args, &document)
+}
+
+/// Whether this names a scene; otherwise it is a file of contacts.
+pub(super) fn is_scene(subject: &str) -> bool {
+    builtin_text(subject).is_some()
+        || subject == "-"
+        || Path::new(subject).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        || !Path::new(subject).exists()
 }
 
 fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::fit::FitOptions;
-use crate::frontier::{Frontier, FrontierError, Measured, Request, choose, held_out};
+use crate::frontier::{Frontier, FrontierError, Measured, Request, Watch, choose, held_out};
 use crate::io::{Input, ReadOptions, read_input};
 use crate::report::{FrontierDocument, FrontierRecord};
 
@@ -12,7 +12,12 @@ use super::frontier_args::{FrontierArgs, message};
 use super::frontier_scene::{empty_document, pick_part};
 
 /// The document of a file of contacts.
-pub(super) fn measure(args: &FrontierArgs, file: &str, request: Option<&Request>) -> Result<FrontierDocument, Failure> {
+pub(super) fn measure(
+    args: &FrontierArgs,
+    file: &str,
+    request: Option<&Request>,
+    watch: Watch<'_>,
+) -> Result<FrontierDocument, Failure> {
     if request.is_some_and(|request| request.error_s.is_some() || request.error_r.is_some()) {
         let what = "the true S and R of measured contacts are unknown, so that no error of theirs can be asked for; \
              --budget can, and a scene like this one (palpate scenes) knows its truth";
@@ -32,7 +37,7 @@ pub(super) fn measure(args: &FrontierArgs, file: &str, request: Option<&Request>
         )));
     };
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", reading.file, message(&error)));
-    let measured = held_out(contacts, &FitOptions::default(), args.seconds).map_err(wrong)?;
+    let measured = held_out(contacts, &FitOptions::default(), args.seconds, watch).map_err(wrong)?;
     drop(spinner);
     let record = |m: &Measured| FrontierRecord::new(Frontier::Discretisation, &reading.file, &m.point);
     let mut document = FrontierDocument {

@@ -2,7 +2,7 @@
 
 use crate::frontier::{
     Choice, Frontier, FrontierError, IntervalSubject, Measured, Point, REPLICATES, Request, SolverSubject, Stage,
-    Subject, check_truth, cholesky_ends, choose, mark, mark_solvers, of_fit, of_replicate,
+    Subject, Watch, check_truth, cholesky_ends, choose, mark, mark_solvers, of_fit, of_replicate,
 };
 use crate::io::scene_file::SceneFile;
 use crate::io::{ContactFormat, ReadOptions, read_input_bytes, write_atomically, write_contacts};
@@ -15,7 +15,7 @@ use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
 use super::frontier_counts::{Counts, count, make_calls};
 use super::frontier_emit::emitted;
-use super::scene;
+use super::scene::Source;
 
 /// Everything that is timed.
 struct Frontiers<'a> {
@@ -62,6 +62,9 @@ impl<'a> Frontiers<'a> {
     }
 }
 
+/// Steps that a watch is told of each frontier.
+const STEPS: usize = 100;
+
 /// What was measured of all three frontiers.
 struct Found {
     ways: Vec<Measured>,
@@ -69,13 +72,29 @@ struct Found {
     intervals: Vec<Point>,
 }
 
-/// The document of a scene; `None` where the calls were made for a counter alone.
+impl Found {
+    /// Measures all of them; the watch is told hundredths of each, one after the other. `None` where it ended them.
+    fn measure(frontiers: &Frontiers<'_>, seconds: f64, watch: Watch<'_>) -> Option<Found> {
+        let steps = STEPS * (1 + usize::from(frontiers.solvers.is_some()) + usize::from(frontiers.intervals.is_some()));
+        let part = |number: usize| move |round: usize, most: usize| watch(STEPS * number + STEPS * round / most, steps);
+        let (ways, solvers, intervals) = (&frontiers.ways, &frontiers.solvers, &frontiers.intervals);
+        let found = Found {
+            ways: ways.measure(seconds, &part(0)),
+            solvers: solvers.as_ref().map_or(Vec::new(), |solvers| solvers.measure(&part(1))),
+            intervals: intervals.as_ref().map_or(Vec::new(), |intervals| intervals.measure(&part(2))),
+        };
+        watch(steps, steps).then_some(found)
+    }
+}
+
+/// The document of a scene; `None` where the calls were made for a counter alone, or the watch ended them.
 pub(super) fn measure(
     args: &FrontierArgs,
     name: &str,
+    source: &Source,
     request: Option<&Request>,
+    watch: Watch<'_>,
 ) -> Result<Option<FrontierDocument>, Failure> {
-    let source = scene::source(name)?;
     let scene = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let seed = args.seed.unwrap_or(scene.seed);
@@ -89,11 +108,7 @@ pub(super) fn measure(
     if let Some(request) = request {
         check_truth(&frontiers.ways, request).map_err(wrong)?;
     }
-    let mut found = Found {
-        ways: frontiers.ways.measure(args.seconds),
-        solvers: frontiers.solvers.as_ref().map_or(Vec::new(), SolverSubject::measure),
-        intervals: frontiers.intervals.as_ref().map_or(Vec::new(), IntervalSubject::measure),
-    };
+    let Some(mut found) = Found::measure(&frontiers, args.seconds, watch) else { return Ok(None) };
     let stages = if args.bare { Vec::new() } else { stages(&scene, seed).map_err(wrong)? };
     drop(spinner);
     let spinner = args.output.spinner("counting instructions");
@@ -107,7 +122,7 @@ pub(super) fn measure(
     document.notes.extend(frontiers.notes.iter().cloned());
     document.notes.extend(cholesky_ends(&found.solvers));
     if let (Some(choice), Some(request)) = (&picked, request) {
-        let text = emitted(&source, &choice.options, choice.stations)?;
+        let text = emitted(source, &choice.options, choice.stations)?;
         document.pick = Some(pick_part(choice, request, Some(&text)));
         if let Some(path) = &args.emit {
             write_atomically(path, &mut |out| out.write_all(text.as_bytes()))?;

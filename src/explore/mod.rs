@@ -46,6 +46,8 @@ pub use error::ExploreError;
 pub use exploration::{Exploration, ExploreOptions, explore};
 #[doc(hidden)]
 pub use look::{Look, Stopped};
+#[cfg(feature = "cli")]
+pub(crate) use model::planning_fit;
 pub use planner::TouchPlanner;
 #[doc(hidden)]
 pub use stopping::Goal;

@@ -20,7 +20,7 @@ const LEAST_NORMAL_DEG: f64 = 1e-4;
 const UNKNOWN_NORMAL_DEG: f64 = 30.0;
 
 /// The fit for planning; `None` where the contacts are too few for it.
-pub(super) fn planning_fit(contacts: &Contacts, found: Option<&Recognition>) -> Option<Fit> {
+pub(crate) fn planning_fit(contacts: &Contacts, found: Option<&Recognition>) -> Option<Fit> {
     let rich = found.is_some_and(|found| found.hypothesis == Hypothesis::Displaced);
     rich.then(|| fit_of(contacts, found, 3)).flatten().or_else(|| fit_of(contacts, found, 2))
 }

@@ -12,7 +12,7 @@ use crate::scene::World;
 use crate::threads;
 
 use super::FrontierError;
-use super::clock::{Call, Limits, rounds};
+use super::clock::{Call, Limits, Watch, rounds};
 use super::configuration::{Configuration, candidates};
 use super::errors::{Judged, QUANTITIES, errors_of, share};
 use super::judge::{Answer, call, judge};
@@ -121,12 +121,12 @@ impl Subject {
         own.unwrap_or(&self.touches[0])
     }
 
-    /// Measures every candidate, on one thread, in about so many seconds.
-    pub(crate) fn measure(&self, seconds: f64) -> Vec<Measured> {
-        threads::alone(|| self.measure_here(seconds))
+    /// Measures every candidate, on one thread, in about so many seconds. What a watch ended early is no result.
+    pub(crate) fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
+        threads::alone(|| self.measure_here(seconds, watch))
     }
 
-    fn measure_here(&self, seconds: f64) -> Vec<Measured> {
+    fn measure_here(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
         let count = self.candidates.len();
         let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); count];
         let mut held: Vec<Vec<[Option<bool>; 2]>> = vec![Vec::new(); count];
@@ -134,7 +134,7 @@ impl Subject {
         let each = self.calls_each();
         let mut calls = self.calls();
         let limits = Limits { least: LEAST, most: MOST, seconds, each: EACH };
-        let times = rounds(&mut calls, limits, |k, number, answer| {
+        let times = rounds(&mut calls, limits, watch, |k, number, answer| {
             let (candidate, interval) = (k / each, k % each == 1);
             let touches = self.touches_of(&self.candidates[candidate]);
             // a replicate that comes round again was judged before

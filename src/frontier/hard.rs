@@ -12,7 +12,7 @@ use crate::fit::{Equations, Fit, FitOptions, fit_contacts, fit_grid};
 use crate::solve::{DenseMethod, solve_dense};
 use crate::threads;
 
-use super::clock::{Call, Limits, rounds};
+use super::clock::{Call, Limits, Watch, rounds};
 use super::pareto;
 use super::point::Point;
 use super::reference::reference;
@@ -135,14 +135,14 @@ impl SolverSubject {
     }
 
     /// Measures every method on every case, on one thread.
-    pub(crate) fn measure(&self) -> Vec<Point> {
-        threads::alone(|| self.measure_here())
+    pub(crate) fn measure(&self, watch: Watch<'_>) -> Vec<Point> {
+        threads::alone(|| self.measure_here(watch))
     }
 
-    fn measure_here(&self) -> Vec<Point> {
+    fn measure_here(&self, watch: Watch<'_>) -> Vec<Point> {
         let ways = self.ways();
         let mut found: Vec<Option<Result<f64, String>>> = vec![None; ways.len()];
-        let times = rounds(&mut self.calls(), LIMITS, |k, number, answer| {
+        let times = rounds(&mut self.calls(), LIMITS, watch, |k, number, answer| {
             // nothing is random: every call of a method gives the same bits
             if number == 0 {
                 found[k] = Some(answer.map(|c| ways[k].case.digits(&c)));

@@ -13,7 +13,7 @@ use crate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
 use crate::threads;
 
 use super::FrontierError;
-use super::clock::{Call, Limits, rounds};
+use super::clock::{Call, Limits, Watch, rounds};
 use super::configuration::{Configuration, candidates};
 use super::discretisation::Measured;
 use super::errors::{Judged, errors_of};
@@ -35,13 +35,18 @@ const HEIGHT: usize = 3;
 ///
 /// # Errors
 /// [`FrontierError::TooFew`].
-pub(crate) fn held_out(contacts: &Contacts, own: &FitOptions, seconds: f64) -> Result<Vec<Measured>, FrontierError> {
+pub(crate) fn held_out(
+    contacts: &Contacts,
+    own: &FitOptions,
+    seconds: f64,
+    watch: Watch<'_>,
+) -> Result<Vec<Measured>, FrontierError> {
     if contacts.len() < LEAST_CONTACTS {
         return Err(FrontierError::TooFew { contacts: contacts.len(), needed: LEAST_CONTACTS });
     }
     let parts = parts(contacts);
     let ways = ways(contacts, own);
-    Ok(threads::alone(|| measure(&parts, &ways, Limits { seconds, ..LIMITS })))
+    Ok(threads::alone(|| measure(&parts, &ways, Limits { seconds, ..LIMITS }, watch)))
 }
 
 /// What is fitted and what is left out, part by part.
@@ -79,14 +84,14 @@ fn ways(contacts: &Contacts, own: &FitOptions) -> Vec<Configuration> {
     candidates(&own, &[None], normals).into_iter().filter(fits).collect()
 }
 
-fn measure(parts: &[(Contacts, Contacts)], ways: &[Configuration], limits: Limits) -> Vec<Measured> {
+fn measure(parts: &[(Contacts, Contacts)], ways: &[Configuration], limits: Limits, watch: Watch<'_>) -> Vec<Measured> {
     let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); ways.len()];
     let mut bytes: Vec<Option<u64>> = vec![None; ways.len()];
     let mut calls: Vec<Call<'_, Answer>> = Vec::new();
     for way in ways {
         calls.push(Box::new(move |number| call(&parts[number as usize % parts.len()].0, &way.options, false)));
     }
-    let times = rounds(&mut calls, limits, |k, number, answer| {
+    let times = rounds(&mut calls, limits, watch, |k, number, answer| {
         let Some((seen, unseen)) = parts.get(number as usize) else { return };
         judged[k].push(judge_contacts(&answer, unseen));
         if let (0, Ok(found)) = (number, &answer) {

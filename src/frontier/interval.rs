@@ -19,7 +19,7 @@ use crate::scene::World;
 use crate::threads;
 
 use super::FrontierError;
-use super::clock::{Call, Limits, rounds};
+use super::clock::{Call, Limits, Watch, rounds};
 use super::errors::share;
 use super::pareto;
 use super::point::Point;
@@ -175,14 +175,14 @@ impl<'a> IntervalSubject<'a> {
     }
 
     /// Measures every method, on one thread.
-    pub(crate) fn measure(&self) -> Vec<Point> {
-        threads::alone(|| self.measure_here())
+    pub(crate) fn measure(&self, watch: Watch<'_>) -> Vec<Point> {
+        threads::alone(|| self.measure_here(watch))
     }
 
-    fn measure_here(&self) -> Vec<Point> {
+    fn measure_here(&self, watch: Watch<'_>) -> Vec<Point> {
         let labels = self.labels();
         let mut found: Vec<Vec<(usize, Given)>> = vec![Vec::new(); labels.len()];
-        let times = rounds(&mut self.calls(), LIMITS, |k, number, given| {
+        let times = rounds(&mut self.calls(), LIMITS, watch, |k, number, given| {
             let replicate = number as usize % self.values.len().max(1);
             if k >= 2 || (number as usize) < self.values.len() {
                 found[k].push((replicate, given));

@@ -38,7 +38,7 @@ mod stages;
 mod touches;
 
 #[cfg(feature = "cli")]
-pub(crate) use clock::{Clocked, counted_region};
+pub(crate) use clock::{Clocked, Watch, counted_region};
 #[cfg(feature = "cli")]
 pub(crate) use discretisation::{Measured, Subject, mark};
 pub use error::FrontierError;

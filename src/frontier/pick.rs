@@ -130,7 +130,7 @@ pub fn pick(world: &World, own: &FitOptions, seed: u64, request: &Request) -> Re
     request.check()?;
     let subject = Subject::new(world, own, seed, !request.keep_stations)?.bare();
     check_truth(&subject, request)?;
-    choose(&subject.measure(SECONDS), request)
+    choose(&subject.measure(SECONDS, &|_, _| true), request)
 }
 
 /// Refuses errors of what the truth does not have.

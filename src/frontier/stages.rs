@@ -70,7 +70,7 @@ fn fit_stages(contacts: &Contacts, options: &FitOptions, read: &dyn Fn()) -> Vec
             })));
         }),
     ];
-    let times = round_times(&mut calls, LIMITS, |_, _, ()| ());
+    let times = round_times(&mut calls, LIMITS, &|_, _| true, |_, _, ()| ());
     let stage = |name, saved_by, of: Difference| Stage { of: "fit", name, time: stage_time(&times, 1.0, of), saved_by };
     vec![
         stage("read", "contacts handed over in memory", |t| t[0]),
@@ -102,7 +102,7 @@ fn replicate_stages(world: &World, options: &FitOptions, seed: u64) -> Option<Ve
             drop(black_box(study.run(study.start(from), from + count, &mut |_| true)));
         }),
     ];
-    let times = round_times(&mut calls, LIMITS, |_, _, ()| ());
+    let times = round_times(&mut calls, LIMITS, &|_, _| true, |_, _, ()| ());
     let stage = |name, saved_by, of: Difference| Stage {
         of: "replicate",
         name,

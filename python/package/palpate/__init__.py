@@ -7,17 +7,35 @@
 'ridge'
 """
 
-from ._errors import FitError, PalpateError, PlanError, RecognitionError, StudyError, SurfaceError
+from ._errors import (
+    ExploreError,
+    FitError,
+    FrontierError,
+    PalpateError,
+    PlanError,
+    RecognitionError,
+    StudyError,
+    SurfaceError,
+)
+from ._explore import Exploration, ExploreStep, Known, TouchPlanner, explore, next_touches
 from ._fit import Certificate, Fit, Measure, Shape, Spread, fit
+from ._frontier import Frontier, FrontierPick, frontier
 from ._many import FitMany, fit_many, tiles
 from ._native import ParametricSurface, StreamShape, Surface, TouchStream, __version__
 from ._study import Study, StudyMeasure, merge, scene, scenes, simulate, study
 
 __all__ = [
     "Certificate",
+    "Exploration",
+    "ExploreError",
+    "ExploreStep",
     "Fit",
     "FitError",
     "FitMany",
+    "Frontier",
+    "FrontierError",
+    "FrontierPick",
+    "Known",
     "Measure",
     "PalpateError",
     "ParametricSurface",
@@ -31,11 +49,15 @@ __all__ = [
     "StudyMeasure",
     "Surface",
     "SurfaceError",
+    "TouchPlanner",
     "TouchStream",
     "__version__",
+    "explore",
     "fit",
     "fit_many",
+    "frontier",
     "merge",
+    "next_touches",
     "scene",
     "scenes",
     "simulate",

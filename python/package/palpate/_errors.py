@@ -13,7 +13,16 @@ from __future__ import annotations
 import re
 from typing import Any
 
-__all__ = ["FitError", "PalpateError", "PlanError", "RecognitionError", "StudyError", "SurfaceError"]
+__all__ = [
+    "ExploreError",
+    "FitError",
+    "FrontierError",
+    "PalpateError",
+    "PlanError",
+    "RecognitionError",
+    "StudyError",
+    "SurfaceError",
+]
 
 # what the command line proposes, in this package's words
 _IN_PYTHON = [
@@ -31,10 +40,12 @@ def in_python(message: str) -> str:
 
     >>> in_python("raise --replicates, or --surface parametric")
     'raise replicates, or surface="parametric"'
+    >>> in_python("--error-s is -1")
+    'error_s is -1'
     """
     for flag, keyword in _IN_PYTHON:
         message = message.replace(flag, keyword)
-    return re.sub(r"--([a-z]+)\b", r"\1", message)
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)\b", lambda found: found[1].replace("-", "_"), message)
 
 
 class PalpateError(ValueError):
@@ -66,6 +77,14 @@ class RecognitionError(PalpateError):
 
 class StudyError(PalpateError):
     """A scene or a study that cannot be, or parts that do not belong together."""
+
+
+class FrontierError(PalpateError):
+    """A scene, or a request, of which no frontier can be measured."""
+
+
+class ExploreError(PalpateError):
+    """A scene that cannot be explored, or a fit by which no touches can be planned."""
 
 
 class PlanError(PalpateError):

@@ -68,7 +68,8 @@ class Shape:
     shape_index: S from -1 (cup) over 0 (saddle) to 1 (cap). curvedness: R, 1/length. class_name: one of cup, trough,
     rut, saddle rut, saddle, saddle ridge, ridge, dome, cap, plane. radius: of a cap, cup, ridge or rut. direction_deg: of
     k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
-    in space.
+    in space. axis_deg and axis: the same of the direction along a ridge or rut, or of the longer way of a dome or
+    trough.
     """
 
     shape_index: Measure
@@ -81,6 +82,8 @@ class Shape:
     radius_interval: tuple[float, float] | None
     direction_deg: float | None
     direction: tuple[float, float, float] | None
+    axis_deg: float | None
+    axis: tuple[float, float, float] | None
     support: float
     plane_p: float | None
     grid: tuple[int, int]
@@ -109,6 +112,8 @@ class Shape:
             radius_interval=None if ends is None else (ends[0], ends[1]),
             direction_deg=part["direction_deg"],
             direction=None if part.get("direction") is None else tuple(part["direction"]),
+            axis_deg=part.get("axis_deg"),
+            axis=None if part.get("axis") is None else tuple(part["axis"]),
             support=part["support"],
             plane_p=part["plane_p"],
             grid=(part["grid"][0], part["grid"][1]),
@@ -149,10 +154,11 @@ class Fit:
     `palpate fit --save` writes.
     """
 
-    __slots__ = ("_core", "_document", "_name", "_surface", "_table")
+    __slots__ = ("_core", "_document", "_name", "_surface", "_table", "_unit")
 
-    def __init__(self, core: _native.FitCore | None, name: str = "contacts") -> None:
+    def __init__(self, core: _native.FitCore | None, name: str = "contacts", unit: str | None = None) -> None:
         self._core = core
+        self._unit = unit
         self._name = name
         self._document: dict[str, Any] | None = None
         self._table = ""
@@ -165,6 +171,7 @@ class Fit:
             raise FitError("this is no document of a fit: its schema is not palpate.fit/1", "Schema")
         found = cls(None, name)
         found._document = document
+        found._unit = document.get("unit")
         return found
 
     @classmethod
@@ -180,7 +187,7 @@ class Fit:
         """The document palpate.fit/1: what `palpate fit --json` prints."""
         if self._document is None:
             assert self._core is not None
-            text, self._table = self._core.document(self._name)
+            text, self._table = self._core.document(self._name, self._unit)
             self._document = json.loads(text)
         return self._document
 
@@ -198,6 +205,11 @@ class Fit:
     def notes(self) -> list[str]:
         """What the user should know, in whole sentences."""
         return [in_python(note) for note in self.to_dict()["fit"]["notes"]]
+
+    @property
+    def unit(self) -> str | None:
+        """The unit of the lengths, where it was named."""
+        return self._unit
 
     @property
     def contacts(self) -> int:
@@ -374,6 +386,7 @@ def fit(
     level: float | None = None,
     viewpoint: Numbers | None = None,
     bare: bool = False,
+    unit: str | None = None,
 ) -> Fit:
     """Fits contacts, or a grid of heights, and tells the shape.
 
@@ -385,7 +398,8 @@ def fit(
 
     Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
     segments, knots, domain, weights, sigma, method, smooth, robust, inset and frame="keep" names a model and gives
-    exactly that fit. bare=True leaves out certificate and uncertainties of a named model.
+    exactly that fit. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
+    every length of the printed table and of the document; nothing is converted.
 
     Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the
     contacts, and no other. Other real dtypes are converted by NumPy first. The interpreter's lock is released; do not
@@ -419,11 +433,13 @@ def fit(
         "weights": weights, "sigma": sigma, "method": method, "smooth": smooth, "robust": robust, "grid": grid,
         "inset": inset, "frame": frame, "level": level, "viewpoint": viewpoint, "bare": bare or None,
     }  # fmt: skip
+    unit = None if unit is None else _native.unit_name(unit)
     dimensions = getattr(z, "ndim", None)
     if (np.ndim(z) if dimensions is None else dimensions) == 2:
         if normals is not None or flip_normals:
             raise ValueError("normals: a grid takes slopes=(zx, zy), each as large as z")
         if finger is not None or station is not None:
             raise ValueError("finger, station: a grid has none")
-        return Fit(_native.fit_grid(x, y, z, slopes, (wz, wx, wy), words), "grid")
-    return Fit(_native.fit_contacts(x, y, z, normals, slopes, (wz, wx, wy), (finger, station), flip_normals, words))
+        return Fit(_native.fit_grid(x, y, z, slopes, (wz, wx, wy), words), "grid", unit)
+    rest = (normals, slopes, (wz, wx, wy), (finger, station))
+    return Fit(_native.fit_contacts(x, y, z, *rest, flip_normals, words), "contacts", unit)

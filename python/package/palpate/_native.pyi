@@ -15,15 +15,19 @@ __all__ = [
     "StudyPlan",
     "StudyRun",
     "Surface",
+    "TouchPlanner",
     "TouchStream",
     "class_names",
+    "explore",
     "fit_batch",
     "fit_contacts",
     "fit_grid",
+    "frontier",
     "merge_parts",
     "scene_contacts",
     "scene_texts",
     "time_fit",
+    "unit_name",
     "__version__",
 ]
 
@@ -34,7 +38,7 @@ _Progress = Callable[[int, int], object]
 
 @final
 class FitCore:
-    def document(self, name: str) -> tuple[bytes, str]: ...
+    def document(self, name: str, unit: str | None) -> tuple[bytes, str]: ...
     def surface(self) -> Surface | ParametricSurface: ...
 
 @final
@@ -159,6 +163,18 @@ class StudyPlan:
         progress: _Progress | None,
     ) -> StudyRun: ...
 
+@final
+class TouchPlanner:
+    def __new__(cls, core: FitCore, units: tuple[float, float] | None) -> Self: ...
+    def next_touches(self, candidates: npt.ArrayLike, n: int) -> npt.NDArray[np.int64]: ...
+    @property
+    def expected_u(self) -> tuple[float, float]: ...
+
+def explore(
+    arguments: list[str], text: str | None, progress: _Progress | None
+) -> tuple[bytes, dict[str, npt.NDArray[Any]]]: ...
+def frontier(arguments: list[str], text: str | None, progress: _Progress | None) -> bytes: ...
+def unit_name(text: str) -> str: ...
 def fit_contacts(
     x: Any,
     y: Any,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import StudyError, in_python
+from ._line import FIT_WORDS, flag, source
 from ._tables import html_table, number
 
 if TYPE_CHECKING:
@@ -27,11 +28,6 @@ __all__ = ["Study", "StudyMeasure", "merge", "scene", "scenes", "simulate", "stu
 
 Progress = Callable[[int, int], object]
 
-# what may be said of the fit of every replicate
-_FIT_WORDS = (
-    "surface", "closed", "degree", "segments", "domain", "weights", "sigma", "method", "smooth", "robust", "grid",
-    "inset", "frame",
-)  # fmt: skip
 _STUDY_WORDS = (
     "replicates", "seed", "level", "tolerance", "rule", "budget", "quantity", "quantile", "path", "attribution",
 )  # fmt: skip
@@ -172,40 +168,19 @@ class Study:
         return html_table(f"{self.document['scene']}, {self.replicates} replicates", head, rows)
 
 
-def _flag(name: str, value: Any) -> list[str]:
-    """A keyword as the command line has it.
-
-    >>> _flag("segments", (4, 5)), _flag("level", 0.5), _flag("seed", None)
-    (['--segments=4,5'], ['--level=0.5'], [])
-    """
-    if value is None:
-        return []
-    if not isinstance(value, (str, int, float)):
-        value = ",".join(str(entry) for entry in value)
-    return [f"--{name}={value}"]
-
-
-def _source(scene: str | PathLike[str]) -> tuple[str, str | None]:
-    """A scene's name, and its text where the text itself was given."""
-    name = fspath(scene)
-    if not isinstance(name, str):
-        raise TypeError("scene: a name, a path or TOML text wanted")
-    return ("-", name) if "\n" in name else (name, None)
-
-
 def arguments(scene: str, options: dict[str, Any]) -> list[str]:
     """The arguments of `palpate study` that these options are."""
     repeated = ("quantity",)
-    strange = [name for name in options if name not in _FIT_WORDS and name not in _STUDY_WORDS]
+    strange = [name for name in options if name not in FIT_WORDS and name not in _STUDY_WORDS]
     if strange:
         raise TypeError(f"study() got an unexpected keyword argument {strange[0]!r}")
     flags: list[str] = []
     for name, value in options.items():
         if name in repeated:
             entries = [value] if isinstance(value, str) else value or []
-            flags += [flag for entry in entries for flag in _flag(name, entry)]
+            flags += [word for entry in entries for word in flag(name, entry)]
         else:
-            flags += _flag(name, value)
+            flags += flag(name, value)
     return [scene, *flags]
 
 
@@ -244,7 +219,7 @@ def study(
     >>> found.replicates, found.S.lo < found.S.mean < found.S.hi
     (2000, True)
     """
-    name, text = _source(scene)
+    name, text = source(scene)
     options = {
         "replicates": replicates, "seed": seed, "level": level, "tolerance": tolerance, "rule": rule, "budget": budget,
         "quantity": quantity, "quantile": quantile, "path": path, "attribution": attribution, **fit,
@@ -289,5 +264,5 @@ def simulate(
     scene: str | PathLike[str], *, seed: int | None = None, replicate: int = 0
 ) -> dict[str, npt.NDArray[Any]]:
     """The contacts of one replicate: columns x, y, z, nx, ny, nz, finger, station, as `fit` takes them."""
-    name, text = _source(scene)
+    name, text = source(scene)
     return _native.scene_contacts(name, text, seed, replicate)

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._errors import StudyError
+from ._line import source
 from ._many import FitMany, fit_many as _fit_many
-from ._study import Progress, Study, _source, arguments, merge
+from ._study import Progress, Study, arguments, merge
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -71,7 +72,7 @@ def study(
     if refused:
         raise StudyError(f"{', '.join(refused)}: not on a cluster, where replicates decides", "Option")
     cluster: Untyped = client or dask.get_client()
-    name, text = _source(scene)
+    name, text = source(scene)
     if text is None and Path(name).is_file():
         # workers need not see the file
         text = Path(name).read_text(encoding="utf-8")

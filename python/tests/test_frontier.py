@@ -1,0 +1,131 @@
+"""Frontiers: points, picks that keep their request, progress, Ctrl-C, faults that name the keyword."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import palpate
+
+SCENE = "paper-cylinder"
+QUICK = {"bare": True, "seconds": 0.1, "keep_stations": True}
+
+
+@pytest.fixture(scope="module")
+def found() -> palpate.Frontier:
+    return palpate.frontier(SCENE, error_s=0.05, error_r=0.03, **QUICK)
+
+
+def test_points_are_a_table(found: palpate.Frontier) -> None:
+    assert {point["frontier"] for point in found.points} == {"discretisation"}
+    assert any(point["on_frontier"] for point in found.points)
+    for point in found.points:
+        assert point["failed"] or point["seconds_lo"] <= point["seconds"] <= point["seconds_hi"]
+    pandas = pytest.importorskip("pandas")
+    frame = found.to_pandas()
+    assert len(frame) == len(found.points) and list(frame["error_S"].dropna() >= 0)
+    assert palpate.Frontier.from_pandas(frame) == found
+    pandas.testing.assert_frame_equal(frame, pandas.DataFrame(found.points))
+
+
+def test_what_was_picked_keeps_the_request_and_is_a_scene(found: palpate.Frontier) -> None:
+    pick = found.pick
+    assert pick is not None and pick.met and pick.obstacle is None
+    assert pick.error_S is not None and pick.error_S <= 0.05
+    assert pick.error_R is not None and pick.error_R <= 0.03
+    assert found.scene is not None
+    study = palpate.study(found.scene, 100, attribution=0)
+    assert study.R.mean is not None and study.R.mean > 0
+
+
+def test_text_gives_what_the_name_gives(found: palpate.Frontier) -> None:
+    by_text = palpate.frontier(palpate.scene(SCENE), **QUICK)
+    errors = [(point["label"], point["error_S"], point["error_R"]) for point in by_text.points]
+    assert errors == [(point["label"], point["error_S"], point["error_R"]) for point in found.points]
+    assert by_text.pick is None and by_text.scene is None
+
+
+def test_it_prints_and_pickles(found: palpate.Frontier) -> None:
+    assert pickle.loads(pickle.dumps(found)) == found
+    assert SCENE in repr(found) and "picked" in repr(found)
+    assert found._repr_html_().startswith("<table>") and "us</th>" in found._repr_html_()
+    assert found.to_dict()["schema"] == "palpate.frontier/1"
+
+
+def test_a_budget_in_seconds_and_in_words() -> None:
+    for budget in (0.01, "10ms"):
+        found = palpate.frontier(SCENE, budget=budget, **QUICK)
+        assert found.pick is not None and found.pick.met and found.pick.seconds < 0.01
+        assert found.document["pick"]["asked"]["budget"] == pytest.approx(0.01)
+
+
+def test_contacts_of_a_file_are_judged_by_those_left_out(tmp_path: Path) -> None:
+    contacts = palpate.simulate("paper-table2")
+    names = ["x", "y", "z", "nx", "ny", "nz"]
+    rows = [",".join(names), *(",".join(repr(float(contacts[n][k])) for n in names) for k in range(len(contacts["x"])))]
+    file = tmp_path / "contacts.csv"
+    file.write_text("\n".join(rows) + "\n")
+    found = palpate.frontier(file, seconds=0.1)
+    assert "left out" in found.document["reference"] and found.points
+    with pytest.raises(palpate.FrontierError, match="true S and R of measured contacts are unknown"):
+        palpate.frontier(file, error_s=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"error_s": -1.0}, "error_s"),
+        ({"error_r": float("nan")}, "error_r"),
+        ({"budget": "soon"}, "50us"),
+        ({"budget": -1.0}, "greater than 0"),
+        ({"seconds": "x"}, "seconds"),
+        ({"seed": -3}, "seed"),
+    ],
+)
+def test_faults_name_the_keyword(words: dict, said: str) -> None:
+    with pytest.raises(palpate.FrontierError, match=said) as caught:
+        palpate.frontier(SCENE, **{**QUICK, **words})
+    assert "--" not in str(caught.value).splitlines()[0]
+
+
+def test_a_scene_that_is_not_there() -> None:
+    with pytest.raises(palpate.FrontierError, match="paper-cylindre"):
+        palpate.frontier("paper-cylindre")
+    with pytest.raises(palpate.FrontierError):
+        palpate.frontier("--orders")
+
+
+def test_progress_only_grows_and_ends_at_the_end() -> None:
+    told: list[tuple[int, int]] = []
+
+    def progress(done: int, of: int) -> None:
+        assert threading.current_thread() is threading.main_thread()
+        told.append((done, of))
+
+    palpate.frontier(SCENE, progress=progress, **QUICK)
+    assert told == sorted(told) and told[-1][0] == told[-1][1]
+
+
+def test_what_progress_raises_ends_it() -> None:
+    def progress(done: int, of: int) -> None:
+        raise RuntimeError("enough")
+
+    began = time.monotonic()
+    with pytest.raises(RuntimeError, match="enough"):
+        palpate.frontier(SCENE, progress=progress, bare=True, seconds=600)
+    assert time.monotonic() - began < 60
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+def test_ctrl_c_ends_a_frontier_soon() -> None:
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        palpate.frontier("paper-table2", bare=True, seconds=600)
+    assert time.monotonic() - began < 30
