@@ -7,11 +7,12 @@ use serde::Serialize;
 
 use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
 use crate::montecarlo::{Coverages, Family, Held, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
-use crate::report::write_json;
+use crate::report::{TablePage, write_json, write_table_page};
 
 use super::failure::Failure;
 use super::output::print;
 use super::progress::Bar;
+use super::provenance::provenance;
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
 
@@ -197,6 +198,18 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
     let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
     args.output.file("coverage.json", &mut |out| write_json(&document, out))?;
     args.output.file("coverage.csv", &mut |out| write_csv(&document, out))?;
+    let (mut json, mut table) = (Vec::new(), Vec::new());
+    // a Vec takes every byte
+    let _ = write_json(&document, &mut json).and_then(|()| write_table(&document, &mut table));
+    let page = TablePage {
+        kind: "coverage: do intervals hold the truth as often as they say?",
+        title: scene.unwrap_or("coverage"),
+        lead: "Every interval that a fit would print, and how often it held the truth.",
+        document: &json,
+        table: &table,
+    };
+    let provenance = provenance(scene.unwrap_or("the family of scenes"), None, args.seed);
+    args.output.file("report.html", &mut |out| write_table_page(&page, &provenance, out))?;
     args.output.publish()?;
     if args.output.json {
         return print(&mut |out| write_json(&document, out));

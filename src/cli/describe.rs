@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
-    Answer, Description, FitDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark, write_json,
-    write_table, write_words,
+    Answer, Description, FitDocument, Provenance, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    write_fit_page, write_json, write_table, write_words,
 };
 
 use super::failure::{Failure, fit_message};
@@ -21,6 +21,8 @@ pub(super) struct Destination<'a> {
     pub(super) save: Option<&'a PathBuf>,
     /// Vertices of a saved mesh each way, where they were typed.
     pub(super) grid: Option<[usize; 2]>,
+    /// What the page says of where its numbers come from.
+    pub(super) provenance: Provenance,
 }
 
 /// When a verb began, and the seconds that it has taken so far.
@@ -42,7 +44,7 @@ pub(super) fn describe(
 ) -> Result<(), Failure> {
     let description = description_of(answer, name, subject, taken)?;
     let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
-    files(&*description, saved.as_ref(), name, to.output)?;
+    files(&*description, saved.as_ref(), name, to.output, &to.provenance)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
@@ -90,12 +92,14 @@ pub(super) fn files(
     saved: Option<&FitDocument>,
     name: &str,
     output: &OutputFlags,
+    provenance: &Provenance,
 ) -> Result<(), Failure> {
     let document = saved.unwrap_or_else(|| description.document());
     output.file("fit.json", &mut |out| write_json(document, out))?;
     output.file("maps.csv", &mut |out| description.write_maps_csv(out))?;
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
-    output.file("shape.svg", &mut |out| description.write_picture(name, out))
+    output.file("shape.svg", &mut |out| description.write_picture(name, out))?;
+    output.file("report.html", &mut |out| write_fit_page(description, document, name, provenance, out))
 }
 
 /// The document on standard output, as JSON or in words; no words where standard output is taken.

@@ -7,12 +7,14 @@ use clap::Args;
 use crate::comparison::{ComparedSurface, NotComparable, Quantities, Side, compare};
 use crate::io::{AnySurface, MOST_GRID_POINTS, Saved, exceeds, read_bytes, read_surface_bytes};
 use crate::report::{
-    DiffDocument, FitDocument, SurfacePart, write_diff_csv, write_diff_picture, write_diff_table, write_json,
+    DiffDocument, FitDocument, SurfacePart, TablePage, write_diff_csv, write_diff_picture, write_diff_table,
+    write_json, write_table_page,
 };
 
 use super::failure::Failure;
 use super::options::OutputFlags;
 use super::output::print;
+use super::provenance::provenance;
 use super::values;
 
 /// Points each way where `--grid` does not say.
@@ -58,6 +60,19 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
     args.output.file("diff.json", &mut |out| write_json(&document, out))?;
     args.output.file("diff.csv", &mut |out| write_diff_csv(&found, out))?;
     args.output.file("diff.svg", &mut |out| write_diff_picture(&document, &found, out))?;
+    let (mut json, mut table) = (Vec::new(), Vec::new());
+    // a Vec takes every byte
+    let _ = write_json(&document, &mut json).and_then(|()| write_diff_table(&document, &mut table));
+    let both = format!("{} and {}", a.saved.file, b.saved.file);
+    let page = TablePage {
+        kind: "two saved surfaces compared",
+        title: &both,
+        lead: "Heights, normals, S and R of both surfaces at the same points, each difference against its uncertainty.",
+        document: &json,
+        table: &table,
+    };
+    let provenance = provenance(&both, None, None);
+    args.output.file("report.html", &mut |out| write_table_page(&page, &provenance, out))?;
     args.output.publish()?;
     if args.output.json {
         return print(&mut |out| write_json(&document, out));

@@ -10,17 +10,19 @@ use crate::fit::{FitOptions, SurfaceKind};
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::recognition::{Estimate, RecognitionOptions};
 use crate::report::{
-    Answer, ExploreDocument, Seconds, ShapePart, Subject, compute_shape, describe_fit, inverse_crime_remark,
-    significant, write_explore_csv, write_explore_picture, write_explore_table, write_json,
+    Answer, Description, ExploreDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    significant, write_explore_csv, write_explore_page, write_explore_picture, write_explore_table, write_json,
 };
 use crate::scene::World;
 
 use super::automatic::{Found, Refusal, automatic};
 use super::failure::{Failure, fit_message};
+use super::interrupt;
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags};
 use super::output::print;
 use super::progress::Bar;
+use super::provenance::provenance;
 use super::scene;
 use super::values;
 
@@ -102,14 +104,15 @@ impl ExploreArgs {
 }
 
 pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
-    let scene = scene::load(&args.scene)?;
+    let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], &[])?;
     let wrong = |e: &ExploreError| Failure::Input(format!("{}: {}", scene.name, with_flags(e)));
     let options = args.options(scene.seed, scene.fit.level)?;
     let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
+    interrupt::gently();
     let found = explored(&scene.world, &options, |look: &Look| {
         bar.step(words(look));
-        true
+        !interrupt::asked()
     })
     .map_err(|e| wrong(&e))?;
     drop(bar);
@@ -117,17 +120,18 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     notes.extend(inverse_crime_remark(&found.truth));
     notes.extend(finger_note(&scene.world));
     let input = Input::Contacts(found.contacts.clone());
-    let shape = match shape_of(&input, &options) {
-        Ok((shape, own)) => {
-            notes.extend(own);
-            Some(shape)
-        }
-        Err(refusal) => {
-            notes.push(refusal);
-            None
-        }
-    };
+    let answer = answer_of(&input, &options);
+    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    match (&answer, &described) {
+        (Ok((answer, _)), Ok(_)) => notes.extend(answer.notes.iter().cloned()),
+        (_, Err(refusal)) => notes.push(refusal.clone()),
+        (Err(_), Ok(_)) => {}
+    }
+    let surface = described.ok();
+    let shape = surface.as_ref().map(|surface| surface.document().shape.clone());
     let document = ExploreDocument::new(&scene.name, &found, &options, shape, notes);
+    let provenance = provenance(&args.scene, Some(text), Some(options.seed));
+    args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_deref(), &provenance, out))?;
     let remark = inverse_crime_remark(&found.truth);
     args.output.file("explore.json", &mut |out| write_json(&document, out))?;
     args.output.file("explore.csv", &mut |out| write_explore_csv(&document, out))?;
@@ -136,16 +140,27 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         .file("contacts.csv", &mut |out| write_contacts(&found.contacts, ContactFormat::Csv, remark.as_deref(), out))?;
     args.output.publish()?;
     if args.output.json {
-        return print(&mut |out| write_json(&document, out));
+        print(&mut |out| write_json(&document, out))?;
+        return ended(&document);
     }
     if args.output.quiet {
-        return Ok(());
+        return ended(&document);
     }
-    print(&mut |out| write_explore_table(&document, out))
+    print(&mut |out| write_explore_table(&document, out))?;
+    ended(&document)
 }
 
-/// S, R and class of all contacts as `palpate fit` answers them, with its notes; or why there are none.
-fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<String>), String> {
+/// Exit 130 where Ctrl-C ended it early.
+fn ended(document: &ExploreDocument) -> Result<(), Failure> {
+    if !interrupt::asked() {
+        return Ok(());
+    }
+    let contacts = document.contacts;
+    Err(Failure::Interrupted(format!("interrupted after {contacts} contacts; what they show is kept")))
+}
+
+/// What all contacts show, as `palpate fit` answers, with the seconds that it took; or why there is no answer.
+fn answer_of(input: &Input, options: &ExploreOptions) -> Result<(Found, f64), String> {
     let level = options.level;
     let began = Instant::now();
     let found = match &options.model {
@@ -163,20 +178,22 @@ fn shape_of(input: &Input, options: &ExploreOptions) -> Result<(ShapePart, Vec<S
         Refusal::Shape(message) => message,
     })?;
     compute_shape(&found.answer, false);
-    let notes = found.notes;
+    Ok((found, began.elapsed().as_secs_f64()))
+}
+
+/// The answer described; its notes are told apart from it.
+fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Result<Box<dyn Description + 'a>, String> {
     let subject = Subject {
-        chosen: found.chosen,
-        lack_of_fit: found.lack_of_fit,
+        chosen: found.chosen.clone(),
+        lack_of_fit: found.lack_of_fit.clone(),
         input,
         unit: None,
         truth: None,
         bare: false,
         notes: Vec::new(),
     };
-    let taken = began.elapsed().as_secs_f64();
-    let seconds = Seconds { read: 0.0, fit: taken, shape: 0.0, total: taken };
-    let described = describe_fit(&found.answer, &subject, seconds).map_err(|e| fit_message(&e))?;
-    Ok((described.document().shape.clone(), notes))
+    let seconds = Seconds { read: 0.0, fit: *taken, shape: 0.0, total: *taken };
+    describe_fit(&found.answer, &subject, seconds).map_err(|e| fit_message(&e))
 }
 
 /// Effects that belong to a finger err anew at every touch, because every touch counts as a finger of its own.

@@ -13,6 +13,8 @@ pub(super) enum Failure {
     Input(String),
     /// The system would not take the output, as a full disk: exit 1.
     Output(String),
+    /// Ctrl-C ended it early, and what was done by then is kept: exit 130.
+    Interrupted(String),
     /// The reader of the output has gone: no message, exit 0.
     ClosedPipe,
 }
@@ -21,7 +23,7 @@ impl Failure {
     /// The message alone, for a program that reports it in its own way.
     pub(super) fn into_message(self) -> String {
         match self {
-            Failure::Input(message) | Failure::Output(message) => message,
+            Failure::Input(message) | Failure::Output(message) | Failure::Interrupted(message) => message,
             Failure::ClosedPipe => "the reader of the output has gone".into(),
         }
     }
@@ -31,6 +33,7 @@ impl Failure {
         let (message, code) = match self {
             Failure::Input(message) => (message, 2),
             Failure::Output(message) => (message, 1),
+            Failure::Interrupted(message) => (message, 130),
             Failure::ClosedPipe => return ExitCode::SUCCESS,
         };
         // names in it come from files and arguments

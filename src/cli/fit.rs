@@ -17,6 +17,7 @@ use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::preparation::PreparationFlags;
+use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 use super::save::check_name;
 use super::several;
@@ -95,6 +96,7 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
             words: &args.words,
             save: args.save.as_ref(),
             grid: args.fit.typed_grid(),
+            provenance: provenance(&one.reading.file, None, None),
         },
     )
 }

@@ -12,13 +12,14 @@ use crate::frontier::orders;
 use crate::io::scene_file::builtin_text;
 use crate::io::write_parquet;
 use crate::report::{
-    FrontierDocument, OrdersDocument, PICTURES, frontier_columns, has_picture, write_frontier_csv,
+    FrontierDocument, OrdersDocument, PICTURES, frontier_columns, has_picture, write_frontier_csv, write_frontier_page,
     write_frontier_picture, write_frontier_table, write_json, write_orders_table, write_stages_picture,
 };
 
 use super::failure::Failure;
 use super::frontier_args::FrontierArgs;
 use super::output::print;
+use super::provenance::provenance;
 use super::{frontier_input, frontier_scene};
 
 pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
@@ -40,6 +41,8 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
 }
 
 fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failure> {
+    let provenance = provenance(&document.scene, None, Some(document.seed));
+    args.output.file("report.html", &mut |out| write_frontier_page(document, &provenance, out))?;
     args.output.file("frontier.json", &mut |out| write_json(document, out))?;
     args.output.file("frontier.csv", &mut |out| write_frontier_csv(&document.points, out))?;
     if args.output.out.is_some() {

@@ -10,7 +10,8 @@ use crate::report::StudyDocument;
 
 use super::failure::Failure;
 use super::options::OutputFlags;
-use super::study::{part, source_of, tell};
+use super::provenance::provenance;
+use super::study::{Told, part, source_of, tell};
 use super::study_plan::{Plan, StudyArgs};
 
 /// Arguments of `palpate merge`.
@@ -26,7 +27,8 @@ pub(super) struct MergeArgs {
 pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     args.output.prepare(&args.parts.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[])?;
     let (plan, document, whole) = join(&args.parts, || args.output.spinner("shares of the effects"))?;
-    tell(&args.output, &plan, &document, &whole)
+    let provenance = provenance(&plan.name, None, Some(plan.study.seed()));
+    tell(&args.output, &plan, &document, &whole, &Told { provenance, asked: plan.identity.replicates })
 }
 
 /// The study that the parts make; `wait` gives what shall last as long as the shares of the effects are computed.

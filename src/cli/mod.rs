@@ -27,12 +27,14 @@ mod frontier_input;
 mod frontier_scene;
 mod gathered;
 mod help;
+mod interrupt;
 mod merge;
 mod named;
 mod options;
 mod output;
 mod preparation;
 mod progress;
+mod provenance;
 mod reading;
 mod run;
 mod save;
@@ -123,6 +125,9 @@ pub fn main() -> ExitCode {
     // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
     // does, wants it ignored: then no handler is set.
     let _ = ctrlc::try_set_handler(|| {
+        if interrupt::caught() {
+            return;
+        }
         crate::io::remove_unfinished();
         std::process::exit(130)
     });

@@ -17,8 +17,9 @@ pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<
 
 /// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
 /// be of two.
-const FAMILIES: [&[&str]; 7] = [
+const FAMILIES: [&[&str]; 8] = [
     &["fit.json", "maps.csv", "maps.npz", "shape.svg", "contacts.csv", "points.csv"],
+    &["report.html"],
     &["study.json", "study.svg"],
     &["diff.json", "diff.csv", "diff.svg"],
     &["sweep.json", "sweep.csv", "sweep.svg"],

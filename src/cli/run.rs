@@ -12,6 +12,7 @@ use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
+use super::provenance::provenance;
 use super::save::check_name;
 use super::scene;
 
@@ -40,7 +41,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
-    let scene = scene::load(&args.scene)?;
+    let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
     check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("running {}", scene.name));
@@ -81,6 +82,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             words: &args.words,
             save: args.save.as_ref(),
             grid: args.fit.typed_grid(),
+            provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
         },
     )
 }

@@ -59,6 +59,12 @@ pub(super) fn source(scene: &str) -> Result<Source, Failure> {
 
 /// The scene of this name or file.
 pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
+    load_with_text(scene).map(|(scene, _)| scene)
+}
+
+/// The same with its TOML.
+pub(super) fn load_with_text(scene: &str) -> Result<(SceneFile, String), Failure> {
     let source = source(scene)?;
-    source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))
+    let read = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
+    Ok((read, source.text))
 }

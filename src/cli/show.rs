@@ -6,19 +6,25 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::fit::FitOptions;
-use crate::io::{MOST_GRID_POINTS, Saved, exceeds, is_cad, read_bytes, read_points, read_surface_bytes};
-use crate::report::{FitDocument, ShownGrid, describe_saved, document_of_surface, points_at};
+use crate::io::{
+    FIT_SCHEMA, MOST_GRID_POINTS, Saved, exceeds, is_cad, page_content, read_bytes, read_points, read_surface_bytes,
+    schema_of,
+};
+use crate::report::{
+    FitDocument, ShownGrid, TablePage, describe_saved, document_of_surface, points_at, write_table_page,
+};
 
 use super::describe;
 use super::failure::{Failure, fit_message};
 use super::options::{GridFlags, OutputFlags, WordsFlags};
 use super::output::print;
+use super::provenance::provenance;
 use super::save::{check_name, save};
 
 /// Arguments of `palpate show`.
 #[derive(Args)]
 pub(super) struct ShowArgs {
-    /// What `--save` or `--json` wrote, or a STEP or IGES file of one B-spline surface; - for standard input
+    /// What `--save` or `--json` wrote, a report.html, or a STEP or IGES file of one B-spline surface; - for standard input
     surface: PathBuf,
     /// Write the surface to .step, .igs, .npz, .json, or as a mesh to .ply, .obj, .stl, .glb, .vtu, or its points to .parquet, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F", conflicts_with_all = ["at", "inset"])]
@@ -42,6 +48,13 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
         return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
     }
     let (file, bytes) = read_bytes(&args.surface)?;
+    let (bytes, table) = match page_content(&file, &bytes)? {
+        Some(page) => (page.document, Some(page.table)),
+        None => (bytes, None),
+    };
+    if let (Some(table), Some(schema)) = (table, schema_of(&bytes).filter(|schema| schema != FIT_SCHEMA)) {
+        return show_page(args, &file, &schema, &bytes, &table);
+    }
     let saved = read_surface_bytes(&file, &bytes)?;
     let inputs: Vec<&Path> = std::iter::once(&args.surface).chain(&args.at).map(PathBuf::as_path).collect();
     args.output.prepare(&inputs, args.save.as_slice())?;
@@ -52,9 +65,41 @@ pub(super) fn show(args: &ShowArgs) -> Result<(), Failure> {
     }
 }
 
+/// A page that holds no surface: its document, or the table that was printed with it.
+fn show_page(args: &ShowArgs, file: &str, schema: &str, document: &[u8], table: &str) -> Result<(), Failure> {
+    let kind = schema.split(['.', '/']).nth(1).unwrap_or("document");
+    if args.at.is_some() || args.grid.any() {
+        return Err(Failure::Input(format!(
+            "{file}: holds a {kind} ({schema}) and no surface; leave out --at, --grid and --inset"
+        )));
+    }
+    args.output.prepare(&[&args.surface], &[])?;
+    args.output.file(&format!("{kind}.json"), &mut |out| out.write_all(document))?;
+    args.output.publish()?;
+    if args.output.json {
+        return print(&mut |out| out.write_all(document));
+    }
+    if args.output.quiet {
+        return Ok(());
+    }
+    print(&mut |out| out.write_all(table.as_bytes()))
+}
+
 fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure> {
     let points = points_at(saved, &read_points(at)?);
     args.output.file("points.csv", &mut |out| points.write_csv(out))?;
+    let (mut json, mut table) = (Vec::new(), Vec::new());
+    // a Vec takes every byte
+    let _ = points.write_json(&mut json).and_then(|()| points.write_csv(&mut table));
+    let page = TablePage {
+        kind: "a saved surface at given points",
+        title: &saved.file,
+        lead: "Heights, slopes, normals, curvatures, S and R at the points that were asked for.",
+        document: &json,
+        table: &table,
+    };
+    let provenance = provenance(&saved.file, None, None);
+    args.output.file("report.html", &mut |out| write_table_page(&page, &provenance, out))?;
     args.output.publish()?;
     if args.output.json {
         return print(&mut |out| points.write_json(out));
@@ -89,7 +134,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     }
     let grid = ShownGrid { points: options.grid, inset: options.inset, again: again || args.grid.any() };
     let description = describe_saved(saved, document, grid);
-    describe::files(&*description, None, &saved.file, &args.output)?;
+    describe::files(&*description, None, &saved.file, &args.output, &provenance(&saved.file, None, None))?;
     args.output.publish()?;
     describe::show(&*description, &saved.file, &args.output, &args.words, false)
 }

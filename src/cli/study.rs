@@ -4,20 +4,25 @@
 //! replicates -> tallies -> means, intervals, shares       until the number, the tolerance or the budget says stop
 //! ```
 
+use std::io::Write;
 use std::path::Path as FilePath;
 use std::time::Instant;
 
 use crate::io::{RecordFormat, Records, StudyFile, read_study, write_study};
 use crate::montecarlo::{Stopped, StudyState};
-use crate::report::{StudyDocument, stopped_words, write_json, write_study_picture, write_study_table};
+use crate::report::{
+    INTERRUPTED, Provenance, StudyDocument, stopped_words, write_json, write_study_page, write_study_picture,
+    write_study_table,
+};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
 use super::output::print;
 use super::progress::Bar;
+use super::provenance::provenance;
 use super::scene::Source;
 use super::study_plan::{Plan, StudyArgs};
-use super::{coverage, scene, sweep};
+use super::{coverage, interrupt, scene, sweep};
 /// Seconds between two checkpoints.
 const CHECKPOINT_SECONDS: f64 = 1.0;
 
@@ -76,6 +81,7 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         (Some(path), Some(sound)) => Some(Records::resume(path, sound)?),
         (Some(path), None) => Some(Records::create(path, &names)?),
     };
+    interrupt::gently();
     let bar = Bar::new(&args.output, range[1] - range[0], &plan.name);
     let (clock, mut saved) = (Instant::now(), Instant::now());
     let mut fault: Option<Failure> = None;
@@ -94,14 +100,15 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
             }
             saved = Instant::now();
         }
-        match args.budget {
+        let goes_on = match args.budget {
             Some(budget) if args.tolerance.is_some() => {
                 fault = out_of_reach(args, progress.state.done(), progress.end - progress.state.from, seconds, budget);
                 fault.is_none() && seconds < budget
             }
             Some(budget) => seconds < budget,
             None => true,
-        }
+        };
+        goes_on && !interrupt::asked()
     });
     let seconds = before + clock.elapsed().as_secs_f64();
     drop(bar);
@@ -120,9 +127,20 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         write_study(path, &file(state.clone(), seconds, 0))?;
     }
     let spinner = args.output.spinner("shares of the effects");
-    let document = plan.document(&state, stopped, seconds);
+    let mut document = plan.document(&state, stopped, seconds);
     drop(spinner);
-    tell(&args.output, plan, &document, &state)
+    // what was done before the interrupt came may have been all
+    let cut_short = interrupt::asked() && stopped == Stopped::Budget;
+    if cut_short {
+        document.stopped = INTERRUPTED.into();
+    }
+    let provenance = provenance(&source.name, Some(source.text), Some(plan.study.seed()));
+    tell(&args.output, plan, &document, &state, &Told { provenance, asked: range[1] - range[0] })?;
+    if cut_short {
+        let done = state.done();
+        return Err(Failure::Interrupted(format!("interrupted after {done} replicates; what they came to is kept")));
+    }
+    Ok(())
 }
 
 /// The budget is too short for the digits asked for, by the time that the first stage took.
@@ -152,17 +170,27 @@ fn resumed(args: &StudyArgs, plan: &Plan, range: [u64; 2]) -> Result<Option<Stud
     Ok(Some(found))
 }
 
+/// What the page says beside the document.
+pub(super) struct Told {
+    pub(super) provenance: Provenance,
+    /// Replicates that were asked for.
+    pub(super) asked: u64,
+}
+
 /// The document wherever the flags ask for it.
 pub(super) fn tell(
     output: &OutputFlags,
     plan: &Plan,
     document: &StudyDocument,
     state: &StudyState,
+    told: &Told,
 ) -> Result<(), Failure> {
     output.file("study.json", &mut |out| write_json(document, out))?;
     if output.out.is_some() {
         let ranked = [state.tallies[0].ranked(), state.tallies[1].ranked()];
         output.file("study.svg", &mut |out| write_study_picture(document, &ranked, out))?;
+        let mut page = |out: &mut dyn Write| write_study_page(document, &ranked, told.asked, &told.provenance, out);
+        output.file("report.html", &mut page)?;
     }
     output.publish()?;
     if output.json {

@@ -22,6 +22,7 @@ use crate::scene::Effect;
 use crate::simd::Isa;
 
 use super::failure::Failure;
+use super::interrupt;
 use super::options::{FitFlags, OutputFlags};
 use super::scene::Source;
 use super::values::{self, PathChoice};
@@ -184,10 +185,15 @@ impl Plan {
 
     /// The document of a state.
     pub(super) fn document(&self, state: &StudyState, stopped: Stopped, seconds: f64) -> StudyDocument {
-        let result = self.study.result(state, self.attribution);
+        // who interrupts does not wait for the shares of the effects, which may take as long as the study
+        let attribution = if interrupt::asked() { 0 } else { self.attribution };
+        let result = self.study.result(state, attribution);
         let failure = state.first_failure.as_ref().map(|(_, why)| why.as_str());
         let mut notes = study_notes(&result, state.failed, failure);
         notes.extend(self.remark.clone());
+        if attribution < self.attribution {
+            notes.push("the shares of the effects are left out, because the study was interrupted".into());
+        }
         let engine = self.study.engine();
         let parts: Vec<QuantityPart> = result.quantities.iter().map(QuantityPart::from).collect();
         let others = engine.quantities().iter().map(ToString::to_string).zip(parts.iter().cloned()).skip(2);

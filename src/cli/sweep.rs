@@ -7,11 +7,16 @@ use toml::{Table, Value};
 
 use crate::io::scene_file::SceneFileError;
 use crate::io::write_parquet;
-use crate::report::{SweepPoint, sweep_columns, write_json, write_sweep_csv, write_sweep_picture, write_sweep_table};
+use crate::report::{
+    SweepPage, SweepPoint, sweep_columns, write_json, write_sweep_csv, write_sweep_page, write_sweep_picture,
+    write_sweep_table,
+};
 
 use super::failure::Failure;
+use super::interrupt;
 use super::output::print;
 use super::progress::Bar;
+use super::provenance::provenance;
 use super::scene::Source;
 use super::study_plan::{Plan, StudyArgs};
 
@@ -148,7 +153,11 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     let mut points = Vec::with_capacity(count);
     let mut level = 0.95;
     let mut head = (String::new(), 0, 0);
+    interrupt::gently();
     for number in 0..count {
+        if interrupt::asked() && number > 0 {
+            break;
+        }
         let mut rest = number;
         let mut at = vec![0.0; axes.len()];
         for (value, axis) in at.iter_mut().zip(&axes).rev() {
@@ -181,16 +190,25 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     if args.output.out.is_some() {
         let (names, columns) = sweep_columns(&keys, &points);
         args.output.file("sweep.parquet", &mut |out| write_parquet("point", &names, &columns, out))?;
+        let mut json = Vec::new();
+        // a Vec takes every byte
+        let _ = write_json(&document, &mut json);
+        let page = SweepPage { scene: &scene, keys: &keys, points: &points, asked: count, level, document: &json };
+        let provenance = provenance(&source.name, Some(source.text.clone()), Some(seed));
+        args.output.file("report.html", &mut |out| write_sweep_page(&page, &provenance, out))?;
         args.output.file("sweep.svg", &mut |out| write_sweep_picture(&scene, &keys, &points, out))?;
     }
     args.output.publish()?;
     if args.output.json {
-        return print(&mut |out| write_json(&document, out));
+        print(&mut |out| write_json(&document, out))?;
+    } else if !args.output.quiet {
+        print(&mut |out| write_sweep_table(&keys, &points, out))?;
     }
-    if args.output.quiet {
-        return Ok(());
+    let done = points.len();
+    if done < count {
+        return Err(Failure::Interrupted(format!("interrupted after {done} of {count} points; these are kept")));
     }
-    print(&mut |out| write_sweep_table(&keys, &points, out))
+    Ok(())
 }
 
 #[cfg(test)]

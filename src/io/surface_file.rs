@@ -15,6 +15,7 @@ use crate::shape::{ShapeGrid, UvSupport, shape_maps};
 use crate::surface::{HeightField, Parametric};
 
 use super::IoError;
+use super::page_file::document_bytes;
 use super::support_map::SupportMap;
 use super::uncertainty_map::UncertaintyMap;
 
@@ -270,7 +271,8 @@ impl Saved {
 /// Every fault of the document, with its place.
 pub(super) fn read_document_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
     let wrong = |what: String| IoError::Surface { file: file.into(), what };
-    let document: Document = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+    let bytes = document_bytes(file, bytes)?;
+    let document: Document = serde_json::from_slice(&bytes).map_err(|e| wrong(e.to_string()))?;
     if document.schema != FIT_SCHEMA {
         return Err(wrong(format!("schema is {:?}, not {FIT_SCHEMA:?}", document.schema)));
     }

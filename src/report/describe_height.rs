@@ -18,9 +18,11 @@ use super::description::{
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
 };
+use super::height_view::{height_view, leave_out_beyond};
 use super::interval_words::interval_words;
 use super::maps::write_maps_csv;
 use super::picture::{PictureOptions, write_picture};
+use super::surface_view::SurfaceView;
 use super::table::significant;
 use super::uncertainty;
 
@@ -34,6 +36,10 @@ pub(super) struct HeightDescription<'a> {
     unsupported: &'a [usize],
     /// Contacts for the picture, and the frame along whose axes they are drawn.
     contacts: Option<(&'a Contacts, &'a Frame)>,
+    /// The frame along whose axes the surface stands.
+    frame: Frame,
+    /// The fit with its input, and whether its uncertainties are wanted.
+    fitted: Option<(&'a Fit, &'a Input, bool)>,
     /// The fit, and whether uncertainties were declined; `None` of a saved surface.
     fit: Option<(&'a Fit, bool)>,
 }
@@ -65,6 +71,8 @@ impl<'a> HeightDescription<'a> {
                 Input::Contacts(contacts) => Some((contacts, fit.frame())),
                 Input::Grid(_) => None,
             },
+            frame: *fit.frame(),
+            fitted: Some((fit, subject.input, !subject.bare)),
             fit: Some((fit, subject.bare)),
         })
     }
@@ -94,6 +102,8 @@ impl<'a> HeightDescription<'a> {
             grid: grid.points,
             unsupported: &saved.unsupported,
             contacts: None,
+            frame: saved.frame,
+            fitted: None,
             fit: None,
         }
     }
@@ -130,6 +140,17 @@ impl Description for HeightDescription<'_> {
         let places = self.contacts.map(|(contacts, frame)| along_axes(contacts, frame));
         let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
         write_picture(&maps, &PictureOptions { title: &title, contacts, ..PictureOptions::default() }, out)
+    }
+
+    fn view(&self) -> SurfaceView {
+        let mut maps = picture_maps(&self.surface, self.grid, self.unsupported);
+        // who names a domain asks about all of it
+        let all_of_it = self.fitted.is_some_and(|(fit, _, _)| fit.options().domain.is_some());
+        if let Some((contacts, frame)) = self.contacts.filter(|_| !all_of_it) {
+            let (x, y) = along_axes(contacts, frame);
+            leave_out_beyond(&x, &y, &mut maps);
+        }
+        height_view(&self.surface, &self.frame, &maps, self.fitted)
     }
 }
 

@@ -15,7 +15,9 @@ use super::description::{
 };
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::parametric::write_parametric_maps_csv;
+use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
+use super::surface_view::{ContactsView, Standing, SurfaceView};
 use super::uncertainty;
 
 /// A parametric surface with its document and its maps.
@@ -28,6 +30,7 @@ pub(super) struct ParametricDescription<'a> {
     grid: [usize; 2],
     /// (u, v) of the contacts, for the picture.
     feet: Option<Vec<[f64; 2]>>,
+    input: Option<&'a Input>,
     /// The fit, unless uncertainties were declined; `None` of a saved surface.
     fit: Option<&'a ParametricFit>,
 }
@@ -39,7 +42,7 @@ impl<'a> ParametricDescription<'a> {
     /// When the input's own rounding leaves no distinct knots.
     pub(super) fn of_fit(
         fit: &'a ParametricFit,
-        subject: &Subject,
+        subject: &Subject<'a>,
         seconds: Seconds,
     ) -> Result<ParametricDescription<'a>, FitError> {
         let surface = fit.input_surface()?;
@@ -56,6 +59,7 @@ impl<'a> ParametricDescription<'a> {
             maps: Cow::Borrowed(&fit.shape().maps),
             grid: fit.options().grid,
             feet: Some(fit.feet()),
+            input: Some(subject.input),
             fit: (!subject.bare).then_some(fit),
         })
     }
@@ -79,6 +83,7 @@ impl<'a> ParametricDescription<'a> {
             maps: Cow::Owned(maps),
             grid: grid.points,
             feet: None,
+            input: None,
             fit: None,
         }
     }
@@ -112,6 +117,24 @@ impl Description for ParametricDescription<'_> {
         let contacts = feet.as_ref().map(|(u, v)| (&u[..], &v[..]));
         write_picture(&maps.flat(), &PictureOptions { title: &title, contacts, axes: ["u", "v"] }, out)
     }
+
+    fn view(&self) -> SurfaceView {
+        let maps = picture_maps(&self.surface, self.grid, &self.support);
+        let contacts = self.input.zip(self.feet.as_deref()).map(|(input, feet)| on_feet(&self.surface, input, feet));
+        let uncertainty_words = "not computed point by point for a surface in space that was named by options";
+        SurfaceView { contacts, uncertainty_words, ..parametric_view(&self.surface, &maps) }
+    }
+}
+
+/// Contacts beside their feet: where nearest points were found for as many contacts as there are.
+fn on_feet(surface: &Parametric, input: &Input, feet: &[[f64; 2]]) -> ContactsView {
+    ContactsView::new(input, "along the surface's normal", |number, point| {
+        let place = feet.get(number).copied().unwrap_or([f64::NAN; 2]);
+        let here = surface.at(place[0], place[1]);
+        let normal = here.principal().map_or([f64::NAN; 3], |p| p.normal);
+        let residual = (0..3).map(|k| (point[k] - here.point[k]) * normal[k]).sum();
+        Standing { place, foot: here.point, residual, left_out: false }
+    })
 }
 
 /// Maps over all of (u, v), fine enough to look at.

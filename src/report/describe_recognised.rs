@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-use crate::contact::{Contacts, Grid};
+use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
@@ -20,9 +20,13 @@ use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, 
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
+use super::height_view::height_view;
 use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
+use super::parametric_view::parametric_view;
 use super::picture::{PictureOptions, write_picture};
+use super::recognised_view::recognised_view;
+use super::surface_view::SurfaceView;
 use super::uncertainty;
 
 /// A recognised surface with its document and its spline.
@@ -31,6 +35,7 @@ pub(super) struct RecognisedDescription<'a> {
     found: &'a Recognition,
     spline: RecognisedSpline,
     contacts: Option<&'a Contacts>,
+    input: &'a Input,
     /// The pixels of a grid.
     grid: Option<&'a Grid>,
 }
@@ -70,7 +75,7 @@ impl<'a> RecognisedDescription<'a> {
             Input::Contacts(contacts) => (Some(contacts), None),
             Input::Grid(grid) => (None, Some(grid)),
         };
-        Ok(RecognisedDescription { document, found, spline, contacts, grid })
+        Ok(RecognisedDescription { document, found, spline, contacts, grid, input: subject.input })
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
@@ -117,6 +122,10 @@ fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize;
     for ((i, j), supported) in maps.supported.indexed_iter_mut() {
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);
+    }
+    if !maps.supported.iter().any(|supported| *supported) {
+        // the recognition took its means over all points then, and says so in its support
+        maps.supported.fill(true);
     }
     maps
 }
@@ -181,6 +190,21 @@ impl Description for RecognisedDescription<'_> {
         let places = self.places();
         let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
         write_picture(&maps, &PictureOptions { title: &headline(name, &self.document), contacts, axes }, out)
+    }
+
+    fn view(&self) -> SurfaceView {
+        let [least, most] = PICTURE_CELLS;
+        let maps = self.maps(self.found.grid.map(|n| n.clamp(least, most)));
+        let mut view = match (&maps, &self.spline) {
+            (Maps::Height(maps), RecognisedSpline::Height { surface, .. }) => {
+                height_view(surface, &Frame::IDENTITY, maps, None)
+            }
+            (Maps::Parametric(maps), RecognisedSpline::Parametric { surface, .. }) => parametric_view(surface, maps),
+            // maps are of their spline's kind
+            _ => SurfaceView::default(),
+        };
+        recognised_view(self.found, self.input, &mut view);
+        view
     }
 }
 

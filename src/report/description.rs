@@ -16,6 +16,7 @@ use crate::shape::{ShapeMaps, Spread, radius_of};
 
 use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
 use super::maps::write_maps_npz;
+use super::surface_view::SurfaceView;
 use super::table::significant;
 use super::words::small_maps;
 
@@ -23,7 +24,7 @@ use super::words::small_maps;
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 
 /// How the remark on imported surfaces begins.
-const INVERSE_CRIME: &str = "inverse crime";
+pub(super) const INVERSE_CRIME: &str = "inverse crime";
 
 /// A surface in words, numbers and pictures.
 pub(crate) trait Description {
@@ -62,6 +63,9 @@ pub(crate) trait Description {
     /// # Errors
     /// What the system says.
     fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()>;
+
+    /// What `report.html` draws.
+    fn view(&self) -> SurfaceView;
 }
 
 /// What is known of a fit besides the fit itself.

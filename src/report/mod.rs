@@ -29,19 +29,24 @@ mod frontier_picture;
 mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
+mod height_view;
 mod interval_words;
 mod json;
 mod letters;
 mod maps;
+mod page;
 mod parametric;
+mod parametric_view;
 mod picture;
 mod point_table;
 mod points;
+mod recognised_view;
 mod schema;
 mod study;
 mod study_picture;
 mod study_samples;
 mod study_table;
+mod surface_view;
 mod sweep;
 mod table;
 mod uncertainty;
@@ -52,7 +57,7 @@ pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, p
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
 pub(crate) use diff_picture::write_diff_picture;
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
@@ -63,6 +68,10 @@ pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture}
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
+pub(crate) use page::{
+    INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
+    write_study_page, write_sweep_page, write_table_page,
+};
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,

@@ -163,7 +163,7 @@ fn the_output_directory_holds_pictures_tables_and_records() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "shape.svg"]);
+    assert_eq!(names, ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "report.html", "shape.svg"]);
     let maps = std::fs::read_to_string(here.join("deep/er/maps.csv")).unwrap();
     assert_eq!((maps.lines().next(), maps.lines().count()), (Some("x,y,z,k1,k2,S,R"), 1 + 20));
     let svg = std::fs::read_to_string(here.join("deep/er/shape.svg")).unwrap();

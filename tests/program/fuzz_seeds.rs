@@ -63,5 +63,5 @@ fn readers_of_cad_files() {
 
 #[test]
 fn reader_of_surfaces() {
-    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 2);
+    assert_eq!(replay("surface", |bytes| read_surface_bytes("-", bytes).is_ok()), 3);
 }

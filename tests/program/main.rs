@@ -15,6 +15,7 @@ mod fuzz_seeds;
 mod hostile;
 mod npz;
 mod readers;
+mod report_page;
 mod scene_file;
 mod schema;
 mod several;

@@ -41,7 +41,7 @@ fn degrees_of_freedom(parts: [f64; 2], dof: [f64; 2]) -> f64 {
 }
 
 /// Of a mean of S or of R; `None` where the measurements leave nothing from which noise could be told.
-fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+pub(super) fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
     let fitted = &solved.fitted;
     let source = fitted.noise.source();
     if source != NoiseSource::Sigma && fitted.equations.count() <= fitted.solution.rank {

@@ -1,0 +1,224 @@
+//! The sections that a surface fills: the turning view, the maps, the numbers, the residuals, the certificate.
+
+use std::fmt::Write as _;
+
+use super::chart::{precise, shown};
+use super::colour::{DIVERGING, Field, VIRIDIS, ends};
+use super::figures::{figure, thinned};
+use super::histogram::Histogram;
+use super::html::text;
+use super::perspective::picture;
+use super::tables::{bars, card, list, notes, table};
+use super::view_data::STROKES;
+use super::words::{certificate, interval_of, noise, percent};
+use crate::report::document::{FitDocument, MeasurePart, SpreadPart};
+use crate::report::surface_view::{ContactsView, SurfaceView};
+use crate::report::table::significant;
+
+/// What a surface can be coloured by: S where it has one, R, and their uncertainties where they are known.
+pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<Field<'a>> {
+    let largest = view.curvedness.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
+    let plane = document.shape.class.as_deref() == Some("plane");
+    let mut all = Vec::new();
+    if !plane {
+        let fading = Some((&view.curvedness[..], largest));
+        let (values, stops) = (&view.shape_index[..], &DIVERGING[..]);
+        all.push(Field { key: "S", name: "shape index S", values, ends: [-1.0, 1.0], stops, fading });
+    }
+    let values = &view.curvedness[..];
+    let stops = &VIRIDIS[..];
+    all.push(Field { key: "R", name: "curvedness R", values, ends: ends(values), stops, fading: None });
+    if let Some([s, r]) = &view.uncertainty {
+        let named = [("uS", "uncertainty of S", &s[..]), ("uR", "uncertainty of R", &r[..])];
+        for (key, name, values) in named.into_iter().skip(usize::from(plane)) {
+            all.push(Field { key, name, values, ends: ends(values), stops, fading: None });
+        }
+    }
+    all
+}
+
+/// Large numbers at the top.
+pub(super) fn cards(document: &FitDocument) -> String {
+    let shape = &document.shape;
+    let lines = |part: &MeasurePart, unit: &str| {
+        let mut lines: Vec<String> =
+            part.u.map(|u| format!("standard uncertainty {}{unit}", significant(u, 2))).into_iter().collect();
+        lines.extend(interval_of(part));
+        lines.extend(part.sd.map(|sd| variation(sd, part.mean)));
+        lines
+    };
+    let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), shown);
+    let class = shape.class.as_deref().unwrap_or("none");
+    let sure = shape.class_probability.as_ref().and_then(|shares| {
+        let share = shares.0.iter().find(|(name, _)| name == class)?.1;
+        Some(format!("probability {}", probability(share)))
+    });
+    let mut out = String::from("<div class=\"cards\">\n");
+    out.push_str(&card("Class", class, &sure.into_iter().collect::<Vec<_>>()));
+    out.push_str(&card("S, shape index", &mean(&shape.shape_index), &lines(&shape.shape_index, "")));
+    out.push_str(&card("R, curvedness (1/length)", &mean(&shape.curvedness), &lines(&shape.curvedness, "")));
+    if let Some(radius) = shape.radius {
+        let between = shape.radius_interval.map(|[lo, hi]| {
+            format!("{} interval {} to {}", percent(shape.curvedness.level), precise(lo, hi - lo), precise(hi, hi - lo))
+        });
+        out.push_str(&card("Radius", &shown(radius), &between.into_iter().collect::<Vec<_>>()));
+    }
+    out.push_str("</div>\n");
+    out
+}
+
+/// How much a quantity differs from place to place; rounding is no variation.
+fn variation(sd: f64, mean: Option<f64>) -> String {
+    if sd <= 1e-9 * mean.unwrap_or(0.0).abs() {
+        return "the same all over the patch".into();
+    }
+    format!("varies by {} over the patch", significant(sd, 2))
+}
+
+/// A probability that does not claim certainty by rounding.
+pub(super) fn probability(share: f64) -> String {
+    match share {
+        s if s > 0.9995 && s < 1.0 => "above 0.999".into(),
+        s if s < 0.0005 && s > 0.0 => "below 0.001".into(),
+        s => format!("{s:.3}"),
+    }
+}
+
+/// The turning view, with a picture that stands there until it starts.
+pub(super) fn stage(view: &SurfaceView, fields: &[Field]) -> String {
+    let still = fields.first().map_or(String::new(), |field| picture(view, field));
+    let mut hints = Vec::new();
+    if let Some(contacts) = &view.contacts {
+        let drawn = contacts.points.len();
+        if drawn < contacts.all {
+            hints.push(format!("{drawn} of the {} contacts are drawn, evenly chosen.", contacts.all));
+        }
+        let step = drawn.div_ceil(STROKES).max(1);
+        if step > 1 {
+            let strokes = drawn.div_ceil(step);
+            hints.push(format!("Normals and residuals are drawn of {strokes} contacts, evenly chosen."));
+        }
+    }
+    format!(
+        "<section id=\"space\"><h2>The surface</h2>\n<div id=\"stage\" class=\"stage\">{still}\
+         <p class=\"without\">The turning view needs JavaScript and WebGL; this is a still picture of it.</p></div>\n\
+         <div id=\"stage-controls\" class=\"controls\" hidden></div>\n<p class=\"hint\">{}</p></section>\n",
+        text(&hints.join(" "))
+    )
+}
+
+/// Maps of all that is known.
+///
+/// # Errors
+/// What the system says of memory.
+pub(super) fn maps(view: &SurfaceView, fields: &[Field]) -> std::io::Result<String> {
+    let mut out = String::from("<section id=\"maps\"><h2>Maps over the patch</h2>\n<div class=\"figures\">\n");
+    for (k, field) in fields.iter().enumerate() {
+        let caption = match field.key {
+            "S" => {
+                "<b>S, shape index.</b> Which shape: from cup over saddle to cap. It fades to grey where the surface is nearly flat."
+            }
+            "R" => "<b>R, curvedness</b> (1/length). How strongly it is curved.",
+            "uS" => "<b>Standard uncertainty of S</b>, point by point.",
+            _ => "<b>Standard uncertainty of R</b>, point by point.",
+        };
+        out.push_str(&figure(view, field, caption, k == 0)?);
+    }
+    out.push_str("</div>\n");
+    let mut hints = vec!["Grey: no contacts near enough to say anything.".to_string()];
+    hints.extend(thinned(view));
+    hints.push(format!("Uncertainty at single points: {}.", view.uncertainty_words));
+    if view.uncertainty.is_some() {
+        hints.push("A single point is known less well than the mean over the patch.".into());
+    }
+    let _ = writeln!(out, "<p class=\"hint\">{}</p></section>", text(&hints.join(" ")));
+    Ok(out)
+}
+
+/// Every mean with what is known of it, and what the columns mean.
+pub(super) fn numbers(document: &FitDocument) -> String {
+    let shape = &document.shape;
+    let number = |v: Option<f64>| v.map_or("-".into(), shown);
+    let measured = |name: &str, part: &MeasurePart, truth: Option<f64>| {
+        let interval = part
+            .interval
+            .map_or("-".into(), |[lo, hi]| format!("{} to {}", precise(lo, hi - lo), precise(hi, hi - lo)));
+        let u = part.u.map_or("-".into(), |u| significant(u, 2));
+        vec![name.into(), number(part.mean), u, interval, number(part.sd), number(truth)]
+    };
+    let curvature = |name: &str, part: &SpreadPart| {
+        vec![name.into(), number(part.mean), "-".into(), "-".into(), number(part.sd), "-".into()]
+    };
+    let truth = document.truth.as_ref();
+    let mut rows = vec![
+        measured("S, shape index", &shape.shape_index, truth.and_then(|t| t.shape_index)),
+        measured("R, curvedness", &shape.curvedness, truth.and_then(|t| t.curvedness)),
+        curvature("k1, larger curvature", &shape.k1),
+        curvature("k2, smaller curvature", &shape.k2),
+    ];
+    let interval = format!("{} interval", percent(shape.curvedness.level.or(shape.shape_index.level).or(Some(0.95))));
+    let mut head =
+        vec!["", "Mean over the patch", "Standard uncertainty", &interval, "Variation over the patch", "Truth"];
+    if truth.is_none() {
+        head.pop();
+        rows.iter_mut().for_each(|row| row.truncate(head.len()));
+    }
+    let mut out = format!("<section id=\"numbers\"><h2>Numbers</h2>\n{}", table(&head, &rows));
+    out.push_str(
+        "<dl class=\"terms\"><dt>Mean over the patch</dt><dd>the average over all points that contacts surround.</dd>\
+         <dt>Standard uncertainty</dt><dd>how far the mean may be off, as a standard deviation.</dd>\
+         <dt>Interval</dt><dd>holds the true mean with the probability that is named, if what it counts is all there is.</dd>\
+         <dt>Variation over the patch</dt><dd>how much the surface itself differs from place to place. It is no uncertainty.</dd></dl>\n",
+    );
+    if let Some(probabilities) = &shape.class_probability {
+        let mut rows: Vec<&(String, f64)> = probabilities.0.iter().filter(|(_, p)| *p > 0.0).collect();
+        rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let rows: Vec<_> = rows.into_iter().map(|(name, p)| (name.clone(), *p, probability(*p))).collect();
+        let _ = write!(out, "<h3>Probability of each class</h3>\n{}", bars(&rows));
+    }
+    out.push_str("</section>\n");
+    out
+}
+
+/// How far the contacts lie off the surface.
+pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> String {
+    let belonging: Vec<f64> = contacts.belonging().collect();
+    let Some(histogram) = Histogram::of(&belonging) else { return String::new() };
+    let name = format!("residual {} (contact less surface)", contacts.measured);
+    let chart = histogram.chart(["Residuals of the contacts", &name, "contacts"], None, &[("zero", 0.0)]);
+    let rms = &document.fit.rms;
+    let mut said = Vec::new();
+    let worst = belonging.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if let Some(z) = rms.z {
+        said.push(format!(
+            "Contacts lie {} off the surface (root mean square); the farthest {}.",
+            significant(z, 3),
+            significant(worst, 3)
+        ));
+    }
+    if let (Some(zx), Some(zy)) = (rms.zx, rms.zy) {
+        said.push(format!("Their slopes are {} off in x and {} in y.", significant(zx, 3), significant(zy, 3)));
+    }
+    if let Some(angle) = rms.normal_deg {
+        said.push(format!("Their normals are {} degrees off.", significant(angle, 3)));
+    }
+    said.extend(noise(document));
+    let out = contacts.left_out.iter().filter(|out| **out).count();
+    if out > 0 {
+        said.push(format!("{out} contacts lie too far off to belong to the surface; they are not counted here, and drawn as crosses above."));
+    }
+    format!(
+        "<section id=\"residuals\"><h2>Residuals</h2>\n<div class=\"figures\"><figure>{chart}</figure><div>{}</div></div></section>\n",
+        list(&said)
+    )
+}
+
+/// How far to trust all of it.
+pub(super) fn trust(document: &FitDocument) -> String {
+    let rest: Vec<String> = document.fit.notes.clone();
+    format!(
+        "<section id=\"certificate\"><h2>How far to trust it</h2>\n{}</section>\n{}",
+        list(&certificate(document)),
+        notes(&rest)
+    )
+}

@@ -1,0 +1,151 @@
+//! What the numbers of a fit mean, in sentences for somebody who never saw the program.
+
+use super::chart::{precise, shown};
+use crate::report::document::{FitDocument, MeasurePart};
+use crate::report::table::significant;
+
+/// What a class looks like.
+pub(super) fn class_words(class: &str) -> &'static str {
+    match class {
+        "cup" => "hollow in every direction, like the inside of a ball",
+        "trough" => "hollow in every direction, in one more than in the other, like the inside of an egg",
+        "rut" => "hollow across and straight along, like a groove",
+        "saddle rut" => "a saddle that is nearly a groove",
+        "saddle" => "hollow in one direction and bulging as much in the other, like a riding saddle",
+        "saddle ridge" => "a saddle that is nearly a ridge",
+        "ridge" => "bulging across and straight along, like the side of a pipe",
+        "dome" => "bulging in every direction, in one more than in the other, like an egg",
+        "cap" => "bulging equally in every direction, like the top of a ball",
+        "plane" => "flat: no curvature that the contacts can tell from zero",
+        _ => "",
+    }
+}
+
+/// The level of an interval: `95 %`.
+pub(super) fn percent(level: Option<f64>) -> String {
+    // rounding must not make 94.99999999999999 of it
+    level.map_or("an".into(), |level| format!("{} %", (1e6 * level).round() / 1e4))
+}
+
+/// The interval of a mean, as `95 % interval 0.48 to 0.52`.
+pub(super) fn interval_of(part: &MeasurePart) -> Option<String> {
+    let [lo, hi] = part.interval?;
+    Some(format!("{} interval {} to {}", percent(part.level), precise(lo, hi - lo), precise(hi, hi - lo)))
+}
+
+/// What was found, in one or two sentences.
+pub(super) fn finding(document: &FitDocument) -> String {
+    let shape = &document.shape;
+    let Some(class) = shape.class.as_deref() else {
+        return if shape.shape_index.mean.is_some() {
+            "No single kind of shape: several stand side by side on this patch, so its mean describes no part of it."
+                .into()
+        } else {
+            "The shape index is undefined here, so the patch has no class.".into()
+        };
+    };
+    let mut words = format!("The patch is a {class}: {}.", class_words(class));
+    if let Some(radius) = shape.radius {
+        let between = match (shape.radius_interval, shape.curvedness.level) {
+            (Some([lo, hi]), level) => {
+                format!(", between {} and {} at {}", precise(lo, hi - lo), precise(hi, hi - lo), percent(level))
+            }
+            _ => String::new(),
+        };
+        words.push_str(&format!(" Its radius is {}{between}.", shown(radius)));
+    }
+    if let Some([small, large]) = shape.radii {
+        words.push_str(&format!(" Its two radii are {} and {}.", shown(small), shown(large)));
+    }
+    words
+}
+
+/// The certificate and all that bears on trust, a sentence each.
+pub(super) fn certificate(document: &FitDocument) -> Vec<String> {
+    let (fit, shape) = (&document.fit, &document.shape);
+    let [n, m] = shape.grid;
+    let used = (shape.support * (n * m) as f64).round();
+    let mut said = vec![format!(
+        "Support: contacts surround {used} of the {} points at which the shape is looked at; means are taken over these alone.",
+        n * m
+    )];
+    said.extend(fit.chosen.iter().map(|chosen| format!("Kind of surface: {}.", chosen.why.trim_end_matches('.'))));
+    said.extend(
+        fit.lack_of_fit
+            .iter()
+            .map(|lack| format!("What the surface leaves unsaid: {}.", lack.words.trim_end_matches('.'))),
+    );
+    said.push(equations(document));
+    said.extend(arithmetic(document));
+    said.extend(in_space(document));
+    said.extend(shape.plane_p.map(|p| {
+        format!("Flatness: were the patch a plane, residuals like these would have probability {}.", significant(p, 2))
+    }));
+    said
+}
+
+/// How many numbers were measured, and how many were to be found.
+fn equations(document: &FitDocument) -> String {
+    let fit = &document.fit;
+    if fit.method == "recognition" {
+        return format!("{} measured numbers fix {} unknowns.", fit.equations, fit.unknowns);
+    }
+    let held = if fit.rank >= fit.unknowns {
+        "the contacts determine all of them".to_string()
+    } else {
+        format!("the contacts determine {} of them, and S and R are left out where the others matter", fit.rank)
+    };
+    let ([p, q], [a, b]) = (fit.degree, fit.segments);
+    format!(
+        "Equations: {} for the {} coefficients of a spline surface of degree {p} x {q} with {a} x {b} segments; {held}.",
+        fit.equations, fit.unknowns
+    )
+}
+
+/// What rounding can have done.
+fn arithmetic(document: &FitDocument) -> Vec<String> {
+    let fit = &document.fit;
+    let floor = |v: f64| v.floor().max(0.0);
+    let digits = fit.promise.as_ref().map(|digits| {
+        format!(
+            "Rounding: at least {} digits of the coefficients, {} of S and {} of R are those of the exact solution of the equations. \
+             This is about arithmetic, not about how near the surface is to the truth.",
+            floor(digits.coefficients),
+            floor(digits.shape_index),
+            floor(digits.curvedness)
+        )
+    });
+    let condition = fit.condition.map(|condition| {
+        let times = significant(condition, 2);
+        format!("Condition: a relative error in the equations may grow {times}-fold in the coefficients.")
+    });
+    let backward = fit.backward_error.map(|error| {
+        let part = significant(error, 2);
+        format!("Backward error: the computed answer solves equations that differ from the written ones by {part} of their size.")
+    });
+    [digits, condition, backward].into_iter().flatten().collect()
+}
+
+/// What a surface in space certifies.
+fn in_space(document: &FitDocument) -> Vec<String> {
+    let Some(part) = &document.fit.parametric else { return Vec::new() };
+    let folds = if part.fold_free {
+        "folds back on itself nowhere"
+    } else {
+        "folds back on itself somewhere: do not trust S and R there"
+    };
+    let settled = if part.settled { "ended at a minimum" } else { "was cut short before a minimum" };
+    vec![format!("Surface in space: it {folds}; the descent {settled} after {} steps.", part.iterations)]
+}
+
+/// Noise found or declared, in words.
+pub(super) fn noise(document: &FitDocument) -> Option<String> {
+    let sigma = document.fit.sigma.as_ref()?;
+    let mut parts: Vec<String> = sigma.z.map(|z| format!("{} in position", significant(z, 3))).into_iter().collect();
+    parts.extend(sigma.normal_deg.map(|v| format!("{} degrees in the normal", significant(v, 3))));
+    parts.extend(sigma.slope.map(|v| format!("{} in the slope", significant(v, 3))));
+    if let (Some(sd), Some(over)) = (sigma.shared, sigma.shared_over) {
+        parts.push(format!("{} shared by neighbours over a distance of {}", significant(sd, 3), significant(over, 3)));
+    }
+    (!parts.is_empty()).then(|| format!("Noise of one contact (standard deviation): {}.", parts.join(", ")))
+}
