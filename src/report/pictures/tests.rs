@@ -1,0 +1,1 @@
+//! Sizes, well-formedness and colours of the pictures.
