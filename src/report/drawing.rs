@@ -133,16 +133,7 @@ fn svg_shape(shape: &Shape, text: &mut String) {
         Shape::Area { points, fill, rim } => {
             writeln!(text, "<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\"/>", list(points), hex(*fill), hex(*rim))
         }
-        Shape::Dots { points, radius, colour } => {
-            // a line of no length has round ends
-            let dots: String = points.iter().map(|[x, y]| format!("M{x:.1} {y:.1}h0")).collect();
-            writeln!(
-                text,
-                "<path d=\"{dots}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>",
-                hex(*colour),
-                2.0 * radius
-            )
-        }
+        Shape::Dots { points, radius, colour } => text.write_str(&svg_dots(points, *radius, *colour)),
         // written by `svg_image`
         Shape::Image { .. } => Ok(()),
         Shape::Word { at: [x, y], text: word, size, anchor, upwards } => {
@@ -160,6 +151,16 @@ fn svg_shape(shape: &Shape, text: &mut String) {
             )
         }
     };
+}
+
+fn svg_dots(points: &[[f64; 2]], radius: f64, colour: Colour) -> String {
+    // a line of no length has round ends
+    let dots: String = points.iter().map(|[x, y]| format!("M{x:.1} {y:.1}h0")).collect();
+    format!(
+        "<path d=\"{dots}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>\n",
+        hex(colour),
+        2.0 * radius
+    )
 }
 
 fn svg_image([x, y]: [f64; 2], [width, height]: [f64; 2], raster: &Raster, text: &mut String) -> std::io::Result<()> {

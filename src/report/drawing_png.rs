@@ -10,6 +10,8 @@ use super::png::Raster;
 const ZOOM: usize = 2;
 /// Level lines of a pixel; along them what is covered is exact.
 const SAMPLES: usize = 4;
+/// Pixels by which the pieces of a line reach beyond their ends.
+const OVERLAP: f64 = 0.5;
 /// Height of capitals in hundredths of the font size: words stand with its middle at their point.
 const CAPITAL: f64 = 73.0;
 /// Corners of the polygon that stands for a dot.
@@ -70,6 +72,9 @@ impl Pixels {
             let length = (c - a).hypot(d - b);
             if length > 0.0 {
                 let (x, y) = (0.5 * width * (b - d) / length, 0.5 * width * (c - a) / length);
+                // pieces overlap by a little, or their seams would shine through
+                let [u, v] = [OVERLAP * (c - a) / length, OVERLAP * (d - b) / length];
+                let ([a, b], [c, d]) = ([a - u, b - v], [c + u, d + v]);
                 self.fill(&[vec![[a + x, b + y], [c + x, d + y], [c - x, d - y], [a - x, b - y]]], colour);
             }
         }

@@ -12,16 +12,20 @@ use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::surface_view::{SurfaceView, Vector};
 use crate::report::table::significant;
 
-use super::scale::{BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, picture, shape_bar, thinned, with_unit};
+use super::scale::{BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, foot, picture, shape_bar, short, thinned, with_unit};
 
 /// Edges of the scene: left, right, above, below.
-const ROOM: [f64; 4] = [46.0, 392.0, 36.0, 326.0];
+const ROOM: [f64; 4] = [52.0, 376.0, 44.0, 310.0];
 /// Quadrilaterals a side.
-const SIDE: usize = 32;
+const SIDE: usize = 28;
 /// Lines of a net, each way: more would hide the surface.
 const MOST_LINES: usize = 25;
 /// Contacts that are drawn.
-const MOST_DOTS: usize = 1_000;
+const MOST_DOTS: usize = 1_500;
+/// Depths at which contacts are drawn.
+const LAYERS: f64 = 24.0;
+/// Pieces that the lines of a net are cut into, so that each stands at its own depth: of every line, and of all together.
+const PIECES: [usize; 2] = [8, 480];
 const AZIMUTH: f64 = -60.0;
 const ELEVATION: f64 = 28.0;
 /// Distance of the camera, in sizes of the scene.
@@ -34,8 +38,8 @@ const DOT: Colour = [20; 3];
 enum Piece {
     Face(Vec<[f64; 2]>, Colour),
     Line([[f64; 2]; 2], f64),
-    Knot([f64; 2]),
-    Contact([f64; 2]),
+    Knots(Vec<[f64; 2]>),
+    Contacts(Vec<[f64; 2]>),
 }
 
 /// Where the scene is seen from, and where it is drawn.
@@ -52,7 +56,7 @@ struct Camera {
 
 /// Draws the surface.
 pub(super) fn perspective(view: &SurfaceView, title: &str, unit: Option<&str>) -> Drawing {
-    let mut drawing = picture(376.0);
+    let mut drawing = picture(362.0);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
     let faces = faces(view);
     let corners: Vec<Vector> = faces.iter().flat_map(|(face, _)| face.iter().map(|k| view.points[*k])).collect();
@@ -71,14 +75,7 @@ pub(super) fn perspective(view: &SurfaceView, title: &str, unit: Option<&str>) -
         let colour = colour(view, *middle, largest, &camera);
         pieces.push((depth, Piece::Face(points.iter().map(|p| camera.at(*p)).collect(), colour)));
     }
-    // lines and dots that lie on the surface are drawn on it
-    let nearer = |depth: f64| depth + 0.02 * camera.size;
-    for (width, [a, b]) in &net {
-        let depth = nearer(0.5 * (camera.depth(*a) + camera.depth(*b)));
-        pieces.push((depth, Piece::Line([camera.at(*a), camera.at(*b)], *width)));
-        pieces.extend([a, b].map(|p| (nearer(camera.depth(*p)), Piece::Knot(camera.at(*p)))));
-    }
-    pieces.extend(contacts.iter().map(|p| (nearer(camera.depth(*p)), Piece::Contact(camera.at(*p)))));
+    pieces.extend(upon(&net, &contacts, &camera));
     pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
     draw(&mut drawing, &pieces);
     shape_bar(&mut drawing, [410.0, 70.0], 150.0);
@@ -86,20 +83,48 @@ pub(super) fn perspective(view: &SurfaceView, title: &str, unit: Option<&str>) -
     if camera.stretch > 1.0 {
         words.push(format!("heights drawn {} times as large", significant(camera.stretch, 3)));
     }
-    drawing.word([8.0, 366.0], fitting(&words.join("; "), 92), SMALL, Anchor::Start);
+    foot(&mut drawing, &words);
     drawing
 }
 
+/// Lines and dots. What lies on the surface is drawn on it.
+fn upon(net: &[(f64, [Vector; 2])], contacts: &[Vector], camera: &Camera) -> Vec<(f64, Piece)> {
+    let nearer = |depth: f64| depth + 0.03 * camera.size;
+    let cuts = PIECES[0].min(PIECES[1] / net.len().max(1)).max(1);
+    let mut pieces = Vec::new();
+    for (width, [a, b]) in net {
+        let at = |k: usize| [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * k as f64 / cuts as f64);
+        for ends in (0..cuts).map(|k| [at(k), at(k + 1)]) {
+            let depth = nearer(0.5 * (camera.depth(ends[0]) + camera.depth(ends[1])));
+            pieces.push((depth, Piece::Line(ends.map(|p| camera.at(p)), *width)));
+        }
+    }
+    let knots = layers(net.iter().flat_map(|(_, ends)| ends).copied(), camera);
+    pieces.extend(knots.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Knots(dots))));
+    let touched = layers(contacts.iter().copied(), camera);
+    pieces.extend(touched.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Contacts(dots))));
+    pieces
+}
+
 fn draw(drawing: &mut Drawing, pieces: &[(f64, Piece)]) {
-    // what follows each other in depth and is alike is one shape of the drawing
     for piece in pieces {
         match &piece.1 {
             Piece::Face(points, colour) => drawing.area(points, *colour, *colour),
             Piece::Line(ends, width) => drawing.line(ends, *width, NET),
-            Piece::Knot(at) => drawing.dots(vec![*at], 1.4, NET),
-            Piece::Contact(at) => drawing.dots(vec![*at], 1.8, DOT),
+            Piece::Knots(dots) => drawing.dots(dots.clone(), 1.5, NET),
+            Piece::Contacts(dots) => drawing.dots(dots.clone(), if dots.len() > 40 { 1.0 } else { 1.8 }, DOT),
         }
     }
+}
+
+/// Points by their depth, with the depth of the nearest of each layer; points in one place once.
+fn layers(points: impl Iterator<Item = Vector>, camera: &Camera) -> Vec<(f64, Vec<[f64; 2]>)> {
+    let mut seen: Vec<(f64, [f64; 2])> = points.map(|p| (camera.depth(p), camera.at(p))).collect();
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])));
+    seen.dedup();
+    let layer = |depth: f64| (LAYERS * depth / camera.size).floor();
+    let alike = seen.chunk_by(|a, b| layer(a.0) == layer(b.0));
+    alike.map(|some| (some[some.len() - 1].0, some.iter().map(|(_, at)| *at).collect())).collect()
 }
 
 /// Corners of every piece of the surface, and the point of the map in its middle.
@@ -278,10 +303,13 @@ fn base(drawing: &mut Drawing, camera: &Camera, bounds: [[f64; 2]; 3], unit: Opt
         let beside = |t: f64| [a[0] + t * (b[0] - a[0]) + right, a[1] + t * (b[1] - a[1]) + down];
         // the ends of two edges meet in one corner: their numbers keep off it
         for (t, value) in [(0.08, ends[0]), (0.92, ends[1])] {
-            drawing.word(beside(t), significant(value, 3), SMALL, anchor);
+            drawing.word(beside(t), short(value), SMALL, anchor);
         }
         let [mx, my] = beside(0.5);
-        let off = if name == "z" { [-22.0, 0.0] } else { [0.0, 8.0] };
-        drawing.word([mx + off[0], my + off[1]], with_unit(name, unit, 1), MIDDLE, anchor);
+        if name == "z" {
+            drawing.word([b[0], b[1] - 14.0], with_unit(name, unit, 1), MIDDLE, Anchor::Middle);
+        } else {
+            drawing.word([mx, my + 8.0], with_unit(name, unit, 1), MIDDLE, anchor);
+        }
     }
 }

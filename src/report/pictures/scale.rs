@@ -125,9 +125,9 @@ pub(super) fn shape_bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64) {
         drawing.line(&[[x + BAR, at], [x + BAR + 3.0, at]], 0.8, BLACK);
         let number = match k {
             0 => " -1",
-            2 => " -½",
+            2 => " -0.5",
             4 => " 0",
-            6 => " ½",
+            6 => " 0.5",
             8 => " 1",
             _ => "",
         };
@@ -163,6 +163,33 @@ pub(super) fn fitting(text: &str, letters: usize) -> String {
     let head: String = all[..letters - tail - 3].iter().collect();
     let tail: String = all[all.len() - tail..].iter().collect();
     format!("{head}...{tail}")
+}
+
+/// Letters of a line at the foot.
+const FOOT_LETTERS: usize = 82;
+
+/// The picture's last lines: remarks, as many in a line as fit. The picture grows by them.
+pub(super) fn foot(drawing: &mut Drawing, remarks: &[String]) {
+    let mut lines: Vec<String> = Vec::new();
+    for remark in remarks {
+        match lines.last_mut().filter(|line| line.chars().count() + remark.chars().count() + 2 <= FOOT_LETTERS) {
+            Some(line) => *line = format!("{line}; {remark}"),
+            None => lines.push(fitting(remark, FOOT_LETTERS)),
+        }
+    }
+    for line in lines {
+        drawing.word([8.0, drawing.size[1] + 4.0], line, SMALL, Anchor::Start);
+        drawing.size[1] += 15.0;
+    }
+}
+
+/// A number without the zeros behind its last digit.
+pub(super) fn short(value: f64) -> String {
+    let text = crate::report::table::significant(value, 3);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
 }
 
 /// Which of `all` are drawn when at most `most` can be, and in words how many of them.

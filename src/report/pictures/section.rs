@@ -10,7 +10,7 @@ use crate::report::drawing::{Anchor, Drawing};
 use crate::report::surface_view::{ContactsView, SurfaceView, Vector, between};
 use crate::report::table::significant;
 
-use super::scale::{Axis, GREY, LARGE, SMALL, WIDTH, fitting, frame, picture, thinned, with_unit};
+use super::scale::{Axis, GREY, LARGE, SMALL, WIDTH, fitting, foot, frame, picture, thinned, with_unit};
 
 /// Edges of the panels.
 const LEFT: f64 = 66.0;
@@ -43,29 +43,23 @@ struct Cut<'a> {
 
 /// Draws the section.
 pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, across_deg: Option<f64>) -> Drawing {
-    let mut drawing = picture(412.0);
+    let mut drawing = picture(394.0);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
     let cut = Cut::new(view, across_deg);
     let line = cut.line();
     let contacts = view.contacts.as_ref();
     let band = contacts.map_or(0.0, |contacts| cut.band(contacts));
-    let mut near: Vec<[f64; 2]> = Vec::new();
-    let mut misses: Vec<([f64; 2], bool)> = Vec::new();
-    if let Some(contacts) = contacts {
-        for (k, place) in contacts.places.iter().enumerate().filter(|(k, _)| !contacts.left_out[*k]) {
-            let [s, aside] = cut.seen(*place);
-            misses.push(([s, contacts.residuals[k]], aside.abs() <= band));
-            if aside.abs() <= band {
-                near.push(cut.flat(contacts.points[k], s));
-            }
-        }
-    }
+    let (near, misses) = contacts.map_or_else(Default::default, |contacts| cut.contacts(contacts, band));
     let known = line.iter().map(|(place, _)| *place).chain(near.iter().copied());
     let known: Vec<[f64; 2]> = known.filter(|p| p.iter().all(|v| v.is_finite())).collect();
     let x = Axis { from: LEFT, to: RIGHT, ..spread(known.iter().map(|p| p[0])) };
     let y = Axis { from: ABOVE[1], to: ABOVE[0], ..spread(known.iter().map(|p| p[1])) };
-    let height = if cut.plane.is_none() { "z" } else { "height" };
-    frame(&mut drawing, &x, &y, ["", &with_unit(height, unit, 1)], [7, 6], true);
+    let ([x, y], names) = match cut.plane {
+        None => ([x, y], ["", "z"]),
+        Some(_) => (to_scale(x, y), ["along the tangent", "along the normal"]),
+    };
+    let names = names.map(|name| if name.is_empty() { String::new() } else { with_unit(name, unit, 1) });
+    frame(&mut drawing, &x, &y, [&names[0], &names[1]], [7, 6], true);
     draw_line(&mut drawing, &line, &x, &y);
     let (step, _) = thinned(near.len(), MOST_DOTS);
     let shown = near.iter().step_by(step).map(|p| [x.at(p[0]), y.at(p[1])]).collect();
@@ -73,18 +67,28 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
     let mut words = vec![cut.words.clone(), stretched(&x, &y)];
     match contacts {
         Some(contacts) => {
+            // on a bent surface the way along it is no tangent
+            let along = misses.iter().map(|(p, _)| p[0]);
+            let x = if cut.plane.is_none() { x } else { Axis { from: LEFT, to: RIGHT, ..spread(along) } };
             words.push(residuals(&mut drawing, &x, &misses, band, unit, contacts));
         }
         None => words.push("the contacts are not saved with the surface".into()),
     }
-    drawing.word(
-        [0.5 * (LEFT + RIGHT), BELOW[1] + 27.0],
-        with_unit("along the section", unit, 1),
-        12.0,
-        Anchor::Middle,
-    );
-    drawing.word([8.0, 402.0], fitting(&words.join("; "), 92), SMALL, Anchor::Start);
+    let along = if cut.plane.is_none() { "along the section" } else { cut.view.axes[0] };
+    drawing.word([0.5 * (LEFT + RIGHT), BELOW[1] + 27.0], with_unit(along, unit, 1), 12.0, Anchor::Middle);
+    foot(&mut drawing, &words);
     drawing
+}
+
+/// The two axes with as many pixels a length: the one that has more of them reaches farther.
+fn to_scale(mut x: Axis, mut y: Axis) -> [Axis; 2] {
+    let pixels = |axis: &Axis| (axis.to - axis.from).abs();
+    let scale = (pixels(&x) / (x.hi - x.lo)).min(pixels(&y) / (y.hi - y.lo));
+    for axis in [&mut x, &mut y] {
+        let (middle, half) = (0.5 * (axis.lo + axis.hi), 0.5 * pixels(axis) / scale);
+        (axis.lo, axis.hi) = (middle - half, middle + half);
+    }
+    [x, y]
 }
 
 /// An axis over values, with some room.
@@ -265,6 +269,19 @@ impl<'a> Cut<'a> {
             }
         }
         reach
+    }
+
+    /// Where contacts at the section are drawn; abscissa and residual of all of them, and whether they lie at it.
+    fn contacts(&self, contacts: &ContactsView, band: f64) -> (Vec<[f64; 2]>, Vec<([f64; 2], bool)>) {
+        let (mut near, mut misses) = (Vec::new(), Vec::new());
+        for (k, place) in contacts.places.iter().enumerate().filter(|(k, _)| !contacts.left_out[*k]) {
+            let [s, aside] = self.seen(*place);
+            misses.push(([s, contacts.residuals[k]], aside.abs() <= band));
+            if aside.abs() <= band {
+                near.push(self.flat(contacts.points[k], s));
+            }
+        }
+        (near, misses)
     }
 
     fn band(&self, contacts: &ContactsView) -> f64 {

@@ -15,7 +15,7 @@ use crate::report::surface_view::{ContactsView, SurfaceView};
 
 use super::contour::contours;
 use super::scale::{
-    Axis, BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, frame, number_bar, picture, shape_bar, thinned, with_unit,
+    Axis, BLACK, GREY, LARGE, MIDDLE, fitting, foot, frame, number_bar, picture, shape_bar, thinned, with_unit,
 };
 
 /// Sides of a map: its width, and the most that its height may be.
@@ -24,9 +24,11 @@ const TALLEST: f64 = 230.0;
 /// Least height of a row: the scale of S has nine names.
 const LEAST: f64 = 118.0;
 /// Left edges of the two columns.
-const COLUMNS: [f64; 2] = [46.0, 296.0];
+const COLUMNS: [f64; 2] = [46.0, 290.0];
 /// Pixels of a map along its longer side: with four maps a picture stays below 200 kB.
 const PIXELS: f64 = 160.0;
+/// Colours of a scale: steps of 1 % are not seen.
+const COLOURS: f64 = 100.0;
 /// Dots of a panel: 12 bytes each.
 const MOST_DOTS: usize = 2_500;
 /// Pieces of lines of one map: where S is rounding its lines would cover the map.
@@ -49,7 +51,7 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
     let [width, height] = sides(view);
     let row = height.max(LEAST) + 62.0;
     let rows = maps.len().div_ceil(2);
-    let mut drawing = picture(30.0 + row * rows as f64 + 20.0);
+    let mut drawing = picture(32.0 + row * rows as f64);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
     let mut words = Vec::new();
     for (k, map) in maps.iter().enumerate() {
@@ -72,7 +74,7 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
         if let Some(contacts) = view.contacts.as_ref().filter(|_| k < 2) {
             words = panel.contacts(&mut drawing, contacts);
         }
-        frame(&mut drawing, &panel.x, &panel.y, [&names[0], second], [4, 5], k % 2 == 0);
+        frame(&mut drawing, &panel.x, &panel.y, [&names[0], second], [5, 5], k % 2 == 0);
     }
     if view.curvedness.iter().any(|r| r.is_nan()) {
         words.push("grey: not surrounded by contacts".into());
@@ -80,8 +82,7 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
     if rows > 1 {
         words.push(format!("u: {}", view.uncertainty_words));
     }
-    let foot = drawing.size[1] - 10.0;
-    drawing.word([8.0, foot], fitting(&words.join("; "), 92), SMALL, Anchor::Start);
+    foot(&mut drawing, &words);
     drawing
 }
 
@@ -90,13 +91,13 @@ fn maps<'a>(view: &'a SurfaceView, unit: Option<&str>) -> Vec<Map<'a>> {
     let largest_r = largest(&view.curvedness);
     let faded = move |s: f64, r: f64| {
         let strength = if largest_r > 0.0 && r.is_finite() { (r / (FADE * largest_r)).min(1.0) } else { 0.0 };
-        mix(FAINT, along(&DIVERGING, 0.5 * (s + 1.0)), strength)
+        mix(FAINT, along(&DIVERGING, stepped(0.5 * (s + 1.0))), stepped(strength))
     };
     let numbers = |caption: String, values: &'a [f64]| {
         let most = largest(values);
         // of a plane, or of numbers without noise, nothing is left but zero
         let most = if most > 0.0 { most } else { 1.0 };
-        let colour = Box::new(move |v: f64, _| along(&VIRIDIS, v / most));
+        let colour = Box::new(move |v: f64, _| along(&VIRIDIS, stepped(v / most)));
         Map { caption, values, colour, ends: Some([0.0, most]) }
     };
     let mut maps = vec![
@@ -108,6 +109,11 @@ fn maps<'a>(view: &'a SurfaceView, unit: Option<&str>) -> Vec<Map<'a>> {
         maps.push(numbers(with_unit("u(R)", unit, -1), r));
     }
     maps
+}
+
+/// The nearest of the colours that are used: areas of one colour are stored in a few bytes.
+fn stepped(t: f64) -> f64 {
+    (t * COLOURS).round() / COLOURS
 }
 
 /// Width and height of every map: to scale, but for slivers.
@@ -260,4 +266,43 @@ fn known_between(values: &[f64], [n, m]: [usize; 2], at: [f64; 2]) -> Option<f64
         }
     }
     (weight >= 0.5).then(|| sum / weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::drawing::Shape;
+
+    #[test]
+    fn colours_stand_where_their_values_are() {
+        // S runs from -1 to 1 along the first direction, R is 2 where the second one is above its middle, else unknown
+        let (n, m) = (5, 5);
+        let at = |k: usize, s: &dyn Fn(f64, f64) -> f64| s((k / m) as f64 / 4.0, (k % m) as f64 / 4.0);
+        let places: Vec<f64> = (0..5).map(|k| f64::from(k) / 4.0).collect();
+        let view = SurfaceView {
+            axes: ["x", "y"],
+            places: [places.clone(), places],
+            shape_index: (0..n * m).map(|k| at(k, &|x, y| if y < 0.4 { f64::NAN } else { 2.0 * x - 1.0 })).collect(),
+            curvedness: (0..n * m).map(|k| at(k, &|_, y| if y < 0.4 { f64::NAN } else { 2.0 })).collect(),
+            ..SurfaceView::default()
+        };
+        let drawing = shape(&view, "", None);
+        let images = drawing.shapes.iter().filter_map(|shape| match shape {
+            Shape::Image { raster, .. } if raster.width > 1 => Some(raster),
+            _ => None,
+        });
+        let images: Vec<&Raster> = images.collect();
+        let pixel = |image: &Raster, x: f64, y: f64| -> Colour {
+            let (column, row) = ((x * image.width as f64) as usize, ((1.0 - y) * image.height as f64) as usize);
+            let at = 3 * (row * image.width + column);
+            [image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]]
+        };
+        let near = |a: Colour, b: Colour| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) < 12);
+        assert_eq!(images.len(), 2);
+        for (x, stop) in [(0.0, 0), (0.5, 3), (0.999, 6)] {
+            assert!(near(pixel(images[0], x, 0.8), DIVERGING[stop]), "{x}: {:?}", pixel(images[0], x, 0.8));
+            assert_eq!(pixel(images[1], x, 0.8), VIRIDIS[9]);
+            assert_eq!(pixel(images[0], x, 0.1), UNKNOWN);
+        }
+    }
 }

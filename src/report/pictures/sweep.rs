@@ -11,10 +11,9 @@ use std::io::Write;
 use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::study::QuantityPart;
 use crate::report::sweep::SweepPoint;
-use crate::report::table::significant;
 
 use super::PictureFormat;
-use super::scale::{Axis, BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, picture, ticks};
+use super::scale::{Axis, BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, foot, picture, short, ticks};
 use super::write_drawing;
 
 /// Edges of the two panels.
@@ -44,7 +43,7 @@ pub(crate) fn write_sweep_picture(
 fn sweep(title: &str, keys: &[&str], points: &[SweepPoint], level: f64) -> Drawing {
     let lines = lines(points);
     let named = if lines.len() > 1 { 16.0 } else { 0.0 };
-    let mut drawing = picture(464.0 + named);
+    let mut drawing = picture(446.0 + named);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
     let xs: Vec<f64> = points.iter().filter_map(|point| point.at.last().copied()).collect();
     let (x0, x1) = xs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(*x), hi.max(*x)));
@@ -54,28 +53,8 @@ fn sweep(title: &str, keys: &[&str], points: &[SweepPoint], level: f64) -> Drawi
     let room = if x1 > x0 { 0.04 * (place(x1) - place(x0)) } else { 0.5 };
     let x = Axis { lo: place(x0) - room, hi: place(x1) + room, from: LEFT, to: RIGHT };
     let parts: [(&str, Part); 2] = [("S, shape index", |p| &p.shape_index), ("R, curvedness", |p| &p.curvedness)];
-    for ((name, part), [top, bottom]) in parts.into_iter().zip(PANELS) {
-        let ends = points.iter().flat_map(|p| [part(p).mean, part(p).lo, part(p).hi, part(p).truth]).flatten();
-        let (lo, hi) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        let bounds = [[LEFT, top], [RIGHT, top], [RIGHT, bottom], [LEFT, bottom], [LEFT, top]];
-        drawing.line(&bounds, 1.0, BLACK);
-        drawing.upward_word([11.0, 0.5 * (top + bottom)], name, MIDDLE);
-        if !(lo.is_finite() && hi.is_finite()) {
-            drawing.word([0.5 * (LEFT + RIGHT), 0.5 * (top + bottom)], "undefined everywhere", SMALL, Anchor::Middle);
-            continue;
-        }
-        let margin = 0.07 * (hi - lo).max(1e-3 * hi.abs()).max(1e-12);
-        let y = Axis { lo: lo - margin, hi: hi + margin, from: bottom, to: top };
-        for (value, word) in y.ticks(6) {
-            drawing.line(&[[LEFT - 4.0, y.at(value)], [LEFT, y.at(value)]], 1.0, BLACK);
-            drawing.word([LEFT - 6.0, y.at(value)], word, SMALL, Anchor::End);
-        }
-        for (k, line) in lines.iter().enumerate() {
-            let colour = COLOURS[k % COLOURS.len()];
-            // several lines stand side by side where they have the same key
-            let aside = 3.0 * (k as f64 - 0.5 * (lines.len() as f64 - 1.0)).clamp(-4.0, 4.0);
-            draw_line(&mut drawing, line, part, &|v| x.at(place(v)) + aside, &y, colour);
-        }
+    for ((name, part), bounds) in parts.into_iter().zip(PANELS) {
+        panel(&mut drawing, name, part, bounds, points, &|v| x.at(place(v)));
     }
     key_axis(&mut drawing, &x, logarithmic);
     let key = keys.last().copied().unwrap_or("");
@@ -83,10 +62,41 @@ fn sweep(title: &str, keys: &[&str], points: &[SweepPoint], level: f64) -> Drawi
     if lines.len() > 1 {
         legend(&mut drawing, keys, &lines);
     }
-    let foot = drawing.size[1] - 12.0;
-    let words = format!("dots: mean; bars: {} % of the replicates; lines: truth", significant(100.0 * level, 3));
-    drawing.word([8.0, foot], words, SMALL, Anchor::Start);
+    let words = format!("dots: mean; bars: {} % of the replicates; lines: truth", short(100.0 * level));
+    foot(&mut drawing, &[words]);
     drawing
+}
+
+/// One quantity: its frame, its axis, its lines.
+fn panel(
+    drawing: &mut Drawing,
+    name: &str,
+    part: Part,
+    [top, bottom]: [f64; 2],
+    points: &[SweepPoint],
+    x: &dyn Fn(f64) -> f64,
+) {
+    let ends = points.iter().flat_map(|p| [part(p).mean, part(p).lo, part(p).hi, part(p).truth]).flatten();
+    let (lo, hi) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    let bounds = [[LEFT, top], [RIGHT, top], [RIGHT, bottom], [LEFT, bottom], [LEFT, top]];
+    drawing.line(&bounds, 1.0, BLACK);
+    drawing.upward_word([11.0, 0.5 * (top + bottom)], name, MIDDLE);
+    if !(lo.is_finite() && hi.is_finite()) {
+        drawing.word([0.5 * (LEFT + RIGHT), 0.5 * (top + bottom)], "undefined everywhere", SMALL, Anchor::Middle);
+        return;
+    }
+    let margin = 0.07 * (hi - lo).max(1e-3 * hi.abs()).max(1e-12);
+    let y = Axis { lo: lo - margin, hi: hi + margin, from: bottom, to: top };
+    for (value, word) in y.ticks(6) {
+        drawing.line(&[[LEFT - 4.0, y.at(value)], [LEFT, y.at(value)]], 1.0, BLACK);
+        drawing.word([LEFT - 6.0, y.at(value)], word, SMALL, Anchor::End);
+    }
+    let lines = lines(points);
+    for (k, line) in lines.iter().enumerate() {
+        // several lines stand side by side where they have the same key
+        let aside = 3.0 * (k as f64 - 0.5 * (lines.len() as f64 - 1.0)).clamp(-4.0, 4.0);
+        draw_line(drawing, line, part, &|v| x(v) + aside, &y, COLOURS[k % COLOURS.len()]);
+    }
 }
 
 fn key_axis(drawing: &mut Drawing, x: &Axis, logarithmic: bool) {
@@ -95,7 +105,7 @@ fn key_axis(drawing: &mut Drawing, x: &Axis, logarithmic: bool) {
         let dense = x.hi - x.lo < 2.5;
         let digits: &[f64] = if dense { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let all = decades.flat_map(|k| digits.iter().map(move |d| d * 10.0_f64.powi(k)));
-        all.map(|v| (v.log10(), significant(v, 3))).filter(|(v, _)| (x.lo..=x.hi).contains(v)).collect()
+        all.map(|v| (v.log10(), short(v))).filter(|(v, _)| (x.lo..=x.hi).contains(v)).collect()
     } else {
         ticks(x.lo, x.hi, 8)
     };
@@ -127,12 +137,12 @@ fn draw_line(drawing: &mut Drawing, line: &[SweepPoint], part: Part, x: &dyn Fn(
 /// What the colours are, in one line.
 fn legend(drawing: &mut Drawing, keys: &[&str], lines: &[&[SweepPoint]]) {
     let mut left = LEFT;
-    let y = drawing.size[1] - 30.0;
+    let y = drawing.size[1] - 16.0;
     let last = keys.len().saturating_sub(1);
     for (k, line) in lines.iter().enumerate() {
         let values = line.first().map(|p| &p.at[..]).unwrap_or_default();
-        let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
-        let words = keys.iter().take(last).zip(values).map(|(key, v)| format!("{} {}", short(key), significant(*v, 3)));
+        let last_word = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
+        let words = keys.iter().take(last).zip(values).map(|(key, v)| format!("{} {}", last_word(key), short(*v)));
         let words = words.collect::<Vec<_>>().join(", ");
         let width = 22.0 + 6.2 * words.chars().count() as f64;
         if left + width > RIGHT {
