@@ -50,6 +50,8 @@ impl Pixels {
             }
             Shape::Dots { points, radius, colour } => zoomed(points).iter().for_each(|[x, y]| {
                 let radius = radius * ZOOM as f64;
+                // small dots stand on whole pixels: all alike, they are sharp, and deflate well
+                let [x, y] = [x, y].map(|v| if radius < 2.5 { v.floor() + 0.5 } else { *v });
                 let corner = |k: usize| {
                     let (sine, cosine) = (std::f64::consts::TAU * k as f64 / CORNERS as f64).sin_cos();
                     [x + radius * cosine, y + radius * sine]

@@ -21,7 +21,7 @@ const SIDE: usize = 28;
 /// Lines of a net, each way: more would hide the surface.
 const MOST_LINES: usize = 25;
 /// Contacts that are drawn.
-const MOST_DOTS: usize = 1_500;
+const MOST_DOTS: usize = 1_000;
 /// Depths at which contacts are drawn.
 const LAYERS: f64 = 24.0;
 /// Pieces that the lines of a net are cut into, so that each stands at its own depth: of every line, and of all together.
@@ -39,7 +39,7 @@ enum Piece {
     Face(Vec<[f64; 2]>, Colour),
     Line([[f64; 2]; 2], f64),
     Knots(Vec<[f64; 2]>),
-    Contacts(Vec<[f64; 2]>),
+    Contacts(Vec<[f64; 2]>, f64),
 }
 
 /// Where the scene is seen from, and where it is drawn.
@@ -101,8 +101,9 @@ fn upon(net: &[(f64, [Vector; 2])], contacts: &[Vector], camera: &Camera) -> Vec
     }
     let knots = layers(net.iter().flat_map(|(_, ends)| ends).copied(), camera);
     pieces.extend(knots.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Knots(dots))));
+    let radius = if contacts.len() > 400 { 0.9 } else { 1.8 };
     let touched = layers(contacts.iter().copied(), camera);
-    pieces.extend(touched.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Contacts(dots))));
+    pieces.extend(touched.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Contacts(dots, radius))));
     pieces
 }
 
@@ -112,7 +113,7 @@ fn draw(drawing: &mut Drawing, pieces: &[(f64, Piece)]) {
             Piece::Face(points, colour) => drawing.area(points, *colour, *colour),
             Piece::Line(ends, width) => drawing.line(ends, *width, NET),
             Piece::Knots(dots) => drawing.dots(dots.clone(), 1.5, NET),
-            Piece::Contacts(dots) => drawing.dots(dots.clone(), if dots.len() > 40 { 1.0 } else { 1.8 }, DOT),
+            Piece::Contacts(dots, radius) => drawing.dots(dots.clone(), *radius, DOT),
         }
     }
 }

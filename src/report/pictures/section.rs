@@ -23,7 +23,7 @@ const POINTS: usize = 240;
 const BANDS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 const FEW: usize = 8;
 /// Dots of a panel.
-const MOST_DOTS: usize = 4_000;
+const MOST_DOTS: usize = 2_000;
 const BLUE: [u8; 3] = [31, 90, 166];
 const ORANGE: [u8; 3] = [200, 82, 0];
 const LIGHT: [u8; 3] = [170; 3];
@@ -56,14 +56,14 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
     let y = Axis { from: ABOVE[1], to: ABOVE[0], ..spread(known.iter().map(|p| p[1])) };
     let ([x, y], names) = match cut.plane {
         None => ([x, y], ["", "z"]),
-        Some(_) => (to_scale(x, y), ["along the tangent", "along the normal"]),
+        Some(_) => (to_scale(x, y), ["", "along the normal"]),
     };
     let names = names.map(|name| if name.is_empty() { String::new() } else { with_unit(name, unit, 1) });
     frame(&mut drawing, &x, &y, [&names[0], &names[1]], [7, 6], true);
-    draw_line(&mut drawing, &line, &x, &y);
     let (step, _) = thinned(near.len(), MOST_DOTS);
     let shown = near.iter().step_by(step).map(|p| [x.at(p[0]), y.at(p[1])]).collect();
     drawing.dots(shown, if near.len() > 400 { 1.0 } else { 2.2 }, ORANGE);
+    draw_line(&mut drawing, &line, &x, &y);
     let mut words = vec![cut.words.clone(), stretched(&x, &y)];
     match contacts {
         Some(contacts) => {
@@ -74,7 +74,7 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
         }
         None => words.push("the contacts are not saved with the surface".into()),
     }
-    let along = if cut.plane.is_none() { "along the section" } else { cut.view.axes[0] };
+    let along = if cut.plane.is_none() { "along the section" } else { cut.view.axes[usize::from(cut.along[1] == 1.0)] };
     drawing.word([0.5 * (LEFT + RIGHT), BELOW[1] + 27.0], with_unit(along, unit, 1), 12.0, Anchor::Middle);
     foot(&mut drawing, &words);
     drawing
@@ -171,12 +171,16 @@ impl<'a> Cut<'a> {
             && view.points.first().zip(view.places[0].first()).is_some_and(|(p, x)| (p[0] - x).abs() <= 1e-9 * x.abs())
             && view.points.last().zip(view.places[1].last()).is_some_and(|(p, y)| (p[1] - y).abs() <= 1e-9 * y.abs());
         let angle = across_deg.filter(|_| upright);
+        // a section around a tube shows more than one along it
+        let around = !upright && view.closed[1] && !view.closed[0];
         let (sine, cosine) = angle.unwrap_or(0.0).to_radians().sin_cos();
+        let along = if around { [0.0, 1.0] } else { [cosine, sine] };
         let words = match angle {
-            Some(angle) => format!("section across the shape's axis, {}° from x", significant(angle, 3)),
-            None => format!("section along {}", view.axes[0]),
+            Some(angle) => format!("section across the shape's axis, {angle:.0}° from x"),
+            None if upright => format!("section along {}", view.axes[0]),
+            None => format!("section along {}, in the plane of tangent and normal", view.axes[usize::from(around)]),
         };
-        let mut cut = Cut { view, centre, along: [cosine, sine], plane: None, words };
+        let mut cut = Cut { view, centre, along, plane: None, words };
         if !upright {
             cut.plane = cut.tangent_plane();
         }

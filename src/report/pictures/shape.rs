@@ -29,10 +29,12 @@ const COLUMNS: [f64; 2] = [46.0, 290.0];
 const PIXELS: f64 = 160.0;
 /// Colours of a scale: steps of 1 % are not seen.
 const COLOURS: f64 = 100.0;
-/// Dots of a panel: 12 bytes each.
-const MOST_DOTS: usize = 2_500;
+/// Dots of a panel: some 30 bytes each in a PNG.
+const MOST_DOTS: usize = 1_000;
 /// Pieces of lines of one map: where S is rounding its lines would cover the map.
 const MOST_PIECES: usize = 3_000;
+/// Part of a map's side up to which contacts beyond its edge are drawn.
+const MARGIN: f64 = 0.05;
 /// Where nothing is known.
 const UNKNOWN: Colour = [232; 3];
 
@@ -74,7 +76,7 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
         if let Some(contacts) = view.contacts.as_ref().filter(|_| k < 2) {
             words = panel.contacts(&mut drawing, contacts);
         }
-        frame(&mut drawing, &panel.x, &panel.y, [&names[0], second], [5, 5], k % 2 == 0);
+        frame(&mut drawing, &panel.x, &panel.y, [&names[0], second], [(width / 26.0) as usize, 5], k % 2 == 0);
     }
     if view.curvedness.iter().any(|r| r.is_nan()) {
         words.push("grey: not surrounded by contacts".into());
@@ -214,7 +216,9 @@ impl<'a> Panel<'a> {
         if step > 1 || held < contacts.all {
             words = format!("{} of {} contacts, evenly chosen", held.div_ceil(step), contacts.all);
         }
-        let inside = |[x, y]: &[f64; 2]| (self.x.lo..=self.x.hi).contains(x) && (self.y.lo..=self.y.hi).contains(y);
+        // feet of contacts at the rim lie a little beyond it; the margins of the panel have room for them
+        let near = |axis: &Axis, v: f64| (-MARGIN..=1.0 + MARGIN).contains(&((v - axis.lo) / (axis.hi - axis.lo)));
+        let inside = |[x, y]: &[f64; 2]| near(&self.x, *x) && near(&self.y, *y);
         let pixels = |out: bool| -> Vec<[f64; 2]> {
             let both = contacts.places.iter().zip(&contacts.left_out).step_by(step);
             let some = both.filter(|(place, left_out)| **left_out == out && inside(place));
