@@ -13,7 +13,8 @@ fn pictures(contacts: usize, title: &str) -> SurfacePictures {
         places.iter().flat_map(|x| places.iter().map(|y| value(*x, *y))).collect()
     };
     let held = |x: f64, y: f64, value: f64| if x.hypot(y) < 1.2 { value } else { f64::NAN };
-    let points: Vec<[f64; 3]> = places.iter().flat_map(|x| places.iter().map(|y| [*x, *y, 0.4 * x * x])).collect();
+    let points = places.iter().flat_map(|x| places.iter().map(move |y| [*x, *y, 0.4 * x * x]));
+    let points: Vec<[f64; 3]> = points.collect();
     let spot = |k: usize| [(0.618_034 * k as f64).fract(), (k as f64 + 0.5) / contacts as f64].map(|t| 2.0 * t - 1.0);
     let touched: Vec<[f64; 3]> = (0..contacts).map(|k| spot(k)).map(|[x, y]| [x, y, 0.4 * x * x]).collect();
     let view = SurfaceView {
