@@ -193,7 +193,8 @@ mod tests {
         assert!(text.contains(r"(a \(b\) \\ ?[31m<") && !text.contains('\u{1b}'), "{text}");
         let lossy: String = bytes.iter().map(|b| char::from(*b)).collect();
         let place: usize = lossy.lines().rev().nth(1).unwrap().parse().unwrap();
-        let table: Vec<&str> = lossy[place..].lines().collect();
+        let table: String = bytes[place..].iter().map(|b| char::from(*b)).collect();
+        let table: Vec<&str> = table.lines().collect();
         assert_eq!(table[..2], ["xref", "0 7"]);
         for k in 1..7 {
             let at: usize = table[k + 2][..10].parse().unwrap();

@@ -52,7 +52,9 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
     let (near, misses) = contacts.map_or_else(Default::default, |contacts| cut.contacts(contacts, band));
     let known = line.iter().map(|(place, _)| *place).chain(near.iter().copied());
     let known: Vec<[f64; 2]> = known.filter(|p| p.iter().all(|v| v.is_finite())).collect();
-    let x = Axis { from: LEFT, to: RIGHT, ..spread(known.iter().map(|p| p[0])) };
+    // contacts in the corners of the map stand beyond the ends of the line
+    let corners = misses.iter().map(|(p, _)| p[0]).filter(|_| cut.plane.is_none());
+    let x = Axis { from: LEFT, to: RIGHT, ..spread(known.iter().map(|p| p[0]).chain(corners)) };
     let y = Axis { from: ABOVE[1], to: ABOVE[0], ..spread(known.iter().map(|p| p[1])) };
     let ([x, y], names) = match cut.plane {
         None => ([x, y], ["", "z"]),

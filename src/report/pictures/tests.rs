@@ -115,7 +115,8 @@ fn check_pdf(bytes: &[u8]) {
     let text: String = bytes.iter().map(|b| char::from(*b)).collect();
     assert!(text.starts_with("%PDF-1.4\n") && text.ends_with("%%EOF\n"));
     let place: usize = text.lines().rev().nth(1).unwrap().parse().unwrap();
-    let mut table = text[place..].lines().skip(1);
+    let table: String = bytes[place..].iter().map(|b| char::from(*b)).collect();
+    let mut table = table.lines().skip(1);
     let count: usize = table.next().unwrap().split(' ').next_back().unwrap().parse().unwrap();
     for (k, line) in table.take(count).enumerate().skip(1) {
         let at: usize = line[..10].parse().unwrap();
