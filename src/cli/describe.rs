@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
-    Answer, Description, FitDocument, Provenance, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
-    write_fit_page, write_json, write_table, write_words,
+    Answer, Description, FitDocument, Provenance, Seconds, Subject, SurfacePictures, compute_shape, describe_fit,
+    inverse_crime_remark, write_fit_page, write_json, write_table, write_words,
 };
 
 use super::failure::{Failure, fit_message};
-use super::options::{OutputFlags, WordsFlags};
+use super::options::{OutputFlags, WordsFlags, picture_formats};
 use super::output::{print, wants_colour, with_bold_labels};
 use super::save::save;
 
@@ -44,7 +44,7 @@ pub(super) fn describe(
 ) -> Result<(), Failure> {
     let description = description_of(answer, name, subject, taken)?;
     let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
-    files(&*description, saved.as_ref(), name, to.output, &to.provenance)?;
+    files(&*description, saved.as_ref(), name, to.output, to.words, &to.provenance)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
@@ -92,13 +92,22 @@ pub(super) fn files(
     saved: Option<&FitDocument>,
     name: &str,
     output: &OutputFlags,
+    words: &WordsFlags,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     let document = saved.unwrap_or_else(|| description.document());
     output.file("fit.json", &mut |out| write_json(document, out))?;
     output.file("maps.csv", &mut |out| description.write_maps_csv(out))?;
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
-    output.file("shape.svg", &mut |out| description.write_picture(name, out))?;
+    if output.out.is_some() {
+        let pictures = SurfacePictures::new(description, document, name);
+        for format in picture_formats(&words.pictures) {
+            for picture in SurfacePictures::NAMES {
+                let file = format!("{picture}.{}", format.name());
+                output.file(&file, &mut |out| pictures.write(picture, *format, out))?;
+            }
+        }
+    }
     output.file("report.html", &mut |out| write_fit_page(description, document, name, provenance, out))
 }
 

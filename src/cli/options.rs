@@ -7,6 +7,8 @@ use clap::Args;
 use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
 
 use super::gathered::Gathered;
+use crate::report::PictureFormat;
+
 use super::values;
 
 /// How the surface is fitted; the same words as in a scene's `[fit]`.
@@ -168,7 +170,7 @@ pub(super) struct OutputFlags {
     pub(super) quiet: bool,
 }
 
-/// What the text for people says, and in which unit.
+/// What people read and see, and in which unit.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Output")]
 pub(super) struct WordsFlags {
@@ -178,6 +180,14 @@ pub(super) struct WordsFlags {
     /// Unit of the lengths in the input, such as mm: it is said beside every length, and nothing is converted
     #[arg(long, value_parser = values::unit)]
     pub(super) unit: Option<String>,
+    /// Kinds of pictures in the directory of --out, several as svg,png,pdf [default: svg]
+    #[arg(long, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires = "out")]
+    pub(super) pictures: Vec<PictureFormat>,
+}
+
+/// The kinds that were asked for; SVG where none was.
+pub(super) fn picture_formats(asked: &[PictureFormat]) -> &[PictureFormat] {
+    if asked.is_empty() { &[PictureFormat::Svg] } else { asked }
 }
 
 #[cfg(test)]

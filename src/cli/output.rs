@@ -18,11 +18,26 @@ pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<
 /// Files that one run may write into an output directory. Those of one row describe one surface or one study, and must not
 /// be of two.
 const FAMILIES: [&[&str]; 9] = [
-    &["fit.json", "maps.csv", "maps.npz", "shape.svg", "contacts.csv", "points.csv"],
+    &[
+        "fit.json",
+        "maps.csv",
+        "maps.npz",
+        "shape.svg",
+        "shape.png",
+        "shape.pdf",
+        "section.svg",
+        "section.png",
+        "section.pdf",
+        "perspective.svg",
+        "perspective.png",
+        "perspective.pdf",
+        "contacts.csv",
+        "points.csv",
+    ],
     &["report.html"],
     &["study.json", "study.svg"],
     &["diff.json", "diff.csv", "diff.svg"],
-    &["sweep.json", "sweep.csv", "sweep.svg"],
+    &["sweep.json", "sweep.csv", "sweep.svg", "sweep.png", "sweep.pdf"],
     &["coverage.json", "coverage.csv"],
     &["explore.json", "explore.csv", "explore.svg"],
     &["parts.json", "parts.csv", "parts.svg"],

@@ -134,7 +134,7 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     }
     let grid = ShownGrid { points: options.grid, inset: options.inset, again: again || args.grid.any() };
     let description = describe_saved(saved, document, grid);
-    describe::files(&*description, None, &saved.file, &args.output, &provenance(&saved.file, None, None))?;
+    describe::files(&*description, None, &saved.file, &args.output, &args.words, &provenance(&saved.file, None, None))?;
     args.output.publish()?;
     describe::show(&*description, &saved.file, &args.output, &args.words, false)
 }

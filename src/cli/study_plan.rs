@@ -15,8 +15,8 @@ use crate::montecarlo::{
     Path, Quantity, Stopped, StoppingRule, Study, StudyError, StudyOptions, StudyState, Tolerance,
 };
 use crate::report::{
-    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, inverse_crime_remark,
-    study_notes, sum_parts,
+    NamedQuantities, NamedShares, PictureFormat, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts,
+    inverse_crime_remark, study_notes, sum_parts,
 };
 use crate::scene::Effect;
 use crate::simd::Isa;
@@ -85,6 +85,9 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
     pub(super) sweep: Vec<String>,
+    /// Kinds of pictures of a sweep in the directory of --out, several as svg,png,pdf [default: svg]
+    #[arg(long, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires_all = ["out", "sweep"])]
+    pub(super) pictures: Vec<PictureFormat>,
     #[command(flatten)]
     pub(super) fit: FitFlags,
     #[command(flatten)]

@@ -4,6 +4,7 @@
 use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
 use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 use crate::montecarlo::{Path, StoppingRule};
+use crate::report::PictureFormat;
 
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
 const MAX_COUNT: usize = 100_000;
@@ -44,6 +45,12 @@ pub(super) fn degrees(text: &str) -> Result<[usize; 2], String> {
         Ok(pair) if pair.iter().all(|d| *d <= crate::bspline::MAX_DEGREE) => Ok(pair),
         _ => Err(format!("degrees run from 1 to {}, one or two as in 2 or 2,3", crate::bspline::MAX_DEGREE)),
     }
+}
+
+/// One kind of picture.
+pub(super) fn picture_format(text: &str) -> Result<PictureFormat, String> {
+    let found = PictureFormat::ALL.into_iter().find(|format| format.name() == text.trim());
+    found.ok_or_else(|| "svg, png or pdf is needed, several between commas".into())
 }
 
 /// Finite numbers between commas.

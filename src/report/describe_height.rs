@@ -12,8 +12,7 @@ use crate::simd::Isa;
 use crate::surface::HeightField;
 
 use super::description::{
-    Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
-    take_back_class,
+    Again, Description, PICTURE_CELLS, ShownGrid, Subject, measure, shares, spread_part, take_again, take_back_class,
 };
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
@@ -21,7 +20,6 @@ use super::document::{
 use super::height_view::{height_view, leave_out_beyond};
 use super::interval_words::interval_words;
 use super::maps::write_maps_csv;
-use super::picture::{PictureOptions, write_picture};
 use super::surface_view::SurfaceView;
 use super::table::significant;
 use super::uncertainty;
@@ -132,14 +130,6 @@ impl Description for HeightDescription<'_> {
 
     fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
         Cow::Borrowed(&self.maps)
-    }
-
-    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
-        let maps = picture_maps(&self.surface, self.grid, self.unsupported);
-        let title = headline(name, &self.document);
-        let places = self.contacts.map(|(contacts, frame)| along_axes(contacts, frame));
-        let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
-        write_picture(&maps, &PictureOptions { title: &title, contacts, ..PictureOptions::default() }, out)
     }
 
     fn view(&self) -> SurfaceView {

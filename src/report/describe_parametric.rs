@@ -11,12 +11,11 @@ use crate::shape::{ParametricMaps, ShapeMaps, UvSupport, parametric_maps, spread
 use crate::surface::Parametric;
 
 use super::description::{
-    Again, Description, PICTURE_CELLS, ShownGrid, Subject, headline, measure, shares, spread_part, take_again,
+    Again, Description, PICTURE_CELLS, ShownGrid, Subject, measure, shares, spread_part, take_again,
 };
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
-use super::picture::{PictureOptions, write_picture};
 use super::surface_view::{ContactsView, Standing, SurfaceView};
 use super::uncertainty;
 
@@ -107,15 +106,6 @@ impl Description for ParametricDescription<'_> {
 
     fn flat_maps(&self) -> Cow<'_, ShapeMaps> {
         Cow::Owned(self.maps.flat())
-    }
-
-    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
-        let maps = picture_maps(&self.surface, self.grid, &self.support);
-        let title = headline(name, &self.document);
-        let feet: Option<(Vec<f64>, Vec<f64>)> =
-            self.feet.as_ref().map(|feet| feet.iter().map(|p| (p[0], p[1])).unzip());
-        let contacts = feet.as_ref().map(|(u, v)| (&u[..], &v[..]));
-        write_picture(&maps.flat(), &PictureOptions { title: &title, contacts, axes: ["u", "v"] }, out)
     }
 
     fn view(&self) -> SurfaceView {

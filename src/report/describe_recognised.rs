@@ -16,7 +16,7 @@ use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, Reco
 use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
-use super::description::{Description, PICTURE_CELLS, Subject, headline, shares, spread_part, take_back_class};
+use super::description::{Description, PICTURE_CELLS, Subject, shares, spread_part, take_back_class};
 use super::document::{
     ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
 };
@@ -24,7 +24,6 @@ use super::height_view::height_view;
 use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
-use super::picture::{PictureOptions, write_picture};
 use super::recognised_view::recognised_view;
 use super::surface_view::SurfaceView;
 use super::uncertainty;
@@ -88,17 +87,6 @@ impl<'a> RecognisedDescription<'a> {
                 Maps::Parametric(Box::new(parametric_maps(surface, grid, support)))
             }
         }
-    }
-
-    /// Contacts in the coordinates of the maps.
-    fn places(&self) -> Option<(Vec<f64>, Vec<f64>)> {
-        let contacts = self.contacts?;
-        if matches!(self.spline, RecognisedSpline::Height { .. }) {
-            return Some((contacts.x.clone(), contacts.y.clone()));
-        }
-        let scale = self.found.surface.frame.scale;
-        let chart = |r: usize| self.found.surface.chart_of([contacts.x[r], contacts.y[r], contacts.z[r]]);
-        Some((0..contacts.len()).map(chart).map(|[u, v]| (scale * u, scale * v)).unzip())
     }
 }
 
@@ -179,17 +167,6 @@ impl Description for RecognisedDescription<'_> {
             Maps::Height(maps) => *maps,
             Maps::Parametric(maps) => maps.flat(),
         })
-    }
-
-    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()> {
-        let [least, most] = PICTURE_CELLS;
-        let (maps, axes) = match self.maps(self.found.grid.map(|n| n.clamp(least, most))) {
-            Maps::Height(maps) => (*maps, ["x", "y"]),
-            Maps::Parametric(maps) => (maps.flat(), ["u", "v"]),
-        };
-        let places = self.places();
-        let contacts = places.as_ref().map(|(x, y)| (&x[..], &y[..]));
-        write_picture(&maps, &PictureOptions { title: &headline(name, &self.document), contacts, axes }, out)
     }
 
     fn view(&self) -> SurfaceView {

@@ -58,13 +58,7 @@ pub(crate) trait Description {
         small_maps(&self.flat_maps())
     }
 
-    /// `shape.svg`: S and R as pictures, under a line that begins with `name`.
-    ///
-    /// # Errors
-    /// What the system says.
-    fn write_picture(&self, name: &str, out: &mut dyn Write) -> std::io::Result<()>;
-
-    /// What `report.html` draws.
+    /// What `report.html` and the pictures draw.
     fn view(&self) -> SurfaceView;
 }
 

@@ -1,11 +1,15 @@
-//! A picture as a list of strokes, areas and words, written as SVG or painted as PNG.
+//! A picture as a list of strokes, areas, dots, words and rasters, written as SVG or PDF or painted as PNG.
 //!
 //! ```text
 //! Drawing -> write_svg   text, to be scaled           -> write_png (drawing_png.rs)   pixels, for where SVG is not shown
+//!                                                     -> write_pdf (drawing_pdf.rs)   a page of its own size, for papers
 //! ```
 
 use std::fmt::Write as _;
 use std::io::Write;
+
+use super::base64::base64;
+use super::png::Raster;
 
 /// Red, green, blue.
 pub(super) type Colour = [u8; 3];
@@ -28,6 +32,10 @@ pub(super) enum Shape {
     Line { points: Vec<[f64; 2]>, width: f64, colour: Colour },
     /// An area within points, with its rim.
     Area { points: Vec<[f64; 2]>, fill: Colour, rim: Colour },
+    /// Round dots of one radius.
+    Dots { points: Vec<[f64; 2]>, radius: f64, colour: Colour },
+    /// Pixels spread over a rectangle, smooth between them.
+    Image { corner: [f64; 2], size: [f64; 2], raster: Raster },
     /// A word whose middle height is at the point.
     Word { at: [f64; 2], text: String, size: f64, anchor: Anchor, upwards: bool },
 }
@@ -37,6 +45,8 @@ pub(super) enum Shape {
 pub(super) struct Drawing {
     /// Pixels.
     pub size: [f64; 2],
+    /// Pixels of a screen for every pixel of the drawing.
+    pub on_screen: f64,
     /// In order.
     pub shapes: Vec<Shape>,
 }
@@ -44,7 +54,7 @@ pub(super) struct Drawing {
 impl Drawing {
     /// An empty picture.
     pub(super) fn new(width: f64, height: f64) -> Drawing {
-        Drawing { size: [width, height], shapes: Vec::new() }
+        Drawing { size: [width, height], on_screen: 1.0, shapes: Vec::new() }
     }
 
     /// Adds a line.
@@ -55,6 +65,16 @@ impl Drawing {
     /// Adds an area.
     pub(super) fn area(&mut self, points: &[[f64; 2]], fill: Colour, rim: Colour) {
         self.shapes.push(Shape::Area { points: points.to_vec(), fill, rim });
+    }
+
+    /// Adds dots.
+    pub(super) fn dots(&mut self, points: Vec<[f64; 2]>, radius: f64, colour: Colour) {
+        self.shapes.push(Shape::Dots { points, radius, colour });
+    }
+
+    /// Adds pixels.
+    pub(super) fn image(&mut self, corner: [f64; 2], size: [f64; 2], raster: Raster) {
+        self.shapes.push(Shape::Image { corner, size, raster });
     }
 
     /// Adds a word.
@@ -73,11 +93,18 @@ impl Drawing {
     /// What the system says.
     pub(super) fn write_svg(&self, out: &mut dyn Write) -> std::io::Result<()> {
         let [width, height] = self.size;
+        let [shown_width, shown_height] = self.size.map(|side| self.on_screen * side);
         let mut text = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{shown_width}\" height=\"{shown_height}\" \
+             viewBox=\"0 0 {width} {height}\">\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"
         );
-        self.shapes.iter().for_each(|shape| svg_shape(shape, &mut text));
+        for shape in &self.shapes {
+            match shape {
+                Shape::Image { corner, size, raster } => svg_image(*corner, *size, raster, &mut text)?,
+                shape => svg_shape(shape, &mut text),
+            }
+        }
         text.push_str("</svg>\n");
         out.write_all(text.as_bytes())
     }
@@ -106,6 +133,9 @@ fn svg_shape(shape: &Shape, text: &mut String) {
         Shape::Area { points, fill, rim } => {
             writeln!(text, "<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\"/>", list(points), hex(*fill), hex(*rim))
         }
+        Shape::Dots { points, radius, colour } => text.write_str(&svg_dots(points, *radius, *colour)),
+        // written by `svg_image`
+        Shape::Image { .. } => Ok(()),
         Shape::Word { at: [x, y], text: word, size, anchor, upwards } => {
             let anchor = match anchor {
                 Anchor::Start => "start",
@@ -123,6 +153,30 @@ fn svg_shape(shape: &Shape, text: &mut String) {
     };
 }
 
+fn svg_dots(points: &[[f64; 2]], radius: f64, colour: Colour) -> String {
+    // a line of no length has round ends
+    let dots: String = points.iter().map(|[x, y]| format!("M{x:.1} {y:.1}h0")).collect();
+    format!(
+        "<path d=\"{dots}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>\n",
+        hex(colour),
+        2.0 * radius
+    )
+}
+
+fn svg_image([x, y]: [f64; 2], [width, height]: [f64; 2], raster: &Raster, text: &mut String) -> std::io::Result<()> {
+    let mut png = Vec::new();
+    raster.write_png(&mut png)?;
+    text.push_str(&format!(
+        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" preserveAspectRatio=\"none\" \
+         href=\"data:image/png;base64,{}\"/>\n",
+        base64(&png)
+    ));
+    Ok(())
+}
+
+/// Text as XML has it; what XML cannot hold is shown as U+FFFD.
 fn escaped(text: &str) -> String {
+    let held = |c: char| if c.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&c) { '\u{fffd}' } else { c };
+    let text: String = text.chars().map(held).collect();
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -3,11 +3,14 @@
 //! ```text
 //! a fit, or a saved surface   ->  Description        describe_fit, describe_saved
 //! FitDocument (palpate.fit/1) ->  JSON, or a table for people
-//! ShapeMaps, ParametricMaps   ->  maps.csv, maps.npz, shape.svg
+//! ShapeMaps, ParametricMaps   ->  maps.csv, maps.npz
+//! SurfaceView                 ->  report.html, shape.svg and the other pictures
 //! a saved surface at points   ->  PointTable         points_at
 //! ```
 
 mod bare_surface;
+mod base64;
+mod colour;
 mod describe;
 mod describe_height;
 mod describe_parametric;
@@ -17,6 +20,7 @@ mod diff;
 mod diff_picture;
 mod document;
 mod drawing;
+mod drawing_pdf;
 mod drawing_png;
 mod explore;
 mod explore_picture;
@@ -39,7 +43,8 @@ mod parametric;
 mod parametric_view;
 mod parts;
 mod parts_picture;
-mod picture;
+mod pictures;
+mod png;
 mod point_table;
 mod points;
 mod recognised_view;
@@ -76,12 +81,13 @@ pub(crate) use page::{
 };
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
 pub(crate) use parts_picture::write_parts_picture;
+pub(crate) use pictures::{PictureFormat, SurfacePictures, write_sweep_picture};
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
 pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};
-pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_picture, write_sweep_table};
+pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_table};
 pub(crate) use table::{significant, write_table};
 pub(crate) use words::write_words;

@@ -163,11 +163,27 @@ fn the_output_directory_holds_pictures_tables_and_records() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "report.html", "shape.svg"]);
+    let pictures = ["perspective.svg", "section.svg", "shape.svg"];
+    let others = ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "report.html"];
+    let mut expected = [&others[..], &pictures].concat();
+    expected.sort_unstable();
+    assert_eq!(names, expected);
     let maps = std::fs::read_to_string(here.join("deep/er/maps.csv")).unwrap();
     assert_eq!((maps.lines().next(), maps.lines().count()), (Some("x,y,z,k1,k2,S,R"), 1 + 20));
     let svg = std::fs::read_to_string(here.join("deep/er/shape.svg")).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("paper-cylinder: ridge"));
+    // other kinds of pictures on request, each below 200 kB
+    text(here, &["run", "paper-cylinder", "--out", "kinds", "--pictures", "png,pdf", "--quiet"]);
+    for picture in ["shape", "section", "perspective"] {
+        for (kind, first) in [("png", &b"\x89PNG"[..]), ("pdf", b"%PDF")] {
+            let bytes = std::fs::read(here.join(format!("kinds/{picture}.{kind}"))).unwrap();
+            assert!(bytes.starts_with(first) && bytes.len() < 200_000, "{picture}.{kind}: {}", bytes.len());
+        }
+        assert!(!here.join(format!("kinds/{picture}.svg")).exists());
+    }
+    for wrong in [&["--pictures", "gif", "--out", "x"][..], &["--pictures", "png"]] {
+        palpate(here, &[&["run"], wrong].concat()).assert().code(2);
+    }
 }
 
 #[test]

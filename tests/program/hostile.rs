@@ -101,7 +101,16 @@ fn an_output_directory_holds_one_runs_files_or_none() {
     let here = folder.path();
     std::fs::write(here.join("c.csv"), bowl()).unwrap();
     assert_eq!(palpate(here, &["fit", "c.csv", "--out", "d", "--quiet"]).0, Some(0));
-    let files = ["contacts.csv", "fit.json", "maps.csv", "maps.npz", "report.html", "shape.svg"];
+    let files = [
+        "contacts.csv",
+        "fit.json",
+        "maps.csv",
+        "maps.npz",
+        "perspective.svg",
+        "report.html",
+        "section.svg",
+        "shape.svg",
+    ];
     assert_eq!(names(&here.join("d")), files);
     let first = std::fs::read(here.join("d/fit.json")).unwrap();
     // a second run replaces all of them; one that would leave some is refused, one that fails changes none

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use crate::curvature::ShapeClass;
 use crate::report::surface_view::SurfaceView;
 
+use super::super::colour::{Field, along, hex};
 use super::chart::{even_ticks, shown, tick_words};
-use super::colour::{Field, along, hex};
 use super::html::text;
 use super::raster::data_url;
 

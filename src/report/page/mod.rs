@@ -23,9 +23,7 @@
 //! | `colour.rs`, `raster.rs`, `base64.rs`, `view_data.rs` | colours, pixels, data for the scripts |
 //! | `assets/` | style, scripts, and in `vendor/` the library with its licence and the script that bundles it |
 
-mod base64;
 mod chart;
-mod colour;
 mod explore_page;
 mod figures;
 mod fit_page;

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use crate::report::surface_view::{SurfaceView, Vector};
 
-use super::colour::{Field, hex, mix};
+use super::super::colour::{Field, hex, mix};
 use super::html::text;
 
 /// Faces along each direction; more would not be told apart.

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::super::colour::{DIVERGING, Field, VIRIDIS, ends};
 use super::chart::{precise, shown};
-use super::colour::{DIVERGING, Field, VIRIDIS, ends};
 use super::figures::{figure, thinned};
 use super::histogram::Histogram;
 use super::html::text;

@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::base64::singles;
-use super::colour::{DIVERGING, FADE, Field, VIRIDIS};
+use super::super::base64::singles;
+use super::super::colour::{DIVERGING, FADE, Field, VIRIDIS};
 use crate::report::surface_view::{ContactsView, SurfaceView, Vector};
 
 /// Normals, and likewise residuals, that are drawn as strokes; more would be a fur.

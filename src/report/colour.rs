@@ -1,4 +1,4 @@
-//! The two colour scales of a page, both told apart by people who see no red or green.
+//! The two colour scales of pages and pictures, both told apart by people who see no red or green.
 //!
 //! ```text
 //! S        blue (cup) - pale (saddle) - red (cap)       fades to grey where R is small: there S is rounding
