@@ -1,6 +1,6 @@
 //! What is true of each contact, so that a report can give the error beside the spread.
 
-use super::surface::{Body, Local, Surface, SurfacePoint};
+use super::surface::{Local, Surface, SurfacePoint};
 use crate::vector::{dot, norm};
 
 /// The truth behind contacts: for each of them, what the surface is where it was made.
@@ -75,7 +75,7 @@ impl Truth {
     #[cfg(feature = "cli")]
     pub(crate) fn face_kinds(&self) -> Vec<&'static str> {
         match &self.surface.body {
-            Body::Solids(solids) => solids.face_kinds(),
+            super::surface::Body::Solids(solids) => solids.face_kinds(),
             _ => Vec::new(),
         }
     }

@@ -197,7 +197,7 @@ pub(super) fn short(value: f64) -> String {
 /// Every so many-th is drawn, by a prime: contacts come in rows, and a step that divides a row would draw one column.
 pub(super) fn thinned(all: usize, most: usize) -> (usize, String) {
     let least = all.div_ceil(most.max(1)).max(1);
-    let is_prime = |n: &usize| (2..).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let is_prime = |n: &usize| (2..).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     let step = if least == 1 { 1 } else { (least..).find(is_prime).unwrap_or(least) };
     let words = match (all, step) {
         (_, 1) => format!("all {all} contacts"),

@@ -28,7 +28,7 @@ const BLUE: [u8; 3] = [31, 90, 166];
 const ORANGE: [u8; 3] = [200, 82, 0];
 const LIGHT: [u8; 3] = [170; 3];
 
-/// A point of the section: along it, above its base, and whether contacts support it.
+/// A point of a panel; of the section whether contacts support it, of a residual whether its contact lies at the section.
 type Place = ([f64; 2], bool);
 
 /// The line of the map, and the plane that it is drawn in.
@@ -124,12 +124,12 @@ fn draw_line(drawing: &mut Drawing, line: &[Place], x: &Axis, y: &Axis) {
 fn residuals(
     drawing: &mut Drawing,
     x: &Axis,
-    misses: &[([f64; 2], bool)],
+    misses: &[Place],
     band: f64,
     unit: Option<&str>,
     contacts: &ContactsView,
 ) -> String {
-    let finite: Vec<&([f64; 2], bool)> = misses.iter().filter(|(p, _)| p.iter().all(|v| v.is_finite())).collect();
+    let finite: Vec<&Place> = misses.iter().filter(|(p, _)| p.iter().all(|v| v.is_finite())).collect();
     let largest = finite.iter().map(|(p, _)| p[1].abs()).fold(0.0, f64::max);
     let size = x.hi - x.lo;
     let largest = if largest > 1e-12 * size { 1.1 * largest } else { 1e-3 * size };
@@ -278,7 +278,7 @@ impl<'a> Cut<'a> {
     }
 
     /// Where contacts at the section are drawn; abscissa and residual of all of them, and whether they lie at it.
-    fn contacts(&self, contacts: &ContactsView, band: f64) -> (Vec<[f64; 2]>, Vec<([f64; 2], bool)>) {
+    fn contacts(&self, contacts: &ContactsView, band: f64) -> (Vec<[f64; 2]>, Vec<Place>) {
         let (mut near, mut misses) = (Vec::new(), Vec::new());
         for (k, place) in contacts.places.iter().enumerate().filter(|(k, _)| !contacts.left_out[*k]) {
             let [s, aside] = self.seen(*place);

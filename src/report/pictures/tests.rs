@@ -16,7 +16,7 @@ fn pictures(contacts: usize, title: &str) -> SurfacePictures {
     let points = places.iter().flat_map(|x| places.iter().map(move |y| [*x, *y, 0.4 * x * x]));
     let points: Vec<[f64; 3]> = points.collect();
     let spot = |k: usize| [(0.618_034 * k as f64).fract(), (k as f64 + 0.5) / contacts as f64].map(|t| 2.0 * t - 1.0);
-    let touched: Vec<[f64; 3]> = (0..contacts).map(|k| spot(k)).map(|[x, y]| [x, y, 0.4 * x * x]).collect();
+    let touched: Vec<[f64; 3]> = (0..contacts).map(&spot).map(|[x, y]| [x, y, 0.4 * x * x]).collect();
     let view = SurfaceView {
         axes: ["x", "y"],
         places: [places.clone(), places.clone()],
