@@ -1,0 +1,275 @@
+//! The surface about a point to fourth order, from its neighbours' positions and normals.
+//!
+//! ```text
+//! z = sum_{a+b<=4} c_ab x^a y^b / (a! b!)             axes: the point's own normal is z; 15 unknowns
+//! rows: heights / u_z, slopes n_z^2 / u_n             weight (1 - r^4/h^4)^2, h the distance of the farthest neighbour
+//! c_3, c_4 ~ N(0, bend^2 / multiplicity)              so that cov c holds noise and what third and fourth order leave open
+//! ```
+//!
+//! The weights vanish at the farthest neighbour and where a neighbour's normal leaves the hemisphere, so that the answer is
+//! continuous in the points. Multiplicities make the prior the same in all tangent directions. F. Cazals and M. Pouget, *Estimating
+//! differential quantities using polynomial fitting of osculating jets*, 2005, without normals and prior.
+
+use super::local::Noise;
+use super::primitive::axes_along;
+use super::small::{Square, cholesky, inverse, solve};
+use crate::recognition::Neighbours;
+use crate::vector::{Vector, dot, minus};
+
+/// Unknowns up to fourth order.
+const UNKNOWNS: usize = 15;
+/// Powers of x and y that go with each.
+const POWERS: [[usize; 2]; UNKNOWNS] = [
+    [0, 0],
+    [1, 0],
+    [0, 1],
+    [2, 0],
+    [1, 1],
+    [0, 2],
+    [3, 0],
+    [2, 1],
+    [1, 2],
+    [0, 3],
+    [4, 0],
+    [3, 1],
+    [2, 2],
+    [1, 3],
+    [0, 4],
+];
+const FACTORIAL: [f64; 5] = [1.0, 1.0, 2.0, 6.0, 24.0];
+
+/// Cosines between a neighbour's normal and the point's: below the first it is another side of the body, from the sum on it
+/// counts wholly. Between, an edge is let go gradually.
+const TURNED: [f64; 2] = [0.2, 0.3];
+
+/// Components of a point's own bend against which those of the whole cloud count: they differ from place to place.
+const BELIEF: f64 = 10.0;
+
+/// What jets are fitted to.
+pub(super) struct Touched<'a> {
+    pub(super) points: &'a [Vector],
+    pub(super) normals: &'a [Vector],
+    pub(super) tree: &'a Neighbours<'a>,
+    /// Normals are measurements; estimated ones give axes only.
+    pub(super) measured: bool,
+}
+
+/// What is assumed of every neighbourhood.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    /// Neighbours.
+    pub(super) size: usize,
+    pub(super) noise: Noise,
+    /// Mean square of a third and of a fourth derivative.
+    pub(super) bend: [f64; 2],
+}
+
+/// The surface at one point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jet {
+    /// The point's normal is the third.
+    pub(super) axes: [Vector; 3],
+    /// Height, slopes, second derivatives.
+    pub(super) low: [f64; 6],
+    pub(super) covariance: Square<6>,
+    /// Residual sums over their degrees of freedom, and these: heights, normals.
+    pub(super) variance: [f64; 2],
+    pub(super) freedom: [f64; 2],
+    /// Mean squares of third and fourth derivatives, with their uncertainty.
+    pub(super) bend: [f64; 2],
+}
+
+/// A neighbour in the point's axes, lengths over h.
+struct Near {
+    x: [f64; 9],
+    y: [f64; 9],
+    /// Height, slopes.
+    seen: [f64; 3],
+    /// Of the height, of the slopes.
+    weight: [f64; 2],
+    /// The part of the weight that is no noise.
+    share: f64,
+}
+
+/// The jet at point `i`; `None` where the neighbours leave its second derivatives open.
+pub(super) fn jet(touched: &Touched, i: usize, law: &Law) -> Option<Jet> {
+    let axes = axes_along(touched.normals[i]);
+    let found = touched.tree.nearest(touched.points[i], law.size + 1);
+    let far = found.last()?.0;
+    let length = far.sqrt();
+    if !(length > 0.0) {
+        return None;
+    }
+    let near: Vec<Near> = found
+        .iter()
+        .filter_map(|&(square, j)| neighbour(touched, (i, j as usize), &axes, (square / far, length), law))
+        .collect();
+    let sums = Sums::of(&near);
+    let unit = [1.0, length, length * length, length.powi(3)];
+    let prior = |bend: &[f64; 2]| [bend[0] * unit[2] * unit[2], bend[1] * unit[3] * unit[3]];
+    let first = Solved::of(&sums, &prior(&law.bend))?;
+    let moments = first.moments();
+    let own: [f64; 2] = std::array::from_fn(|k| {
+        let whole = law.bend[k] * unit[k + 2] * unit[k + 2];
+        let count = 4.0 + k as f64;
+        (BELIEF * whole + count * moments[k]) / (BELIEF + count)
+    });
+    let last = Solved::of(&sums, &own)?;
+    let (variance, freedom) = last.misfit(&near, &sums, &law.noise);
+    let bend = std::array::from_fn(|k| moments[k] / (unit[k + 2] * unit[k + 2]));
+    Some(last.jet(axes, length, bend, (variance, freedom)))
+}
+
+fn neighbour(
+    touched: &Touched,
+    (i, j): (usize, usize),
+    axes: &[Vector; 3],
+    (square, length): (f64, f64),
+    law: &Law,
+) -> Option<Near> {
+    let offset = minus(touched.points[j], touched.points[i]);
+    let [x, y, z] = axes.map(|axis| dot(axis, offset) / length);
+    let [nx, ny, nz] = axes.map(|axis| dot(axis, touched.normals[j]));
+    let turned = ((nz - TURNED[0]) / TURNED[1]).clamp(0.0, 1.0);
+    let share = (1.0 - square * square).max(0.0).powi(2) * turned * turned * (3.0 - 2.0 * turned);
+    if !(share > 0.0) {
+        return None;
+    }
+    let of_height = nz * length / law.noise.distance;
+    let of_slope = if touched.measured { nz * nz / law.noise.normal } else { 0.0 };
+    Some(Near {
+        x: powers(x),
+        y: powers(y),
+        seen: [z, -nx / nz, -ny / nz],
+        weight: [share * of_height * of_height, share * of_slope * of_slope],
+        share,
+    })
+}
+
+fn powers(x: f64) -> [f64; 9] {
+    let mut all = [1.0; 9];
+    (1..9).for_each(|k| all[k] = all[k - 1] * x);
+    all
+}
+
+/// Normal equations: of heights and of slopes, whose matrices are made of moments of x and y.
+struct Sums {
+    height: Square<UNKNOWNS>,
+    slope: Square<UNKNOWNS>,
+    right: [f64; UNKNOWNS],
+}
+
+impl Sums {
+    fn of(near: &[Near]) -> Sums {
+        let (mut heights, mut slopes) = ([[0.0; 9]; 9], [[0.0; 9]; 9]);
+        let mut seen = [[[0.0; 5]; 5]; 3];
+        for one in near {
+            let [of_height, of_slope] = one.weight;
+            for a in 0..9 {
+                let (h, s) = (of_height * one.x[a], of_slope * one.x[a]);
+                (0..9 - a).for_each(|b| heights[a][b] += h * one.y[b]);
+                (0..7_usize.saturating_sub(a)).for_each(|b| slopes[a][b] += s * one.y[b]);
+            }
+            for (k, sum) in seen.iter_mut().enumerate() {
+                let value = one.weight[usize::from(k > 0)] * one.seen[k];
+                for a in 0..5 {
+                    (0..5 - a).for_each(|b| sum[a][b] += value * one.x[a] * one.y[b]);
+                }
+            }
+        }
+        Sums::assembled(&heights, &slopes, &seen)
+    }
+
+    fn assembled(heights: &[[f64; 9]; 9], slopes: &[[f64; 9]; 9], seen: &[[[f64; 5]; 5]; 3]) -> Sums {
+        let mut sums =
+            Sums { height: [[0.0; UNKNOWNS]; UNKNOWNS], slope: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
+        let over = |a: usize, b: usize| 1.0 / (FACTORIAL[a] * FACTORIAL[b]);
+        for (i, [a, b]) in POWERS.into_iter().enumerate() {
+            sums.right[i] = over(a, b) * seen[0][a][b];
+            sums.right[i] += if a > 0 { over(a - 1, b) * seen[1][a - 1][b] } else { 0.0 };
+            sums.right[i] += if b > 0 { over(a, b - 1) * seen[2][a][b - 1] } else { 0.0 };
+            for (j, [c, d]) in POWERS.into_iter().enumerate() {
+                sums.height[i][j] = over(a, b) * over(c, d) * heights[a + c][b + d];
+                if a > 0 && c > 0 {
+                    sums.slope[i][j] += over(a - 1, b) * over(c - 1, d) * slopes[a + c - 2][b + d];
+                }
+                if b > 0 && d > 0 {
+                    sums.slope[i][j] += over(a, b - 1) * over(c, d - 1) * slopes[a + c][b + d - 2];
+                }
+            }
+        }
+        sums
+    }
+}
+
+struct Solved {
+    c: [f64; UNKNOWNS],
+    covariance: Square<UNKNOWNS>,
+}
+
+impl Solved {
+    /// `prior`: mean squares of third and fourth derivatives, over h.
+    fn of(sums: &Sums, prior: &[f64; 2]) -> Option<Solved> {
+        let mut matrix = sums.height;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row.iter_mut().zip(&sums.slope[i]).for_each(|(a, b)| *a += b);
+            let [a, b] = POWERS[i];
+            if a + b > 2 {
+                row[i] += multiplicity(a, b) / prior[a + b - 3].max(f64::MIN_POSITIVE);
+            }
+        }
+        let lower = cholesky(&matrix)?;
+        Some(Solved { c: solve(&lower, sums.right), covariance: inverse(&lower) })
+    }
+
+    /// Mean squares of third and fourth derivatives.
+    fn moments(&self) -> [f64; 2] {
+        let mut moments = [0.0; 2];
+        for (i, [a, b]) in POWERS.into_iter().enumerate().skip(6) {
+            let square = self.c[i] * self.c[i] + self.covariance[i][i];
+            moments[a + b - 3] += multiplicity(a, b) * square / (a + b + 1) as f64;
+        }
+        moments
+    }
+
+    /// Residual sums over their degrees of freedom, in the cloud's units, and these degrees.
+    fn misfit(&self, near: &[Near], sums: &Sums, noise: &Noise) -> ([f64; 2], [f64; 2]) {
+        let (mut squares, mut freedom) = ([0.0; 2], [0.0; 2]);
+        for one in near {
+            let mut left = one.seen;
+            for (c, [a, b]) in self.c.iter().zip(POWERS) {
+                left[0] -= c * one.x[a] * one.y[b] / (FACTORIAL[a] * FACTORIAL[b]);
+                if a > 0 {
+                    left[1] -= c * one.x[a - 1] * one.y[b] / (FACTORIAL[a - 1] * FACTORIAL[b]);
+                }
+                if b > 0 {
+                    left[2] -= c * one.x[a] * one.y[b - 1] / (FACTORIAL[a] * FACTORIAL[b - 1]);
+                }
+            }
+            squares[0] += one.weight[0] * left[0] * left[0];
+            squares[1] += one.weight[1] * (left[1] * left[1] + left[2] * left[2]);
+            freedom[0] += one.share;
+            freedom[1] += 2.0 * one.share;
+        }
+        let trace = |block: &Square<UNKNOWNS>| -> f64 {
+            self.covariance.iter().zip(block).flat_map(|(c, b)| c.iter().zip(b)).map(|(c, b)| c * b).sum()
+        };
+        freedom[0] = (freedom[0] - trace(&sums.height)).max(1.0);
+        freedom[1] = (freedom[1] - trace(&sums.slope)).max(1.0);
+        let scale = [noise.distance, noise.normal];
+        (std::array::from_fn(|k| squares[k] / freedom[k] * scale[k] * scale[k]), freedom)
+    }
+
+    /// Back in the cloud's units.
+    fn jet(&self, axes: [Vector; 3], length: f64, bend: [f64; 2], fit: ([f64; 2], [f64; 2])) -> Jet {
+        let unit = |k: usize| [length, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length][k];
+        let covariance = std::array::from_fn(|i| std::array::from_fn(|j| self.covariance[i][j] * unit(i) * unit(j)));
+        let low = std::array::from_fn(|i| self.c[i] * unit(i));
+        Jet { axes, low, covariance, variance: fit.0, freedom: fit.1, bend }
+    }
+}
+
+/// Places of a derivative in the symmetric tensor of its order.
+fn multiplicity(a: usize, b: usize) -> f64 {
+    FACTORIAL[a + b] / (FACTORIAL[a] * FACTORIAL[b])
+}
