@@ -3,11 +3,12 @@
 //! ```text
 //! z = sum_{a+b<=4} c_ab x^a y^b / (a! b!)             axes: the point's own normal is z; 15 unknowns
 //! rows: heights / u_z, slopes n_z^2 / u_n             weight (1 - r^4/h^4)^2, h the distance of the farthest neighbour
-//! c_3, c_4 ~ N(0, bend^2 / multiplicity)              so that cov c holds noise and what third and fourth order leave open
+//! c_3 ~ N(0, bend_3^2 C_3), c_4 ~ N(3 Sym(H^2 H), bend_4^2 C_4)     so that cov c holds noise and what these orders leave open
 //! ```
 //!
 //! The weights vanish at the farthest neighbour and where a neighbour's normal leaves the hemisphere, so that the answer is
-//! continuous in the points. Multiplicities make the prior the same in all tangent directions. F. Cazals and M. Pouget, *Estimating
+//! continuous in the points. `C_3` and `C_4` are the covariances of derivatives of a random field without preferred direction; the mean of `c_4` is that of
+//! a surface whose second derivatives H come from constant curvatures. F. Cazals and M. Pouget, *Estimating
 //! differential quantities using polynomial fitting of osculating jets*, 2005, without normals and prior.
 
 use super::local::Noise;
@@ -45,6 +46,22 @@ const TURNED: [f64; 2] = [0.2, 0.3];
 /// Components of a point's own bend against which those of the whole cloud count: they differ from place to place.
 const BELIEF: f64 = 10.0;
 
+/// Inverse of `C_3`: the means of `k_x^a k_y^b` over the directions of k are 5/16 and 1/16, and the tensor's mean square is 1.
+const THIRD: Square<4> = [[4.0, 0.0, -4.0, 0.0], [0.0, 20.0, 0.0, -4.0], [-4.0, 0.0, 20.0, 0.0], [0.0, -4.0, 0.0, 4.0]];
+/// Inverse of `C_4`, of 35/128, 5/128 and 3/128.
+const FOURTH: Square<5> = [
+    [5.0, 0.0, -10.0, 0.0, 1.0],
+    [0.0, 40.0, 0.0, -24.0, 0.0],
+    [-10.0, 0.0, 76.0, 0.0, -10.0],
+    [0.0, -24.0, 0.0, 40.0, 0.0],
+    [1.0, 0.0, -10.0, 0.0, 5.0],
+];
+
+/// What the sixth order moves second derivatives by, where derivatives grow from the fourth to the sixth as they did from the
+/// second to the fourth: `SIXTH h^4 |c_4|^2 / |c_2|`. Projecting r^6 on lower orders over a disc gives 0.0044 for a sphere; this is
+/// twice as much, since the disc is never even.
+const SIXTH: f64 = 0.009;
+
 /// What jets are fitted to.
 pub(super) struct Touched<'a> {
     pub(super) points: &'a [Vector],
@@ -77,6 +94,8 @@ pub(super) struct Jet {
     pub(super) freedom: [f64; 2],
     /// Mean squares of third and fourth derivatives, with their uncertainty.
     pub(super) bend: [f64; 2],
+    /// What the sixth order may move a second derivative by.
+    pub(super) sixth: f64,
 }
 
 /// A neighbour in the point's axes, lengths over h.
@@ -107,14 +126,15 @@ pub(super) fn jet(touched: &Touched, i: usize, law: &Law) -> Option<Jet> {
     let sums = Sums::of(&near);
     let unit = [1.0, length, length * length, length.powi(3)];
     let prior = |bend: &[f64; 2]| [bend[0] * unit[2] * unit[2], bend[1] * unit[3] * unit[3]];
-    let first = Solved::of(&sums, &prior(&law.bend))?;
-    let moments = first.moments();
+    let start = Solved::of(&sums, &prior(&law.bend), &[0.0; 5])?;
+    let first = Solved::of(&sums, &prior(&law.bend), &start.evenly_bent())?;
+    let moments = first.moments(&start.evenly_bent());
     let own: [f64; 2] = std::array::from_fn(|k| {
         let whole = law.bend[k] * unit[k + 2] * unit[k + 2];
         let count = 4.0 + k as f64;
         (BELIEF * whole + count * moments[k]) / (BELIEF + count)
     });
-    let last = Solved::of(&sums, &own)?;
+    let last = Solved::of(&sums, &own, &first.evenly_bent())?;
     let (variance, freedom) = last.misfit(&near, &sums, &law.noise);
     let bend = std::array::from_fn(|k| moments[k] / (unit[k + 2] * unit[k + 2]));
     Some(last.jet(axes, length, bend, (variance, freedom)))
@@ -208,28 +228,43 @@ struct Solved {
 }
 
 impl Solved {
-    /// `prior`: mean squares of third and fourth derivatives, over h.
-    fn of(sums: &Sums, prior: &[f64; 2]) -> Option<Solved> {
-        let mut matrix = sums.height;
+    /// `prior`: mean squares of third and fourth derivatives, over h; `mean`: of the fourth.
+    fn of(sums: &Sums, prior: &[f64; 2], mean: &[f64; 5]) -> Option<Solved> {
+        let (mut matrix, mut right) = (sums.height, sums.right);
         for (i, row) in matrix.iter_mut().enumerate() {
             row.iter_mut().zip(&sums.slope[i]).for_each(|(a, b)| *a += b);
-            let [a, b] = POWERS[i];
-            if a + b > 2 {
-                row[i] += multiplicity(a, b) / prior[a + b - 3].max(f64::MIN_POSITIVE);
-            }
+        }
+        let [third, fourth] = prior.map(|p| 1.0 / p.max(f64::MIN_POSITIVE));
+        for i in 0..4 {
+            (0..4).for_each(|j| matrix[6 + i][6 + j] += third * THIRD[i][j]);
+        }
+        for i in 0..5 {
+            (0..5).for_each(|j| matrix[10 + i][10 + j] += fourth * FOURTH[i][j]);
+            right[10 + i] += fourth * (0..5).map(|j| FOURTH[i][j] * mean[j]).sum::<f64>();
         }
         let lower = cholesky(&matrix)?;
-        Some(Solved { c: solve(&lower, sums.right), covariance: inverse(&lower) })
+        Some(Solved { c: solve(&lower, right), covariance: inverse(&lower) })
     }
 
-    /// Mean squares of third and fourth derivatives.
-    fn moments(&self) -> [f64; 2] {
-        let mut moments = [0.0; 2];
-        for (i, [a, b]) in POWERS.into_iter().enumerate().skip(6) {
-            let square = self.c[i] * self.c[i] + self.covariance[i][i];
-            moments[a + b - 3] += multiplicity(a, b) * square / (a + b + 1) as f64;
+    /// Fourth derivatives of a surface of constant curvatures with these second ones: `3 Sym(H^2 H)`.
+    fn evenly_bent(&self) -> [f64; 5] {
+        let [a, b, d] = [self.c[3], self.c[4], self.c[5]];
+        let [g, e, f] = [a * a + b * b, b * (a + d), b * b + d * d];
+        [3.0 * g * a, 1.5 * (g * b + e * a), 0.5 * (g * d + f * a + 4.0 * e * b), 1.5 * (f * b + e * d), 3.0 * f * d]
+    }
+
+    /// Mean squares of third derivatives, and of fourth about `mean`, by their prior's measure.
+    fn moments(&self, mean: &[f64; 5]) -> [f64; 2] {
+        let moment = |i: usize, j: usize, a: f64, b: f64| a * b + self.covariance[i][j];
+        let (mut third, mut fourth) = (0.0, 0.0);
+        for i in 0..4 {
+            third += (0..4).map(|j| THIRD[i][j] * moment(6 + i, 6 + j, self.c[6 + i], self.c[6 + j])).sum::<f64>();
         }
-        moments
+        let off: [f64; 5] = std::array::from_fn(|i| self.c[10 + i] - mean[i]);
+        for i in 0..5 {
+            fourth += (0..5).map(|j| FOURTH[i][j] * moment(10 + i, 10 + j, off[i], off[j])).sum::<f64>();
+        }
+        [third / 4.0, fourth / 5.0]
     }
 
     /// Residual sums over their degrees of freedom, in the cloud's units, and these degrees.
@@ -265,7 +300,13 @@ impl Solved {
         let unit = |k: usize| [length, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length][k];
         let covariance = std::array::from_fn(|i| std::array::from_fn(|j| self.covariance[i][j] * unit(i) * unit(j)));
         let low = std::array::from_fn(|i| self.c[i] * unit(i));
-        Jet { axes, low, covariance, variance: fit.0, freedom: fit.1, bend }
+        let size = |from: usize, to: usize| -> f64 {
+            (from..to).map(|i| multiplicity(POWERS[i][0], POWERS[i][1]) * self.c[i] * self.c[i]).sum()
+        };
+        // a flat place has no scale of its own: there the fourth order is all that is known
+        let (second, fourth) = (size(3, 6), size(10, 15));
+        let sixth = if fourth > 0.0 { SIXTH * fourth / (second + fourth).sqrt() / length } else { 0.0 };
+        Jet { axes, low, covariance, variance: fit.0, freedom: fit.1, bend, sixth }
     }
 }
 

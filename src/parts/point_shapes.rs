@@ -119,7 +119,8 @@ fn uncertainties(jet: &Jet, principal: &Principal, law: &Law) -> [f64; 2] {
         let row: [f64; 3] = std::array::from_fn(|k| p * first[k] + q * across[k] + r * second[k]);
         let sum =
             (0..3).map(|i| row[i] * (0..3).map(|j| jet.covariance[i + 3][j + 3] * row[j]).sum::<f64>()).sum::<f64>();
-        growth * sum.max(0.0)
+        let open = jet.sixth * jet.sixth * (p * p + q * q / 2.0 + r * r);
+        growth * sum.max(0.0) + open
     };
     let (k1, k2) = (principal.k1, principal.k2);
     let square = (k1 * k1 + k2 * k2).max(f64::MIN_POSITIVE);
