@@ -124,8 +124,8 @@ def main():
     parser.add_argument("--rings", default=",".join(map(str, RINGS)))
     parser.add_argument("--record")
     args = parser.parse_args()
-    head = ["points | noise: spacings, degrees | program | S: median error | 95 % | R: median relative error | 95 % | S, R within 2 u | processor s | memory, MB | no answer", "---|---|---|---|---|---|---|---|---|---|---"]
-    lines = [f"| {line} |" for line in head]
+    head = "points | noise: spacings, degrees | program | S: median error | 95 % | R: median relative error | 95 % | S, R within 2 u | processor s | memory, MB | no answer"
+    lines = [f"| {head} |", "|---" * 11 + "|"]
     print("\n".join(lines), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for count in map(int, args.points.split(",")):
