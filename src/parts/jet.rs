@@ -116,7 +116,7 @@ pub(super) fn jet(touched: &Touched, i: usize, law: &Law) -> Option<Jet> {
     let found = touched.tree.nearest(touched.points[i], law.size + 1);
     let far = found.last()?.0;
     let length = far.sqrt();
-    if !(length > 0.0) {
+    if length.is_nan() || length <= 0.0 {
         return None;
     }
     let near: Vec<Near> = found
@@ -152,7 +152,7 @@ fn neighbour(
     let [nx, ny, nz] = axes.map(|axis| dot(axis, touched.normals[j]));
     let turned = ((nz - TURNED[0]) / TURNED[1]).clamp(0.0, 1.0);
     let share = (1.0 - square * square).max(0.0).powi(2) * turned * turned * (3.0 - 2.0 * turned);
-    if !(share > 0.0) {
+    if share.is_nan() || share <= 0.0 {
         return None;
     }
     let of_height = nz * length / law.noise.distance;

@@ -87,7 +87,7 @@ pub(crate) fn write_point_shapes(
         }
         PointShapesFormat::Ply => {
             let head = "ply\nformat binary_little_endian 1.0\ncomment shape at points by palpate\n";
-            write!(out, "{head}element vertex {}\n", contacts.len())?;
+            writeln!(out, "{head}element vertex {}", contacts.len())?;
             COLUMNS.iter().try_for_each(|name| writeln!(out, "property double {name}"))?;
             writeln!(out, "end_header")?;
             rows().flatten().try_for_each(|value| out.write_all(&value.to_le_bytes()))
