@@ -10,6 +10,7 @@ use std::alloc::System;
 
 use palpate::explore::TouchPlanner;
 use palpate::fit::{Objective, SlopeWeights};
+use palpate::parts::{PartsOptions, shape_at_points};
 use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
@@ -78,6 +79,31 @@ fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
             Ok(())
         })?;
         assert_eq!(found, 0, "planned touches");
-        Ok(())
+        shapes_at_points()
     })
+}
+
+/// Shape at every point of a ball: bytes and calls grow with the points and not faster.
+fn shapes_at_points() -> Result<(), Fault> {
+    let [few, many] = [2_000, 8_000].map(|count| {
+        let golden = 2.399_963_229_728_653;
+        let normals: Vec<[f64; 3]> = (0..count)
+            .map(|k| {
+                let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
+                let (rho, angle) = ((1.0 - z * z).sqrt(), golden * k as f64);
+                [rho * angle.cos(), rho * angle.sin(), z]
+            })
+            .collect();
+        let contacts = Contacts::from_points(&normals).with_normal_vectors(&normals);
+        let options = PartsOptions::default();
+        // noise and size are asked of some 1000 points, which both clouds have
+        let region = Region::new(COUNTED);
+        let found = shape_at_points(&contacts, &options).map(|found| found.neighbours);
+        let change = region.change();
+        (found, change.bytes_allocated as f64, change.allocations as f64)
+    });
+    assert_eq!(few.0, many.0, "neighbourhoods differ");
+    assert!(many.1 < 4.4 * few.1, "bytes: {} of 2,000 points, {} of 8,000", few.1, many.1);
+    assert!(many.2 < 4.4 * few.2, "allocations: {} of 2,000 points, {} of 8,000", few.2, many.2);
+    Ok(())
 }

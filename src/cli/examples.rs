@@ -52,7 +52,8 @@ Examples:
 pub(super) const PARTS: &str = "\
 Examples:
   palpate parts parts-mug                       # a built-in body, beside its truth
-  palpate parts scan.ply --out out              # picture, table and every contact's part into out";
+  palpate parts scan.ply --out out              # picture, table and every contact's part into out
+  palpate parts scan.ply --points shape.csv     # no parts: S, R and their uncertainties at every point";
 
 pub(super) const EXPLAIN: &str = "\
 Examples:

@@ -1,4 +1,4 @@
-//! `palpate parts INPUT|SCENE`: what a body is made of, and how its parts adjoin.
+//! `palpate parts INPUT|SCENE`: what a body is made of, how its parts adjoin, and its shape at every point.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,9 +7,14 @@ use clap::Args;
 
 use crate::contact::{Contacts, Grid};
 use crate::io::scene_file::builtin_text;
-use crate::io::{Input, read_input};
-use crate::parts::{Agreement, Parts, PartsOptions, against, boundary, segment};
-use crate::report::{PartsDocument, write_json, write_parts_csv, write_parts_picture, write_parts_table};
+use crate::io::{Input, read_input, write_atomically};
+use crate::parts::{
+    Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary, segment, shape_at_points,
+};
+use crate::report::{
+    PartsDocument, PointShapesFormat, write_json, write_parts_csv, write_parts_picture, write_parts_table,
+    write_point_shapes, write_point_shapes_summary,
+};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -26,6 +31,9 @@ pub(super) struct PartsArgs {
     /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     tolerance: Option<f64>,
+    /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out and --json, nothing is cut into parts
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
     /// Seed in place of the scene's
     #[arg(long)]
     seed: Option<u64>,
@@ -52,15 +60,21 @@ struct Taken {
 pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let is_scene =
         builtin_text(&args.input).is_some() || Path::new(&args.input).extension().is_some_and(|e| e == "toml");
-    args.output.prepare(&[args.input.as_ref()], &[])?;
+    args.output.prepare(&[args.input.as_ref()], args.points.as_slice())?;
+    let format = points_format(args)?;
     let spinner = args.output.spinner(format!("looking for the parts of {}", args.input));
     let taken = if is_scene { from_scene(args)? } else { from_file(args)? };
     let clock = Instant::now();
     let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
-    let found = segment(&taken.contacts, &options).map_err(|error| {
-        let message = error.to_string().replace("tolerance =", "--tolerance");
-        Failure::Input(format!("{}: {message}", taken.name))
-    })?;
+    if let Some((path, format)) = format {
+        let found = shape_at_points(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+        write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
+        if args.output.out.is_none() && !args.output.json {
+            drop(spinner);
+            return summary(args, &taken, &found);
+        }
+    }
+    let found = segment(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
     let seconds = clock.elapsed().as_secs_f64();
     let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
     if let Some((faces, kinds)) = &taken.faces {
@@ -69,6 +83,27 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     }
     drop(spinner);
     publish(args, &document, &taken.contacts, &found)
+}
+
+fn refused(taken: &Taken, error: &PartsError) -> Failure {
+    let message = error.to_string().replace("tolerance =", "--tolerance");
+    Failure::Input(format!("{}: {message}", taken.name))
+}
+
+/// Where the shape of every point goes, known before any work is done for it.
+fn points_format(args: &PartsArgs) -> Result<Option<(&Path, PointShapesFormat)>, Failure> {
+    let Some(path) = args.points.as_deref() else { return Ok(None) };
+    if args.output.json && path.as_os_str() == "-" {
+        return Err(Failure::Input("--points - and --json both want standard output; give --points a file".into()));
+    }
+    Ok(Some((path, PointShapesFormat::of(path).map_err(Failure::Input)?)))
+}
+
+fn summary(args: &PartsArgs, taken: &Taken, found: &PointShapes) -> Result<(), Failure> {
+    if args.output.quiet || args.points.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Ok(());
+    }
+    print(&mut |out| write_point_shapes_summary(&taken.name, found, &taken.notes, out))
 }
 
 fn publish(args: &PartsArgs, document: &PartsDocument, contacts: &Contacts, found: &Parts) -> Result<(), Failure> {

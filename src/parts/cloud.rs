@@ -33,19 +33,22 @@ pub(super) struct Cloud {
     pub(super) centre: Vector,
 }
 
+/// Points in units of their size about their centre, that centre and that size; `None` where all points are one.
+pub(super) fn framed(points: &[Vector]) -> Option<(Vec<Vector>, Vector, f64)> {
+    let count = points.len() as f64;
+    let first = points[0];
+    let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
+    let centre = along(first, 1.0 / count, sum);
+    let square = |p: &Vector| dot(minus(*p, centre), minus(*p, centre));
+    let scale = (points.iter().map(square).sum::<f64>() / count).sqrt();
+    let is_sound = scale > 0.0 && scale.is_finite();
+    is_sound.then(|| (points.iter().map(|p| scaled(1.0 / scale, minus(*p, centre))).collect(), centre, scale))
+}
+
 impl Cloud {
     /// From points and unit normals in the input's units; `None` where all points are one.
     pub(super) fn new(points: &[Vector], normals: Vec<Vector>) -> Option<Cloud> {
-        let count = points.len() as f64;
-        let first = points[0];
-        let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
-        let centre = along(first, 1.0 / count, sum);
-        let square = |p: &Vector| dot(minus(*p, centre), minus(*p, centre));
-        let scale = (points.iter().map(square).sum::<f64>() / count).sqrt();
-        if !(scale > 0.0 && scale.is_finite()) {
-            return None;
-        }
-        let points: Vec<Vector> = points.iter().map(|p| scaled(1.0 / scale, minus(*p, centre))).collect();
+        let (points, centre, scale) = framed(points)?;
         let tree = Neighbours::new(&points);
         let of = |i: usize| -> ([u32; NEAREST], f64) {
             let found = tree.nearest(points[i], NEAREST + 1);

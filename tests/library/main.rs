@@ -3,6 +3,7 @@
 mod explore;
 mod guide;
 mod hard_cases;
+mod objects;
 #[cfg(feature = "cli")]
 mod paper;
 mod parametric;

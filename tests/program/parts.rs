@@ -189,3 +189,57 @@ fn bad_usage_and_bad_input_name_the_place_and_the_remedy() {
         assert!(told.contains(words), "{line}: {told}");
     }
 }
+
+/// A ball of radius 5, all round.
+fn ball(with_normals: bool) -> String {
+    let mut text = String::from(if with_normals { "x,y,z,nx,ny,nz\n" } else { "x,y,z\n" });
+    for k in 0..600 {
+        let (z, angle): (f64, f64) = ((f64::from(k) + 0.5) / 300.0 - 1.0, 2.399_963 * f64::from(k));
+        let rho = (1.0 - z * z).sqrt();
+        let [x, y] = [rho * angle.cos(), rho * angle.sin()];
+        text.push_str(&format!("{},{},{}", 5.0 * x, 5.0 * y, 5.0 * z));
+        text.push_str(&if with_normals { format!(",{x},{y},{z}\n") } else { "\n".into() });
+    }
+    text
+}
+
+#[test]
+fn every_point_of_a_closed_body_gets_its_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    for (file, with_normals) in [("ball.csv", true), ("bare.csv", false)] {
+        std::fs::write(folder.path().join(file), ball(with_normals)).unwrap();
+        for ending in ["csv", "npz", "ply", "parquet"] {
+            let output = palpate(folder.path(), &format!("parts {file} --points shape.{ending}"));
+            let text = String::from_utf8(output.stdout).unwrap();
+            assert!(output.status.success() && text.starts_with("points     600 of"), "{text}");
+            assert_eq!(text.contains("there are no normals"), !with_normals, "{text}");
+        }
+        let written = std::fs::read_to_string(folder.path().join("shape.csv")).unwrap();
+        assert!(written.starts_with("x,y,z,nx,ny,nz,k1,k2,S,R,u_S,u_R\n"));
+        for line in written.lines().skip(1) {
+            let row: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
+            assert!((row[8] - 1.0).abs() < 0.05 && (row[9] - 0.2).abs() < 0.02, "{file}: {line}");
+        }
+        // what was written is a cloud that can be read
+        assert!(palpate(folder.path(), "parts shape.ply --points again.csv --quiet").status.success());
+        assert!(palpate(folder.path(), "parts shape.npz --points again.csv --quiet").status.success());
+    }
+    let printed = palpate(folder.path(), "parts ball.csv --points -");
+    assert_eq!(String::from_utf8(printed.stdout).unwrap().lines().count(), 601);
+    assert!(document(folder.path(), "parts ball.csv --points both.csv")["parts"].is_array());
+}
+
+#[test]
+fn shapes_of_points_go_to_files_that_have_a_meaning() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ball.csv"), ball(true)).unwrap();
+    for (line, words) in [
+        ("parts ball.csv --points shape.txt", ".csv, .npz, .ply or .parquet"),
+        ("parts ball.csv --points - --json", "both want standard output"),
+        ("parts ball.csv --points ball.csv", "it is the input"),
+    ] {
+        let output = palpate(folder.path(), line);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(words), "{line}: {said}");
+    }
+}
