@@ -22,7 +22,7 @@ def test_ten_lines_find_the_bar(capsys: pytest.CaptureFixture[str]) -> None:
     found = runpy.run_path(str(HOME / "examples" / "ten_lines.py"))
     assert found["fit"].shape.class_name == "ridge"
     low, high = found["fit"].shape.radius_interval
-    assert low < 25 < high and "class" in capsys.readouterr().out
+    assert low < 25 < high and "shape      ridge" in capsys.readouterr().out
 
 
 def test_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
