@@ -198,6 +198,8 @@ async function bare(kind) {
 async function many(kind) {
     const { page, name } = await open(kind);
     await started(page);
+    // while it moves, a slow processor draws a part of them; at rest all stand there
+    await page.waitForFunction(() => Number(document.querySelector("#stage").dataset.points) >= 300000, null, { timeout: 15000 }).catch(() => {});
     const drawn = Number(await page.$eval("#stage", (stage) => stage.dataset.points));
     check(drawn >= 300000, `${name}: ${drawn} points are drawn`);
     const calls = Number(await page.$eval("#stage", (stage) => stage.dataset.calls));
