@@ -13,8 +13,9 @@ mod tally;
 
 use std::time::{Duration, Instant};
 
+use palpate::fit::{Method, fit_contacts};
 use problems::draw::draw;
-use problems::judge::judge;
+use problems::judge::{judge, outcome};
 use state::State;
 use tally::{Tally, table};
 
@@ -69,8 +70,15 @@ fn show(seed: u64, number: u64) {
     let Some(judged) = judge(seed, number) else { return println!("no problem of full rank") };
     let problem = draw(seed, number, judged.redrawn);
     println!("{:#?}\n{:?}\n{:#?}", problem.options, problem.contacts.weights, judged);
-    match palpate::fit::fit_contacts(&problem.contacts, &problem.options) {
-        Ok(fit) => println!("{:#?}\n{:?}", fit.certificate(), fit.notes()),
+    match fit_contacts(&problem.contacts, &problem.options) {
+        Ok(fit) => {
+            println!("{:#?}\n{:?}", fit.certificate(), fit.notes());
+            // where the fit has found its weights and its smoothing, the other methods must find the same
+            for method in [Method::Cholesky, Method::Qr] {
+                let fit = fit_contacts(&problem.contacts, &problem.options.clone().with_method(method));
+                println!("{method:?}: {:?}", outcome(&problem, &fit));
+            }
+        }
         Err(error) => println!("{error}"),
     }
 }
