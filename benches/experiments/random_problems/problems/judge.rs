@@ -127,8 +127,8 @@ fn written<'a>(problem: &'a RandomProblem, knots: &'a [Knots; 2], fit: Option<&F
         Some(fit) => (found_weights(problem, fit), Dd::ZERO),
         None => given_weights(problem),
     };
-    if let Some((found, _)) = fit.and_then(|fit| fit.equations().roughness.as_ref()) {
-        lambda = Dd::new(*found);
+    if let (Some(fit), Smooth::Auto) = (fit, problem.options.smooth) {
+        lambda = Dd::new(fit.smoothing());
     }
     Written { contacts: &problem.contacts, degree: problem.options.degree, knots, weights, lambda }
 }
