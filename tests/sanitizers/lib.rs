@@ -46,10 +46,15 @@ pub mod shared {
         let of = |k: usize| (k as f64).sin() / (1.0 + k as f64);
         let sums = || -> Vec<u64> {
             let mapped = threads::map(5000, 16, of);
-            let with = threads::map_with(5000, 16, || vec![0.0; 8], |memory: &mut Vec<f64>, k| {
-                memory[k % 8] = of(k);
-                memory[k % 8]
-            });
+            let with = threads::map_with(
+                5000,
+                16,
+                || vec![0.0; 8],
+                |memory: &mut Vec<f64>, k| {
+                    memory[k % 8] = of(k);
+                    memory[k % 8]
+                },
+            );
             let tried = threads::try_map(500, |k| Some(of(k))).unwrap();
             let mut each = vec![0.0; 5000];
             threads::each(&mut each, |k, v| *v = of(k));
@@ -66,8 +71,7 @@ pub mod shared {
     pub fn cells_are_summed_alike_again_and_again() {
         let axis = Knots::uniform(2, 12, 0.0, 1.0).unwrap();
         let place = |k: usize, step: f64| (k as f64 * step).fract();
-        let points: Vec<[f64; 2]> =
-            (0..70_000).map(|k| [place(k, 0.754_877_666), place(k, 0.569_840_291)]).collect();
+        let points: Vec<[f64; 2]> = (0..70_000).map(|k| [place(k, 0.754_877_666), place(k, 0.569_840_291)]).collect();
         let weights = RowWeights::Uniform(SiteWeights { z: 1.0, a: 0.5, b: 0.0, d: 0.25 });
         let assembled = || -> Vec<u64> {
             let knots = [axis.clone(), axis.clone()];
@@ -100,12 +104,16 @@ pub mod shared {
     /// A race on purpose, by which to see that the sanitizer is not blind.
     pub fn planted() {
         let cell = std::sync::atomic::AtomicPtr::new(Box::into_raw(Box::new(0_u64)));
-        let add = || (0..1000).for_each(|_| {
-            let place = cell.load(std::sync::atomic::Ordering::Relaxed);
-            #[allow(unsafe_code, reason = "a race cannot be written without")]
-            // SAFETY: none, that is the point
-            unsafe { *place += 1 };
-        });
+        let add = || {
+            (0..1000).for_each(|_| {
+                let place = cell.load(std::sync::atomic::Ordering::Relaxed);
+                #[allow(unsafe_code, reason = "a race cannot be written without")]
+                // SAFETY: none, that is the point
+                unsafe {
+                    *place += 1
+                };
+            })
+        };
         threads::join(add, add);
     }
 }
