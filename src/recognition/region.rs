@@ -29,6 +29,10 @@ use super::surface::RecognisedSurface;
 /// them.
 const LATTICE: usize = 16;
 
+/// A narrow strip that runs aslant leaves few points of a grid over x and y. With fewer than this the chart's grid, where
+/// it has more, says more of the patch.
+const FEW: usize = 8;
+
 /// The reported surface with its points.
 pub(super) struct Region {
     pub(super) surface: RecognisedSurface,
@@ -65,9 +69,15 @@ impl Region {
             state,
             support: support.clone(),
         };
-        let over = over_plane::is_level(&surface)
+        let mut over = over_plane::is_level(&surface)
             .then(|| over_plane::bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
-        let (map, mut supported) = even(&surface, over, options.grid);
+        let (mut map, mut supported) = even(&surface, over, options.grid);
+        if over.is_some() && count(&supported) < FEW {
+            let (of_chart, there) = even(&surface, None, options.grid);
+            if count(&there) > count(&supported) {
+                (over, map, supported) = (None, of_chart, there);
+            }
+        }
         if !supported.contains(&true) {
             // a map so coarse that none of its points lies inside is shown as it is
             supported.fill(true);
@@ -90,6 +100,10 @@ impl Region {
         let lattice = numbers.iter().map(|&i| all[i].clone()).collect();
         Region { surface, map, supported, lattice, within_map: None, over }
     }
+}
+
+fn count(supported: &[bool]) -> usize {
+    supported.iter().filter(|s| **s).count()
 }
 
 /// Points of an even grid, the second direction running fastest, and whether contacts support each.

@@ -281,6 +281,7 @@ pub struct Recognition {
     pub notes: Vec<String>,
 }
 
+#[cfg(feature = "cli")]
 impl Recognition {
     /// Where a place of the input lies within the map, 0 to 1 in both directions.
     pub(crate) fn share_of_map(&self, place: [f64; 3]) -> [f64; 2] {

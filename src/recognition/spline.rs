@@ -19,7 +19,7 @@ use crate::shape::UvSupport;
 use crate::surface::{HeightField, Parametric};
 use crate::vector::{Vector, minus, norm};
 
-use super::{Recognition, over_plane};
+use super::Recognition;
 
 /// Samples each way: a few for every unknown of the finest spline below.
 const SAMPLES: usize = 33;
@@ -58,7 +58,7 @@ pub enum RecognisedSpline {
     },
 }
 
-/// Points and normals of the surface over an even grid: of x and y for a height field, otherwise of the chart.
+/// Points and normals of the surface at an even lattice of its chart.
 struct Samples {
     u: Vec<f64>,
     v: Vec<f64>,
@@ -88,18 +88,11 @@ impl Samples {
     fn of(found: &Recognition) -> Samples {
         let surface = &found.surface;
         let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, SAMPLES));
-        let places: Vec<([f64; 2], bool)> = match found.over {
-            Some(over) => {
-                let even = over_plane::product(surface, over, [SAMPLES; 2]);
-                even.into_iter().map(|(point, reached)| (point.chart, reached)).collect()
-            }
-            None => u.iter().flat_map(|a| v.iter().map(|b| ([*a, *b], true))).collect(),
-        };
-        let (points, normals) = places.iter().map(|([a, b], _)| surface.at(*a, *b)).unzip();
-        let mut supported: Vec<bool> =
-            places.iter().map(|([a, b], reached)| *reached && surface.supported_at(*a, *b)).collect();
+        let places: Vec<(f64, f64)> = u.iter().flat_map(|a| v.iter().map(|b| (*a, *b))).collect();
+        let (points, normals) = places.iter().map(|(a, b)| surface.at(*a, *b)).unzip();
+        let mut supported: Vec<bool> = places.iter().map(|(a, b)| surface.supported_at(*a, *b)).collect();
         if supported.iter().filter(|s| **s).count() < SAMPLES {
-            supported = places.iter().map(|(_, reached)| *reached).collect();
+            supported.fill(true);
         }
         Samples { u, v, points, normals, supported }
     }
