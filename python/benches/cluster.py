@@ -110,7 +110,7 @@ def cost() -> str:
 
 
 def _time(hours: float) -> str:
-    return f"{60 * hours:.0f} minutes" if hours < 2 else f"{hours:.0f} hours" if hours < 48 else f"{hours / 24:.0f} days"
+    return f"{3600 * hours:.0f} seconds" if hours < 1 / 30 else f"{60 * hours:.0f} minutes" if hours < 2 else f"{hours:.1f} hours"
 
 
 def main() -> None:

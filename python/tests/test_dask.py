@@ -121,7 +121,7 @@ def test_ragged_patches_begin_in_any_block(cluster) -> None:
     x, y, z, normals = (a.reshape(1440, *a.shape[2:]) for a in patches())
     offsets = [0, 0, 30, 36, 500, 501, 700, 1000, 1440]
     expected = palpate.fit_many(x, y, z, normals=normals, offsets=offsets, degree=2)
-    assert sorted(expected.failed) == [0, 2, 4]
+    assert sorted(expected.failed) == [0, 4]
     for rows in (100, 499, 501, 1440):
         lazy = [array.from_array(a, chunks=(rows, *a.shape[1:])) for a in (x, y, z, normals)]
         same(palpate.dask.fit_many(*lazy[:3], cluster, normals=lazy[3], offsets=offsets, degree=2), expected)

@@ -22,8 +22,9 @@ from palpate.dask import MOST_IN_A_PART, ranges, shared_out
 
 WHOLE = 10**11
 # one factor serves all replicates of the first, every replicate of the second is fitted for itself
-STILL = palpate.scene("paper-cylinder") + "\n[effects.row_noise]\nsigma_z = 0.02\nsigma_slope = 0.05\n"
-MOVED = palpate.scene("paper-cylinder") + "\n[effects.position_noise]\nsigma = 0.02\n"
+WIDE = palpate.scene("paper-cylinder").replace("[fit]\n", "[fit]\ndomain = [-5.0, 5.0, -5.0, 5.0]\n")
+STILL = WIDE + "\n[effects.row_noise]\nsigma_z = 0.02\nsigma_slope = 0.05\n"
+MOVED = WIDE + "\n[effects.position_noise]\nsigma = 0.02\n"
 LAST = 50_000
 MAGIC = b"palpate study 1\n"
 
@@ -50,7 +51,7 @@ def test_the_last_replicate_is_the_fit_of_the_last_contacts(scene: str) -> None:
     values = study(scene, WHOLE - 5, WHOLE, keep_values=True).values
     for back in range(1, 6):
         contacts = palpate.simulate(scene, seed=11, replicate=WHOLE - back)
-        found = palpate.fit(contacts, degree=2, weights="tangent", grid=8, domain=[-4, 4, -4, 4], bare=True).shape
+        found = palpate.fit(contacts, degree=2, weights="tangent", grid=8, domain=[-5, 5, -5, 5], bare=True).shape
         assert found.S.mean == pytest.approx(values["S"][-back], rel=1e-12)
         assert found.R.mean == pytest.approx(values["R"][-back], rel=1e-12)
 

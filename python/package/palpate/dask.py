@@ -135,14 +135,15 @@ def fit_many(
 
     >>> import dask.array, numpy as np
     >>> x, y = (a.ravel() for a in np.meshgrid(np.linspace(-1, 1, 6), np.linspace(-1, 1, 6)))
-    >>> z = dask.array.linspace(0.1, 0.4, 1000, chunks=300)[:, None] * (x * x + y * y)
+    >>> z = dask.array.linspace(0.1, 0.2, 1000, chunks=300)[:, None] * (x * x + y * y)
     >>> fit_many(x, y, z, degree=2, weights="equal").class_name[::333]
     ['cup', 'cup', 'cup', 'cup']
     """
     import dask as module
-    import dask.array as arrays
+    import dask.array as array_module
 
     dask: Untyped = module
+    arrays: Untyped = array_module
     if not isinstance(z, arrays.Array):
         what = "z: a Dask array wanted, as dask.array.from_array(z, chunks=(10_000, -1)); palpate.fit_many takes others"
         raise TypeError(what)
