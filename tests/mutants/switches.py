@@ -19,6 +19,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import sample
@@ -32,7 +33,8 @@ pub fn switched() -> u32 {
     *ON.get_or_init(|| std::env::var("PALPATE_MUTANT").ok().and_then(|n| n.parse().ok()).unwrap_or(0))
 }
 """
-#: the crate compiled for speed of compiling, its dependencies as ever
+#: the crate compiled for speed of compiling, its dependencies as ever; nothing else is built with 256 units, so that cargo does not
+#: take what is built here for the same sources elsewhere
 QUICK = ["--config", "profile.dev.package.palpate.opt-level=0", "--config", "profile.dev.package.palpate.debug=false",
          "--config", "profile.dev.package.palpate.codegen-units=256"]
 TARGETS = ["--lib", "--test", "library", "--test", "program"]
@@ -210,13 +212,21 @@ def tried(root, binaries, room, number, limits):
     """Outcome, and the stage that noticed."""
     for k, (binary, filters) in enumerate(stages(room)):
         environment = {**os.environ, "PALPATE_MUTANT": str(number), "CARGO_MANIFEST_DIR": str(root)}
-        limit = limits[room, k] if limits else 3600
-        try:
-            done = subprocess.run([binaries[binary], *filters], cwd=root, capture_output=True, text=True, env=environment, timeout=limit)
-        except subprocess.TimeoutExpired:
-            return "timeout", binary
-        if done.returncode:
+        running = subprocess.Popen([binaries[binary], *filters], cwd=root, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                   env=environment)
+        alarm = threading.Timer(limits[room, k], running.kill)
+        alarm.start()
+        # the first failing test is enough
+        failed = any("... FAILED" in line for line in running.stdout)
+        if failed:
+            running.kill()
+        code = running.wait()
+        late = not alarm.is_alive()
+        alarm.cancel()
+        if failed or (code and not late):
             return "caught", binary
+        if late:
+            return "timeout", binary
     return "missed", ""
 
 
