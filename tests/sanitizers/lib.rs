@@ -32,7 +32,7 @@ mod threads;
 mod vector;
 
 /// What shares work between threads, called as tests and, because the thread sanitizer does not follow the tests' harness, by
-/// `main.rs`.
+/// `races.rs`.
 pub mod shared {
     use crate::bspline::Knots;
     use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, TensorShape};
