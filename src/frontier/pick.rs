@@ -111,11 +111,10 @@ pub struct Choice {
 /// ```
 /// use palpate::FitOptions;
 /// use palpate::frontier::{Request, pick};
-/// use palpate::scene::surface::{Body, Sphere, Surface};
 /// use palpate::scene::{Sweep, World};
 ///
 /// // a ball of radius 10 under three fingers
-/// let surface = Surface::new(Body::Sphere(Sphere { radius: 10.0 }), 0.0);
+/// let surface = Surface::sphere(10.0);
 /// let sweep = Sweep::new(vec![-2.0, 0.0, 2.0], vec![-2.0, -1.0, 0.0, 1.0, 2.0]);
 /// let world = World { surface, sweeps: vec![sweep], effects: vec![], laws: vec![] };
 /// let request = Request::default().with_error_s(0.01).with_stations_kept(true);

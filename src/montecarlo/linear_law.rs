@@ -19,7 +19,6 @@ use super::rest::{AtRest, Poked};
 use super::stopping::numerical_tolerance;
 use super::summary::Summary;
 use crate::draws::{DrawSource, EffectDraws};
-use crate::scene::Smoothness;
 
 /// Half the step of a difference in standard deviations: its error is that share squared of a third derivative.
 const STEP: f64 = 0.05;
@@ -75,7 +74,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
         if per == 0 {
             continue;
         }
-        if stage.smoothness() == Smoothness::Jumps {
+        if stage.jumps() {
             reasons.push(format!("{} has no derivative", stage.name()));
             continue;
         }
@@ -84,8 +83,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
             continue;
         }
         let variances = |h: f64| {
-            let poked: Arc<dyn DrawSource> =
-                Arc::new(Poked { per, h, rest: stage.rest(), smoothness: stage.smoothness() });
+            let poked: Arc<dyn DrawSource> = Arc::new(Poked { per, h, rest: stage.rest(), tilts: stage.tilts() });
             let draws =
                 |own: usize| EffectDraws::from_source(if own == number { poked.clone() } else { rest[own].clone() });
             let values = engine.values_from(&draws, 0, 2 * contacts * per);

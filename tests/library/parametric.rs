@@ -6,9 +6,7 @@ use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, Surface
 use palpate::internals::parametric::choose_surface;
 use palpate::internals::scene::linspace;
 use palpate::parametric::{FittedSurface, ParametricFit, fit_parametric, fit_surface};
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Surface, Sweep, World};
 
 mod shapes;
 
@@ -17,7 +15,7 @@ fn world(surface: Surface) -> World {
 }
 
 fn sphere(radius: f64) -> Surface {
-    Surface::new(Body::Sphere(Sphere { radius }), 0.0)
+    Surface::sphere(radius)
 }
 
 fn options(degree: usize) -> FitOptions {
@@ -52,7 +50,7 @@ fn the_ball_that_the_paper_could_not_feel() {
 fn cylinders_are_ridges_at_every_angle() {
     for radius in [5.7, 10.0] {
         for angle in [0.0, 20.0, 45.0, 70.0, 90.0] {
-            let bar = Surface::new(Body::Cylinder(Cylinder { radius }), angle);
+            let bar = Surface::cylinder(radius).turned(angle);
             let fit = fit_parametric(&world(bar).compile().unwrap().noise_free(), &options(3)).unwrap();
             let [s, r] = at_contacts(&fit);
             assert!((s - 0.5).abs() < 0.01, "r {radius} at {angle}: S {s}");
@@ -64,8 +62,8 @@ fn cylinders_are_ridges_at_every_angle() {
 #[test]
 fn noise_neither_folds_nor_runs_away() {
     let noisy = world(sphere(5.7))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(0.03_f64.to_degrees()))
         .compile()
         .unwrap();
     let mut mean = 0.0;
@@ -82,8 +80,8 @@ fn noise_neither_folds_nor_runs_away() {
 #[test]
 fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
     let noisy = world(sphere(5.7))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(0.03_f64.to_degrees()))
         .compile()
         .unwrap();
     let sigma = |share: f64| NormalSigma::Known { z: 0.02 * share, normal_deg: (0.03_f64 * share).to_degrees() };
@@ -165,7 +163,7 @@ fn scenes_that_go_round_close_without_a_seam() {
 
 #[test]
 fn no_direction_of_space_is_special() {
-    let noisy = world(sphere(6.0)).with(PositionNoise::Sigma([0.02; 3])).compile().unwrap();
+    let noisy = world(sphere(6.0)).with(Effect::position_noise([0.02; 3])).compile().unwrap();
     let (lanes, _) = noisy.simulate(3, 0);
     let mut scattered = lanes.clone();
     (scattered.finger, scattered.station) = (None, None);

@@ -267,7 +267,6 @@ pub(crate) fn contact(surface: &Surface, aim: [f64; 2], tip_radius: f64) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::surface::{Body, Sphere};
 
     fn touched(sweep: &Sweep, surface: &Surface) -> Result<Touched, SceneError> {
         let mut touched = Touched::default();
@@ -278,7 +277,7 @@ mod tests {
     fn order_is_finger_then_station_then_repeat_and_both_ends_are_met() {
         let mut sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6));
         sweep.repeats = 2;
-        let touched = touched(&sweep, &Surface::new(Body::Plane, 0.0)).unwrap();
+        let touched = touched(&sweep, &Surface::plane()).unwrap();
         assert_eq!(touched.points.len(), 36);
         let sites: Vec<_> =
             (0..36).map(|i| sweep.site(0, touched.fingers[i], touched.stations[i], touched.points[i])).collect();
@@ -292,13 +291,13 @@ mod tests {
     #[test]
     fn a_ball_too_small_for_the_patch_is_refused_with_the_size_it_needs() {
         let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
-        let small = Surface::new(Body::Sphere(Sphere { radius: 5.5 }), 0.0);
+        let small = Surface::sphere(5.5);
         let error = touched(&sweep, &small).err().unwrap();
         assert!(matches!(error, SceneError::Unreachable { finger: 0, station: 0, reachable: 23, total: 27, .. }));
         assert!(error.to_string().contains("5.656854"), "{error}");
         let skipping = Sweep { skip_unreachable: true, ..sweep.clone() };
         assert_eq!(touched(&skipping, &small).unwrap().points.len(), 23);
-        let large = Surface::new(Body::Sphere(Sphere { radius: 5.7 }), 0.0);
+        let large = Surface::sphere(5.7);
         assert!(touched(&sweep, &large).is_ok());
     }
 }
