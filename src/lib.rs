@@ -84,8 +84,8 @@ pub mod spline {
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
 pub mod geometry {
-    pub use crate::curvature::{Derivatives, Principal, ShapeClass, principal_curvatures};
-    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps, shape_maps};
+    pub use crate::curvature::{Derivatives, Principal, ShapeClass};
+    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps};
 }
 
 /// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.

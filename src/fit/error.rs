@@ -30,6 +30,12 @@ pub enum FitError {
         /// What would be right.
         expected: &'static str,
     },
+    /// A text is no value of an option.
+    #[error("{expected}")]
+    Word {
+        /// What would be right.
+        expected: String,
+    },
     /// Fewer equations than unknowns.
     #[error(
         "{contacts} contacts give {equations} equations, too few for {unknowns} unknowns: add contacts or normals, or lower degree or segments"

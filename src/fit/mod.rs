@@ -61,7 +61,6 @@ pub use notes::Note;
 pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
-    UnknownWord,
 };
 #[doc(hidden)]
 pub use placing::patch::Patch;

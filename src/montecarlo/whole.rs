@@ -2,7 +2,7 @@
 
 use super::quantity::{PointQuantity, Quantity};
 use crate::contact::Contacts;
-use crate::curvature::{ShapeClass, principal_curvatures};
+use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitError, FitOptions};
 use crate::parametric::{FittedSurface, fit_surface};
 use crate::scene::Truth;
@@ -67,7 +67,7 @@ impl Whole {
                 let frame = fit.frame();
                 let [ox, oy, _] = frame.origin;
                 let at = fit.surface().at((x - ox) / frame.scale, (y - oy) / frame.scale);
-                principal_curvatures(&at.derivatives()).map_or(f64::NAN, |p| match what {
+                at.derivatives().principal().map_or(f64::NAN, |p| match what {
                     PointQuantity::ShapeIndex => p.shape_index().unwrap_or(f64::NAN),
                     PointQuantity::Curvedness => p.curvedness() / frame.scale,
                     PointQuantity::K1 => p.k1 / frame.scale,

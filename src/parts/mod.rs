@@ -60,7 +60,6 @@ pub use primitive::PartKind;
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 
 use crate::contact::Contacts;
-use crate::recognition::estimate_normals;
 use crate::vector::{Vector, dot, minus, norm, scaled};
 
 use answer::Findings;
@@ -125,7 +124,7 @@ fn normals(
         }
         return Ok(normals);
     }
-    let estimated = estimate_normals(contacts, options.viewpoint)?;
+    let estimated = contacts.with_estimated_normals(options.viewpoint)?;
     let mut normals: Vec<Vector> = (0..contacts.len()).filter_map(|r| estimated.unit_normal(r)).collect();
     let mut side = options.viewpoint.map_or("upwards", |_| "towards the viewpoint");
     if options.viewpoint.is_none() && goes_round(&normals) {

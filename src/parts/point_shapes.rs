@@ -13,7 +13,7 @@ use super::jet::{Jet, Law, Touched, jet};
 use super::ladder::{asked, law, quantile};
 use super::options::PartsOptions;
 use crate::contact::Contacts;
-use crate::curvature::{Derivatives, Principal, principal_curvatures};
+use crate::curvature::{Derivatives, Principal};
 use crate::recognition::Neighbours;
 use crate::threads;
 use crate::vector::Vector;
@@ -102,7 +102,7 @@ fn at(touched: &Touched, i: usize, law: &Law) -> At {
     let open = (touched.normals[i], [f64::NAN; 6]);
     let Some(jet) = jet(touched, i, law) else { return open };
     let [_, zx, zy, xx, xy, yy] = jet.low;
-    let Some(principal) = principal_curvatures(&Derivatives::of_height(zx, zy, xx, xy, yy)) else { return open };
+    let Some(principal) = Derivatives::of_height(zx, zy, xx, xy, yy).principal() else { return open };
     let [u_s, u_r] = uncertainties(&jet, &principal, law);
     let normal = [0, 1, 2].map(|k| (0..3).map(|a| jet.axes[a][k] * principal.normal[a]).sum::<f64>());
     let s = principal.shape_index().unwrap_or(f64::NAN);

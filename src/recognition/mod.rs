@@ -71,9 +71,7 @@ mod surface;
 mod tests;
 mod weights;
 
-pub use beside::count_model_error;
 pub use error::RecognitionError;
-pub use estimated_normals::estimate_normals;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
 // only the program asks for a fit where nothing is recognised

@@ -13,7 +13,7 @@ use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
 use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
-use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, spread, uv_grid};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, shares, spread_part, take_back_class};
@@ -106,7 +106,7 @@ enum Maps {
 /// Maps over the spline's domain; where contacts do not surround the surface nothing is said.
 fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize; 2]) -> ShapeMaps {
     let domain = [0, 1].map(|k| surface.knots()[k].domain());
-    let mut maps = shape_maps(surface, ShapeGrid::over(domain, points, 0.0), &[]);
+    let mut maps = surface.shape_maps(ShapeGrid::over(domain, points, 0.0), &[]);
     for ((i, j), supported) in maps.supported.indexed_iter_mut() {
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);

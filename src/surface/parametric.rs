@@ -9,7 +9,7 @@ use super::error::SurfaceError;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
 use crate::bspline::Knots;
-use crate::curvature::{Derivatives, Principal, principal_curvatures};
+use crate::curvature::{Derivatives, Principal};
 
 /// Point and derivatives of `Q` at one (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl ParametricPoint {
 
     /// Principal curvatures and directions; `None` where the surface has no tangent plane.
     pub fn principal(&self) -> Option<Principal> {
-        principal_curvatures(&self.derivatives)
+        self.derivatives.principal()
     }
 }
 

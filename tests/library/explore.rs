@@ -1,6 +1,6 @@
 //! Planned touches against refits, and the loop in a simulated world.
 
-use palpate::explore::{ExploreError, TouchPlanner, next_touches};
+use palpate::explore::{ExploreError, TouchPlanner};
 use palpate::fit::{Fit, NormalSigma, Objective, SlopeWeights};
 use palpate::internals::explore::{ExploreOptions, Goal, Stopped, Strategy, explore};
 use palpate::scene::{Effect, Surface, Sweep, World};
@@ -80,6 +80,10 @@ fn the_choice_is_that_of_refitting_with_every_candidate() {
             assert!(after[q] < before[q]);
         }
     }
+}
+
+fn next_touches(fit: &Fit, candidates: &[[f64; 2]], n: usize) -> Result<Vec<usize>, ExploreError> {
+    Ok(TouchPlanner::new(fit)?.next_touches(candidates, n)?.to_vec())
 }
 
 #[test]

@@ -74,9 +74,7 @@ pub(crate) fn at_contacts(fit: &ParametricFit, radius: f64) -> [f64; 3] {
 pub(crate) fn height_at_contacts(fit: &Fit, contacts: &Contacts, radius: f64) -> [f64; 3] {
     let surface = fit.input_surface().expect("finite");
     let shapes: Vec<[f64; 2]> = (0..contacts.len())
-        .filter_map(|r| {
-            palpate::geometry::principal_curvatures(&surface.at(contacts.x[r], contacts.y[r]).derivatives())
-        })
+        .filter_map(|r| surface.at(contacts.x[r], contacts.y[r]).derivatives().principal())
         .map(|p| [p.shape_index().unwrap_or(f64::NAN), p.curvedness() * radius])
         .collect();
     summary(&shapes)
