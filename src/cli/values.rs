@@ -3,7 +3,7 @@
 
 use crate::fit::{FitError, NormalSigma, Objective, SlopeWeights};
 use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
-use crate::montecarlo::{Path, StoppingRule};
+use crate::montecarlo::{Path, Tolerance};
 use crate::report::PictureFormat;
 
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
@@ -147,11 +147,14 @@ pub(super) fn level(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A tolerance by its digits.
+pub(super) type Rule = fn(u32) -> Tolerance;
+
 /// `stein` or `adaptive`.
-pub(super) fn rule(text: &str) -> Result<StoppingRule, String> {
+pub(super) fn rule(text: &str) -> Result<Rule, String> {
     match text {
-        "stein" => Ok(StoppingRule::Stein),
-        "adaptive" => Ok(StoppingRule::Adaptive),
+        "stein" => Ok(Tolerance::Stein),
+        "adaptive" => Ok(Tolerance::Adaptive),
         _ => Err("stein or adaptive".into()),
     }
 }

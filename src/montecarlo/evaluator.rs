@@ -9,7 +9,7 @@
 use ndarray::Array2;
 
 use super::fixed_sites::tables;
-use super::quantity::{PointQuantity, Quantity};
+use super::quantity::Quantity;
 use crate::bspline::{BasisRow, Knots};
 use crate::contact::Frame;
 use crate::curvature::{Principal, ShapeClass};
@@ -113,12 +113,9 @@ impl Evaluator {
                     let off = (d - self.direction + 90.0).rem_euclid(180.0) - 90.0;
                     self.direction + off
                 }),
-                Quantity::At(what, at) => self.principal_at(&surface, *at).map_or(f64::NAN, |p| match what {
-                    PointQuantity::ShapeIndex => p.shape_index().unwrap_or(f64::NAN),
-                    PointQuantity::Curvedness => p.curvedness() / scale,
-                    PointQuantity::K1 => p.k1 / scale,
-                    PointQuantity::K2 => p.k2 / scale,
-                }),
+                Quantity::ShapeIndexAt(at) | Quantity::CurvednessAt(at) | Quantity::K1At(at) | Quantity::K2At(at) => {
+                    self.principal_at(&surface, *at).map_or(f64::NAN, |p| quantity.at_point(&p, scale))
+                }
             };
         }
     }

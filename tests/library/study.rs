@@ -1,7 +1,7 @@
 //! Studies through the library: the paths to S and R agree, splits and threads change no bit, stopping and shares hold.
 
 use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
-use palpate::montecarlo::{Engine, Path, Quantity, Stopped, StoppingRule, Store, Study, StudyOptions, Tolerance};
+use palpate::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
 use palpate::scene::{Effect, NoiseLaw, Simulator, Surface, Sweep, World};
 use palpate::spline::linspace;
 
@@ -149,7 +149,7 @@ fn the_linear_law_holds_at_small_noise_and_not_on_a_ball() {
     };
     let saddle = on(Surface::saddle([12.0, 12.0]));
     for q in 0..2 {
-        let ratio = saddle.linear.parts[q].sd.unwrap() / saddle.quantities[q].sd.unwrap();
+        let ratio = saddle.linear.sd[q].unwrap() / saddle.quantities[q].sd.unwrap();
         assert!((ratio - 1.0).abs() < 0.012, "{q}: {ratio}");
     }
     assert!(saddle.linear.valid(), "{}", saddle.linear.why);
@@ -232,7 +232,7 @@ fn a_tolerance_with_the_control_goes_on_to_the_same_bits() {
         let simulator = world().with(Effect::row_noise(0.02, 0.05)).compile().unwrap();
         Study::new(simulator, &slopes(2, 4), options, 5).unwrap()
     };
-    let tolerance = Some(Tolerance { digits: 2, rule: StoppingRule::Stein });
+    let tolerance = Some(Tolerance::Stein(2));
     let study = make(StudyOptions { tolerance, ..StudyOptions::default() });
     let (whole, stopped) = study.run(study.start(0), 1 << 30, &mut |_| true).unwrap();
     assert_eq!(stopped, Stopped::Tolerance);
