@@ -10,7 +10,7 @@ use std::alloc::System;
 
 use palpate::explore::TouchPlanner;
 use palpate::fit::{Objective, SlopeWeights};
-use palpate::parts::{PartsOptions, shape_at_points};
+use palpate::parts::{PartsOptions, PointShapes};
 use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
@@ -98,7 +98,7 @@ fn shapes_at_points() -> Result<(), Fault> {
         let options = PartsOptions::default();
         // noise and size are asked of some 1000 points, which both clouds have
         let region = Region::new(COUNTED);
-        let found = shape_at_points(&contacts, &options).map(|found| found.neighbours);
+        let found = PointShapes::of(&contacts, &options).map(|found| found.neighbours);
         let change = region.change();
         (found, change.bytes_allocated as f64, change.allocations as f64)
     });

@@ -24,12 +24,12 @@ pub struct ParametricNoise {
     pub estimated: bool,
 }
 
-/// A fitted parametric surface, from [`fit_parametric`](super::fit_parametric) or [`fit_surface`](super::fit_surface).
+/// A fitted parametric surface, from [`ParametricFit::new`] or [`fit_surface`](super::fit_surface).
 ///
 /// ```
 /// use palpate::Contacts;
 /// use palpate::fit::{FitOptions, SurfaceKind};
-/// use palpate::parametric::fit_parametric;
+/// use palpate::parametric::ParametricFit;
 ///
 /// // a half ball of radius 2, touched by five fingers at nine stations
 /// let (mut points, mut normals) = (Vec::new(), Vec::new());
@@ -45,7 +45,7 @@ pub struct ParametricNoise {
 /// let mut options = FitOptions::default();
 /// options.surface = SurfaceKind::Parametric;
 /// options.degree = [3, 3];
-/// let fit = fit_parametric(&contacts, &options)?;
+/// let fit = ParametricFit::new(&contacts, &options)?;
 /// let shape = fit.shape();
 /// assert!(shape.curvedness.mean.is_some_and(|r| (r - 0.5).abs() < 0.02));
 /// assert!(fit.certificate().fold_free);

@@ -50,26 +50,32 @@ pub struct PointShapes {
 /// What one point gets: normal, k1, k2, S, R, u(S), u(R).
 type At = (Vector, [f64; 6]);
 
-/// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
-///
-/// ```
-/// use palpate::Contacts;
-/// use palpate::parts::{PartsOptions, shape_at_points};
-///
-/// // all round a ball of radius 5
-/// let at = |k: usize| ((k as f64 + 0.5) / 200.0 - 1.0, 2.4 * k as f64);
-/// let normals: Vec<[f64; 3]> = (0..400).map(at).map(|(z, a)| [a.cos(), a.sin(), 0.0].map(|v| v * (1.0 - z * z).sqrt())).zip((0..400).map(at))
-///     .map(|([x, y, _], (z, _))| [x, y, z]).collect();
-/// let points: Vec<[f64; 3]> = normals.iter().map(|n| n.map(|v| 5.0 * v)).collect();
-/// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-/// let shapes = shape_at_points(&contacts, &PartsOptions::default())?;
-/// assert!(shapes.curvedness.iter().all(|r| (r - 0.2).abs() < 0.002));
-/// # Ok::<(), palpate::parts::PartsError>(())
-/// ```
-///
-/// # Errors
-/// When the contacts are faulty, too few, in one place, or their normals are none.
-pub fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+impl PointShapes {
+    /// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
+    ///
+    /// ```
+    /// use palpate::Contacts;
+    /// use palpate::parts::{PartsOptions, PointShapes};
+    ///
+    /// // all round a ball of radius 5
+    /// let at = |k: usize| ((k as f64 + 0.5) / 200.0 - 1.0, 2.4 * k as f64);
+    /// let normals: Vec<[f64; 3]> = (0..400).map(at).map(|(z, a)| [a.cos(), a.sin(), 0.0].map(|v| v * (1.0 - z * z).sqrt())).zip((0..400).map(at))
+    ///     .map(|([x, y, _], (z, _))| [x, y, z]).collect();
+    /// let points: Vec<[f64; 3]> = normals.iter().map(|n| n.map(|v| 5.0 * v)).collect();
+    /// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+    /// let shapes = PointShapes::of(&contacts, &PartsOptions::default())?;
+    /// assert!(shapes.curvedness.iter().all(|r| (r - 0.2).abs() < 0.002));
+    /// # Ok::<(), palpate::parts::PartsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, in one place, or their normals are none.
+    pub fn of(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+        shape_at_points(contacts, options)
+    }
+}
+
+fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
     options.check()?;
     contacts.check()?;
     if contacts.len() < FEWEST + 1 {

@@ -84,7 +84,7 @@ pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, No
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};
 pub use spline::RecognisedSpline;
-pub use surface::RecognisedSurface;
+pub(crate) use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;

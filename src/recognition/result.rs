@@ -249,7 +249,7 @@ pub struct Recognition {
     /// Points of the map in the two directions.
     pub grid: [usize; 2],
     /// The recognised surface, for sampling it elsewhere.
-    pub surface: RecognisedSurface,
+    pub(crate) surface: RecognisedSurface,
     /// Points and unit normals that the means are taken over, input coordinates.
     pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
     /// What was set aside.
@@ -268,4 +268,36 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know, in whole sentences.
     pub notes: Vec<String>,
+}
+
+impl Recognition {
+    /// Ranges of the chart that the contacts cover: u and v, arc lengths in units of `frame.scale` input units.
+    pub fn chart(&self) -> [[f64; 2]; 2] {
+        [self.surface.u, self.surface.v]
+    }
+
+    /// Point and unit normal of the recognised surface at chart coordinates, in the input's coordinates.
+    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+        self.surface.at(u, v)
+    }
+
+    /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
+    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+        self.surface.curvatures_at(u, v)
+    }
+
+    /// Whether contacts surround the surface at chart coordinates.
+    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+        self.surface.supported_at(u, v)
+    }
+
+    /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
+    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+        self.surface.chart_of(place)
+    }
+
+    /// Signed distance of a place from the surface, positive on the free side. Input units.
+    pub fn distance(&self, place: [f64; 3]) -> f64 {
+        self.surface.distance(place)
+    }
 }

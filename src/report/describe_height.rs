@@ -215,9 +215,9 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         condition: certificate.and_then(|certificate| finite(certificate.condition)),
         backward_error: certificate.and_then(|certificate| finite(certificate.backward_error)),
         promise: certificate.map(|certificate| PromisePart {
-            coefficients: certificate.guaranteed_digits.coefficients,
-            shape_index: certificate.guaranteed_digits.shape_index,
-            curvedness: certificate.guaranteed_digits.curvedness,
+            coefficients: certificate.digits_of_coefficients,
+            shape_index: certificate.digits_of_shape_index,
+            curvedness: certificate.digits_of_curvedness,
         }),
         refinements: solution.refinements,
         smooth: fit.smoothing(),

@@ -1,6 +1,6 @@
 //! Parts of a body: what must not depend on how it lies, and how large its numbers are.
 
-use palpate::parts::{JointKind, PartKind, Parts, PartsOptions, segment};
+use palpate::parts::{JointKind, PartKind, Parts, PartsOptions};
 use palpate::scene::{Effect, Solid, Surface, Sweep, World};
 use palpate::{Contacts, Orientation};
 
@@ -16,7 +16,7 @@ fn body() -> Contacts {
 }
 
 fn found(contacts: &Contacts) -> Parts {
-    segment(contacts, &PartsOptions::default()).unwrap()
+    Parts::of(contacts, &PartsOptions::default()).unwrap()
 }
 
 fn vectors(contacts: &Contacts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {

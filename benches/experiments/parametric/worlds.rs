@@ -3,7 +3,7 @@
 use palpate::Contacts;
 use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
 use palpate::internals::scene::linspace;
-use palpate::parametric::{ParametricFit, fit_parametric};
+use palpate::parametric::ParametricFit;
 use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
 
 pub(crate) const SEED: u64 = 1997;
@@ -89,7 +89,7 @@ fn summary(shapes: &[[f64; 2]]) -> [f64; 3] {
 }
 
 pub(crate) fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, String> {
-    fit_parametric(contacts, options).map_err(|e| e.to_string())
+    ParametricFit::new(contacts, options).map_err(|e| e.to_string())
 }
 
 /// The height field of the same degree and objective, as far as one has it.
