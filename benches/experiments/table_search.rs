@@ -60,7 +60,8 @@ struct Effort {
 
 fn world(p: &Parameters, surface: Surface) -> World {
     let [width, tip_radius, error, mu, sigma, bias_x, bias_y, quantum, sigma_deg, resolution_deg] = *p;
-    let sweep = Sweep { repeats: 2, tip_radius, ..Sweep::new(vec![-width, 0.0, width], linspace(-4.0, 4.0, 6)) };
+    let sweep =
+        Sweep::new(vec![-width, 0.0, width], linspace(-4.0, 4.0, 6)).with_repeats(2).with_tip_radius(tip_radius);
     World::new(surface, sweep)
         .with(Effect::tip_radius_error(error))
         .with(Effect::friction(mu, 0.0))

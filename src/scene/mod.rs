@@ -27,9 +27,10 @@ pub use simulate::Simulator;
 #[doc(hidden)]
 pub use surface::SurfacePoint;
 pub use surface::{ImportedSurface, Solid, Surface};
+pub use sweep::Sweep;
+pub(crate) use sweep::SweepPath;
 #[doc(hidden)]
 pub use sweep::{MAX_TOUCHES, Site, linspace};
-pub use sweep::{Sweep, SweepPath};
 pub use truth::Truth;
 
 /// A world to be touched.

@@ -45,7 +45,7 @@ fn plane() -> Surface {
 }
 
 fn one_site(tip_radius: f64) -> Sweep {
-    Sweep { tip_radius, ..Sweep::new(vec![2.0], vec![1.0]) }
+    Sweep::new(vec![2.0], vec![1.0]).with_tip_radius(tip_radius)
 }
 
 fn compiled(surface: Surface, sweep: Sweep, effect: Effect) -> Simulator {
@@ -533,7 +533,7 @@ fn one_of_each() -> Vec<Effect> {
 
 fn patch(effects: Vec<Effect>) -> World {
     let cylinder = Surface::cylinder(6.6).turned(90.0);
-    let sweep = Sweep { tip_radius: 0.5, repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_tip_radius(0.5).with_repeats(2);
     World { effects, ..World::new(cylinder, sweep) }
 }
 

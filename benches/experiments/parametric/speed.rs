@@ -24,7 +24,7 @@ fn least<T>(runs: usize, mut run: impl FnMut() -> T) -> (f64, T) {
 }
 
 pub(crate) fn print() {
-    let sweep = Sweep { repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_repeats(2);
     let world = World::new(cylinder(6.6, 90.0).surface, sweep).compile().expect("on the bar");
     let contacts = world.noise_free();
     println!("\n36 contacts, whole fit with all corrections (goal 60 us)");

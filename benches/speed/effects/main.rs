@@ -36,8 +36,9 @@ fn one_of_each() -> Vec<Effect> {
 fn each_effect(c: &mut Criterion) {
     let mut group = c.benchmark_group("effect");
     group.throughput(Throughput::Elements((LANES * 36) as u64));
-    let patch =
-        |tip_radius: f64| Sweep { tip_radius, repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let patch = |tip_radius: f64| {
+        Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_tip_radius(tip_radius).with_repeats(2)
+    };
     for effect in one_of_each() {
         // point tips where they will do: a latency on rolled tips solves the contact anew
         let tip = if effect.name() == "latency" { 0.0 } else { 0.5 };

@@ -21,7 +21,7 @@ use crate::scene::rotation::sin_cos_deg;
 /// How the fingers of a sweep come to the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum SweepPath {
+pub(crate) enum SweepPath {
     /// Down onto it, from above.
     #[default]
     Down,
@@ -36,7 +36,7 @@ pub enum SweepPath {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sweep {
     /// Whether the fingers come down onto the surface or go round it.
-    pub path: SweepPath,
+    pub(crate) path: SweepPath,
     /// Offset of each finger across the sweep: input units, round a torus degrees.
     pub fingers: Vec<f64>,
     /// Stops along the sweep, in the order they are made; any spacing; degrees where it goes around.
@@ -103,6 +103,22 @@ impl Sweep {
             spacing: 0.0,
             eye: None,
         }
+    }
+
+    /// Point tips that go round a cylinder or a torus: `fingers` are places along the bar, input units, or round the ring,
+    /// degrees; `stations` are degrees round the bar or the tube, 0 on top.
+    pub fn around(fingers: Vec<f64>, stations: Vec<f64>) -> Sweep {
+        Sweep { path: SweepPath::Around, ..Sweep::new(fingers, stations) }
+    }
+
+    /// The same sweep with spherical tips of this radius; 0 is a point.
+    pub fn with_tip_radius(self, tip_radius: f64) -> Sweep {
+        Sweep { tip_radius, ..self }
+    }
+
+    /// The same sweep with so many touches at each stop.
+    pub fn with_repeats(self, repeats: usize) -> Sweep {
+        Sweep { repeats, ..self }
     }
 
     /// A scan with points `spacing` apart, from all sides or as seen by an eye.
