@@ -78,8 +78,8 @@ pub use observation::stacked_csr;
 
 /// Splines: knots, height fields `z = S(x, y)` and parametric surfaces `Q(u, v)`, evaluated with their derivatives.
 pub mod spline {
-    pub use crate::bspline::{KnotError, Knots, linspace};
-    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfaceError, SurfacePoint};
+    pub use crate::bspline::{Knots, SplineError, linspace};
+    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfacePoint};
 }
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.

@@ -11,7 +11,7 @@ use std::alloc::System;
 use palpate::explore::TouchPlanner;
 use palpate::fit::{Objective, SlopeWeights};
 use palpate::parts::{PartsOptions, PointShapes};
-use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
+use palpate::plans::{ImagePlan, SlopePlan, TouchStream};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
@@ -64,7 +64,7 @@ fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
         let mut stream = TouchStream::new(paper_knots()?, [0.02, 0.05, 0.05], [&points, &points])?;
         let [x, y, z, zx, zy] = &columns.0;
         let found = repeated(|| {
-            (0..36).try_for_each(|r| stream.push(&Touch { at: [x[r], y[r]], z: z[r], slopes: [zx[r], zy[r]] }))?;
+            (0..36).try_for_each(|r| stream.push([x[r], y[r]], z[r], [zx[r], zy[r]]))?;
             stream.shape()?;
             Ok(())
         })?;

@@ -51,7 +51,8 @@ pub use certificate::ParametricCertificate;
 pub use choice::choose_surface;
 pub use describe::ParametricShape;
 pub use fitted::{FittedSurface, fit_surface};
-pub use parametric_fit::{ParametricFit, ParametricNoise};
+pub use parametric_fit::ParametricFit;
+use parametric_fit::ParametricNoise;
 
 use crate::contact::Contacts;
 use crate::fit::{FitError, FitOptions, Robust};

@@ -13,7 +13,7 @@ use crate::surface::Parametric;
 /// Noise sds and the weight of fairness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ParametricNoise {
+pub(crate) struct ParametricNoise {
     /// Sd of the distance to the surface, input units.
     pub position: f64,
     /// Sd of the normal per tangent axis, degrees.
@@ -93,9 +93,24 @@ impl ParametricFit {
         &self.certificate
     }
 
-    /// Noise sds and the weight of fairness.
-    pub fn noise(&self) -> &ParametricNoise {
-        &self.noise
+    /// Sd of the distance of contacts to the surface, input units.
+    pub fn position_sd(&self) -> f64 {
+        self.noise.position
+    }
+
+    /// Sd of normals per tangent axis, degrees.
+    pub fn normal_sd_deg(&self) -> f64 {
+        self.noise.normal_deg
+    }
+
+    /// Weight of fairness, lambda, in patch units.
+    pub fn fairness(&self) -> f64 {
+        self.noise.fairness
+    }
+
+    /// Whether either sd or the weight of fairness was estimated rather than declared.
+    pub fn noise_is_estimated(&self) -> bool {
+        self.noise.estimated
     }
 
     /// Number of contacts that stood for all until near the minimum; `None` where all took part in every step.

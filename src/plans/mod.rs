@@ -21,4 +21,4 @@ pub use image_plan::ImagePlan;
 #[doc(hidden)]
 pub use pixel::Pixel;
 pub use slope_plan::{SlopeColumns, SlopePlan};
-pub use stream::{StreamShape, Touch, TouchStream};
+pub use stream::TouchStream;

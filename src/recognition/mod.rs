@@ -80,7 +80,8 @@ pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
-pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub(crate) use result::Dropped;
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};
 pub use spline::RecognisedSpline;

@@ -130,7 +130,7 @@ impl NormalsUse {
 /// Contacts and normals that were set aside or changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Dropped {
+pub(crate) struct Dropped {
     /// Contacts too far off the surface to belong to it.
     pub outliers: usize,
     /// Missing pixels of a grid.
@@ -252,8 +252,16 @@ pub struct Recognition {
     pub(crate) surface: RecognisedSurface,
     /// Points and unit normals that the means are taken over, input coordinates.
     pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
-    /// What was set aside.
-    pub dropped: Dropped,
+    /// Contacts too far off the surface to belong to it, which were left out.
+    pub outliers: usize,
+    /// Missing pixels of a grid.
+    pub missing: usize,
+    /// Normals of length zero, which were left out.
+    pub normals_of_length_zero: usize,
+    /// Normals more than 60 degrees off the surface's, which were left out.
+    pub normals_against: usize,
+    /// Normals that were reversed to agree with their neighbours.
+    pub normals_flipped: usize,
     /// What the normals were used for.
     pub normals: NormalsUse,
     /// What the residuals tell of the sensor.

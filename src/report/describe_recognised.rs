@@ -53,7 +53,7 @@ impl<'a> RecognisedDescription<'a> {
         let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
             unit: subject.unit.clone(),
-            contacts: found.contacts + found.dropped.outliers,
+            contacts: found.contacts + found.outliers,
             frame: match &spline {
                 RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
                 RecognisedSpline::Parametric { .. } => SavedFrame::of(&found.frame),
@@ -245,12 +245,11 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
 
 /// Contacts and normals that were set aside or changed, in words.
 fn set_aside(found: &Recognition) -> Vec<String> {
-    let dropped = &found.dropped;
     let counted = [
-        (dropped.outliers, "contact", "too far off the surface to belong to it: left out"),
-        (dropped.normals_of_length_zero, "normal", "of length 0: left out"),
-        (dropped.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
-        (dropped.normals_against, "normal", "more than 60 degrees off the surface: left out"),
+        (found.outliers, "contact", "too far off the surface to belong to it: left out"),
+        (found.normals_of_length_zero, "normal", "of length 0: left out"),
+        (found.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
+        (found.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     let some = counted.iter().filter(|(count, _, _)| *count > 0);
