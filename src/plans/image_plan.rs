@@ -39,7 +39,7 @@ pub struct ImagePlan(Kind);
 #[derive(Clone, Debug)]
 enum Kind {
     Complete(CompletePlan),
-    Masked(MaskedPlan),
+    Masked(Box<MaskedPlan>),
 }
 
 impl ImagePlan {
@@ -85,7 +85,7 @@ impl ImagePlan {
         y: &[f64],
         weights: [ArrayView2<'_, f64>; 3],
     ) -> Result<ImagePlan, PlanError> {
-        MaskedPlan::new(knots, x, y, weights).map(Kind::Masked).map(ImagePlan)
+        MaskedPlan::new(knots, x, y, weights).map(|plan| ImagePlan(Kind::Masked(Box::new(plan))))
     }
 
     /// Numbers of the coefficients that a mask leaves without data, or nearly so; they take the values of least roughness.
