@@ -38,7 +38,7 @@ pub struct ImagePlan(Kind);
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Complete(CompletePlan),
+    Complete(Box<CompletePlan>),
     Masked(Box<MaskedPlan>),
 }
 
@@ -49,7 +49,7 @@ impl ImagePlan {
     /// # Errors
     /// [`PlanError::Axis`] and [`PlanError::Weight`]; an axis with too few pixels for its knots.
     pub fn new(knots: [Knots; 2], x: &[f64], y: &[f64], weights: [f64; 3]) -> Result<ImagePlan, PlanError> {
-        CompletePlan::new(knots, x, y, weights).map(Kind::Complete).map(ImagePlan)
+        CompletePlan::new(knots, x, y, weights).map(|plan| ImagePlan(Kind::Complete(Box::new(plan))))
     }
 
     /// The same for images with a mask or weight maps that stay: the weights of heights, x slopes and y slopes, indexed
