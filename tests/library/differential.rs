@@ -96,7 +96,7 @@ fn the_answers_are_those_of_scipy_and_nist() {
                 assert!(found <= AGREED, "{}: {found:e}", case.name);
                 let (rank, unknowns) = (certificate.rank, certificate.unknowns);
                 let free = if rank < unknowns { format!("{unknowns} (rank {rank})") } else { unknowns.to_string() };
-                format!("{free} | {:.1} | {found:.1e}", certificate.guaranteed_digits.coefficients)
+                format!("{free} | {:.1} | {found:.1e}", certificate.digits_of_coefficients)
             }
             Err(error) => {
                 let why = refused.map_or("", |(_, why)| why);
@@ -117,7 +117,7 @@ fn nist_polynomials_keep_the_promised_digits() {
         let coefficients = fit.input_surface().unwrap().coefficients().iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let largest = case.values.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
         let found = difference(&case, &fit) * largest / coefficients;
-        let promised = 10.0_f64.powf(-fit.certificate().guaranteed_digits.coefficients);
+        let promised = 10.0_f64.powf(-fit.certificate().digits_of_coefficients);
         assert!(found <= promised + 1e-15, "{}: {found:e}, promised {promised:e}", case.name);
         tried += 1;
     }

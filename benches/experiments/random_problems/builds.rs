@@ -95,8 +95,8 @@ fn held(fit: &Fit) -> Vec<f64> {
 }
 
 fn promised(fit: &Fit) -> [f64; 3] {
-    let digits = fit.certificate().guaranteed_digits;
-    [digits.coefficients, digits.shape_index, digits.curvedness]
+    let promise = fit.certificate();
+    [promise.digits_of_coefficients, promise.digits_of_shape_index, promise.digits_of_curvedness]
 }
 
 impl Compared {
