@@ -43,6 +43,7 @@ mod parametric;
 mod parametric_view;
 mod parts;
 mod parts_picture;
+mod percent;
 mod pictures;
 mod png;
 mod point_shapes;
@@ -82,6 +83,7 @@ pub(crate) use page::{
 };
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
 pub(crate) use parts_picture::write_parts_picture;
+pub(crate) use percent::percent;
 pub(crate) use pictures::{PictureFormat, SurfacePictures, write_sweep_picture};
 pub(crate) use point_shapes::{PointShapesFormat, write_point_shapes, write_point_shapes_summary};
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};

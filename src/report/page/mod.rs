@@ -16,7 +16,7 @@
 //!
 //! | file | |
 //! |---|---|
-//! | `shell.rs`, `html.rs`, `provenance.rs` | the page around its sections, escaping, where it comes from |
+//! | `shell.rs`, `html.rs`, `lengths.rs`, `provenance.rs` | the page around its sections, escaping, units, where it comes from |
 //! | `fit_page.rs`, `surface_sections.rs`, `words.rs` | a surface: sections, sentences |
 //! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `table_page.rs` | the other verbs |
 //! | `chart.rs`, `histogram.rs`, `figures.rs`, `perspective.rs`, `tables.rs` | pictures and tables |
@@ -30,6 +30,7 @@ mod fit_page;
 mod frontier_page;
 mod histogram;
 mod html;
+mod lengths;
 mod perspective;
 mod provenance;
 mod raster;

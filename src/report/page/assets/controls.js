@@ -121,8 +121,9 @@ function showLegend(stage) {
         const largest = shown(stage.largestResidual, 2);
         const gradient = gradientOf({ stops: stage.view.scales.diverging });
         const words = [`-${largest}`, "0", `+${largest}`];
+        const unit = stage.view.unit ? ` (${stage.view.unit})` : "";
         const drawn = stage.longer > 1 ? `; strokes drawn ${stage.longer} times as long` : "";
-        stage.legend.append(scale(`residual ${stage.view.contacts.measured}, of contacts${drawn}`, gradient, words));
+        stage.legend.append(scale(`residual ${stage.view.contacts.measured}${unit}, of contacts${drawn}`, gradient, words));
     }
 }
 

@@ -34,6 +34,11 @@ function fieldOf(view, key) {
     return view.fields.find((field) => field.key === key);
 }
 
+/** The unit of lengths behind a number, where one was given. */
+function unitOf(view) {
+    return view.unit ? ` ${view.unit}` : "";
+}
+
 /** What is known at corner k of the mesh, a line each. */
 function wordsAt(view, k) {
     const known = Number.isFinite(fieldOf(view, "R").values[k]);
@@ -41,7 +46,7 @@ function wordsAt(view, k) {
         ? view.fields.map((field) => `${field.name}: ${shown(field.values[k])}`)
         : ["no contacts near enough"];
     const place = [0, 1, 2].map((axis) => shown(view.points[3 * k + axis] + view.centre[axis]));
-    lines.push(`x ${place[0]}, y ${place[1]}, z ${place[2]}`);
+    lines.push(`x ${place[0]}, y ${place[1]}, z ${place[2]}${unitOf(view)}`);
     return lines;
 }
 
@@ -49,8 +54,8 @@ function wordsAt(view, k) {
 function wordsOfContact(view, k) {
     const contacts = view.contacts;
     const place = [0, 1, 2].map((axis) => shown(contacts.points[3 * k + axis] + view.centre[axis]));
-    const lines = [`contact at x ${place[0]}, y ${place[1]}, z ${place[2]}`];
-    lines.push(`residual ${shown(contacts.residuals[k], 3)} ${contacts.measured}`);
+    const lines = [`contact at x ${place[0]}, y ${place[1]}, z ${place[2]}${unitOf(view)}`];
+    lines.push(`residual ${shown(contacts.residuals[k], 3)}${unitOf(view)} ${contacts.measured}`);
     if (contacts.leftOut.has(k)) lines.push("set aside: too far off the surface");
     return lines;
 }

@@ -83,7 +83,7 @@ function furnish(stage) {
     stage.labelOf = view.size.concat(0).map((_, axis) => {
         const label = document.createElement("span");
         const ends = [low, high].map((end) => shown(end[axis] + view.centre[axis], 3));
-        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}`;
+        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}${unitOf(view)}`;
         stage.labels.append(label);
         return label;
     });
