@@ -95,8 +95,11 @@ impl Page<'_> {
     fn write_scripts(&self, out: &mut dyn Write) -> std::io::Result<()> {
         if let Some(view) = &self.view {
             writeln!(out, "<script type=\"application/json\" id=\"palpate-view\">{}</script>", embedded(view))?;
-            // its licence asks to stand in every copy
-            writeln!(out, "<script>\n{THREE}\n/*\n{THREE_LICENCE}*/\n</script>")?;
+            // as text, which `main.js` runs once the first picture is seen; its licence asks to stand in every copy
+            writeln!(
+                out,
+                "<script type=\"text/plain\" id=\"palpate-library\">\n{THREE}\n/*\n{THREE_LICENCE}*/\n</script>"
+            )?;
         }
         writeln!(out, "<script>\n\"use strict\";\n{}</script>", SCRIPTS.concat())
     }

@@ -114,7 +114,7 @@ pub(super) fn stage(view: &SurfaceView, fields: &[Field]) -> String {
     }
     format!(
         "<section id=\"space\"><h2>The surface</h2>\n<div id=\"stage\" class=\"stage\">{still}\
-         <p class=\"without\">The turning view needs JavaScript and WebGL; this is a still picture of it.</p></div>\n\
+         <p class=\"without\"><noscript>The turning view needs JavaScript and WebGL; this is a still picture of it.</noscript></p></div>\n\
          <div id=\"stage-controls\" class=\"controls\" hidden></div>\n<p class=\"hint\">{}</p></section>\n",
         text(&hints.join(" "))
     )

@@ -8,14 +8,19 @@ function numbersOf(text) {
     return new Float32Array(bytes.buffer);
 }
 
-/** The data of the turning view and of the maps, or null where the page has none. */
+/** The data of the turning view and of the maps, with its columns as text, or null where the page has none. */
 function readView() {
     const script = document.getElementById("palpate-view");
     if (!script) return null;
     const view = JSON.parse(script.textContent);
+    view.size = view.places.map((axis) => axis.length);
+    return view;
+}
+
+/** Makes numbers of the columns. */
+function unpack(view) {
     view.points = numbersOf(view.points);
     view.normals = numbersOf(view.normals);
-    view.size = view.places.map((axis) => axis.length);
     for (const field of view.fields) field.values = numbersOf(field.values);
     view.net.points = numbersOf(view.net.points);
     if (view.contacts) {
@@ -26,7 +31,6 @@ function readView() {
         contacts.normals = contacts.normals ? numbersOf(contacts.normals) : null;
         contacts.leftOut = new Set(contacts.leftOut);
     }
-    return view;
 }
 
 /** The field of this key, or undefined. */

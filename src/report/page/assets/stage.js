@@ -7,14 +7,19 @@ const NEARER = 1.15;
 // Pixels within which a pointer finds a contact or a corner of the mesh.
 const REACH = 14;
 
+/** What the view and its switches know before it starts. */
+function newStage(view) {
+    return { view, home: document.getElementById("stage"), frames: 0, colour: view.fields[0], stretch: 1 };
+}
+
 /** Starts the view in its place; false where the browser has no WebGL. */
-function startStage(view) {
-    const home = document.getElementById("stage");
-    const stage = { view, home, frames: 0, dirty: true, colour: view.fields[0], stretch: 1 };
+function startStage(stage) {
+    const { view, home } = stage;
     stage.canvas = document.createElement("canvas");
     const context = stage.canvas.getContext("webgl2", { antialias: !isCrowded(view), alpha: true });
     if (!context) {
         home.querySelector(".without").textContent = "This browser shows no WebGL; this is a still picture of the surface.";
+        document.getElementById("stage-controls").hidden = true;
         return false;
     }
     stage.renderer = new THREE.WebGLRenderer({ canvas: stage.canvas, context });
@@ -31,10 +36,10 @@ function startStage(view) {
     stage.controls.addEventListener("change", ask);
     watchKeys(stage);
     watchPointer(stage);
-    buildControls(stage);
     paint(stage);
     resize(stage);
     drawNow(stage);
+    enableControls();
     // the times that the browser test reads
     home.dataset.firstPicture = performance.now().toFixed(1);
     return true;
@@ -97,33 +102,44 @@ function placeCamera(stage) {
     goHome(stage);
 }
 
-/** The first view: from the front left above, so near that all of the surface is just in sight. */
+/** The first view, the one of the still picture (perspective.rs): from the front left above. */
 function goHome(stage) {
-    const { low, high } = stage.box;
-    const size = Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1;
-    const { camera, controls, home } = stage;
-    camera.aspect = home.clientWidth / Math.max(home.clientHeight, 1) || 1;
-    camera.near = size / 100;
-    camera.far = size * 40;
-    camera.updateProjectionMatrix();
+    const { camera, controls } = stage;
     controls.target.set(0, 0, 0);
-    let away = 2 * size;
-    // what is seen is nearly, but not quite, in proportion to the distance
-    for (let k = 0; k < 4; k++) {
-        camera.position.set(-0.47 * away, -0.7 * away, 0.54 * away);
-        controls.update();
-        camera.updateMatrixWorld();
-        away *= widest(stage) / 0.86;
-    }
+    camera.position.copy(firstEye(stage));
+    controls.update();
+    fitWindow(stage);
     redraw(stage);
 }
 
-/** How far the box reaches from the middle of the picture towards its rim, which is 1. */
-function widest(stage) {
+function firstEye(stage) {
+    const { low, high } = stage.box;
+    const away = 2.2 * (Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1);
+    return new THREE.Vector3(-0.47 * away, -0.7 * away, 0.54 * away);
+}
+
+/** Shape of the window, and such an opening that the first view just holds the box, from wherever it is looked at now. */
+function fitWindow(stage) {
+    const { camera, home } = stage;
+    camera.aspect = home.clientWidth / Math.max(home.clientHeight, 1) || 1;
+    const first = camera.clone();
+    first.position.copy(firstEye(stage));
+    first.lookAt(0, 0, 0);
+    first.updateMatrixWorld();
+    first.zoom = 1;
+    first.updateProjectionMatrix();
+    camera.zoom = 0.86 / widest(stage, first);
+    camera.near = first.position.length() / 200;
+    camera.far = first.position.length() * 20;
+    camera.updateProjectionMatrix();
+}
+
+/** How far the box reaches from the middle of a camera's picture towards its rim, which is 1. */
+function widest(stage, camera) {
     let most = 0;
     for (let corner = 0; corner < 8; corner++) {
         const point = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? stage.box.high : stage.box.low)[axis]);
-        const place = new THREE.Vector3(point[0], point[1], point[2] * stage.stretch).project(stage.camera);
+        const place = new THREE.Vector3(point[0], point[1], point[2] * stage.stretch).project(camera);
         most = Math.max(most, Math.abs(place.x), Math.abs(place.y));
     }
     return most || 1;
@@ -198,8 +214,7 @@ function resize(stage) {
     if (!clientWidth || !clientHeight) return;
     stage.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     stage.renderer.setSize(clientWidth, clientHeight, false);
-    stage.camera.aspect = clientWidth / clientHeight;
-    stage.camera.updateProjectionMatrix();
+    fitWindow(stage);
     redraw(stage);
 }
 
