@@ -1,11 +1,5 @@
-//! The surface in perspective as SVG: what is seen until the turning view starts, and without WebGL or JavaScript.
-//!
-//! ```text
-//! p = point - middle of the box        w = D - p.e        (x, y) = (p.r, p.u) / (w tan 15 deg)        D = 2.2 diagonals
-//! ```
-//!
-//! `e` points to the eye, `r` across, `u` up. The turning view (`assets/stage.js`) begins with the same eye, box and margin,
-//! so that it takes the picture's place without a jump. The farthest faces are drawn first.
+//! The surface in perspective as SVG: what is seen until the turning view starts, and without WebGL or JavaScript. The
+//! farthest faces are drawn first.
 
 use std::fmt::Write as _;
 
@@ -13,7 +7,7 @@ use crate::report::surface_view::{SurfaceView, Vector};
 use crate::vector::{cross, dot, minus, unit};
 
 use super::super::colour::{FAINT, Field, hex, mix};
-use super::html::text;
+use super::eye::{Canvas, Eye};
 
 /// Faces along each direction, a multiple of [`LINES`]; more would take a browser without graphics longer to draw.
 const FACES: usize = 20;
@@ -21,75 +15,6 @@ const FACES: usize = 20;
 const LINES: usize = 10;
 /// Contacts that are drawn.
 const DOTS: usize = 400;
-/// Where the eye stands: front, left, above.
-const EYE: Vector = [-0.47, -0.7, 0.54];
-/// Its distance in diagonals of the box.
-const AWAY: f64 = 2.2;
-/// Half of the picture's height at distance 1: the tangent of 15 degrees.
-const OPENING: f64 = 0.267_949_192_431_122_7;
-/// Part of the picture that the box may fill.
-const FILLED: f64 = 0.86;
-/// Units of the viewing box along its longer side: half a pixel of a wide screen.
-const SIDE: f64 = 2000.0;
-
-/// The eye, and the box that it looks at.
-struct Eye {
-    low: Vector,
-    high: Vector,
-    distance: f64,
-    /// Across, up, towards the eye.
-    axes: [Vector; 3],
-}
-
-impl Eye {
-    fn new(points: &[Vector]) -> Eye {
-        let ends = [0, 1, 2].map(|k| {
-            let finite = points.iter().map(|p| p[k]).filter(|v| v.is_finite());
-            let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-            if lo <= hi { (lo, hi) } else { (0.0, 0.0) }
-        });
-        let (low, high) = (ends.map(|(lo, _)| lo), ends.map(|(_, hi)| hi));
-        let diagonal = dot(minus(high, low), minus(high, low)).sqrt();
-        let towards = unit(EYE);
-        let across = unit(cross([0.0, 0.0, 1.0], towards));
-        let distance = AWAY * dot(EYE, EYE).sqrt() * if diagonal > 0.0 { diagonal } else { 1.0 };
-        Eye { low, high, distance, axes: [across, cross(towards, across), towards] }
-    }
-
-    /// Across, up, and towards the eye, in lengths.
-    fn turned(&self, p: Vector) -> Vector {
-        let p = [0, 1, 2].map(|k| p[k] - 0.5 * (self.low[k] + self.high[k]));
-        self.axes.map(|axis| dot(p, axis))
-    }
-
-    /// Where a point is seen; the picture is 2 high for a camera of 30 degrees.
-    fn seen(&self, p: Vector) -> [f64; 2] {
-        let [x, y, near] = self.turned(p);
-        let scale = OPENING * (self.distance - near);
-        [x / scale, y / scale]
-    }
-
-    fn corner(&self, bits: usize) -> Vector {
-        [0, 1, 2].map(|k| if bits >> k & 1 == 1 { self.high[k] } else { self.low[k] })
-    }
-
-    /// How far the box reaches across and up.
-    fn reach(&self) -> [f64; 2] {
-        let seen = (0..8).map(|bits| self.seen(self.corner(bits)));
-        seen.fold([1e-12_f64; 2], |most, p| [0, 1].map(|k| most[k].max(p[k].abs())))
-    }
-
-    /// Edges of the box behind the surface (which end at the corner farthest away), or the others.
-    fn edges(&self, behind: bool) -> Vec<[Vector; 2]> {
-        let far = (0..8).min_by(|a, b| {
-            let near = |bits: usize| self.turned(self.corner(bits))[2];
-            near(*a).total_cmp(&near(*b))
-        });
-        let pairs = (0..8_usize).flat_map(|bits| [1, 2, 4].map(|axis| (bits, bits | axis)));
-        let chosen = pairs.filter(|(a, b)| a != b && (Some(*a) == far || Some(*b) == far) == behind);
-        chosen.map(|(a, b)| [self.corner(a), self.corner(b)]).collect()
-    }
-}
 
 /// How bright a face is: light falls from beside the viewer, on either side of the surface.
 fn light([a, b, c, d]: [Vector; 4]) -> f64 {
@@ -116,28 +41,14 @@ pub(super) fn picture(view: &SurfaceView, field: &Field) -> String {
         return String::new();
     }
     let eye = Eye::new(&view.points);
-    let reach = eye.reach();
-    let scale = 0.5 * FILLED * SIDE / reach[0].max(reach[1]);
-    let [width, height] = reach.map(|reach| 2.0 * scale * reach / FILLED);
-    let place = |p: Vector| {
-        let [x, y] = eye.seen(p);
-        format!("{:.0} {:.0}", 0.5 * width + scale * x, 0.5 * height - scale * y)
-    };
-    let label = text(&format!("The surface in perspective, coloured by {}", field.name));
-    let mut out = format!(
-        "<svg class=\"perspective\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" aria-label=\"{label}\">\n"
-    );
-    edges(&eye.edges(true), &place, &mut out);
-    faces(view, field, &eye, &place, &mut out);
-    edges(&eye.edges(false), &place, &mut out);
-    dots(view, &place, &mut out);
+    let canvas = eye.canvas();
+    let mut out = canvas.begin(&format!("The surface in perspective, coloured by {}", field.name));
+    out.push_str(&canvas.edges(&eye, true));
+    faces(view, field, (&eye, &canvas), &mut out);
+    out.push_str(&canvas.edges(&eye, false));
+    dots(view, (&eye, &canvas), &mut out);
     out.push_str("</svg>\n");
     out
-}
-
-fn edges(all: &[[Vector; 2]], place: &dyn Fn(Vector) -> String, out: &mut String) {
-    let path: String = all.iter().map(|[a, b]| format!("M{}L{}", place(*a), place(*b))).collect();
-    let _ = writeln!(out, "<path class=\"box\" d=\"{path}\"/>");
 }
 
 /// One face: its corners, the point that colours it, its place among the faces.
@@ -166,7 +77,7 @@ fn faces_of(view: &SurfaceView, turned: &[Vector]) -> (Vec<Face>, [usize; 2]) {
     (faces, [i.len() - 1, j.len() - 1])
 }
 
-fn faces(view: &SurfaceView, field: &Field, eye: &Eye, place: &dyn Fn(Vector) -> String, out: &mut String) {
+fn faces(view: &SurfaceView, field: &Field, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
     let turned: Vec<Vector> = view.points.iter().map(|p| eye.turned(*p)).collect();
     let (faces, [n, m]) = faces_of(view, &turned);
     let every = [n, m].map(|count| (count / LINES).max(1));
@@ -174,7 +85,7 @@ fn faces(view: &SurfaceView, field: &Field, eye: &Eye, place: &dyn Fn(Vector) ->
     for Face { corners, middle, at: [k, l], .. } in faces {
         drawn[k * m + l] = true;
         let light = light(corners.map(|c| turned[c]));
-        let [a, b, c, d] = corners.map(|c| place(view.points[c]));
+        let [a, b, c, d] = corners.map(|c| canvas.place(eye, view.points[c]));
         let (colour, class) = field.colour(middle).map_or((FAINT, " class=\"none\""), |colour| (colour, ""));
         let fill = hex(mix([0; 3], colour, light));
         let _ = writeln!(out, "<path{class} d=\"M{a}L{b} {c} {d}z\" fill=\"{fill}\"/>");
@@ -194,10 +105,10 @@ fn faces(view: &SurfaceView, field: &Field, eye: &Eye, place: &dyn Fn(Vector) ->
     }
 }
 
-fn dots(view: &SurfaceView, place: &dyn Fn(Vector) -> String, out: &mut String) {
+fn dots(view: &SurfaceView, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
     let Some(contacts) = &view.contacts else { return };
     let step = contacts.points.len().div_ceil(DOTS).max(1);
-    let path: String = contacts.points.iter().step_by(step).map(|p| format!("M{}h0", place(*p))).collect();
+    let path: String = contacts.points.iter().step_by(step).map(|p| format!("M{}h0", canvas.place(eye, *p))).collect();
     let size = if contacts.points.len() < DOTS { "few" } else { "many" };
     let _ = writeln!(out, "<path class=\"rim {size}\" d=\"{path}\"/><path class=\"dot {size}\" d=\"{path}\"/>");
 }

@@ -10,6 +10,10 @@ function buildControls(stage) {
     hint.textContent =
         "Turn: drag, one finger, or the arrow keys. Zoom: wheel, two fingers, + and -. " +
         "Shift and drag moves. Home brings the first view back.";
+    if (stage.view.body) {
+        home.append(bodyControls(stage), stretchChoice(stage), hint);
+        return;
+    }
     home.append(colourChoice(stage), legendOf(stage), switches(stage), stretchChoice(stage), hint);
     showLegend(stage);
 }

@@ -13,12 +13,13 @@ function readView() {
     const script = document.getElementById("palpate-view");
     if (!script) return null;
     const view = JSON.parse(script.textContent);
-    view.size = view.places.map((axis) => axis.length);
+    view.size = view.places?.map((axis) => axis.length);
     return view;
 }
 
 /** Makes numbers of the columns. */
 function unpack(view) {
+    if (view.body) return unpackBody(view);
     view.points = numbersOf(view.points);
     view.normals = numbersOf(view.normals);
     for (const field of view.fields) field.values = numbersOf(field.values);

@@ -9,7 +9,7 @@ const REACH = 14;
 
 /** What the view and its switches know before it starts. */
 function newStage(view) {
-    return { view, home: document.getElementById("stage"), frames: 0, colour: view.fields[0], stretch: 1 };
+    return { view, home: document.getElementById("stage"), frames: 0, colour: view.fields?.[0], stretch: 1 };
 }
 
 /** Starts the view in its place; false where the browser has no WebGL. */
@@ -61,6 +61,23 @@ function furnish(stage) {
         residual: new THREE.LineBasicMaterial({}),
         box: new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }),
     };
+    if (view.body) furnishBody(stage);
+    else furnishSurface(stage);
+    stage.group.add(...Object.values(stage.parts));
+    stage.labels = document.createElement("div");
+    stage.labels.className = "axis-labels";
+    stage.labels.setAttribute("aria-hidden", "true");
+    stage.labelOf = [0, 1, 2].map((axis) => {
+        const label = document.createElement("span");
+        const ends = [low, high].map((end) => shown(end[axis] + view.centre[axis], 3));
+        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}${unitOf(view)}`;
+        stage.labels.append(label);
+        return label;
+    });
+}
+
+function furnishSurface(stage) {
+    const { view } = stage;
     const parts = { surface: surfaceMesh(view), lines: surfaceLines(view, stage.ink.line) };
     parts.net = controlNet(view, stage.ink.net);
     parts.net.add(pointCloud(view.net.points, 6 * devicePixelRatio));
@@ -80,18 +97,7 @@ function furnish(stage) {
         if (view.contacts.normals) parts.normals = normalStrokes(view, 0.07 * stage.size, stage.ink.normal);
     }
     for (const name of ["net", "normals", "residuals"]) if (parts[name]) parts[name].visible = false;
-    stage.group.add(...Object.values(parts));
     stage.parts = parts;
-    stage.labels = document.createElement("div");
-    stage.labels.className = "axis-labels";
-    stage.labels.setAttribute("aria-hidden", "true");
-    stage.labelOf = view.size.concat(0).map((_, axis) => {
-        const label = document.createElement("span");
-        const ends = [low, high].map((end) => shown(end[axis] + view.centre[axis], 3));
-        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}${unitOf(view)}`;
-        stage.labels.append(label);
-        return label;
-    });
 }
 
 function placeCamera(stage) {
@@ -150,8 +156,9 @@ function paint(stage) {
     const style = getComputedStyle(document.documentElement);
     const ink = (name) => new THREE.Color(style.getPropertyValue(name).trim());
     const { line, net, normal, residual, box } = stage.ink;
-    line.color = ink("--ink");
     box.color = ink("--faint");
+    if (stage.view.body) return redraw(stage);
+    line.color = ink("--ink");
     net.color = ink("--net");
     normal.color = ink("--normal");
     residual.color = ink("--residual");
@@ -215,6 +222,7 @@ function resize(stage) {
     stage.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     stage.renderer.setSize(clientWidth, clientHeight, false);
     fitWindow(stage);
+    if (stage.view.body) sizeDots(stage);
     redraw(stage);
 }
 
@@ -342,6 +350,7 @@ function watchPointer(stage) {
 
 function wordsUnder(stage, x, y) {
     const { view, parts } = stage;
+    if (view.body) return wordsOfBody(stage, x, y);
     const contact = parts.contacts?.visible ? nearest(stage, view.contacts.points, x, y, 8) : -1;
     if (contact >= 0) return wordsOfContact(view, contact);
     const corner = nearest(stage, view.points, x, y, REACH);
@@ -349,7 +358,7 @@ function wordsUnder(stage, x, y) {
 }
 
 /** Number of the point nearest to a place on the canvas within `reach` pixels, the nearer to the viewer of two; or -1. */
-function nearest(stage, points, x, y, reach) {
+function nearest(stage, points, x, y, reach, among = null) {
     const matrix = stage.camera.projectionMatrix.clone().multiply(stage.camera.matrixWorldInverse).elements;
     const { clientWidth, clientHeight } = stage.home;
     const [px, py] = [(2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight];
@@ -362,6 +371,7 @@ function nearest(stage, points, x, y, reach) {
         const u = ((matrix[0] * a + matrix[4] * b + matrix[8] * c + matrix[12]) / w - px) * sx;
         const v = ((matrix[1] * a + matrix[5] * b + matrix[9] * c + matrix[13]) / w - py) * sy;
         const away = u * u + v * v;
+        if (among && !among.has(k)) continue;
         if (w <= 0 || !(away < reach * reach)) continue;
         // a pixel farther off counts as much as a hundredth of the distance
         const cost = Math.sqrt(away) + (100 * w) / stage.size;
