@@ -89,6 +89,9 @@ fn what_was_chosen_is_said_and_the_saved_surface_lies_on_the_contacts() {
     let interval = found["shape"]["R"]["interval"].as_array().unwrap();
     let truth = 1.0 / (10.0 * 2.0_f64.sqrt());
     assert!(interval[0].as_f64().unwrap() < truth && truth < interval[1].as_f64().unwrap());
+    // the axis of the bar goes through the origin
+    let centre: Vector = serde_json::from_value(found["shape"]["centre"].clone()).unwrap();
+    assert!((0.6 * centre[0] + 0.8 * centre[1]).hypot(centre[2]) < 0.05, "{centre:?}");
     std::fs::write(at.join("at.csv"), "x,y\n0,0\n1,-2\n3,3\n").unwrap();
     let shown = fitted(at, "show bar.json --at at.csv");
     for point in shown["points"].as_array().unwrap() {
