@@ -61,7 +61,7 @@ fn aligned(cells: &[&str; 5], widths: &[usize; 4]) -> String {
 fn rows(document: &FitDocument) -> Vec<Row> {
     let truth = document.truth.as_ref();
     let known = |value: Option<f64>| value.map_or(String::new(), |v| significant(v, DIGITS));
-    let mut rows: Vec<Row> = radius(document).into_iter().chain(axis(document)).chain(centre(document)).collect();
+    let mut rows: Vec<Row> = radius(document).into_iter().chain(axis(document)).collect();
     rows.push(Row { truth: known(truth.and_then(|t| t.shape_index)), ..shape_index(document) });
     rows.push(Row { truth: known(truth.and_then(|t| t.curvedness)), ..curvedness(document) });
     rows
@@ -143,21 +143,6 @@ fn radius(document: &FitDocument) -> Option<Row> {
     let body = if matches!(shape.class.as_deref(), Some("cap" | "cup")) { "ball" } else { "pipe or bar" };
     let meaning = format!("of the {body} that fits best; diameter {}", significant(2.0 * radius, DIGITS));
     Some(Row { label: "radius", value: with_unit(significant(radius, DIGITS)), between, meaning, ..Row::default() })
-}
-
-/// Where a ball or a pipe lies.
-fn centre(document: &FitDocument) -> Option<Row> {
-    let shape = &document.shape;
-    let (centre, radius) = (shape.centre?, shape.radius?);
-    let (label, meaning) = match shape.class.as_deref() {
-        Some("cap" | "cup") => ("centre", "x, y, z of the middle of the ball"),
-        Some("ridge" | "rut") => ("axis through", "x, y, z of a point on the axis"),
-        _ => return None,
-    };
-    // a place is known no better than the radius
-    let places = decimals(radius, DIGITS);
-    let value = centre.map(|v| format!("{v:.places$}")).join(", ");
-    Some(Row { label, value, meaning: meaning.into(), ..Row::default() })
 }
 
 /// Along which direction a ridge or rut runs, or in which direction a saddle rises.
