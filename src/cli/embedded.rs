@@ -306,6 +306,27 @@ pub fn frontier(
     Ok(json)
 }
 
+/// The same of contacts that are there already; the subject of `arguments` is what they are called.
+///
+/// # Errors
+/// What the command line would say of a file of them.
+pub fn frontier_of_contacts(
+    arguments: Vec<String>,
+    contacts: &Contacts,
+    watch: &(dyn Fn(usize, usize) -> bool + Sync),
+) -> Result<Vec<u8>, String> {
+    let clock = Instant::now();
+    let FrontierLine { args } = parsed("frontier", arguments)?;
+    let name = args.subject.clone().unwrap_or_default();
+    let request = args.request().map_err(Failure::into_message)?;
+    let found = frontier_input::measure_contacts(&args, &name, contacts, request.as_ref(), watch);
+    let mut document = found.map_err(Failure::into_message)?;
+    document.seconds = clock.elapsed().as_secs_f64();
+    let mut json = Vec::new();
+    let _ = write_json(&document, &mut json);
+    Ok(json)
+}
+
 /// The document that `palpate explore --json` prints, from its arguments, the scene first, and all contacts. `text` is
 /// the scene as TOML, as for [`StudyPlan::new`]. `watch(contacts, most)` ends the exploration by saying `false`.
 ///

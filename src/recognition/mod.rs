@@ -8,8 +8,10 @@
 //! P(hypothesis | contacts) ~ integral of likelihood and prior over theta, f, s, rho, l
 //! ```
 //!
-//! S and R are means over the region that contacts support, weighted by those probabilities. Rotating, moving, scaling
-//! or shuffling the contacts changes the coordinates of the answer and nothing else.
+//! S and R are means over the supported points of the map, weighted by those probabilities: an even grid over x and y, as
+//! for a fit that names its model, or over the chart of a patch that stands steep. Moving, scaling or shuffling the
+//! contacts changes the coordinates of the answer and nothing else. So does rotating them, but for the points of the grid:
+//! where S and R differ from place to place, their means over other points differ too.
 //!
 //! ```
 //! use palpate::Contacts;
@@ -49,6 +51,7 @@ mod noise;
 mod normal_noise;
 mod options;
 mod orientation;
+mod over_plane;
 mod paraboloid;
 mod patch;
 #[cfg(feature = "cli")]

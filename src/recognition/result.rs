@@ -98,6 +98,14 @@ pub struct Estimate {
     pub dof: f64,
 }
 
+impl Estimate {
+    /// Moves mean and interval by this much within these limits.
+    pub(super) fn moved(&mut self, by: f64, [least, most]: [f64; 2]) {
+        let there = |value: f64| (value + by).clamp(least, most);
+        (self.mean, self.interval) = (there(self.mean), self.interval.map(there));
+    }
+}
+
 /// What the normals were used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -244,10 +252,13 @@ pub struct Recognition {
     pub frame: Frame,
     /// Points of the map that contacts support, and all of them.
     pub support: (usize, usize),
-    /// The map, row after row: the second direction of the chart runs fastest.
+    /// The map, row after row: an even grid from edge to edge of the box of the contacts' x and y, y running fastest; where
+    /// the patch stands steep over them, a grid of its chart. Means are over its supported points.
     pub map: Vec<MapPoint>,
     /// Points of the map in the two directions.
     pub grid: [usize; 2],
+    /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
+    pub(crate) over: Option<[[f64; 2]; 2]>,
     /// The recognised surface, for sampling it elsewhere.
     pub surface: RecognisedSurface,
     /// Points and unit normals that the means are taken over, input coordinates.
@@ -268,4 +279,19 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know, in whole sentences.
     pub notes: Vec<String>,
+}
+
+#[cfg(feature = "cli")]
+impl Recognition {
+    /// Where a place of the input lies within the map, 0 to 1 in both directions.
+    pub(crate) fn share_of_map(&self, place: [f64; 3]) -> [f64; 2] {
+        let (at, edges) = match self.over {
+            Some(over) => ([place[0], place[1]], over),
+            None => (self.surface.chart_of(place), [self.surface.u, self.surface.v]),
+        };
+        [0, 1].map(|k| {
+            let [lo, hi] = edges[k];
+            if hi > lo { (at[k] - lo) / (hi - lo) } else { 0.5 }
+        })
+    }
 }

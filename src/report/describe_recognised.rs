@@ -8,6 +8,8 @@
 use std::borrow::Cow;
 use std::io::Write;
 
+use ndarray::Array2;
+
 use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
@@ -15,7 +17,9 @@ use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
 use crate::recognition::{
     Estimate, Hypothesis, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition,
 };
-use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::shape::{
+    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, shape_maps, spread, uv_grid,
+};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, shares, spread_part, take_back_class};
@@ -80,15 +84,28 @@ impl<'a> RecognisedDescription<'a> {
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
+        // means are over the supported points of the recognition's own map, and the maps show these
+        let own = (points == self.found.grid).then(|| self.supported());
         match &self.spline {
             RecognisedSpline::Height { surface, .. } => {
-                Maps::Height(Box::new(height_maps(surface, &self.found.surface, points)))
+                let mut maps = height_maps(surface, &self.found.surface, points);
+                maps.supported = own.unwrap_or(maps.supported);
+                Maps::Height(Box::new(maps))
             }
             RecognisedSpline::Parametric { surface, support } => {
                 let grid = uv_grid([&surface.knots()[0], &surface.knots()[1]], points, 0.0);
-                Maps::Parametric(Box::new(parametric_maps(surface, grid, support)))
+                Maps::Parametric(Box::new(match own {
+                    Some(own) => parametric_maps_at(surface, grid, &own),
+                    None => parametric_maps(surface, grid, support),
+                }))
             }
         }
+    }
+
+    /// Which points of the recognition's map contacts support.
+    fn supported(&self) -> Array2<bool> {
+        let [_, m] = self.found.grid;
+        Array2::from_shape_fn(self.found.grid, |(i, j)| self.found.map.get(i * m + j).is_some_and(|p| p.supported))
     }
 }
 

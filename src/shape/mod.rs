@@ -29,6 +29,8 @@ pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::{ShapeMaps, shape_maps};
 pub(crate) use outline::Outline;
+#[cfg(feature = "cli")]
+pub(crate) use parametric_maps::parametric_maps_at;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 #[cfg(feature = "cli")]
