@@ -20,7 +20,7 @@ use crate::fit::{Fit, FitError, FitOptions};
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
 use crate::parametric::{FittedSurface, ParametricFit};
-use crate::recognition::{Recognition, RecognitionOptions, count_model_error};
+use crate::recognition::{Recognition, RecognitionOptions};
 use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
 
 use super::automatic::{Found, Refusal, automatic};
@@ -134,7 +134,7 @@ impl FitAnswer {
         // other kinds of surface are asked only here: it takes longer than many a fit, whose surface alone may be wanted
         let counted = match &self.found.answer {
             Answer::Fitted(FittedSurface::Height(fit)) if self.uncertain => {
-                let fit = count_model_error(fit.as_ref().clone());
+                let fit = fit.as_ref().clone().with_model_error();
                 Some(Answer::Fitted(FittedSurface::Height(Box::new(fit))))
             }
             _ => None,

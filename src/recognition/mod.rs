@@ -74,9 +74,7 @@ mod surface;
 mod tests;
 mod weights;
 
-pub use beside::count_model_error;
 pub use error::RecognitionError;
-pub use estimated_normals::estimate_normals;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
 // only the program asks for a fit where nothing is recognised
@@ -85,11 +83,12 @@ pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
-pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub(crate) use result::Dropped;
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};
 pub use spline::RecognisedSpline;
-pub use surface::RecognisedSurface;
+pub(crate) use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;

@@ -18,7 +18,7 @@ use super::state::{ChartPoint, State};
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
+    Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
     RecognitionOptions, Tried, weighted_rms,
 };
 
@@ -93,6 +93,8 @@ impl Findings<'_> {
         let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
         let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
         let directions = if directed { self.directions(&surface) } else { None };
+        let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
+            self.patch.dropped;
         Ok(Recognition {
             hypothesis,
             class,
@@ -119,7 +121,11 @@ impl Findings<'_> {
                 None => held(&points, &supported).iter().map(place_of).collect(),
             },
             surface,
-            dropped: self.patch.dropped,
+            outliers,
+            missing,
+            normals_of_length_zero,
+            normals_against,
+            normals_flipped,
             normals: self.patch.normals,
             noise: self.noise(best),
             tried,

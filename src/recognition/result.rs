@@ -138,7 +138,7 @@ impl NormalsUse {
 /// Contacts and normals that were set aside or changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Dropped {
+pub(crate) struct Dropped {
     /// Contacts too far off the surface to belong to it.
     pub outliers: usize,
     /// Missing pixels of a grid.
@@ -260,11 +260,19 @@ pub struct Recognition {
     /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
     pub(crate) over: Option<[[f64; 2]; 2]>,
     /// The recognised surface, for sampling it elsewhere.
-    pub surface: RecognisedSurface,
+    pub(crate) surface: RecognisedSurface,
     /// Points and unit normals that the means are taken over, input coordinates.
     pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
-    /// What was set aside.
-    pub dropped: Dropped,
+    /// Contacts too far off the surface to belong to it, which were left out.
+    pub outliers: usize,
+    /// Missing pixels of a grid.
+    pub missing: usize,
+    /// Normals of length zero, which were left out.
+    pub normals_of_length_zero: usize,
+    /// Normals more than 60 degrees off the surface's, which were left out.
+    pub normals_against: usize,
+    /// Normals that were reversed to agree with their neighbours.
+    pub normals_flipped: usize,
     /// What the normals were used for.
     pub normals: NormalsUse,
     /// What the residuals tell of the sensor.
@@ -279,6 +287,38 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know, in whole sentences.
     pub notes: Vec<String>,
+}
+
+impl Recognition {
+    /// Ranges of the chart that the contacts cover: u and v, arc lengths in units of `frame.scale` input units.
+    pub fn chart(&self) -> [[f64; 2]; 2] {
+        [self.surface.u, self.surface.v]
+    }
+
+    /// Point and unit normal of the recognised surface at chart coordinates, in the input's coordinates.
+    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+        self.surface.at(u, v)
+    }
+
+    /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
+    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+        self.surface.curvatures_at(u, v)
+    }
+
+    /// Whether contacts surround the surface at chart coordinates.
+    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+        self.surface.supported_at(u, v)
+    }
+
+    /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
+    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+        self.surface.chart_of(place)
+    }
+
+    /// Signed distance of a place from the surface, positive on the free side. Input units.
+    pub fn distance(&self, place: [f64; 3]) -> f64 {
+        self.surface.distance(place)
+    }
 }
 
 #[cfg(feature = "cli")]

@@ -18,7 +18,7 @@ use crate::recognition::{
     Estimate, Hypothesis, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition,
 };
 use crate::shape::{
-    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, shape_maps, spread, uv_grid,
+    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, spread, uv_grid,
 };
 use crate::surface::HeightField;
 
@@ -59,7 +59,7 @@ impl<'a> RecognisedDescription<'a> {
         let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
             unit: subject.unit.clone(),
-            contacts: found.contacts + found.dropped.outliers,
+            contacts: found.contacts + found.outliers,
             frame: match &spline {
                 RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
                 RecognisedSpline::Parametric { .. } => SavedFrame::of(&found.frame),
@@ -125,7 +125,7 @@ enum Maps {
 /// Maps over the spline's domain; where contacts do not surround the surface nothing is said.
 fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize; 2]) -> ShapeMaps {
     let domain = [0, 1].map(|k| surface.knots()[k].domain());
-    let mut maps = shape_maps(surface, ShapeGrid::over(domain, points, 0.0), &[]);
+    let mut maps = surface.shape_maps(ShapeGrid::over(domain, points, 0.0), &[]);
     for ((i, j), supported) in maps.supported.indexed_iter_mut() {
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);
@@ -264,12 +264,11 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
 
 /// Contacts and normals that were set aside or changed, in words.
 fn set_aside(found: &Recognition) -> Vec<String> {
-    let dropped = &found.dropped;
     let counted = [
-        (dropped.outliers, "contact", "too far off the surface to belong to it: left out"),
-        (dropped.normals_of_length_zero, "normal", "of length 0: left out"),
-        (dropped.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
-        (dropped.normals_against, "normal", "more than 60 degrees off the surface: left out"),
+        (found.outliers, "contact", "too far off the surface to belong to it: left out"),
+        (found.normals_of_length_zero, "normal", "of length 0: left out"),
+        (found.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
+        (found.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     let some = counted.iter().filter(|(count, _, _)| *count > 0);

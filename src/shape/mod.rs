@@ -27,7 +27,7 @@ pub(crate) use gradient::{by_coefficients, shape_gradient};
 pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
-pub use maps::{ShapeMaps, shape_maps};
+pub use maps::ShapeMaps;
 pub(crate) use outline::Outline;
 #[cfg(feature = "cli")]
 pub(crate) use parametric_maps::parametric_maps_at;
