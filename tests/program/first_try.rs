@@ -261,7 +261,7 @@ fn the_means_are_those_of_the_map_that_is_written() {
     for (name, points) in [("level.csv", &level), ("upright.csv", &upright)] {
         write(folder.path(), name, points, None);
         for grid in ["", " --grid 24"] {
-            let shape = fitted(folder.path(), &format!("fit {name} --json --out out{grid}"))["shape"].clone();
+            let shape = fitted(folder.path(), &format!("fit {name} --out out{grid}"))["shape"].clone();
             for (key, column) in [("S", "S"), ("R", "R")] {
                 let (mean, count) = mean_of_map(folder.path(), column);
                 let (said, u) = (shape[key]["mean"].as_f64().unwrap(), shape[key]["u"].as_f64().unwrap());
