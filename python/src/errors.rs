@@ -12,8 +12,6 @@ use palpate::{ContactError, cli::embedded::FitRefusal};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::fitting::PlannerRefusal;
-
 /// Puts fields of a variant into a dictionary under their own names.
 macro_rules! put {
     ($dict:expr, $($field:ident),*) => {{ $($dict.set_item(stringify!($field), $field.clone())?;)* }};
@@ -135,6 +133,13 @@ pub(crate) fn explore_error(py: Python<'_>, error: &ExploreError) -> PyErr {
         Ok(()) => exception(py, "ExploreError", error.to_string(), &kind(error), dict),
         Err(error) => error,
     }
+}
+
+/// Why a fit plans no touches.
+pub(crate) enum PlannerRefusal {
+    /// No height field over x and y.
+    Surface,
+    Explore(ExploreError),
 }
 
 pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr {

@@ -21,6 +21,9 @@ use super::named::fit_input;
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
 
+/// What a user can do about too few contacts.
+const MORE: &str = "touch a dozen places or more, spread over the patch, with surface normals if you can";
+
 /// A note says that contacts lie off the surface when both their share and their number are at least these: more than a
 /// sensor's stray readings.
 const STRAY: f64 = 0.02;
@@ -65,7 +68,11 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
         Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
             let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
-            let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+            let (found, chosen) = fit_input(input, fit).map_err(|refused| match refused {
+                // no model was named: what one would need is of no use
+                FitError::TooFew { .. } => Refusal::Shape(format!("{error}: {MORE}")),
+                refused => Refusal::Fit(refused),
+            })?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {

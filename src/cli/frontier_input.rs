@@ -21,8 +21,9 @@ pub(super) fn measure(
 ) -> Result<FrontierDocument, Failure> {
     check(args, file, request)?;
     args.output.prepare(&[Path::new(file)], &[])?;
-    let spinner = args.output.spinner(format!("measuring {file}"));
-    let reading = read_input(Path::new(file), &ReadOptions::default())?;
+    let spinner = args.output.spinner(format!("reading {file}"));
+    let reading = spinner.while_reading(|| read_input(Path::new(file), &ReadOptions::default()))?;
+    spinner.phase(&format!("measuring {file}"));
     let Input::Contacts(contacts) = &reading.input else {
         return Err(Failure::Input(format!(
             "{file}: a grid cannot be judged by pixels that were left out, which its neighbours nearly repeat; a frontier needs contacts or a scene"

@@ -13,15 +13,15 @@ use crate::io::scene_file::SceneFile;
 use crate::io::{StudyIdentity, text_hash};
 use crate::montecarlo::{Path, Quantity, Stopped, Study, StudyError, StudyOptions, StudyState, Tolerance};
 use crate::report::{
-    NamedQuantities, NamedShares, PictureFormat, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts,
-    inverse_crime_remark, study_notes, sum_parts,
+    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, inverse_crime_remark,
+    study_notes, sum_parts,
 };
 use crate::scene::Effect;
 use crate::simd::Isa;
 
 use super::failure::Failure;
 use super::interrupt;
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::scene::Source;
 use super::values::{self, PathChoice};
 
@@ -83,9 +83,8 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
     pub(super) sweep: Vec<String>,
-    /// Kinds of pictures of a sweep in the directory of --out, several as svg,png,pdf [default: svg]
-    #[arg(long, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires_all = ["out", "sweep"])]
-    pub(super) pictures: Vec<PictureFormat>,
+    #[command(flatten)]
+    pub(super) pictures: PictureFlags,
     #[command(flatten)]
     pub(super) fit: FitFlags,
     #[command(flatten)]

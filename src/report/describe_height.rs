@@ -281,6 +281,7 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         direction: None,
         axis_deg: shape.axis_deg,
         axis: None,
+        centre: None,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),

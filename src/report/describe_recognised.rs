@@ -14,7 +14,9 @@ use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
-use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
+use crate::recognition::{
+    Estimate, Hypothesis, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition,
+};
 use crate::shape::{
     ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, spread, uv_grid,
 };
@@ -323,6 +325,21 @@ fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
     ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
 }
 
+/// Centre of curvature in the middle of the patch, across: the centre of a ball, a point on the axis of a pipe or bar. Of other
+/// surfaces it is one of many, and says nothing.
+fn centre(found: &Recognition) -> Option<[f64; 3]> {
+    if !matches!(found.hypothesis, Hypothesis::Sphere | Hypothesis::Cylinder) || found.radius.is_none() {
+        return None;
+    }
+    let [u, v] = [found.surface.u, found.surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
+    let (place, normal) = found.surface.at(u, v);
+    // towards the free side where the surface is hollow
+    let [k1, k2] = found.surface.curvatures_at(u, v)?;
+    let k = if k1.abs() > k2.abs() { k1 } else { k2 };
+    let centre = [0, 1, 2].map(|axis| place[axis] + normal[axis] / k);
+    centre.iter().all(|v| v.is_finite()).then_some(centre)
+}
+
 fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
     let supported = || found.map.iter().filter(|p| p.supported);
     let over_map = |pick: fn(&crate::recognition::MapPoint) -> f64, mean: f64| {
@@ -351,6 +368,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         direction: found.direction.filter(|_| !level),
         axis_deg: found.axis.filter(|_| level).map(projected),
         axis: found.axis.filter(|_| !level),
+        centre: centre(found),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,
         covariance: None,

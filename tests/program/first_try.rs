@@ -89,6 +89,9 @@ fn what_was_chosen_is_said_and_the_saved_surface_lies_on_the_contacts() {
     let interval = found["shape"]["R"]["interval"].as_array().unwrap();
     let truth = 1.0 / (10.0 * 2.0_f64.sqrt());
     assert!(interval[0].as_f64().unwrap() < truth && truth < interval[1].as_f64().unwrap());
+    // the axis of the bar goes through the origin
+    let centre: Vector = serde_json::from_value(found["shape"]["centre"].clone()).unwrap();
+    assert!((0.6 * centre[0] + 0.8 * centre[1]).hypot(centre[2]) < 0.05, "{centre:?}");
     std::fs::write(at.join("at.csv"), "x,y\n0,0\n1,-2\n3,3\n").unwrap();
     let shown = fitted(at, "show bar.json --at at.csv");
     for point in shown["points"].as_array().unwrap() {
@@ -258,7 +261,7 @@ fn the_means_are_those_of_the_map_that_is_written() {
     for (name, points) in [("level.csv", &level), ("upright.csv", &upright)] {
         write(folder.path(), name, points, None);
         for grid in ["", " --grid 24"] {
-            let shape = fitted(folder.path(), &format!("fit {name} --json --out out{grid}"))["shape"].clone();
+            let shape = fitted(folder.path(), &format!("fit {name} --out out{grid}"))["shape"].clone();
             for (key, column) in [("S", "S"), ("R", "R")] {
                 let (mean, count) = mean_of_map(folder.path(), column);
                 let (said, u) = (shape[key]["mean"].as_f64().unwrap(), shape[key]["u"].as_f64().unwrap());
