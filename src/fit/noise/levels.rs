@@ -370,19 +370,19 @@ mod tests {
         assert!(held * 100 >= 89 * count, "{held} of {count}");
     }
 
-    /// Errors that correlate by 0.9 from touch to touch are bent into the surface: the residuals alone promise four times too
-    /// much.
+    /// Errors that correlate by 0.9 from touch to touch are bent into the surface: the residuals alone promise several
+    /// times too much.
     #[test]
     fn errors_shared_along_fingers_widen_the_intervals() {
         let truth = fitted(&saddle(5, [0.0, 0.0], 0), SlopeWeights::Equal).shape().curvedness.mean.unwrap();
         let drifting = |replicate: u64| {
-            let mut contacts = saddle(5, [0.0, 0.02], replicate);
+            let mut contacts = saddle(5, [0.0, 0.035], replicate);
             let mut draws = vec![0.0; 25];
             drawn(8, replicate, &mut draws);
             let mut error = 0.0;
             for r in 0..25 {
                 error = if r % 5 == 0 { draws[r] } else { 0.9 * error + 0.19_f64.sqrt() * draws[r] };
-                contacts.z[r] += 0.02 * error;
+                contacts.z[r] += 0.005 * error;
             }
             contacts
         };
@@ -395,6 +395,6 @@ mod tests {
                 *held += u64::from(interval.lo <= truth && truth <= interval.hi);
             }
         }
-        assert!(held[1] >= held[0] + 10 && held[1] >= 70, "{held:?}");
+        assert!(held[1] >= held[0] + 15 && held[1] >= 60, "{held:?}");
     }
 }
