@@ -7,7 +7,7 @@
 use palpate::explore::ExploreError;
 use palpate::fit::FitError;
 use palpate::plans::PlanError;
-use palpate::spline::{KnotError, SurfaceError};
+use palpate::spline::SplineError;
 use palpate::{ContactError, cli::embedded::FitRefusal};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -148,7 +148,7 @@ pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr
     }
 }
 
-pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &KnotError) -> PyErr {
+pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &SplineError) -> PyErr {
     let dict = PyDict::new(py);
     match dict.set_item("axis", axis) {
         Ok(()) => exception(py, "SurfaceError", format!("knots in {axis}: {error}"), &kind(error), dict),
@@ -156,6 +156,6 @@ pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &KnotError) -> PyErr
     }
 }
 
-pub(crate) fn surface_error(py: Python<'_>, error: &SurfaceError) -> PyErr {
+pub(crate) fn surface_error(py: Python<'_>, error: &SplineError) -> PyErr {
     plain(py, "SurfaceError", error.to_string(), &kind(error))
 }

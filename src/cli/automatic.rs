@@ -86,7 +86,7 @@ fn all_downward(input: &Input) -> bool {
 
 /// A simple shape, with a note where many contacts lie off it.
 fn simple(found: Box<Recognition>) -> Found {
-    let strays = found.dropped.outliers;
+    let strays = found.outliers;
     let share = strays as f64 / (strays + found.contacts) as f64;
     let elsewhere = (strays >= STRAYS && share > STRAY).then(|| {
         let percent = 100.0 * share;

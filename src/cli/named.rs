@@ -3,7 +3,6 @@
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::Input;
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::count_model_error;
 use crate::report::ChosenPart;
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
@@ -28,7 +27,7 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
 /// The same answer whose intervals count that the surface may be of another kind than a height field of these knots.
 pub(super) fn counting_other_kinds(found: FittedSurface) -> FittedSurface {
     match found {
-        FittedSurface::Height(fit) => FittedSurface::Height(Box::new(count_model_error(*fit))),
+        FittedSurface::Height(fit) => FittedSurface::Height(Box::new((*fit).with_model_error())),
         other => other,
     }
 }

@@ -8,9 +8,7 @@ use clap::Args;
 use crate::contact::{Contacts, Grid};
 use crate::io::scene_file::builtin_text;
 use crate::io::{Input, read_input, write_atomically};
-use crate::parts::{
-    Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary, segment, shape_at_points,
-};
+use crate::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 use crate::report::{
     PartsDocument, PointShapesFormat, write_json, write_parts_csv, write_parts_picture, write_parts_table,
     write_point_shapes, write_point_shapes_summary,
@@ -67,14 +65,14 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let clock = Instant::now();
     let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
     if let Some((path, format)) = format {
-        let found = shape_at_points(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+        let found = PointShapes::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
         if args.output.out.is_none() && !args.output.json {
             drop(spinner);
             return summary(args, &taken, &found);
         }
     }
-    let found = segment(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+    let found = Parts::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
     let seconds = clock.elapsed().as_secs_f64();
     let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
     if let Some((faces, kinds)) = &taken.faces {

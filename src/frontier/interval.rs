@@ -12,7 +12,7 @@
 //! says how much wider or narrower it is, not how wrong.
 
 use crate::fit::FitOptions;
-use crate::montecarlo::{Path, StoppingRule, Study, StudyOptions, Tolerance};
+use crate::montecarlo::{Path, Study, StudyOptions, Tolerance};
 use crate::parametric::{FittedSurface, fit_surface};
 use crate::recognition::{RecognitionOptions, recognise};
 use crate::scene::World;
@@ -96,9 +96,9 @@ impl<'a> IntervalSubject<'a> {
             let options = StudyOptions { replicates: count, replicates_given: true, ..plain.clone() };
             studies.extend(study(options).map(|study| (format!("Monte Carlo {count}"), study)));
         }
-        let rules = [(StoppingRule::Stein, "Stein's rule"), (StoppingRule::Adaptive, "adaptive")];
-        for (rule, name) in rules.into_iter().filter(|_| !whole) {
-            let options = StudyOptions { tolerance: Some(Tolerance { digits: 1, rule }), ..plain.clone() };
+        let rules = [(Tolerance::Stein(1), "Stein's rule"), (Tolerance::Adaptive(1), "adaptive")];
+        for (tolerance, name) in rules.into_iter().filter(|_| !whole) {
+            let options = StudyOptions { tolerance: Some(tolerance), ..plain.clone() };
             studies.extend(study(options).map(|study| (format!("Monte Carlo, {name}, 1 digit"), study)));
         }
         let touches = Touches::new(world, None, seed, if counted { 1 } else { REPLICATES })?;

@@ -19,7 +19,7 @@ use super::summary::Summary;
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitOptions};
 use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::{Recognition, RecognitionOptions, count_model_error, recognise};
+use crate::recognition::{Recognition, RecognitionOptions, recognise};
 use crate::scene::Truth;
 use crate::shape::{Interval, compare_with_truth, spread};
 
@@ -231,7 +231,7 @@ fn asked(fit: Fit, truth: &Truth) -> Asked {
         u: statistics.map(|s| s.u),
         plane: shape.class == ShapeClass::Plane,
     };
-    let counted = count_model_error(fit);
+    let counted = fit.with_model_error();
     let shape = counted.shape();
     Asked { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
 }

@@ -1,6 +1,6 @@
 //! Fits of either kind: the options or the contacts decide between a height field and a parametric surface.
 
-use super::{ParametricFit, choose_surface, fit_parametric};
+use super::{ParametricFit, choose_surface};
 use crate::contact::Contacts;
 use crate::fit::{Fit, FitError, FitOptions, SurfaceKind, fit_contacts};
 
@@ -49,5 +49,5 @@ pub fn fit_surface(contacts: &Contacts, options: &FitOptions) -> Result<(FittedS
         options.degree = options.degree.map(|p| p.max(LEAST_DEGREE));
         reason.push_str("; degree raised to 3, which a surface in space needs to go round");
     }
-    Ok((FittedSurface::Parametric(Box::new(fit_parametric(contacts, &options)?)), reason))
+    Ok((FittedSurface::Parametric(Box::new(ParametricFit::new(contacts, &options)?)), reason))
 }

@@ -8,8 +8,10 @@
 //! P(hypothesis | contacts) ~ integral of likelihood and prior over theta, f, s, rho, l
 //! ```
 //!
-//! S and R are means over the region that contacts support, weighted by those probabilities. Rotating, moving, scaling
-//! or shuffling the contacts changes the coordinates of the answer and nothing else.
+//! S and R are means over the supported points of the map, weighted by those probabilities: an even grid over x and y, as
+//! for a fit that names its model, or over the chart of a patch that stands steep. Moving, scaling or shuffling the
+//! contacts changes the coordinates of the answer and nothing else. So does rotating them, but for the points of the grid:
+//! where S and R differ from place to place, their means over other points differ too.
 //!
 //! ```
 //! use palpate::Contacts;
@@ -50,6 +52,7 @@ mod noise;
 mod normal_noise;
 mod options;
 mod orientation;
+mod over_plane;
 mod paraboloid;
 mod patch;
 #[cfg(feature = "cli")]
@@ -72,9 +75,7 @@ mod surface;
 mod tests;
 mod weights;
 
-pub use beside::count_model_error;
 pub use error::RecognitionError;
-pub use estimated_normals::estimate_normals;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
 // only the program asks for a fit where nothing is recognised
@@ -83,11 +84,12 @@ pub(crate) use flexible::Flexible;
 pub use options::RecognitionOptions;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
-pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub(crate) use result::Dropped;
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{Shown, shown};
 pub use spline::RecognisedSpline;
-pub use surface::RecognisedSurface;
+pub(crate) use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;

@@ -121,10 +121,7 @@ fn outliers_and_faulty_normals_are_set_aside_and_counted() {
     let found =
         recognise(&Contacts::from_points(&points).with_normal_vectors(&normals), &RecognitionOptions::default())
             .unwrap();
-    assert_eq!(
-        (found.dropped.outliers, found.dropped.normals_of_length_zero, found.dropped.normals_flipped),
-        (2, 1, 1)
-    );
+    assert_eq!((found.outliers, found.normals_of_length_zero, found.normals_flipped), (2, 1, 1));
     assert_eq!((found.class, found.normals), (ShapeClass::Cap, NormalsUse::Believed));
     assert!((found.radius.unwrap() - 10.0).abs() < 0.3);
 }
@@ -161,7 +158,7 @@ fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
     let mut z = ndarray::Array2::from_shape_fn((12, 12), |(i, j)| sphere(axis[i], axis[j]));
     z[[3, 4]] = f64::NAN;
     let found = recognise_grid(&Grid::new(axis.clone(), axis, z), &RecognitionOptions::default()).unwrap();
-    assert_eq!((found.class, found.dropped.missing, found.contacts), (ShapeClass::Cap, 1, 143));
+    assert_eq!((found.class, found.missing, found.contacts), (ShapeClass::Cap, 1, 143));
     assert_eq!((found.map.len(), found.support.1), (64, 64));
     for point in found.map.iter().filter(|p| p.supported) {
         let [x, y, z] = point.position;

@@ -146,7 +146,7 @@ fn a_scene_by_a_wrong_name_names_the_nearest() {
 fn imported_surfaces_are_labelled() {
     #[derive(Debug)]
     struct Parabola;
-    impl palpate::scene::surface::ImportedSurface for Parabola {
+    impl palpate::scene::ImportedSurface for Parabola {
         fn label(&self) -> &str {
             "parabola.json"
         }
@@ -155,7 +155,7 @@ fn imported_surfaces_are_labelled() {
         }
     }
     let text = SCENE.replace("kind = \"sphere\"\nradius = 10.0", "kind = \"imported\"\nfile = \"parabola.json\"");
-    let importer = |file: &str| -> Result<std::sync::Arc<dyn palpate::scene::surface::ImportedSurface>, String> {
+    let importer = |file: &str| -> Result<std::sync::Arc<dyn palpate::scene::ImportedSurface>, String> {
         if file == "parabola.json" { Ok(std::sync::Arc::new(Parabola)) } else { Err("no such file".into()) }
     };
     let scene = palpate::internals::io::scene_file::read_scene_with(&text, &importer).unwrap();
