@@ -12,9 +12,7 @@ use crate::contact::{Contacts, Grid, Orientation};
 use crate::fit::{FitError, FitOptions};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
-use crate::recognition::{
-    Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, recognise, recognise_grid, shown,
-};
+use crate::recognition::{Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown};
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
 use super::named::fit_input;
@@ -52,8 +50,8 @@ pub(super) enum Refusal {
 /// Recognises the input, or fits it where it cannot be recognised.
 pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
     let found = match input {
-        Input::Contacts(contacts) => recognise(contacts, options),
-        Input::Grid(grid) => recognise_grid(grid, options),
+        Input::Contacts(contacts) => Recognition::of(contacts, options),
+        Input::Grid(grid) => Recognition::of_grid(grid, options),
     };
     match shown(found, || contacts_of(input), fit) {
         Ok(answer) => {

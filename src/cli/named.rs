@@ -2,13 +2,13 @@
 
 use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
 use crate::io::Input;
-use crate::parametric::{FittedSurface, fit_surface};
+use crate::parametric::FittedSurface;
 use crate::report::ChosenPart;
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
 pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
     let (found, reason) = match input {
-        Input::Contacts(contacts) => fit_surface(contacts, options)?,
+        Input::Contacts(contacts) => FittedSurface::of(contacts, options)?,
         Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
             return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
         }

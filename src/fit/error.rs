@@ -147,7 +147,9 @@ pub enum FitError {
         source: SolveError,
     },
     /// The options ask for a parametric surface where a height field is fitted.
-    #[error("a height field has no {option}: leave it out, or fit a parametric surface (parametric::fit_surface)")]
+    #[error(
+        "a height field has no {option}: leave it out, or fit a parametric surface (parametric::FittedSurface::of)"
+    )]
     HeightField {
         /// What was asked for: the surface kind, or a closed direction.
         option: &'static str,

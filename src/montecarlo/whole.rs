@@ -4,7 +4,7 @@ use super::quantity::Quantity;
 use crate::contact::Contacts;
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitError, FitOptions};
-use crate::parametric::{FittedSurface, fit_surface};
+use crate::parametric::FittedSurface;
 use crate::scene::Truth;
 use crate::shape::radius_of;
 
@@ -26,7 +26,7 @@ impl Whole {
     /// # Errors
     /// Every [`FitError`].
     pub(super) fn values(&self, (contacts, _): (Contacts, Truth)) -> Result<(Vec<f64>, bool), FitError> {
-        match fit_surface(&contacts, &self.options)?.0 {
+        match FittedSurface::of(&contacts, &self.options)?.0 {
             FittedSurface::Height(fit) => {
                 let plane = fit.shape().class == ShapeClass::Plane;
                 Ok((self.of_height(&fit), plane))

@@ -50,7 +50,7 @@ pub use certificate::ParametricCertificate;
 #[doc(hidden)]
 pub use choice::choose_surface;
 pub use describe::ParametricShape;
-pub use fitted::{FittedSurface, fit_surface};
+pub use fitted::FittedSurface;
 pub use parametric_fit::ParametricFit;
 use parametric_fit::ParametricNoise;
 

@@ -24,7 +24,7 @@ pub(crate) struct ParametricNoise {
     pub estimated: bool,
 }
 
-/// A fitted parametric surface, from [`ParametricFit::new`] or [`fit_surface`](super::fit_surface).
+/// A fitted parametric surface, from [`ParametricFit::new`] or [`FittedSurface::of`](super::FittedSurface::of).
 ///
 /// ```
 /// use palpate::Contacts;

@@ -13,7 +13,7 @@
 use crate::fit::{Fit, ModelReading, Reading, richer_reading};
 use crate::vector::Vector;
 
-use super::{Recognition, RecognitionError, RecognitionOptions, recognise_over};
+use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// Contacts that are recognised at most. More would narrow a reading that is dominated by the kind of surface, and
 /// would take longer than the fit.
@@ -29,7 +29,7 @@ const CHANCE: f64 = 0.01;
 
 impl Fit {
     /// Lets the intervals of S and R count that the surface may be of another kind than the one named: `u`, intervals and
-    /// class probabilities of the fit's shape then cover what [`recognise`](crate::recognition::recognise) says of the same contacts over
+    /// class probabilities of the fit's shape then cover what [`Recognition::of`] says of the same contacts over
     /// the same points. Means, spreads, curvatures and the surface stay as they are.
     ///
     /// ```
@@ -75,7 +75,7 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
         sigma_xy: fit.options().sigma_xy / fit.frame().scale,
         ..RecognitionOptions::default()
     };
-    let found = recognise_over(&contacts, &places, &options)?;
+    let found = Recognition::over(&contacts, &places, &options)?;
     if leaves_much_unsaid(&found) {
         return unknown("the contacts show no simple shape");
     }

@@ -15,14 +15,14 @@
 //!
 //! ```
 //! use palpate::Contacts;
-//! use palpate::recognition::{Hypothesis, RecognitionOptions, recognise};
+//! use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions};
 //!
 //! // a ridge of radius 6 along y, touched at 36 places
 //! let (x, y): (Vec<f64>, Vec<f64>) = (0..36).map(|r| ((r % 6) as f64 - 2.5, (r / 6) as f64 - 2.5)).unzip();
 //! let z: Vec<f64> = x.iter().map(|x| (36.0 - x * x).sqrt() - 6.0).collect();
 //! let nz = z.iter().map(|z| z + 6.0).collect();
 //! let contacts = Contacts::from_positions(x.clone(), y, z).with_normals(x, vec![0.0; 36], nz);
-//! let found = recognise(&contacts, &RecognitionOptions::default())?;
+//! let found = Recognition::of(&contacts, &RecognitionOptions::default())?;
 //! assert_eq!((found.hypothesis, found.class.name()), (Hypothesis::Cylinder, "ridge"));
 //! assert!((found.radius.unwrap() - 6.0).abs() < 1e-6);
 //! # Ok::<(), palpate::recognition::RecognitionError>(())
@@ -101,33 +101,35 @@ use model::{Kind, Model};
 use noise::Limit;
 use patch::Patch;
 
-/// Recognises the shape that contacts show.
-///
-/// # Errors
-/// When the contacts are faulty, too few, on one line, or not one sheet.
-pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, None, options)
-}
+impl Recognition {
+    /// Recognises the shape that contacts show.
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, on one line, or not one sheet.
+    pub fn of(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        recognise_given(Given::from_contacts(contacts, options)?, None, options)
+    }
 
-/// The same, with S and R averaged over these places of the input instead of the region that contacts support.
-fn recognise_over(
-    contacts: &Contacts,
-    places: &[Vector],
-    options: &RecognitionOptions,
-) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
-}
+    /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
+    ///
+    /// # Errors
+    /// As [`Recognition::of`].
+    pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
+        recognise_given(Given::from_grid(grid, options)?, None, &upward)
+    }
 
-/// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
-///
-/// # Errors
-/// As [`recognise`].
-pub fn recognise_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-    recognise_given(Given::from_grid(grid, options)?, None, &upward)
+    /// Of contacts, with S and R averaged over these places of the input instead of the region that contacts support.
+    fn over(
+        contacts: &Contacts,
+        places: &[Vector],
+        options: &RecognitionOptions,
+    ) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
+    }
 }
 
 /// The steps, top to bottom.

@@ -182,7 +182,7 @@ fn support(found: &Recognition, scale: f64) -> UvSupport {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{RecognitionOptions, recognise};
+    use super::super::RecognitionOptions;
     use super::*;
     use crate::vector::dot;
 
@@ -198,11 +198,11 @@ mod tests {
 
     #[test]
     fn a_level_patch_becomes_a_height_field_and_half_a_pipe_a_map() {
-        let found = recognise(&cylinder(0.8), &RecognitionOptions::default()).unwrap();
+        let found = Recognition::of(&cylinder(0.8), &RecognitionOptions::default()).unwrap();
         let RecognisedSpline::Height { surface, .. } = found.spline().unwrap() else { panic!("no height field") };
         let here = surface.at(2.0, 4.0);
         assert!((here.z - 21.0_f64.sqrt()).abs() < 1e-4);
-        let found = recognise(&cylinder(1.5), &RecognitionOptions::default()).unwrap();
+        let found = Recognition::of(&cylinder(1.5), &RecognitionOptions::default()).unwrap();
         let RecognisedSpline::Parametric { surface, support } = found.spline().unwrap() else { panic!("no map") };
         let [u, v] = [0, 1].map(|k| surface.knots()[k].domain()).map(|[lo, hi]| 0.3 * lo + 0.7 * hi);
         assert!(support.holds(u, v));

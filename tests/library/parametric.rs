@@ -5,7 +5,7 @@ use palpate::Orientation;
 use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
 use palpate::internals::parametric::choose_surface;
 use palpate::internals::scene::linspace;
-use palpate::parametric::{FittedSurface, ParametricFit, fit_surface};
+use palpate::parametric::{FittedSurface, ParametricFit};
 use palpate::scene::{Effect, Surface, Sweep, World};
 
 mod shapes;
@@ -257,9 +257,9 @@ fn bad_input_is_refused_or_certified() {
 fn auto_stands_up_only_where_it_must() {
     let auto = FitOptions::default().with_surface(SurfaceKind::Auto);
     let flat = world(sphere(20.0)).compile().unwrap().noise_free();
-    assert!(matches!(fit_surface(&flat, &auto).unwrap().0, FittedSurface::Height(_)));
+    assert!(matches!(FittedSurface::of(&flat, &auto).unwrap().0, FittedSurface::Height(_)));
     let steep = world(sphere(5.7)).compile().unwrap().noise_free();
-    let (found, reason) = fit_surface(&steep, &auto).unwrap();
+    let (found, reason) = FittedSurface::of(&steep, &auto).unwrap();
     let FittedSurface::Parametric(fit) = found else { panic!("{reason}") };
     assert!(reason.contains("from the mean") && reason.contains("degree raised"), "{reason}");
     assert!(fit.shape().shape_index.mean.unwrap() > 0.95);
