@@ -15,8 +15,9 @@ use super::patch::Patch;
 
 /// Parameters of the robust surface.
 const UNKNOWNS: f64 = 6.0;
-/// Least variance of a cell over the mean; what is said of x and y may be too much.
-const LEAST: f64 = 0.01;
+/// Least variance of a cell over the mean: what is said of x and y may be too much, and a few contacts on level ground must
+/// not decide alone.
+const LEAST: f64 = 0.1;
 
 /// The cells with variances and weights that count these errors, input units.
 pub(super) fn weighed(mut cells: Cells, patch: &Patch, sigma_xy: f64) -> Cells {
