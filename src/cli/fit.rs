@@ -184,8 +184,13 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
     }
     fit.check().map_err(Refusal::Fit)?;
     let viewpoint = viewpoint.or(seen_from(reading));
-    let recognition =
-        RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
+    let recognition = RecognitionOptions {
+        grid: fit.grid,
+        level: fit.level,
+        viewpoint,
+        sigma_xy: fit.sigma_xy,
+        ..RecognitionOptions::default()
+    };
     automatic(input, &recognition, &fit)
 }
 

@@ -261,6 +261,15 @@ impl Fit {
         noise::declared::declared_off(&self.solved)
     }
 
+    /// Probability that touches of a finger share errors, and the correlation of neighbouring ones if they do; `None` where
+    /// contacts do not say which finger made them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn shared_along_fingers(&self) -> Option<[f64; 2]> {
+        let levels = self.solved.levels()?;
+        let probability = levels.probability_shared();
+        (probability > 0.0).then(|| [probability, levels.correlation()])
+    }
+
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.
     pub fn condition(&self) -> f64 {
         self.solved.condition()

@@ -41,6 +41,7 @@ mod evidence;
 #[cfg(feature = "cli")]
 mod flexible;
 mod frame;
+mod in_place;
 mod input;
 mod linearised;
 mod misfit;
@@ -138,7 +139,7 @@ fn recognise_given(
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
     let patch = Patch::new(given, options)?;
-    let cells = patch.cells();
+    let cells = in_place::weighed(patch.cells(), &patch, options.sigma_xy);
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
     let distances = noise::distances_between(&cells);
