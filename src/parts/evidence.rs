@@ -1,16 +1,20 @@
 //! Whether one primitive does for two, or a simpler kind for a richer one, when neighbours may share errors.
 //!
 //! ```text
-//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > (unknowns 2 - unknowns 1) ln(n_e) / 2
+//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > max(k ln(n_e), chi-square of k at 1 %) / 2     k = unknowns 2 - unknowns 1
 //! s, v                 rms of distances and of normals per tangent axis, of the simpler (1) and of the richer (2) description
 //! n_e = n / max over widths of  sum_cells (sum_i d_i)^2 / sum_i d_i^2               d: distances from the simpler
 //! ```
 //!
 //! n_e is the number of independent residuals: n where they have nothing to do with each other, and n over the points of one
 //! patch where a patch errs together. So a dent a hundred times the noise is a part, and the waves of a depth camera are not, however
-//! many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461.
+//! many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461. Of few
+//! independent residuals it asks little: of twenty, one more unknown would do by chance in every twelfth case. There the
+//! likelihood ratio's own test at 1 % is asked (S. S. Wilks, *Ann. Math. Statist.* 9 (1938) 60).
 
 use std::collections::HashMap;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cloud::Cloud;
 use super::local::Noise;
@@ -19,6 +23,9 @@ use crate::vector::{dot, minus};
 
 /// Widths of cells in spacings; the widest holds some 4000 points of a surface.
 const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
+
+/// How often unknowns that mean nothing may seem to, where the residuals are few.
+const BY_CHANCE: f64 = 0.01;
 
 /// Cells of all widths, one number for each point and width.
 #[derive(Clone, Debug)]
@@ -90,6 +97,8 @@ impl Residuals {
         let (one, two) = (self.spread(pass), richer.spread(pass));
         let independent = cells.independent(&self.distances);
         let gain = (one.distance / two.distance).ln() + 2.0 * (one.normal / two.normal).ln();
-        independent * gain - 0.5 * unknowns as f64 * independent.ln()
+        let unknowns = unknowns as f64;
+        let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
+        independent * gain - 0.5 * (unknowns * independent.ln()).max(by_chance)
     }
 }

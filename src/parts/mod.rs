@@ -32,6 +32,7 @@ mod descent;
 mod error;
 mod evidence;
 mod exact;
+mod free_form;
 mod hypothesis;
 mod jet;
 mod joints;
@@ -46,6 +47,7 @@ mod result;
 mod sides;
 mod small;
 mod start;
+mod waves;
 mod wide_noise;
 
 #[cfg(feature = "cli")]
@@ -104,7 +106,8 @@ pub fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, Par
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
     let partition = partition(&field);
-    Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance }.parts(partition, notes))
+    let cells = &field.cells;
+    Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(partition, notes))
 }
 
 /// Unit normals on one side, from the file or from the positions.

@@ -18,6 +18,7 @@ use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
 use super::primitive::{PartKind, Primitive};
+use super::waves;
 use crate::threads;
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
@@ -75,6 +76,9 @@ pub(super) fn partition(field: &Field) -> Partition {
         }
     }
     partition.refit(field);
+    if waves::absorb(&mut partition, field) {
+        partition.refit(field);
+    }
     partition
 }
 
@@ -217,7 +221,7 @@ impl Partition {
     }
 
     /// Only the parts for which `keeps` holds, numbered anew.
-    fn keep(&mut self, keeps: impl Fn(usize) -> bool) {
+    pub(super) fn keep(&mut self, keeps: impl Fn(usize) -> bool) {
         let mut number = vec![NONE; self.parts.len()];
         let mut kept = Vec::new();
         for (part, primitive) in self.parts.iter().enumerate() {

@@ -36,7 +36,6 @@ mod displacement;
 mod error;
 mod estimated_normals;
 mod evidence;
-#[cfg(feature = "cli")]
 mod flexible;
 mod frame;
 mod input;
@@ -49,6 +48,7 @@ mod noise;
 mod normal_noise;
 mod options;
 mod orientation;
+mod own_axes;
 mod paraboloid;
 mod patch;
 #[cfg(feature = "cli")]
@@ -76,15 +76,15 @@ pub use error::RecognitionError;
 pub use estimated_normals::estimate_normals;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
-// only the program asks for a fit where nothing is recognised
-#[cfg(feature = "cli")]
-pub(crate) use flexible::Flexible;
+// free-form parts are described by the same field as contacts that no simple shape explains
+pub(crate) use flexible::{Flexible, flexible};
 pub use options::RecognitionOptions;
+pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
 pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
-pub(crate) use shown::{Shown, shown};
+pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
 pub use surface::RecognisedSurface;
 
