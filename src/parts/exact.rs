@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! u_d^2 = sum d^2 / (n - t),  u_n^2 = sum |n - n_i|^2 / (2 n - unknowns + t)       t = trace of the distances' hat matrix
-//! covariance = (J' W J)^-1,  where the data reject the primitive times n / n_e     n_e independent residuals (`evidence.rs`)
+//! covariance = (J' W J)^-1 n / n_e         n_e: independent residuals, n unless neighbours share errors (`evidence.rs`)
 //! F = (between / (cells - t)) / (within / (points - cells))
 //!     between = sum_c n_c mean_c(d)^2,  within = sum_c sum_i (d_i - mean_c)^2          cells of some 12 neighbouring points
 //! ```
 //!
 //! Points of one cell are near-replicates: whatever the true surface is, it hardly varies within a cell, so that the scatter
 //! there is noise and the means beyond noise are lack of fit. A scanner's error that neighbours share is lack of fit, too, and
-//! the parameters are then as uncertain as so few independent residuals leave them. N. R. Draper and H. Smith, *Applied Regression Analysis*,
-//! section 2.1.
+//! the parameters are then as uncertain as so few independent residuals leave them. N. R. Draper and H. Smith, *Applied
+//! Regression Analysis*, section 2.1.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -39,7 +39,7 @@ pub(super) struct Exact {
     pub(super) p: Option<f64>,
     /// Root mean square of what noise does not explain, along the normal.
     pub(super) departure: f64,
-    /// Contacts for every independent residual, where the data reject the primitive; else 1.
+    /// Contacts for every independent residual.
     pub(super) shared: f64,
 }
 
@@ -58,14 +58,9 @@ pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &N
     }
     let share = share(cloud, inner, &descended, &noise);
     let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
-    let shared = match p {
-        Some(p) if p < REJECTED => {
-            let distance = |i: u32| descended.primitive.nearest(cloud.points[i as usize]).0;
-            let residuals: Vec<(u32, f64)> = inner.iter().map(|&i| (i, distance(i))).collect();
-            (inner.len() as f64 / cells.independent(&residuals)).max(1.0)
-        }
-        _ => 1.0,
-    };
+    let distance = |i: u32| descended.primitive.nearest(cloud.points[i as usize]).0;
+    let residuals: Vec<(u32, f64)> = inner.iter().map(|&i| (i, distance(i))).collect();
+    let shared = cells.shared(&residuals);
     Some(Exact { descended, noise, p, departure, shared })
 }
 

@@ -1,7 +1,8 @@
 //! A region that no primitive explains, by a spline of its own: S, R and their uncertainties.
 //!
 //! ```text
-//! z = S(x, y) over the region's own plane, cubic, with as many segments as predict left-out contacts; where these are too few, quadratic
+//! z = S(x, y)    over the region's own plane: cubic, with as many segments as predict left-out contacts, or quadratic where
+//!                these are too few
 //! S, R    means over what the region's contacts support        u    from the noise of the contacts
 //! ```
 //!

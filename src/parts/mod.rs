@@ -105,7 +105,10 @@ pub fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, Par
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    let partition = partition(&field);
+    let mut partition = partition(&field);
+    if waves::absorb(&mut partition, &field) {
+        partition.refit(&field);
+    }
     let cells = &field.cells;
     Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(partition, notes))
 }

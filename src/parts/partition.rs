@@ -18,7 +18,6 @@ use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
 use super::primitive::{PartKind, Primitive};
-use super::waves;
 use crate::threads;
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
@@ -76,9 +75,6 @@ pub(super) fn partition(field: &Field) -> Partition {
         }
     }
     partition.refit(field);
-    if waves::absorb(&mut partition, field) {
-        partition.refit(field);
-    }
     partition
 }
 
@@ -153,7 +149,7 @@ impl Partition {
     }
 
     /// Fits every part to its inner points, its kind chosen anew.
-    fn refit(&mut self, field: &Field) {
+    pub(super) fn refit(&mut self, field: &Field) {
         let members = self.members();
         let fitted = threads::map(self.parts.len(), 1, |part| {
             let inner = self.inner(field.cloud, &members[part]);

@@ -34,8 +34,10 @@ pub(super) fn absorb(partition: &mut Partition, field: &Field) -> bool {
     let mut gone = vec![false; members.len()];
     for a in order {
         let around = neighbours(cloud, &partition.labels, &members[a], a as u32);
+        // across a gap in the scan there is no contact next to it
+        let others = (0..members.len()).filter(|b| *b != a && !around.contains(b)).collect::<Vec<_>>();
         let large = |b: &usize| !gone[*b] && inner[*b].len() >= GROUPS * members[a].len();
-        let into = around.into_iter().filter(large).find(|&b| {
+        let into = around.into_iter().chain(others).filter(large).find(|&b| {
             let primitive = &partition.parts[b];
             let own = departures(cloud, primitive, &members[a]);
             let [distance, normal] = largest(cloud, &mut walk, primitive, &inner[b], members[a].len());

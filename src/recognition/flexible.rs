@@ -5,7 +5,8 @@
 //! blocks       the contacts' box cut into 6 x 6; block (i, j) is in group (i + 2 j) mod 4
 //!              one group is left out at a time
 //! error(s)     root mean square of z - S_s(x, y) over the left-out contacts, S_s fitted to the others with s segments
-//! s            the smallest whose error is within 5 % of the least; s along the longer side, as many of that length along the shorter
+//! s            the smallest whose error is within 5 % of the least: along the longer side, and as many of that length along
+//!              the shorter
 //! ```
 //!
 //! x, y and z are along axes that the caller gives, and z is measured across the patch.

@@ -16,6 +16,7 @@ use crate::vector::{Vector, dot};
 use super::beside::leaves_much_unsaid;
 use super::flexible::{Flexible, flexible};
 use super::own_axes::own_axes;
+use super::weights::standard_deviation;
 use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
@@ -28,6 +29,10 @@ const OF_LENGTH: f64 = 0.1;
 /// Least cosine of the angle between the simple shape's normal and the axes' z. A height field does not follow a steeper
 /// patch.
 const LEVEL: f64 = 0.7;
+
+/// Spread of the contacts across the patch's own plane, as a share of that along its narrower side, beyond which there is no
+/// one plane: the corner of a room has 0.6, the edge of a box 0.7. Such contacts are several faces, though a field may follow them.
+const FOLDED: f64 = 0.45;
 
 /// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
 /// misfit.
@@ -89,8 +94,19 @@ impl FieldRequest<'_> {
     fn axes(&self, contacts: &Contacts) -> Vec<[Vector; 3]> {
         let over_input = self.gridded || matches!(contacts.orientation, Orientation::Slopes { .. });
         let own = if over_input { None } else { own_axes(contacts, self.recognition) };
+        let own = own.filter(|axes| is_sheet(contacts, axes));
         own.into_iter().chain([Frame::IDENTITY.axes]).collect()
     }
+}
+
+/// Whether the contacts lie about one plane across the axes' z.
+fn is_sheet(contacts: &Contacts, axes: &[Vector; 3]) -> bool {
+    let [x, y, z] = axes.map(|axis| {
+        let along: Vec<f64> =
+            (0..contacts.len()).map(|r| dot(axis, [contacts.x[r], contacts.y[r], contacts.z[r]])).collect();
+        standard_deviation(&along)
+    });
+    z < FOLDED * x.min(y)
 }
 
 /// Whether that is more than any sensor errs.
