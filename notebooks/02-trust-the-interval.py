@@ -8,12 +8,10 @@
 # Each repetition is called a *replicate*. In a simulation we know the truth, so that counting is all there is to do.
 
 # %%
-import tempfile
-from pathlib import Path
-
+import palpate
 import pandas as pd
 
-from records import COLOURS, call, figure, footer, palpate
+from records import COLOURS, figure, footer, palpate as command
 
 # %% [markdown]
 # ## The world
@@ -49,10 +47,8 @@ degree = 2
 sigma = [0.05, 3.0]
 """
 
-with tempfile.TemporaryDirectory() as folder:
-    records = Path(folder) / "replicates.csv"
-    study = palpate("study", "-", "--replicates", 20000, "--records", records, text=BAR)
-    replicates = pd.read_csv(records)
+study = palpate.study(BAR, 20_000, keep_values=True)
+replicates = pd.DataFrame(study.values)
 replicates.head()
 
 # %% [markdown]
@@ -61,16 +57,16 @@ replicates.head()
 # %%
 figs, parts = figure(2)
 for axes, name in zip(parts, "SR"):
-    of = study[name]
+    of = study.quantities[name]
     axes.hist(replicates[name], bins=60, color=COLOURS[5], edgecolor="white", linewidth=0.3)
-    axes.axvline(of["truth"], color="black", linewidth=2, label="truth")
-    axes.axvline(of["mean"], color=COLOURS[1], linestyle="--", label="mean of the answers")
-    axes.axvspan(of["lo"], of["hi"], color=COLOURS[4], alpha=0.25, zorder=0, label="95 of 100 answers")
+    axes.axvline(of.truth, color="black", linewidth=2, label="truth")
+    axes.axvline(of.mean, color=COLOURS[1], linestyle="--", label="mean of the answers")
+    axes.axvspan(of.lo, of.hi, color=COLOURS[4], alpha=0.25, zorder=0, label="95 of 100 answers")
     axes.set(xlabel=name, ylabel="replicates", title={"S": "kind of shape", "R": "strength of the bend, 1/mm"}[name])
 _ = figs.legend(*parts[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
 
 # %%
-pd.DataFrame({name: {key: study[name][key] for key in ("truth", "mean", "bias", "sd", "lo", "hi")} for name in "SR"}).T
+study.to_pandas()
 
 # %% [markdown]
 # | word | what it says |
@@ -85,10 +81,10 @@ pd.DataFrame({name: {key: study[name][key] for key in ("truth", "mean", "bias", 
 #
 # ## Which error is to blame?
 #
-# `palpate study` also tells how much of the spread each source of error causes. The shares add up to one, but for the noise of counting.
+# The study also tells how much of the spread each source of error causes. The shares add up to one, but for the noise of counting.
 
 # %%
-pd.DataFrame(study["effects"]).set_index("name")[["share_S", "share_R"]].round(3)
+pd.DataFrame(study.effects).set_index("name")[["share_S", "share_R"]].round(3)
 
 # %% [markdown]
 # Here the errors of the places cause about three quarters of the spread of R: a better sensor of places would help more than
@@ -113,7 +109,7 @@ for patch in (4, 8):
         .replace("from = -6.0", f"from = -{patch}.0")
         .replace("to = 6.0", f"to = {patch}.0")
     )
-    found = palpate("study", "-", "--coverage", "--replicates", 200, text=scene)["scenes"][0]
+    found = command("study", "-", "--coverage", "--replicates", 200, text=scene)["scenes"][0]
     for name in "SR":
         for kind in ("linear", "monte_carlo", "chosen"):
             judged = found[name][kind]
@@ -162,7 +158,7 @@ assert (chosen["hi"] >= 0.95).all(), "the chosen interval holds the truth less o
 assert (
     coverage[(coverage["number"] == "R") & (coverage["interval"] == "linear")]["hi"].min() < 0.95
 ), "the named model's bias ought to show"
-assert study["S"]["lo"] < study["S"]["truth"] < study["S"]["hi"]
-assert abs(study["S"]["bias"]) < 0.2 * study["S"]["sd"]
-assert study["effects"][0]["name"] == "position_noise" and 0.6 < study["effects"][0]["share_R"] < 0.9
+assert study.S.lo < study.S.truth < study.S.hi
+assert abs(study.S.bias) < 0.2 * study.S.sd
+assert study.effects[0]["name"] == "position_noise" and 0.6 < study.effects[0]["share_R"] < 0.9
 footer(seed=SEED)

@@ -6,11 +6,10 @@
 # asks of each: what does it do to S and R, and what does it cost to simulate?
 
 # %%
-import io
-
+import palpate
 import pandas as pd
 
-from records import COLOURS, call, figure, footer, palpate
+from records import COLOURS, figure, footer
 
 # %% [markdown]
 # The object is a round bar of radius 12 mm. Without any effect, five fingers find S exactly and R to within a thousandth.
@@ -61,24 +60,24 @@ def scene(*effects):
 
 
 # %% [markdown]
-# `palpate study` repeats each scene 2,000 times with fresh random numbers.
+# `palpate.study` repeats each scene 2,000 times with fresh random numbers.
 
 # %%
 rows = []
 for name in ("none", *EFFECTS):
     text = scene() if name == "none" else scene((name, EFFECTS[name][0]))
-    # the fastest of three: whatever else the machine does only adds to the time
-    studies = [palpate("study", "-", "--replicates", 2000, "--attribution", 0, text=text) for _ in range(3)]
-    of = studies[0]
+    # the fastest of five: whatever else the machine does only adds to the time
+    studies = [palpate.study(text, 2000, attribution=0) for _ in range(5)]
+    S, R, told = studies[0].S, studies[0].R, [study.to_dict() for study in studies]
     rows.append(
         {
             "effect": name,
-            "shift of S": of["S"]["bias"],
-            "spread of S": of["S"]["sd"],
-            "shift of R, %": 100 * of["R"]["bias"] / of["R"]["truth"],
-            "spread of R, %": 100 * of["R"]["sd"] / of["R"]["truth"],
-            "microseconds": min(1e6 / study["replicates_per_second"] for study in studies),
-            "path": of["path"],
+            "shift of S": S.bias,
+            "spread of S": S.sd,
+            "shift of R, %": 100 * R.bias / R.truth,
+            "spread of R, %": 100 * R.sd / R.truth,
+            "microseconds": min(1e6 / study["replicates_per_second"] for study in told),
+            "path": told[0]["path"],
         }
     )
 effects = pd.DataFrame(rows).set_index("effect")
@@ -136,19 +135,16 @@ effects.round({"shift of S": 5, "spread of S": 5, "shift of R, %": 3, "spread of
 
 # %%
 noise = ("position_noise", EFFECTS["position_noise"][0])
-zero = palpate(
-    "study", "-", "--replicates", 2000, "--attribution", 0, text=scene(noise, ("normal_noise", "sigma_deg = 0.0"))
-)
-plain = palpate("study", "-", "--replicates", 2000, "--attribution", 0, text=scene(noise))
-complete = pd.read_csv(io.StringIO(call("simulate", "-", "-o", "-", text=scene(noise))))
-thinned = pd.read_csv(
-    io.StringIO(call("simulate", "-", "-o", "-", text=scene(noise, ("dropout", EFFECTS["dropout"][0]))))
-)
+dropout = ("dropout", EFFECTS["dropout"][0])
+zero = palpate.study(scene(noise, ("normal_noise", "sigma_deg = 0.0")), 2000, attribution=0)
+plain = palpate.study(scene(noise), 2000, attribution=0)
+complete = pd.DataFrame(palpate.simulate(scene(noise)))
+thinned = pd.DataFrame(palpate.simulate(scene(noise, dropout)))
 kept = thinned.merge(complete)
 print(f"{len(complete)} readings; with dropout {len(thinned)}, of which {len(kept)} are the same to the last digit")
 
 # %%
-assert plain["S"] == zero["S"] and plain["R"] == zero["R"]
+assert plain.S == zero.S and plain.R == zero.R
 assert 0 < len(thinned) < len(complete) and len(kept) == len(thinned)
 assert abs(effects.loc["none", "shift of S"]) < 1e-9 and effects.loc["none", "spread of R, %"] == 0
 assert effects.loc["normal_noise", "spread of S"] > 10 * effects.loc["position_noise", "spread of S"]

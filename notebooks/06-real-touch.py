@@ -11,21 +11,19 @@
 # measured: `data/stand-in.toml` says which faults of a measurement it was given.
 
 # %%
-import io
 import os
-import tempfile
 from pathlib import Path
 
+import palpate
 import pandas as pd
 
-from records import COLOURS, HERE, MARKERS, call, figure, footer, palpate
+from records import COLOURS, HERE, MARKERS, figure, footer
 
 NAMED = os.environ.get("PALPATE_CONTACTS")
 FILE = Path(NAMED) if NAMED else HERE / "data" / "stand-in.csv"
 contacts = pd.read_csv(FILE, comment="#")
-if "finger" not in contacts:
-    # any five parts will do for what follows
-    contacts["finger"] = [k % 5 for k in range(len(contacts))]
+# where the file names no fingers, any five parts will do for what follows
+fingers = contacts["finger"] if "finger" in contacts else pd.Series(range(len(contacts)), name="finger") % 5
 contacts.describe().loc[["count", "min", "max"]].round(3)
 
 # %% [markdown]
@@ -33,7 +31,7 @@ contacts.describe().loc[["count", "min", "max"]].round(3)
 
 # %%
 figs, (above, side) = figure(2, height=3.4)
-for k, (finger, of) in enumerate(contacts.groupby("finger")):
+for k, (finger, of) in enumerate(contacts.groupby(fingers)):
     look = dict(linestyle="none", marker=MARKERS[k % len(MARKERS)], markersize=4, color=COLOURS[k % len(COLOURS)])
     above.plot(of["x"], of["y"], **look)
     side.plot(of["x"], of["z"], **look, label=f"finger {finger}")
@@ -42,18 +40,19 @@ side.set(xlabel="x", ylabel="z", title="from the side")
 # whole millimetres, without an offset written beside the axis
 for axes in (above, side):
     axes.ticklabel_format(useOffset=False)
-if contacts["finger"].nunique() <= 8:
+if fingers.nunique() <= 8:
     figs.legend(*side.get_legend_handles_labels(), loc="outside lower center", ncols=5)
 
 # %% [markdown]
 # ## What is it?
 #
-# `palpate fit FILE` with no other word compares six kinds of surface and says which of them explains the contacts best.
+# `palpate.fit` of a table, like `palpate fit FILE`, with no other word compares six kinds of surface and says which of them
+# explains the contacts best.
 
 # %%
-found = palpate("fit", FILE)
-shape = found["shape"]
-tried = pd.DataFrame((found["fit"].get("chosen") or {}).get("tried", []))
+found = palpate.fit(contacts)
+shape = found.shape
+tried = pd.DataFrame((found.chosen or {}).get("tried", []))
 tried.round(4)
 
 # %% [markdown]
@@ -64,21 +63,20 @@ tried.round(4)
 # %%
 def limits(of):
     """Value and interval of S or R; nothing where they are undefined, as S of a plane is."""
-    return pd.Series([of["mean"], *(of["interval"] or [None, None])], index=["value", "from", "to"], dtype=float)
+    return pd.Series([of.mean, *(of.interval or [None, None])], index=["value", "from", "to"], dtype=float)
 
 
-radius = pd.Series(
-    [shape["radius"], *(shape.get("radius_interval") or [None, None])], ["value", "from", "to"], dtype=float
-)
-whole = {name: limits(shape[name]) for name in "SR"}
+radius = pd.Series([shape.radius, *(shape.radius_interval or [None, None])], ["value", "from", "to"], dtype=float)
+whole = {"S": limits(shape.S), "R": limits(shape.R)}
 pd.DataFrame({"S, the kind of shape": whole["S"], "R, the strength of the bend": whole["R"], "radius": radius}).T.round(
     5
 )
 
 # %%
-lack = found["fit"].get("lack_of_fit") or {}
-noise = [f"{name} {value:.3g}" for name, value in (found["fit"]["sigma"] or {}).items() if value is not None]
-print(f"class {shape['class']}; noise found: {', '.join(noise)}; {lack.get('words', 'the misfit was not judged')}")
+told = found.to_dict()["fit"]
+lack = told.get("lack_of_fit") or {}
+noise = [f"{name} {value:.3g}" for name, value in (told["sigma"] or {}).items() if value is not None]
+print(f"class {shape.class_name}; noise found: {', '.join(noise)}; {lack.get('words', 'the misfit was not judged')}")
 
 # %% [markdown]
 # ## May I believe it?
@@ -90,16 +88,13 @@ print(f"class {shape['class']}; noise found: {', '.join(noise)}; {lack.get('word
 # %%
 def row(words, shape):
     """One line of the table: what was fitted, and S and R with their intervals."""
-    numbers = {f"{name} {what}": value for name in "SR" for what, value in limits(shape[name]).items()}
-    return {"fitted": words, **numbers}
+    known = {"S": limits(shape.S), "R": limits(shape.R)}
+    return {"fitted": words, **{f"{name} {what}": value for name in "SR" for what, value in known[name].items()}}
 
 
 rows = []
-with tempfile.TemporaryDirectory() as folder:
-    for finger in sorted(contacts["finger"].unique()):
-        rest = Path(folder) / "rest.csv"
-        contacts[contacts["finger"] != finger].to_csv(rest, index=False)
-        rows.append(row(f"without finger {finger}", palpate("fit", rest)["shape"]))
+for finger in sorted(fingers.unique()):
+    rows.append(row(f"without finger {finger}", palpate.fit(contacts[fingers != finger]).shape))
 rows.append(row("all of them", shape))
 parts_left_out = pd.DataFrame(rows)
 
@@ -123,27 +118,21 @@ _ = axes_of[0].set_yticks(places, parts_left_out["fitted"])
 # The band is the interval of all contacts together. In the stand-in every answer's interval overlaps with it: no finger stands out.
 #
 # A harder test is to *predict*. Take a finger from the middle away, fit the others, and ask the fitted surface how high it is where
-# that finger was (`palpate show SURFACE --at POINTS`). The differences should be no larger than the noise of a contact.
+# that finger was (`surface.ev`). The differences should be no larger than the noise of a contact.
 
 # %%
-middle = sorted(contacts["finger"].unique())[contacts["finger"].nunique() // 2]
-with tempfile.TemporaryDirectory() as folder:
-    rest, points, surface = (Path(folder) / name for name in ("rest.csv", "points.csv", "surface.json"))
-    contacts[contacts["finger"] != middle].to_csv(rest, index=False)
-    inside = contacts[contacts["finger"] == middle]
-    inside[["x", "y"]].to_csv(points, index=False)
-    call("fit", rest, "--save", surface, "--quiet")
-    kind = palpate("show", surface)["surface"]["kind"]
-    # a surface that stands up is no height over x and y, and cannot be asked so
-    predicted = inside[["x", "y"]].assign(z=None)
-    if kind == "height":
-        predicted = pd.read_csv(io.StringIO(call("show", surface, "--at", points)))
+middle = sorted(fingers.unique())[fingers.nunique() // 2]
+inside = contacts[fingers == middle]
+surface = palpate.fit(contacts[fingers != middle]).surface
+# a surface that stands up is no height over x and y, and cannot be asked so
+is_height = isinstance(surface, palpate.Surface)
+predicted = surface.ev(inside["x"], inside["y"]) if is_height else float("nan")
 compared = pd.DataFrame(
     {
         "x": inside["x"].values,
         "y": inside["y"].values,
         "touched z": inside["z"].values,
-        "predicted z": predicted["z"].values,
+        "predicted z": predicted,
     }
 )
 compared["difference"] = compared["touched z"] - compared["predicted z"]
@@ -163,7 +152,7 @@ overlaps = [
 ]
 assert all(of.all() for of in overlaps), "leaving out one finger changes the answer by more than its interval"
 if not NAMED:
-    low, high = shape["radius_interval"]
-    assert shape["class"] == "ridge" and low < 31.5 < high
-    assert compared["difference"].abs().median() < 3 * found["fit"]["sigma"]["z"]
+    low, high = shape.radius_interval
+    assert shape.class_name == "ridge" and low < 31.5 < high
+    assert compared["difference"].abs().median() < 3 * told["sigma"]["z"]
 footer(seed="1906 (the stand-in's)" if not NAMED else "none, measured")

@@ -78,14 +78,14 @@ pub use observation::stacked_csr;
 
 /// Splines: knots, height fields `z = S(x, y)` and parametric surfaces `Q(u, v)`, evaluated with their derivatives.
 pub mod spline {
-    pub use crate::bspline::{KnotError, Knots, linspace};
-    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfaceError, SurfacePoint};
+    pub use crate::bspline::{Knots, SplineError, linspace};
+    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfacePoint};
 }
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
 pub mod geometry {
-    pub use crate::curvature::{Derivatives, Principal, ShapeClass, principal_curvatures};
-    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps, shape_maps};
+    pub use crate::curvature::{Derivatives, Principal, ShapeClass};
+    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps};
 }
 
 /// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.

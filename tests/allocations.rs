@@ -10,8 +10,8 @@ use std::alloc::System;
 
 use palpate::explore::TouchPlanner;
 use palpate::fit::{Objective, SlopeWeights};
-use palpate::parts::{PartsOptions, shape_at_points};
-use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
+use palpate::parts::{PartsOptions, PointShapes};
+use palpate::plans::{ImagePlan, SlopePlan, TouchStream};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
@@ -64,7 +64,7 @@ fn what_was_planned_allocates_nothing() -> Result<(), Fault> {
         let mut stream = TouchStream::new(paper_knots()?, [0.02, 0.05, 0.05], [&points, &points])?;
         let [x, y, z, zx, zy] = &columns.0;
         let found = repeated(|| {
-            (0..36).try_for_each(|r| stream.push(&Touch { at: [x[r], y[r]], z: z[r], slopes: [zx[r], zy[r]] }))?;
+            (0..36).try_for_each(|r| stream.push([x[r], y[r]], z[r], [zx[r], zy[r]]))?;
             stream.shape()?;
             Ok(())
         })?;
@@ -98,7 +98,7 @@ fn shapes_at_points() -> Result<(), Fault> {
         let options = PartsOptions::default();
         // noise and size are asked of some 1000 points, which both clouds have
         let region = Region::new(COUNTED);
-        let found = shape_at_points(&contacts, &options).map(|found| found.neighbours);
+        let found = PointShapes::of(&contacts, &options).map(|found| found.neighbours);
         let change = region.change();
         (found, change.bytes_allocated as f64, change.allocations as f64)
     });

@@ -13,7 +13,7 @@ use std::path::Path;
 use palpate::internals::cases::Lcg;
 use palpate::internals::io::scene_file::read_scene;
 use palpate::internals::io::{ReadOptions, read_input_bytes, read_surface_bytes};
-use palpate::plans::{Touch, TouchStream};
+use palpate::plans::TouchStream;
 use palpate::spline::{Knots, linspace};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -115,7 +115,7 @@ fn stream(touches: usize) {
     let mut push = |stream: &mut TouchStream, count: usize| {
         for k in 0..count {
             let [x, y] = [0, 1].map(|_| 2.0 * lcg.uniform() - 1.0);
-            stream.push(&Touch { at: [x, y], z: 0.1 * (x * x + y * y), slopes: [0.2 * x, 0.2 * y] }).unwrap();
+            stream.push([x, y], 0.1 * (x * x + y * y), [0.2 * x, 0.2 * y]).unwrap();
             if k % 1000 == 999 {
                 stream.shape().unwrap();
             }
@@ -129,7 +129,7 @@ fn stream(touches: usize) {
     assert_eq!((change.allocations, held), (0, 0), "after {touches} touches");
     let shape = stream.shape().unwrap();
     // S of an exact bowl, after so many sums
-    assert!(shape.shape_index.is_some_and(|s| (-1.0..-0.9).contains(&s)), "{:?}", shape.shape_index);
+    assert!(shape[0].mean.is_some_and(|s| (-1.0..-0.9).contains(&s)), "{:?}", shape[0].mean);
     println!("{touches} touches, nothing asked for and nothing held");
 }
 

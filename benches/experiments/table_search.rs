@@ -16,9 +16,7 @@
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::scene::linspace;
-use palpate::scene::effects::{Encoder, ForceNoise, Friction, TipRadiusError};
-use palpate::scene::surface::{Body, Cylinder, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Surface, Sweep, World};
 use rayon::prelude::*;
 
 const SEED: u64 = 1997;
@@ -62,12 +60,13 @@ struct Effort {
 
 fn world(p: &Parameters, surface: Surface) -> World {
     let [width, tip_radius, error, mu, sigma, bias_x, bias_y, quantum, sigma_deg, resolution_deg] = *p;
-    let sweep = Sweep { repeats: 2, tip_radius, ..Sweep::new(vec![-width, 0.0, width], linspace(-4.0, 4.0, 6)) };
+    let sweep =
+        Sweep::new(vec![-width, 0.0, width], linspace(-4.0, 4.0, 6)).with_repeats(2).with_tip_radius(tip_radius);
     World::new(surface, sweep)
-        .with(TipRadiusError { error })
-        .with(Friction { mu, sigma: 0.0 })
-        .with(ForceNoise { sigma, bias: [bias_x, bias_y, 0.0], drift: 0.0, quantum, load: 1.0 })
-        .with(Encoder { resolution_deg, sigma_deg, arm: None })
+        .with(Effect::tip_radius_error(error))
+        .with(Effect::friction(mu, 0.0))
+        .with(Effect::force_noise(sigma).with_force_bias([bias_x, bias_y, 0.0]).with_force_steps(quantum))
+        .with(Effect::encoder(resolution_deg, sigma_deg))
 }
 
 fn mean_sd(values: &[f64]) -> (f64, f64) {
@@ -97,8 +96,8 @@ fn rows(worlds: &[palpate::scene::Simulator; 2], replicate: u64) -> Option<[[f64
 }
 
 fn replicates(p: &Parameters, count: u64) -> Option<Vec<[[f64; 4]; 4]>> {
-    let cylinder = Surface::new(Body::Cylinder(Cylinder { radius: RADIUS }), 90.0);
-    let plane = world(p, Surface::new(Body::Plane, 0.0)).compile().ok()?;
+    let cylinder = Surface::cylinder(RADIUS).turned(90.0);
+    let plane = world(p, Surface::plane()).compile().ok()?;
     let worlds = [plane, world(p, cylinder).compile().ok()?];
     (0..count).map(|replicate| rows(&worlds, replicate)).collect()
 }

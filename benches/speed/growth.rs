@@ -15,7 +15,7 @@ mod workloads;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use palpate::plans::{ImagePlan, SlopePlan, Touch, TouchStream};
+use palpate::plans::{ImagePlan, SlopePlan, TouchStream};
 use workloads::{Fault, image, image_knots, paper_points, pool, scattered_from, square_knots};
 
 /// Contacts taken in at once. Every piece costs each cell it touches a microsecond, however few its contacts.
@@ -138,12 +138,12 @@ fn touches() -> Result<(), Fault> {
     let knots = square_knots(2, 1, -4.5, 4.5)?;
     let mut stream = TouchStream::new(knots, [0.02, 0.05, 0.05], [&points, &points])?;
     let [x, y, z, zx, zy] = &columns.0;
-    let touch = |r: usize| Touch { at: [x[r], y[r]], z: z[r], slopes: [zx[r], zy[r]] };
-    (0..36).try_for_each(|r| stream.push(&touch(r)))?;
+    let touch = |stream: &mut TouchStream, r: usize| stream.push([x[r], y[r]], z[r], [zx[r], zy[r]]);
+    (0..36).try_for_each(|r| touch(&mut stream, r))?;
     let mut r = 0;
     let mut times = quantiles(100_000, || {
         r = (r + 1) % 36;
-        stream.push(&touch(r))?;
+        touch(&mut stream, r)?;
         std::hint::black_box(stream.shape()?);
         Ok(())
     })?;

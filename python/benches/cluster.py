@@ -1,4 +1,5 @@
-"""A study on a Dask cluster of 1, 2 and 4 workers beside one process, and once with a worker killed in the middle.
+"""A study on a Dask cluster of 1, 2 and 4 workers beside one process, and once with a worker killed in the middle; and what
+10^11 replicates would take.
 
     python benches/cluster.py [--replicates N] [--record ../benches/runs/python.md]
 
@@ -21,6 +22,8 @@ import palpate
 import palpate.dask
 
 SCENE = "paper-table2"
+# a study that outgrows one machine
+FAR = 10**11
 # not the fixed-sites path, which does a million replicates a second: each replicate is fitted for itself
 WORDS = {"path": "refit", "attribution": 0}
 
@@ -79,20 +82,53 @@ def table(replicates: int) -> str:
     return "\n".join(lines)
 
 
+def cost() -> str:
+    """What 10^11 replicates cost, from the rate of the last of them on one thread, as Markdown."""
+    cylinder = palpate.scene("paper-cylinder")
+    noise = "\n[effects.row_noise]\nsigma_z = 0.02\nsigma_slope = 0.05\n"
+    ways = [
+        ("`paper-cylinder` with `row_noise`: one factor for all replicates", cylinder + noise, 4_000_000),
+        ("`paper-table2`: each replicate refitted", SCENE, 200_000),
+        ("the same with `weights = \"auto\"`: each a whole fit, noise found", SCENE, 2_000),
+    ]
+    lines = [
+        "| study | replicates a second of one core | 10^11 replicates, core-hours | on 1000 cores |",
+        "|---|---|---|---|",
+    ]
+    for name, scene, count in ways:
+        words = {"weights": "auto"} if "auto" in name else {}
+        took = []
+        # the pilot that places the bins, and loading, belong to a part of any length: the difference leaves them out
+        for n in (count // 4, count):
+            began = time.process_time()
+            palpate.study(scene, FAR, range=(FAR - n, FAR), threads=1, attribution=0, **words)
+            took.append(time.process_time() - began)
+        rate = (count - count // 4) / (took[1] - took[0])
+        hours = FAR / rate / 3600
+        lines.append(f"| {name} | {rate:,.0f} | {hours:,.0f} | {_time(hours / 1000)} |")
+    return "\n".join(lines)
+
+
+def _time(hours: float) -> str:
+    return f"{3600 * hours:.0f} seconds" if hours < 1 / 30 else f"{60 * hours:.0f} minutes" if hours < 2 else f"{hours:.1f} hours"
+
+
 def main() -> None:
     """Prints the table; --record puts it between the marks of a file."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--replicates", type=int, default=400_000)
     parser.add_argument("--record", type=Path)
     arguments = parser.parse_args()
-    text = table(arguments.replicates)
-    print(text)
-    if arguments.record:
-        head, tail = "<!-- cluster -->", "<!-- /cluster -->"
-        where = arguments.record
-        stand = where.read_text(encoding="utf-8") if where.exists() else f"{head}\n{tail}\n"
-        before, after = stand.split(head)[0], stand.split(tail)[1]
-        where.write_text(f"{before}{head}\n{text}\n{tail}{after}", encoding="utf-8")
+    for name, made in (("cost", cost), ("cluster", lambda: table(arguments.replicates))):
+        text = made()
+        print(text, end="\n\n")
+        if arguments.record:
+            head, tail = f"<!-- {name} -->", f"<!-- /{name} -->"
+            where = arguments.record
+            stand = where.read_text(encoding="utf-8") if where.exists() else ""
+            stand = stand if head in stand else f"{stand}\n{head}\n{tail}\n"
+            before, after = stand.split(head)[0], stand.split(tail)[1]
+            where.write_text(f"{before}{head}\n{text}\n{tail}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

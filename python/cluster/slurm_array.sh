@@ -1,12 +1,19 @@
 #!/bin/bash
 # One part of a study a task of a Slurm array:
 #
-#   sbatch --array=0-99 slurm_array.sh SCENE REPLICATES
-#   sbatch --dependency=afterok:JOB --wrap 'palpate merge parts/part-* --json > study.json'
+#   sbatch --array=0-99 slurm_array.sh SCENE REPLICATES [OPTION...]
+#   sbatch --dependency=afterany:JOB --wrap 'palpate merge parts/part-* --json > study.json'
 #
-# Tasks that Slurm starts again write the same file again. A part stands whole or not at all, and palpate merge says which
-# replicates are missing, so that `sbatch --array=17 ...` can make up for a task that was lost (give it the same
-# SLURM_ARRAY_TASK_COUNT as PALPATE_TASKS=100). Every node must have processors of one instruction set.
+# OPTION: any of `palpate study` that decides a number, such as --seed 7 or --degree 3. REPLICATES is written out, without an
+# exponent. One folder holds one study.
+#
+# A task that Slurm starts again writes the same file again. palpate that is ended writes what it has, so that a part gets its
+# name when it is whole. palpate merge says which replicates are missing; part-00017 is that of task 17. A task that died for
+# good is made up for by
+#
+#   PALPATE_TASKS=100 sbatch --array=17 slurm_array.sh SCENE REPLICATES [OPTION...]
+#
+# Every node must have processors of one instruction set, or OPTION be --portable.
 #SBATCH --job-name=palpate
 #SBATCH --cpus-per-task=1
 #SBATCH --requeue
@@ -14,13 +21,18 @@ set -euo pipefail
 
 scene=$1
 replicates=$2
+shift 2
 parts=${PALPATE_PARTS:-parts}
-tasks=${PALPATE_TASKS:-$SLURM_ARRAY_TASK_COUNT}
-task=$((SLURM_ARRAY_TASK_ID - ${SLURM_ARRAY_TASK_MIN:-0}))
-if [ -n "${PALPATE_TASKS:-}" ]; then task=$SLURM_ARRAY_TASK_ID; fi
+if [ -n "${PALPATE_TASKS:-}" ]; then
+    tasks=$PALPATE_TASKS task=$SLURM_ARRAY_TASK_ID
+else
+    tasks=$SLURM_ARRAY_TASK_COUNT task=$((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN))
+fi
 
 export RAYON_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
 mkdir -p "$parts"
 from=$((replicates * task / tasks))
 to=$((replicates * (task + 1) / tasks))
-palpate study "$scene" --replicates "$replicates" --range "$from:$to" --part "$parts/part-$(printf %05d "$task")" --quiet
+name=$(printf %05d "$task")
+palpate study "$scene" --replicates "$replicates" --range "$from:$to" --part "$parts/unfinished-$name" --quiet "$@"
+mv "$parts/unfinished-$name" "$parts/part-$name"

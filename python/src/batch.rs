@@ -146,7 +146,7 @@ fn on_the_map([x, y, _]: [f64; 3]) -> f64 {
 }
 
 fn fit_named(contacts: &Contacts, options: &FitOptions) -> Result<(FittedSurface, String), String> {
-    palpate::parametric::fit_surface(contacts, options).map_err(|error| error.to_string())
+    palpate::parametric::FittedSurface::of(contacts, options).map_err(|error| error.to_string())
 }
 
 fn row_of(fit: &palpate::Fit, bare: bool) -> Row {

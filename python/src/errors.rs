@@ -7,12 +7,10 @@
 use palpate::explore::ExploreError;
 use palpate::fit::FitError;
 use palpate::plans::PlanError;
-use palpate::spline::{KnotError, SurfaceError};
+use palpate::spline::SplineError;
 use palpate::{ContactError, cli::embedded::FitRefusal};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-use super::fitting::PlannerRefusal;
 
 /// Puts fields of a variant into a dictionary under their own names.
 macro_rules! put {
@@ -137,6 +135,13 @@ pub(crate) fn explore_error(py: Python<'_>, error: &ExploreError) -> PyErr {
     }
 }
 
+/// Why a fit plans no touches.
+pub(crate) enum PlannerRefusal {
+    /// No height field over x and y.
+    Surface,
+    Explore(ExploreError),
+}
+
 pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr {
     match refusal {
         PlannerRefusal::Explore(error) => explore_error(py, error),
@@ -148,7 +153,7 @@ pub(crate) fn planner_refusal(py: Python<'_>, refusal: &PlannerRefusal) -> PyErr
     }
 }
 
-pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &KnotError) -> PyErr {
+pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &SplineError) -> PyErr {
     let dict = PyDict::new(py);
     match dict.set_item("axis", axis) {
         Ok(()) => exception(py, "SurfaceError", format!("knots in {axis}: {error}"), &kind(error), dict),
@@ -156,6 +161,6 @@ pub(crate) fn knot_error(py: Python<'_>, axis: &str, error: &KnotError) -> PyErr
     }
 }
 
-pub(crate) fn surface_error(py: Python<'_>, error: &SurfaceError) -> PyErr {
+pub(crate) fn surface_error(py: Python<'_>, error: &SplineError) -> PyErr {
     plain(py, "SurfaceError", error.to_string(), &kind(error))
 }

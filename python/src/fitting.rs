@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use palpate::cli::embedded::{self, FitAnswer};
-use palpate::explore::{ExploreError, TouchPlanner};
+use palpate::explore::TouchPlanner;
 use palpate::internals::io::Input;
 use palpate::recognition::RecognisedSpline;
 use pyo3::exceptions::PyValueError;
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use super::contacts::{Beside, contacts, grid};
-use super::errors;
+use super::errors::{self, PlannerRefusal};
 use super::options::Keywords;
 use super::surfaces::{ParametricSurface, Surface};
 
@@ -64,13 +64,6 @@ impl FitCore {
         let fit = self.answer.planning_fit().ok_or(PlannerRefusal::Surface)?;
         TouchPlanner::new(&fit).map_err(PlannerRefusal::Explore)
     }
-}
-
-/// Why a fit plans no touches.
-pub(crate) enum PlannerRefusal {
-    /// No height field over x and y.
-    Surface,
-    Explore(ExploreError),
 }
 
 /// A unit of length, where the text is one.

@@ -34,7 +34,7 @@ mod _native {
     #[pymodule_export]
     use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit, unit_name};
     #[pymodule_export]
-    use super::frontiers::frontier;
+    use super::frontiers::{frontier, frontier_of_contacts};
     #[pymodule_export]
     use super::scenes::{scene_contacts, scene_texts};
     #[pymodule_export]

@@ -4,8 +4,9 @@
 //! touch(x, y, z, normal)  ->  S, R, their u, class       nothing is allocated by the crate after the stream is made
 //! ```
 
+use palpate::fit::Statistic;
 use palpate::geometry::{ShapeClass, ShapeGrid};
-use palpate::plans::{PlanError, Touch, TouchStream as Stream};
+use palpate::plans::{PlanError, TouchStream as Stream};
 use palpate::spline::Knots;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -50,14 +51,15 @@ pub(crate) struct TouchStream {
     contacts: usize,
 }
 
-fn shown(found: palpate::plans::StreamShape) -> StreamShape {
+fn shown(contacts: usize, [s, r]: [Statistic; 2]) -> StreamShape {
+    let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
     StreamShape {
-        contacts: found.contacts,
-        shape_index: found.shape_index,
-        u_shape_index: found.u_shape_index,
-        curvedness: found.curvedness,
-        u_curvedness: found.u_curvedness,
-        class_name: found.shape_index.map(|s| ShapeClass::of_shape_index(s).name()),
+        contacts,
+        shape_index: s.mean,
+        u_shape_index: number(s.u),
+        curvedness: number(r.mean),
+        u_curvedness: number(r.u),
+        class_name: s.mean.map(|s| ShapeClass::of_shape_index(s).name()),
     }
 }
 
@@ -122,14 +124,17 @@ impl TouchStream {
             }
             _ => return Err(PyValueError::new_err("normal, slopes: give one of them")),
         };
-        self.stream.push(&Touch { at: [x, y], z, slopes }).map_err(|error| errors::plan_error(py, &error))?;
+        self.stream.push([x, y], z, slopes).map_err(|error| errors::plan_error(py, &error))?;
         self.contacts += 1;
         Ok(())
     }
 
     /// S and R after all touches so far; PlanError while they are too few.
     fn shape(&mut self, py: Python<'_>) -> PyResult<StreamShape> {
-        self.stream.shape().map(shown).map_err(|error| errors::plan_error(py, &error))
+        self.stream
+            .shape()
+            .map(|found| shown(self.stream.contacts(), found))
+            .map_err(|error| errors::plan_error(py, &error))
     }
 
     /// push and shape in one call; None while the touches are too few.
@@ -145,7 +150,7 @@ impl TouchStream {
     ) -> PyResult<Option<StreamShape>> {
         self.push(py, x, y, z, normal, slopes)?;
         match self.stream.shape() {
-            Ok(found) => Ok(Some(shown(found))),
+            Ok(found) => Ok(Some(shown(self.stream.contacts(), found))),
             Err(PlanError::Solve(_)) => Ok(None),
             Err(error) => Err(errors::plan_error(py, &error)),
         }

@@ -66,7 +66,7 @@ impl StudyPlan {
         let kept = &mut values;
         let outcome = attended(py, threads, progress, move |teller| {
             let run = self.plan.run(range, &mut |now: &Progress<'_>| {
-                for ((_, kept), column) in kept.iter_mut().zip(&now.values.columns) {
+                for ((_, kept), column) in kept.iter_mut().zip(now.columns) {
                     kept.extend_from_slice(column);
                 }
                 teller.tell(now.state.done(), now.end - now.state.from)

@@ -8,7 +8,7 @@
 
 use numpy::ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn};
-use palpate::geometry::{ShapeGrid, shape_maps};
+use palpate::geometry::ShapeGrid;
 use palpate::spline::{HeightField, Knots, Parametric};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -133,7 +133,7 @@ impl Surface {
         let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
         let field = HeightField::new(self.tensor.knots.clone(), array);
         let field = field.map_err(|error| errors::surface_error(py, &error))?;
-        let maps = py.detach(|| shape_maps(&field, ShapeGrid { x, y }, &[]));
+        let maps = py.detach(|| field.shape_maps(ShapeGrid { x, y }, &[]));
         let dict = PyDict::new(py);
         dict.set_item("z", maps.points.mapv(|point| point.z).into_pyarray(py))?;
         dict.set_item("k1", maps.k1.into_pyarray(py))?;

@@ -89,11 +89,66 @@ def test_what_does_not_belong_on_a_cluster_is_refused(cluster) -> None:
         palpate.dask.study("nowhere", 100, cluster)
 
 
+def patches() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Forty bowls, touched at places of their own: x, y, z (40, 36) and normals (40, 36, 3)."""
+    random = np.random.default_rng(5)
+    x, y = random.uniform(-1, 1, (2, 40, 36))
+    bend = np.linspace(0.1, 0.4, 40)[:, None]
+    return x, y, bend * (x**2 + y**2), np.stack([-2 * bend * x, -2 * bend * y, 1 + 0 * x], axis=-1)
+
+
+def same(found: palpate.FitMany, expected: palpate.FitMany) -> None:
+    for name, column in expected.columns.items():
+        np.testing.assert_array_equal(found.columns[name], column)
+    assert found.class_name == expected.class_name and found.failed == expected.failed
+
+
 def test_many_patches_over_blocks(cluster) -> None:
     array = pytest.importorskip("dask.array")
-    x, y = (a.ravel() for a in np.meshgrid(np.linspace(-1, 1, 6), np.linspace(-1, 1, 6)))
-    z = np.linspace(0.1, 0.4, 40)[:, None] * (x**2 + y**2)
-    expected = palpate.fit_many(x, y, z, degree=2, weights="equal")
-    found = palpate.dask.fit_many(x, y, array.from_array(z, chunks=(9, 20)), degree=2, weights="equal")
-    np.testing.assert_array_equal(found.curvedness, expected.curvedness)
-    assert found.class_name == expected.class_name
+    x, y, z, normals = patches()
+    words = {"degree": 2, "weights": "tangent"}
+    expected = palpate.fit_many(x, y, z, normals=normals, **words)
+    lazy = [array.from_array(a, chunks=(rows, 20)) for a, rows in ((x, 40), (y, 7), (z, 9))]
+    slanted = array.from_array(normals, chunks=(13, 36, 1))
+    same(palpate.dask.fit_many(*lazy, normals=slanted, **words), expected)
+    same(palpate.dask.fit_many(x, y, lazy[2], cluster, normals=normals, **words), expected)
+    shared = palpate.fit_many(x[0], y[0], z, **words | {"weights": "equal"})
+    same(palpate.dask.fit_many(x[0].tolist(), y[0], lazy[2], **words | {"weights": "equal"}), shared)
+
+
+def test_ragged_patches_begin_in_any_block(cluster) -> None:
+    array = pytest.importorskip("dask.array")
+    x, y, z, normals = (a.reshape(1440, *a.shape[2:]) for a in patches())
+    offsets = [0, 0, 30, 36, 500, 501, 700, 1000, 1440]
+    expected = palpate.fit_many(x, y, z, normals=normals, offsets=offsets, degree=2)
+    assert sorted(expected.failed) == [0, 4]
+    for rows in (100, 499, 501, 1440):
+        lazy = [array.from_array(a, chunks=(rows, *a.shape[1:])) for a in (x, y, z, normals)]
+        same(palpate.dask.fit_many(*lazy[:3], cluster, normals=lazy[3], offsets=offsets, degree=2), expected)
+
+
+def test_tiles_of_an_image_that_is_nowhere_whole() -> None:
+    array = pytest.importorskip("dask.array")
+    image = 0.01 * (np.arange(64.0)[:, None] - 31.5) ** 2 + 0 * np.arange(50.0)
+    lazy = palpate.tiles(array.from_array(image, chunks=(20, 30)), 16)
+    assert isinstance(lazy, array.Array) and lazy.shape == (12, 16, 16)
+    pixels, words = np.arange(16.0), {"weights": "equal", "bare": True}
+    same(palpate.dask.fit_many(pixels, pixels, lazy, **words), palpate.fit_many(pixels, pixels, palpate.tiles(image, 16), **words))
+
+
+@pytest.mark.parametrize(
+    ("given", "fault", "words"),
+    [
+        ({"z": np.zeros((40, 36))}, TypeError, "z: a Dask array wanted"),
+        ({"x": np.zeros((39, 36))}, ValueError, "x has 39 rows and z 40"),
+        ({"offsets": [0, 39]}, ValueError, "offsets"),
+        ({"offsets": [0.0, 40.0]}, ValueError, "offsets"),
+        ({"progress": print}, TypeError, "progress"),
+        ({"degree": "many"}, (TypeError, ValueError), "degree"),
+    ],
+)
+def test_faults_of_a_batch_name_the_argument(given: dict, fault: type, words: str) -> None:
+    array = pytest.importorskip("dask.array")
+    x, y, z, _ = patches()
+    with pytest.raises(fault, match=words):
+        palpate.dask.fit_many(**{"x": x, "y": y, "z": array.from_array(z, chunks=(9, 36)), "degree": 2, **given})

@@ -9,6 +9,7 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import palpate
@@ -75,6 +76,57 @@ def test_contacts_of_a_file_are_judged_by_those_left_out(tmp_path: Path) -> None
     assert "left out" in found.document["reference"] and found.points
     with pytest.raises(palpate.FrontierError, match="true S and R of measured contacts are unknown"):
         palpate.frontier(file, error_s=0.1)
+
+
+def judged(found: palpate.Frontier) -> list[tuple]:
+    """What is no time."""
+    return [(point["label"], point["error"], point["degree"], point["segments"]) for point in found.points]
+
+
+def test_arrays_are_judged_as_a_file_of_them(tmp_path: Path) -> None:
+    contacts = palpate.simulate("paper-table2")
+    x, y, z = contacts["x"], contacts["y"], contacts["z"]
+    normals = np.column_stack([contacts[n] for n in ("nx", "ny", "nz")])
+    names = ["x", "y", "z", "nx", "ny", "nz"]
+    table = np.column_stack([contacts[n] for n in names])
+    file = tmp_path / "contacts.csv"
+    np.savetxt(file, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
+    by_file = palpate.frontier(file, seconds=0.1)
+    by_arrays = palpate.frontier(x, y, z, normals=normals, seconds=0.1, budget=0.01)
+    assert judged(by_arrays) == judged(by_file) and by_arrays.document["reference"] == by_file.document["reference"]
+    assert by_arrays.document["scene"] == "contacts"
+    assert by_arrays.pick is not None and by_arrays.pick.met and by_arrays.scene is None
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(contacts)
+    assert judged(palpate.frontier(frame, seconds=0.1)) == judged(by_file)
+    slanted = palpate.frontier(x, y, z, normals=-normals, flip_normals=True, seconds=0.1)
+    assert judged(slanted) == judged(by_file)
+    bare = palpate.frontier(x.tolist(), y, z.astype("f4"), seconds=0.1)
+    assert 0 < len(bare.points) < len(by_file.points)
+
+
+@pytest.mark.parametrize(
+    ("given", "fault", "said"),
+    [
+        ({"z": None}, TypeError, "z is missing: frontier"),
+        ({"x": np.zeros(7)}, palpate.FitError, "y has 40"),
+        ({"z": np.full(40, np.nan)}, palpate.FitError, "z"),
+        ({"z": np.zeros((8, 5))}, ValueError, "grid"),
+        ({"normals": np.zeros((40, 3))}, palpate.FitError, "normal"),
+        ({"normals": np.ones((40, 3)), "slopes": np.ones((40, 2))}, ValueError, "not both"),
+        ({"flip_normals": True}, ValueError, "flip_normals"),
+        ({"x": np.zeros(9), "y": np.zeros(9), "z": np.zeros(9)}, palpate.FrontierError, "30"),
+        ({"error_s": 0.1}, palpate.FrontierError, "true S and R of measured contacts are unknown"),
+        ({"z": np.array(["a"] * 40)}, TypeError, "z"),
+        ({"x": "paper-cylinder"}, TypeError, "y: a scene"),
+        ({"x": {"x": [1.0]}, "y": None, "z": None}, ValueError, "y, z is missing"),
+    ],
+)
+def test_contacts_that_are_none(given: dict, fault: type, said: str) -> None:
+    x, y = np.meshgrid(np.arange(8.0), np.arange(5.0))
+    contacts = {"x": x.ravel(), "y": y.ravel(), "z": 0.01 * (x**2).ravel(), "seconds": 0.1, **given}
+    with pytest.raises(fault, match=said):
+        palpate.frontier(contacts.pop("x"), contacts.pop("y"), contacts.pop("z"), **contacts)
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ impl Knots {
     /// // at a knot two parabolas meet with half of the weight each; the third basis function begins there
     /// assert_eq!(knots.derivatives(0.5, 0, &mut values), 2);
     /// assert_eq!(values, [0.5, 0.5, 0.0]);
-    /// # Ok::<(), palpate::spline::KnotError>(())
+    /// # Ok::<(), palpate::spline::SplineError>(())
     /// ```
     pub fn derivatives(&self, x: f64, order: usize, out: &mut [f64]) -> usize {
         let segment = self.segment_of(x);

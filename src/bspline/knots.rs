@@ -5,7 +5,7 @@
 //! closed     uniform from end to end; the last p coefficients repeat the first p, so the spline has no seam
 //! ```
 
-use super::KnotError;
+use super::SplineError;
 
 /// Largest degree. Beyond 9 the basis itself loses digits and nobody fits surfaces with it.
 pub(crate) const MAX_DEGREE: usize = 9;
@@ -26,7 +26,7 @@ const MAX_SEGMENTS: usize = 1 << 20;
 /// assert_eq!(knots.as_slice(), [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]);
 /// assert_eq!((knots.n_basis(), knots.n_segments(), knots.domain()), (6, 4, [0.0, 1.0]));
 /// assert_eq!(knots.segment_of(0.5), 2); // a knot belongs to the segment on its right
-/// # Ok::<(), palpate::spline::KnotError>(())
+/// # Ok::<(), palpate::spline::SplineError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knots {
@@ -56,13 +56,13 @@ impl Knots {
     ///
     /// # Errors
     /// Degree or segment count out of range, or an empty domain.
-    pub fn uniform(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, KnotError> {
+    pub fn uniform(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, SplineError> {
         check_degree(degree)?;
         if segments == 0 || segments > MAX_SEGMENTS {
-            return Err(KnotError::Segments { segments, max: MAX_SEGMENTS });
+            return Err(SplineError::Segments { segments, max: MAX_SEGMENTS });
         }
         if !(lo.is_finite() && hi.is_finite() && lo < hi && (hi - lo).is_finite()) {
-            return Err(KnotError::Domain { lo, hi });
+            return Err(SplineError::Domain { lo, hi });
         }
         let mut knots = vec![lo; degree];
         knots.extend(linspace(lo, hi, segments + 1));
@@ -77,23 +77,23 @@ impl Knots {
     /// A given clamped knot vector; interior knots may be repeated up to `degree` times.
     ///
     /// # Errors
-    /// Everything that [`KnotError`] names.
-    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Knots, KnotError> {
+    /// Everything that [`SplineError`] names.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Knots, SplineError> {
         check_degree(degree)?;
         let needed = 2 * (degree + 1);
         if knots.len() < needed {
-            return Err(KnotError::TooFew { found: knots.len(), needed, degree });
+            return Err(SplineError::TooFew { found: knots.len(), needed, degree });
         }
         let out_of_order = |i: &usize| !knots[*i].is_finite() || (*i > 0 && knots[*i] < knots[*i - 1]);
         if let Some(index) = (0..knots.len()).find(out_of_order) {
-            return Err(KnotError::Order { index, value: knots[index] });
+            return Err(SplineError::Order { index, value: knots[index] });
         }
         let (lo, hi) = (knots[0], knots[knots.len() - 1]);
         if lo >= hi || !(hi - lo).is_finite() {
-            return Err(KnotError::Domain { lo, hi });
+            return Err(SplineError::Domain { lo, hi });
         }
         if knots[degree] != lo || knots[knots.len() - 1 - degree] != hi {
-            return Err(KnotError::NotClamped { needed: degree + 1 });
+            return Err(SplineError::NotClamped { needed: degree + 1 });
         }
         check_multiplicity(degree, &knots)?;
         let segment_starts = (degree..knots.len() - degree - 1).filter(|&i| knots[i] < knots[i + 1]).collect();
@@ -105,10 +105,10 @@ impl Knots {
     ///
     /// # Errors
     /// As [`Knots::uniform`]; also for fewer than degree + 1 segments, with which a basis function would overlap itself.
-    pub fn closed(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, KnotError> {
+    pub fn closed(degree: usize, segments: usize, lo: f64, hi: f64) -> Result<Knots, SplineError> {
         let open = Knots::uniform(degree, segments, lo, hi)?;
         if segments <= degree {
-            return Err(KnotError::ClosedSegments { segments, needed: degree + 1 });
+            return Err(SplineError::ClosedSegments { segments, needed: degree + 1 });
         }
         let step = (hi - lo) / segments as f64;
         let at = |i: usize| match i.checked_sub(degree) {
@@ -123,19 +123,19 @@ impl Knots {
     /// A closed knot vector that was written out before: it must equal, but for rounding, what [`Knots::closed`] makes.
     ///
     /// # Errors
-    /// Everything that [`KnotError`] names.
-    pub fn closed_from(degree: usize, knots: &[f64]) -> Result<Knots, KnotError> {
+    /// Everything that [`SplineError`] names.
+    pub fn closed_from(degree: usize, knots: &[f64]) -> Result<Knots, SplineError> {
         check_degree(degree)?;
         let needed = 3 * degree + 2;
         if knots.len() < needed {
-            return Err(KnotError::TooFew { found: knots.len(), needed, degree });
+            return Err(SplineError::TooFew { found: knots.len(), needed, degree });
         }
         let segments = knots.len() - 2 * degree - 1;
         let made = Knots::closed(degree, segments, knots[degree], knots[degree + segments])?;
         let far = 1e-9 * (knots[degree + segments] - knots[degree]);
         let off = |i: &usize| knots[*i].is_nan() || (knots[*i] - made.knots[*i]).abs() > far;
         match (0..knots.len()).find(off) {
-            Some(index) => Err(KnotError::NotUniform { index, value: knots[index] }),
+            Some(index) => Err(SplineError::NotUniform { index, value: knots[index] }),
             None => Ok(made),
         }
     }
@@ -164,7 +164,7 @@ impl Knots {
     ///
     /// # Errors
     /// When both ends of the domain become equal, or a knot is not finite any more.
-    pub fn mapped(&self, origin: f64, scale: f64) -> Result<Knots, KnotError> {
+    pub fn mapped(&self, origin: f64, scale: f64) -> Result<Knots, SplineError> {
         if self.closed {
             let [lo, hi] = self.domain().map(|t| (t - origin) / scale);
             return Knots::closed(self.degree, self.segment_starts.len(), lo, hi);
@@ -251,16 +251,16 @@ impl Knots {
     }
 }
 
-fn check_degree(degree: usize) -> Result<(), KnotError> {
-    if (1..=MAX_DEGREE).contains(&degree) { Ok(()) } else { Err(KnotError::Degree { degree }) }
+fn check_degree(degree: usize) -> Result<(), SplineError> {
+    if (1..=MAX_DEGREE).contains(&degree) { Ok(()) } else { Err(SplineError::Degree { degree }) }
 }
 
-fn check_multiplicity(degree: usize, knots: &[f64]) -> Result<(), KnotError> {
+fn check_multiplicity(degree: usize, knots: &[f64]) -> Result<(), SplineError> {
     let (lo, hi) = (knots[0], knots[knots.len() - 1]);
     for run in knots.chunk_by(|a, b| a == b) {
         let max = if run[0] == lo || run[0] == hi { degree + 1 } else { degree };
         if run.len() > max {
-            return Err(KnotError::Multiplicity { value: run[0], found: run.len(), max });
+            return Err(SplineError::Multiplicity { value: run[0], found: run.len(), max });
         }
     }
     Ok(())
@@ -292,7 +292,7 @@ mod tests {
         let knots = Knots::closed(3, 5, -1.0, 4.0).unwrap();
         assert_eq!((knots.n_basis(), knots.free(), knots.domain()), (8, 5, [-1.0, 4.0]));
         assert_eq!(Knots::closed_from(3, knots.as_slice()).unwrap(), knots);
-        assert!(matches!(Knots::closed(3, 3, 0.0, 1.0), Err(KnotError::ClosedSegments { needed: 4, .. })));
+        assert!(matches!(Knots::closed(3, 3, 0.0, 1.0), Err(SplineError::ClosedSegments { needed: 4, .. })));
         let c: Vec<f64> = (0..8).map(|i| ((i % 5) as f64).sin()).collect();
         let at = |t: f64, k: usize| -> f64 {
             let row = knots.basis(t);
@@ -307,14 +307,14 @@ mod tests {
 
     #[test]
     fn bad_vectors_are_refused_by_name() {
-        assert_eq!(Knots::uniform(0, 1, 0.0, 1.0), Err(KnotError::Degree { degree: 0 }));
-        assert_eq!(Knots::uniform(10, 1, 0.0, 1.0), Err(KnotError::Degree { degree: 10 }));
-        assert!(matches!(Knots::uniform(2, 0, 0.0, 1.0), Err(KnotError::Segments { .. })));
-        assert!(matches!(Knots::uniform(2, 1, 1.0, 1.0), Err(KnotError::Domain { .. })));
-        assert!(matches!(Knots::new(2, vec![0.0; 5]), Err(KnotError::TooFew { .. })));
-        assert!(matches!(Knots::new(1, vec![0.0, 0.0, 2.0, 1.0, 3.0, 3.0]), Err(KnotError::Order { index: 3, .. })));
-        assert!(matches!(Knots::new(1, vec![0.0, 0.5, 1.0, 1.0]), Err(KnotError::NotClamped { .. })));
+        assert_eq!(Knots::uniform(0, 1, 0.0, 1.0), Err(SplineError::Degree { degree: 0 }));
+        assert_eq!(Knots::uniform(10, 1, 0.0, 1.0), Err(SplineError::Degree { degree: 10 }));
+        assert!(matches!(Knots::uniform(2, 0, 0.0, 1.0), Err(SplineError::Segments { .. })));
+        assert!(matches!(Knots::uniform(2, 1, 1.0, 1.0), Err(SplineError::Domain { .. })));
+        assert!(matches!(Knots::new(2, vec![0.0; 5]), Err(SplineError::TooFew { .. })));
+        assert!(matches!(Knots::new(1, vec![0.0, 0.0, 2.0, 1.0, 3.0, 3.0]), Err(SplineError::Order { index: 3, .. })));
+        assert!(matches!(Knots::new(1, vec![0.0, 0.5, 1.0, 1.0]), Err(SplineError::NotClamped { .. })));
         let torn = vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0];
-        assert!(matches!(Knots::new(1, torn), Err(KnotError::Multiplicity { found: 2, .. })));
+        assert!(matches!(Knots::new(1, torn), Err(SplineError::Multiplicity { found: 2, .. })));
     }
 }

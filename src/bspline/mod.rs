@@ -17,10 +17,10 @@ pub(crate) use gram::{gauss_legendre, gram};
 pub(crate) use knots::MAX_DEGREE;
 pub use knots::{Knots, linspace};
 
-/// What is wrong with a degree or a knot vector.
+/// What is wrong with a degree, a knot vector, or the coefficients of a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum KnotError {
+pub enum SplineError {
     /// Degrees run from 1 to 9.
     #[error("degree {degree} is out of range: 1 to {MAX_DEGREE}")]
     Degree {
@@ -92,5 +92,29 @@ pub enum KnotError {
         found: usize,
         /// The degree.
         max: usize,
+    },
+    /// The coefficient array does not fit the knots.
+    #[error("coefficients are {found:?}, but the knots call for {expected:?}")]
+    Shape {
+        /// Shape of the array.
+        found: [usize; 2],
+        /// Basis functions in x and y.
+        expected: [usize; 2],
+    },
+    /// A coefficient is NaN or infinite.
+    #[error("coefficient ({i}, {j}) is not finite")]
+    NotFinite {
+        /// Index in x.
+        i: usize,
+        /// Index in y.
+        j: usize,
+    },
+    /// In a closed direction the last coefficients must repeat the first.
+    #[error("coefficient ({i}, {j}) does not repeat the one it closes on")]
+    Seam {
+        /// Index in u.
+        i: usize,
+        /// Index in v.
+        j: usize,
     },
 }

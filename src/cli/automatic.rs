@@ -12,9 +12,7 @@ use crate::contact::{Contacts, Grid, Orientation};
 use crate::fit::{FitError, FitOptions};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
-use crate::recognition::{
-    FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, recognise, recognise_grid, shown,
-};
+use crate::recognition::{FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown};
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
 use super::named::fit_input;
@@ -22,6 +20,9 @@ use super::named::fit_input;
 /// What a user can do with contacts that are not one patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
+
+/// What a user can do about too few contacts.
+const MORE: &str = "touch a dozen places or more, spread over the patch, with surface normals if you can";
 
 /// A note says that contacts lie off the surface when both their share and their number are at least these: more than a
 /// sensor's stray readings.
@@ -55,8 +56,8 @@ pub(super) enum Refusal {
 /// Recognises the input, or fits it where it cannot be recognised.
 pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
     let found = match input {
-        Input::Contacts(contacts) => recognise(contacts, options),
-        Input::Grid(grid) => recognise_grid(grid, options),
+        Input::Contacts(contacts) => Recognition::of(contacts, options),
+        Input::Grid(grid) => Recognition::of_grid(grid, options),
     };
     let request = FieldRequest { fit, recognition: options, gridded: matches!(input, Input::Grid(_)) };
     match shown(found, || contacts_of(input), &request) {
@@ -73,7 +74,11 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
         Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
             let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
-            let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+            let (found, chosen) = fit_input(input, fit).map_err(|refused| match refused {
+                // no model was named: what one would need is of no use
+                FitError::TooFew { .. } => Refusal::Shape(format!("{error}: {MORE}")),
+                refused => Refusal::Fit(refused),
+            })?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
@@ -97,7 +102,7 @@ fn all_downward(input: &Input) -> bool {
 
 /// A simple shape, with a note where many contacts lie off it.
 fn simple(found: Box<Recognition>) -> Found {
-    let strays = found.dropped.outliers;
+    let strays = found.outliers;
     let share = strays as f64 / (strays + found.contacts) as f64;
     let elsewhere = (strays >= STRAYS && share > STRAY).then(|| {
         let percent = 100.0 * share;

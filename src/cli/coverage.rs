@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
 use crate::montecarlo::{Coverages, Family, Held, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
-use crate::report::{TablePage, write_json, write_table_page};
+use crate::report::{TablePage, percent, write_json, write_table_page};
 
 use super::failure::Failure;
 use super::output::print;
@@ -221,7 +221,7 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
 }
 
 fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {
-    let level = 100.0 * document.level;
+    let level = percent(document.level);
     writeln!(out, "intervals that hold the truth, per cent of {} fits; {level} are promised", document.replicates)?;
     writeln!(
         out,

@@ -10,7 +10,7 @@ use crate::report::{
 };
 
 use super::failure::{Failure, fit_message};
-use super::options::{OutputFlags, WordsFlags, picture_formats};
+use super::options::{OutputFlags, WordsFlags};
 use super::output::{print, wants_colour, with_bold_labels};
 use super::save::save;
 
@@ -101,11 +101,8 @@ pub(super) fn files(
     output.file("maps.npz", &mut |out| description.write_maps_npz(out))?;
     if output.out.is_some() {
         let pictures = SurfacePictures::new(description, document, name);
-        for format in picture_formats(&words.pictures) {
-            for picture in SurfacePictures::NAMES {
-                let file = format!("{picture}.{}", format.name());
-                output.file(&file, &mut |out| pictures.write(picture, *format, out))?;
-            }
+        for name in SurfacePictures::NAMES {
+            words.pictures.write(output, name, &|format, out| pictures.write(name, format, out))?;
         }
     }
     output.file("report.html", &mut |out| write_fit_page(description, document, name, provenance, out))

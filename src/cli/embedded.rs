@@ -20,7 +20,7 @@ use crate::fit::{Fit, FitError, FitOptions};
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::montecarlo::{Progress, Stopped, StudyState};
 use crate::parametric::{FittedSurface, ParametricFit};
-use crate::recognition::{Recognition, RecognitionOptions, count_model_error};
+use crate::recognition::{Recognition, RecognitionOptions};
 use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
 
 use super::automatic::{Found, Refusal, automatic};
@@ -134,7 +134,7 @@ impl FitAnswer {
         // other kinds of surface are asked only here: it takes longer than many a fit, whose surface alone may be wanted
         let counted = match &self.found.answer {
             Answer::Fitted(FittedSurface::Height(fit)) if self.uncertain => {
-                let fit = count_model_error(fit.as_ref().clone());
+                let fit = fit.as_ref().clone().with_model_error();
                 Some(Answer::Fitted(FittedSurface::Height(Box::new(fit))))
             }
             _ => None,
@@ -302,6 +302,27 @@ pub fn frontier(
     document.seconds = clock.elapsed().as_secs_f64();
     let mut json = Vec::new();
     // a Vec takes every byte
+    let _ = write_json(&document, &mut json);
+    Ok(json)
+}
+
+/// The same of contacts that are there already; the subject of `arguments` is what they are called.
+///
+/// # Errors
+/// What the command line would say of a file of them.
+pub fn frontier_of_contacts(
+    arguments: Vec<String>,
+    contacts: &Contacts,
+    watch: &(dyn Fn(usize, usize) -> bool + Sync),
+) -> Result<Vec<u8>, String> {
+    let clock = Instant::now();
+    let FrontierLine { args } = parsed("frontier", arguments)?;
+    let name = args.subject.clone().unwrap_or_default();
+    let request = args.request().map_err(Failure::into_message)?;
+    let found = frontier_input::measure_contacts(&args, &name, contacts, request.as_ref(), watch);
+    let mut document = found.map_err(Failure::into_message)?;
+    document.seconds = clock.elapsed().as_secs_f64();
+    let mut json = Vec::new();
     let _ = write_json(&document, &mut json);
     Ok(json)
 }

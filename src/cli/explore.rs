@@ -21,7 +21,7 @@ use super::automatic::{Found, Refusal, automatic};
 use super::failure::{Failure, fit_message};
 use super::interrupt;
 use super::named::{counting_other_kinds, fit_input};
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::output::print;
 use super::progress::Bar;
 use super::provenance::provenance;
@@ -62,6 +62,8 @@ pub(super) struct ExploreArgs {
     level: Option<f64>,
     #[command(flatten)]
     fit: FitFlags,
+    #[command(flatten)]
+    pictures: PictureFlags,
     #[command(flatten)]
     output: OutputFlags,
 }
@@ -125,7 +127,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let remark = inverse_crime_remark(&found.truth);
     args.output.file("explore.json", &mut |out| write_json(&document, out))?;
     args.output.file("explore.csv", &mut |out| write_explore_csv(&document, out))?;
-    args.output.file("explore.svg", &mut |out| write_explore_picture(&document, out))?;
+    args.pictures.write(&args.output, "explore", &|format, out| write_explore_picture(&document, format, out))?;
     args.output
         .file("contacts.csv", &mut |out| write_contacts(&found.contacts, ContactFormat::Csv, remark.as_deref(), out))?;
     args.output.publish()?;

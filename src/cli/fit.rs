@@ -16,6 +16,7 @@ use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
 use super::named::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
+use super::output::Spinner;
 use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
@@ -84,7 +85,7 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
     args.output.prepare(&[input], args.save.as_slice())?;
     check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("reading {}", input.display()));
-    let one = One::of(input, args, &|phase| spinner.phase(phase))?;
+    let one = One::of(input, args, Some(&spinner))?;
     drop(spinner);
     describe(
         &one.answer,
@@ -103,7 +104,7 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
 
 /// The document of one of several files.
 fn row_of(input: &Path, args: &FitArgs) -> Result<FitDocument, Failure> {
-    let one = One::of(input, args, &|_| ())?;
+    let one = One::of(input, args, None)?;
     document_of(&one.answer, &one.reading.file, &one.subject(args), &one.taken)
 }
 
@@ -118,14 +119,20 @@ struct One {
 }
 
 impl One {
-    /// `phase` is told what is done next.
-    fn of(input: &Path, args: &FitArgs, phase: &dyn Fn(&str)) -> Result<One, Failure> {
+    /// `spinner` shows what is done.
+    fn of(input: &Path, args: &FitArgs, spinner: Option<&Spinner>) -> Result<One, Failure> {
         let began = Instant::now();
-        let mut reading = read_input(input, &args.read_options())?;
+        let read = || read_input(input, &args.read_options());
+        let mut reading = match spinner {
+            Some(spinner) => spinner.while_reading(read),
+            None => read(),
+        }?;
         let prepared = args.preparation.apply(&mut reading)?;
         let read = began.elapsed().as_secs_f64();
         let clock = Instant::now();
-        phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
+        if let Some(spinner) = spinner {
+            spinner.phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
+        }
         let found = answer(&reading, args).map_err(|refusal| {
             Failure::Input(match refusal {
                 Refusal::Fit(error) => placed(&error, &reading),

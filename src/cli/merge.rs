@@ -9,7 +9,7 @@ use crate::montecarlo::{Stopped, StudyError, StudyState};
 use crate::report::StudyDocument;
 
 use super::failure::Failure;
-use super::options::OutputFlags;
+use super::options::{OutputFlags, PictureFlags};
 use super::provenance::provenance;
 use super::study::{Told, part, source_of, tell};
 use super::study_plan::{Plan, StudyArgs};
@@ -21,6 +21,8 @@ pub(super) struct MergeArgs {
     #[arg(required = true)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
+    pictures: PictureFlags,
+    #[command(flatten)]
     output: OutputFlags,
 }
 
@@ -28,7 +30,8 @@ pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     args.output.prepare(&args.parts.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[])?;
     let (plan, document, whole) = join(&args.parts, || args.output.spinner("shares of the effects"))?;
     let provenance = provenance(&plan.name, None, Some(plan.study.seed()));
-    tell(&args.output, &plan, &document, &whole, &Told { provenance, asked: plan.identity.replicates })
+    let told = Told { provenance, asked: plan.identity.replicates, pictures: &args.pictures };
+    tell(&args.output, &plan, &document, &whole, &told)
 }
 
 /// The study that the parts make; `wait` gives what shall last as long as the shares of the effects are computed.

@@ -3,14 +3,13 @@
 use crate::contact::Orientation;
 use crate::fit::{FitError, FitOptions, FrameChoice, STEEP, SurfaceKind, fit_grid, steepness};
 use crate::io::Input;
-use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::count_model_error;
+use crate::parametric::FittedSurface;
 use crate::report::ChosenPart;
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
 pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
     let (found, reason) = match input {
-        Input::Contacts(contacts) => fit_surface(contacts, options)?,
+        Input::Contacts(contacts) => FittedSurface::of(contacts, options)?,
         Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
             return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
         }
@@ -29,7 +28,7 @@ pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSu
 /// The same answer whose intervals count that the surface may be of another kind than a height field of these knots.
 pub(super) fn counting_other_kinds(found: FittedSurface) -> FittedSurface {
     match found {
-        FittedSurface::Height(fit) => FittedSurface::Height(Box::new(count_model_error(*fit))),
+        FittedSurface::Height(fit) => FittedSurface::Height(Box::new((*fit).with_model_error())),
         other => other,
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
 
+use super::failure::Failure;
 use super::gathered::Gathered;
 use crate::report::PictureFormat;
 
@@ -180,14 +181,32 @@ pub(super) struct WordsFlags {
     /// Unit of the lengths in the input, such as mm: it is said beside every length, and nothing is converted
     #[arg(long, value_parser = values::unit)]
     pub(super) unit: Option<String>,
-    /// Kinds of pictures in the directory of --out, several as svg,png,pdf [default: svg]
-    #[arg(long, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires = "out")]
-    pub(super) pictures: Vec<PictureFormat>,
+    #[command(flatten)]
+    pub(super) pictures: PictureFlags,
 }
 
-/// The kinds that were asked for; SVG where none was.
-pub(super) fn picture_formats(asked: &[PictureFormat]) -> &[PictureFormat] {
-    if asked.is_empty() { &[PictureFormat::Svg] } else { asked }
+/// Kinds of pictures.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Output")]
+pub(super) struct PictureFlags {
+    /// Kinds of pictures in the directory of --out, several as svg,png,pdf [default: svg]
+    #[arg(long = "pictures", value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires = "out")]
+    asked: Vec<PictureFormat>,
+}
+
+impl PictureFlags {
+    /// Writes the picture of this name in every kind that was asked for, SVG where none was.
+    pub(super) fn write(
+        &self,
+        output: &OutputFlags,
+        name: &str,
+        picture: &dyn Fn(PictureFormat, &mut dyn std::io::Write) -> std::io::Result<()>,
+    ) -> Result<(), Failure> {
+        let formats = if self.asked.is_empty() { &[PictureFormat::Svg][..] } else { &self.asked };
+        formats
+            .iter()
+            .try_for_each(|format| output.file(&format!("{name}.{}", format.name()), &mut |out| picture(*format, out)))
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Standard output, the output directory, and a spinner for people who wait.
 
+use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
@@ -7,7 +8,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::io::{Together, same_file, visible, write_atomically};
+use crate::io::{ReadPhase, ReadProgress, Together, same_file, visible, watched, write_atomically};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -35,12 +36,12 @@ const FAMILIES: [&[&str]; 9] = [
         "points.csv",
     ],
     &["report.html"],
-    &["study.json", "study.svg"],
+    &["study.json", "study.svg", "study.png", "study.pdf"],
     &["diff.json", "diff.csv", "diff.svg"],
     &["sweep.json", "sweep.csv", "sweep.svg", "sweep.png", "sweep.pdf"],
     &["coverage.json", "coverage.csv"],
-    &["explore.json", "explore.csv", "explore.svg"],
-    &["parts.json", "parts.csv", "parts.svg"],
+    &["explore.json", "explore.csv", "explore.svg", "explore.png", "explore.pdf"],
+    &["parts.json", "parts.csv", "parts.svg", "parts.png", "parts.pdf"],
     &[
         "frontier.json",
         "frontier.csv",
@@ -112,10 +113,7 @@ impl OutputFlags {
         if self.quiet {
             return Spinner(ProgressBar::hidden());
         }
-        let bar = ProgressBar::new_spinner().with_message(visible(&what.into()));
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
-            bar.set_style(style);
-        }
+        let bar = ProgressBar::new_spinner().with_message(visible(&what.into())).with_style(waiting());
         // short work ends before the first tick and shows nothing
         bar.enable_steady_tick(Duration::from_millis(250));
         Spinner(bar)
@@ -133,13 +131,56 @@ fn has_place(output: &Path) -> Result<(), Failure> {
     Err(Failure::Input(format!("{}: cannot be written: {why}", output.display())))
 }
 
+/// The look of work whose end is not known.
+fn waiting() -> ProgressStyle {
+    styled("{spinner} {msg}, {elapsed}")
+}
+
+/// The look of reading: how much, how fast, how long still.
+fn reading(progress: &ReadProgress) -> ProgressStyle {
+    let phase = match progress.phase {
+        ReadPhase::Fetching => "",
+        ReadPhase::Unpacking => " (unpacking)",
+        ReadPhase::Parsing => " (numbers)",
+    };
+    match progress.total {
+        Some(_) => {
+            styled(&format!("{{msg}}{phase} {{bar:24}} {{bytes}}/{{total_bytes}} {{bytes_per_sec}} {{eta}} left"))
+        }
+        None => styled(&format!("{{spinner}} {{msg}}{phase} {{bytes}} {{bytes_per_sec}}, {{elapsed}}")),
+    }
+}
+
+fn styled(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
 /// Goes away when dropped.
 pub(super) struct Spinner(ProgressBar);
 
 impl Spinner {
     /// What is done from now on.
     pub(super) fn phase(&self, what: &str) {
+        self.0.set_style(waiting());
         self.0.set_message(visible(what));
+    }
+
+    /// What reads a file while a bar shows how far it has come.
+    pub(super) fn while_reading<T>(&self, read: impl FnOnce() -> T) -> T {
+        let bar = self.0.clone();
+        let shown = Cell::new(None);
+        let show = move |progress: &ReadProgress| {
+            // every phase has its own rate; short ones need no bar
+            if shown.replace(Some(progress.phase)) != Some(progress.phase) {
+                bar.reset();
+                bar.set_style(reading(progress));
+            }
+            if let Some(total) = progress.total {
+                bar.set_length(total as u64);
+            }
+            bar.set_position(progress.done as u64);
+        };
+        watched(Box::new(show), read)
     }
 }
 

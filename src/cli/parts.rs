@@ -1,5 +1,6 @@
 //! `palpate parts INPUT|SCENE`: what a body is made of, how its parts adjoin, and its shape at every point.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -8,18 +9,17 @@ use clap::Args;
 use crate::contact::{Contacts, Grid};
 use crate::io::scene_file::builtin_text;
 use crate::io::{Input, read_input, write_atomically};
-use crate::parts::{
-    Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary, segment, shape_at_points,
-};
+use crate::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 use crate::report::{
-    PartsDocument, PointShapesFormat, write_json, write_parts_csv, write_parts_picture, write_parts_table,
-    write_point_shapes, write_point_shapes_summary,
+    PartsBody, PartsDocument, PointShapesFormat, Provenance, write_json, write_parts_csv, write_parts_page,
+    write_parts_picture, write_parts_table, write_point_shapes, write_point_shapes_summary,
 };
 
 use super::failure::Failure;
-use super::options::OutputFlags;
+use super::options::{OutputFlags, PictureFlags};
 use super::output::print;
 use super::preparation::PreparationFlags;
+use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 use super::scene;
 
@@ -45,6 +45,8 @@ pub(super) struct PartsArgs {
     #[command(flatten)]
     reading: ReadFlags,
     #[command(flatten)]
+    pictures: PictureFlags,
+    #[command(flatten)]
     output: OutputFlags,
 }
 
@@ -54,6 +56,9 @@ struct Taken {
     contacts: Contacts,
     faces: Option<(Vec<usize>, Vec<&'static str>)>,
     viewpoint: Option<[f64; 3]>,
+    /// The scene as TOML, and the seed that it was played with.
+    scene: Option<String>,
+    seed: Option<u64>,
     notes: Vec<String>,
 }
 
@@ -62,19 +67,20 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
         builtin_text(&args.input).is_some() || Path::new(&args.input).extension().is_some_and(|e| e == "toml");
     args.output.prepare(&[args.input.as_ref()], args.points.as_slice())?;
     let format = points_format(args)?;
-    let spinner = args.output.spinner(format!("looking for the parts of {}", args.input));
-    let taken = if is_scene { from_scene(args)? } else { from_file(args)? };
+    let spinner = args.output.spinner(format!("reading {}", args.input));
+    let taken = if is_scene { from_scene(args)? } else { spinner.while_reading(|| from_file(args))? };
+    spinner.phase(&format!("looking for the parts of {}", args.input));
     let clock = Instant::now();
     let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
     if let Some((path, format)) = format {
-        let found = shape_at_points(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+        let found = PointShapes::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
         if args.output.out.is_none() && !args.output.json {
             drop(spinner);
             return summary(args, &taken, &found);
         }
     }
-    let found = segment(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+    let found = Parts::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
     let seconds = clock.elapsed().as_secs_f64();
     let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
     if let Some((faces, kinds)) = &taken.faces {
@@ -82,7 +88,8 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
         document = document.with_truth(&agreement, kinds);
     }
     drop(spinner);
-    publish(args, &document, &taken.contacts, &found)
+    let provenance = provenance(&args.input, taken.scene.clone(), taken.seed);
+    publish(args, &document, (&taken.contacts, &found), &provenance)
 }
 
 fn refused(taken: &Taken, error: &PartsError) -> Failure {
@@ -106,13 +113,21 @@ fn summary(args: &PartsArgs, taken: &Taken, found: &PointShapes) -> Result<(), F
     print(&mut |out| write_point_shapes_summary(&taken.name, found, &taken.notes, out))
 }
 
-fn publish(args: &PartsArgs, document: &PartsDocument, contacts: &Contacts, found: &Parts) -> Result<(), Failure> {
+fn publish(
+    args: &PartsArgs,
+    document: &PartsDocument,
+    (contacts, found): (&Contacts, &Parts),
+    provenance: &Provenance,
+) -> Result<(), Failure> {
     let output = &args.output;
     if output.out.is_some() {
         let edge = boundary(contacts, &found.labels);
         output.file("parts.json", &mut |out| write_json(document, out))?;
         output.file("parts.csv", &mut |out| write_parts_csv(contacts, found, out))?;
-        output.file("parts.svg", &mut |out| write_parts_picture(contacts, found, &edge, out))?;
+        let picture = |format, out: &mut dyn Write| write_parts_picture(contacts, found, &edge, format, out);
+        args.pictures.write(output, "parts", &picture)?;
+        let body = PartsBody { contacts, found, edge: &edge };
+        output.file("report.html", &mut |out| write_parts_page(document, &body, provenance, out))?;
         output.publish()?;
     }
     if output.json {
@@ -125,15 +140,16 @@ fn publish(args: &PartsArgs, document: &PartsDocument, contacts: &Contacts, foun
 }
 
 fn from_scene(args: &PartsArgs) -> Result<Taken, Failure> {
-    let scene = scene::load(&args.input)?;
+    let (scene, text) = scene::load_with_text(&args.input)?;
     let simulator = scene.world.compile().map_err(|e| Failure::Input(format!("{}: {e}", scene.name)))?;
-    let (contacts, truth) = simulator.into_contacts(args.seed.unwrap_or(scene.seed), 0);
+    let seed = args.seed.unwrap_or(scene.seed);
+    let (contacts, truth) = simulator.into_contacts(seed, 0);
     let faces = truth.faces().map(|faces| (faces, truth.face_kinds()));
     let mut notes = Vec::new();
     if faces.is_none() {
         notes.push("the scene's surface is no body of solids, so that its true parts are not known".into());
     }
-    Ok(Taken { name: scene.name, contacts, faces, viewpoint: None, notes })
+    Ok(Taken { name: scene.name, contacts, faces, viewpoint: None, scene: Some(text), seed: Some(seed), notes })
 }
 
 fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
@@ -152,7 +168,7 @@ fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
         Input::Contacts(contacts) => contacts,
         Input::Grid(grid) => contacts_of(&grid),
     };
-    Ok(Taken { name: reading.file, contacts, faces: None, viewpoint, notes })
+    Ok(Taken { name: reading.file, contacts, faces: None, viewpoint, scene: None, seed: None, notes })
 }
 
 /// The pixels that are there, as contacts.

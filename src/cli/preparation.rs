@@ -4,7 +4,6 @@ use clap::Args;
 
 use crate::contact::{Contacts, Orientation};
 use crate::io::{Input, Reading};
-use crate::recognition::estimate_normals;
 
 use super::failure::Failure;
 use super::values;
@@ -56,7 +55,8 @@ impl PreparationFlags {
                 *contacts = match (&given.orientation, self.normals.is_some()) {
                     (_, true) => {
                         notes.push("normals were estimated from neighbouring positions".into());
-                        estimate_normals(&given, self.viewpoint.or(reading.viewpoint))
+                        given
+                            .with_estimated_normals(self.viewpoint.or(reading.viewpoint))
                             .map_err(|error| Failure::Input(format!("{file}: {error}")))?
                     }
                     (Orientation::None, false) if self.flip_normals => {

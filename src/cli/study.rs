@@ -16,7 +16,7 @@ use crate::report::{
 };
 
 use super::failure::Failure;
-use super::options::OutputFlags;
+use super::options::{OutputFlags, PictureFlags};
 use super::output::print;
 use super::progress::Bar;
 use super::provenance::provenance;
@@ -135,7 +135,13 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         document.stopped = INTERRUPTED.into();
     }
     let provenance = provenance(&source.name, Some(source.text), Some(plan.study.seed()));
-    tell(&args.output, plan, &document, &state, &Told { provenance, asked: range[1] - range[0] })?;
+    tell(
+        &args.output,
+        plan,
+        &document,
+        &state,
+        &Told { provenance, asked: range[1] - range[0], pictures: &args.pictures },
+    )?;
     if cut_short {
         let done = state.done();
         return Err(Failure::Interrupted(format!("interrupted after {done} replicates; what they came to is kept")));
@@ -171,10 +177,12 @@ fn resumed(args: &StudyArgs, plan: &Plan, range: [u64; 2]) -> Result<Option<Stud
 }
 
 /// What the page says beside the document.
-pub(super) struct Told {
+pub(super) struct Told<'a> {
     pub(super) provenance: Provenance,
     /// Replicates that were asked for.
     pub(super) asked: u64,
+    /// Kinds of pictures.
+    pub(super) pictures: &'a PictureFlags,
 }
 
 /// The document wherever the flags ask for it.
@@ -183,12 +191,13 @@ pub(super) fn tell(
     plan: &Plan,
     document: &StudyDocument,
     state: &StudyState,
-    told: &Told,
+    told: &Told<'_>,
 ) -> Result<(), Failure> {
     output.file("study.json", &mut |out| write_json(document, out))?;
     if output.out.is_some() {
         let ranked = [state.tallies[0].ranked(), state.tallies[1].ranked()];
-        output.file("study.svg", &mut |out| write_study_picture(document, &ranked, out))?;
+        let picture = |format, out: &mut dyn Write| write_study_picture(document, &ranked, format, out);
+        told.pictures.write(output, "study", &picture)?;
         let mut page = |out: &mut dyn Write| write_study_page(document, &ranked, told.asked, &told.provenance, out);
         output.file("report.html", &mut page)?;
     }

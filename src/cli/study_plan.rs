@@ -11,19 +11,17 @@ use clap::{Args, Parser};
 use crate::fit::FitOptions;
 use crate::io::scene_file::SceneFile;
 use crate::io::{StudyIdentity, text_hash};
-use crate::montecarlo::{
-    Path, Quantity, Stopped, StoppingRule, Study, StudyError, StudyOptions, StudyState, Tolerance,
-};
+use crate::montecarlo::{Path, Quantity, Stopped, Study, StudyError, StudyOptions, StudyState, Tolerance};
 use crate::report::{
-    NamedQuantities, NamedShares, PictureFormat, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts,
-    inverse_crime_remark, study_notes, sum_parts,
+    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, inverse_crime_remark,
+    study_notes, sum_parts,
 };
 use crate::scene::Effect;
 use crate::simd::Isa;
 
 use super::failure::Failure;
 use super::interrupt;
-use super::options::{FitFlags, OutputFlags};
+use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::scene::Source;
 use super::values::{self, PathChoice};
 
@@ -46,7 +44,7 @@ pub(super) struct StudyArgs {
     pub(super) tolerance: Option<u32>,
     /// How a tolerance is reached: stein (two stages) or adaptive (JCGM 101, 7.9)
     #[arg(long, value_name = "RULE", value_parser = values::rule, requires = "tolerance")]
-    pub(super) rule: Option<StoppingRule>,
+    pub(super) rule: Option<values::Rule>,
     /// Stop after so many seconds of replicates
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     pub(super) budget: Option<f64>,
@@ -85,9 +83,8 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
     pub(super) sweep: Vec<String>,
-    /// Kinds of pictures of a sweep in the directory of --out, several as svg,png,pdf [default: svg]
-    #[arg(long, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires_all = ["out", "sweep"])]
-    pub(super) pictures: Vec<PictureFormat>,
+    #[command(flatten)]
+    pub(super) pictures: PictureFlags,
     #[command(flatten)]
     pub(super) fit: FitFlags,
     #[command(flatten)]
@@ -129,7 +126,7 @@ impl StudyArgs {
         }
         options.level = self.level.unwrap_or(options.level);
         if let Some(digits) = self.tolerance {
-            options.tolerance = Some(Tolerance { digits, rule: self.rule.unwrap_or_default() });
+            options.tolerance = Some(self.rule.unwrap_or(Tolerance::Stein)(digits));
             // what a scene says is how many there are without a tolerance
             options.replicates_given = self.replicates.is_some();
         }
@@ -200,8 +197,8 @@ impl Plan {
         let engine = self.study.engine();
         let parts: Vec<QuantityPart> = result.quantities.iter().map(QuantityPart::from).collect();
         let others = engine.quantities().iter().map(ToString::to_string).zip(parts.iter().cloned()).skip(2);
-        let classes = result.classes.shares.iter().map(|(class, share)| (class.name().to_string(), *share));
-        let classes = classes.chain([("none".to_string(), result.classes.none)]);
+        let classes = result.classes.iter().map(|(class, share)| (class.name().to_string(), *share));
+        let classes = classes.chain([("none".to_string(), result.no_class)]);
         let attribution = result.attribution.clone().unwrap_or_default();
         let off: &[&str] = if result.attribution.is_some() { &self.off } else { &[] };
         StudyDocument {
@@ -221,7 +218,7 @@ impl Plan {
             curvedness: parts.get(1).cloned().unwrap_or_default(),
             quantities: NamedQuantities(others.collect()),
             class: NamedShares(classes.collect()),
-            verdict: result.classes.verdict.map(|class| class.name().to_string()),
+            verdict: result.verdict.map(|class| class.name().to_string()),
             failed: state.failed,
             planes: state.planes,
             linear: (&result.linear).into(),

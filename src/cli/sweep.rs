@@ -14,7 +14,6 @@ use crate::report::{
 
 use super::failure::Failure;
 use super::interrupt;
-use super::options::picture_formats;
 use super::output::print;
 use super::progress::Bar;
 use super::provenance::provenance;
@@ -197,10 +196,9 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
         let page = SweepPage { scene: &scene, keys: &keys, points: &points, asked: count, level, document: &json };
         let provenance = provenance(&source.name, Some(source.text.clone()), Some(seed));
         args.output.file("report.html", &mut |out| write_sweep_page(&page, &provenance, out))?;
-        for format in picture_formats(&args.pictures) {
-            let file = format!("sweep.{}", format.name());
-            args.output.file(&file, &mut |out| write_sweep_picture(&scene, &keys, &points, level, *format, out))?;
-        }
+        let picture =
+            |format, out: &mut dyn std::io::Write| write_sweep_picture(&scene, &keys, &points, level, format, out);
+        args.pictures.write(&args.output, "sweep", &picture)?;
     }
     args.output.publish()?;
     if args.output.json {

@@ -1,9 +1,9 @@
 //! Values of options that are not one of a few words, as they are typed. Each message says what would be right. (The
 //! words are those of [`crate::fit`]'s options, which read themselves.)
 
-use crate::fit::{NormalSigma, Objective, SlopeWeights, UnknownWord};
+use crate::fit::{FitError, NormalSigma, Objective, SlopeWeights};
 use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
-use crate::montecarlo::{Path, StoppingRule};
+use crate::montecarlo::{Path, Tolerance};
 use crate::report::PictureFormat;
 
 /// Largest count of segments or grid points per direction. A larger number is more likely a typing error.
@@ -99,12 +99,12 @@ pub(super) fn point(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// `auto`, a preset or `WZ,WX,WY`.
-pub(super) fn weights(text: &str) -> Result<Objective, UnknownWord> {
+pub(super) fn weights(text: &str) -> Result<Objective, FitError> {
     text.parse::<SlopeWeights>().map(Objective::Slopes)
 }
 
 /// `auto` or `Z,DEG`.
-pub(super) fn sigma(text: &str) -> Result<Objective, UnknownWord> {
+pub(super) fn sigma(text: &str) -> Result<Objective, FitError> {
     text.parse::<NormalSigma>().map(Objective::Normals)
 }
 
@@ -147,11 +147,14 @@ pub(super) fn level(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A tolerance by its digits.
+pub(super) type Rule = fn(u32) -> Tolerance;
+
 /// `stein` or `adaptive`.
-pub(super) fn rule(text: &str) -> Result<StoppingRule, String> {
+pub(super) fn rule(text: &str) -> Result<Rule, String> {
     match text {
-        "stein" => Ok(StoppingRule::Stein),
-        "adaptive" => Ok(StoppingRule::Adaptive),
+        "stein" => Ok(Tolerance::Stein),
+        "adaptive" => Ok(Tolerance::Adaptive),
         _ => Err("stein or adaptive".into()),
     }
 }

@@ -237,7 +237,7 @@ mod tests {
         let found = compare(&side(height(&a), &u), &side(height(&b), &none), [5, 5]).unwrap();
         assert!(found.heights && found.same == Some(true));
         assert!((found.quantities[0].rms.unwrap() - 0.01).abs() < 1e-15);
-        assert!(found.quantities[1].rms.unwrap() < 1e-12);
+        assert!(found.quantities[1].rms.unwrap() < 1e-14);
         let map = in_space(&b);
         let found = compare(&side(height(&a), &none), &side(ComparedSurface::Space(&map), &none), [5, 5]).unwrap();
         assert!(!found.heights && found.same.is_none());

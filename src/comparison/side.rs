@@ -2,7 +2,6 @@
 
 use crate::bspline::linspace;
 use crate::contact::Frame;
-use crate::curvature::principal_curvatures;
 use crate::surface::{HeightField, Parametric};
 
 use super::Quantities;
@@ -106,7 +105,7 @@ impl Side<'_> {
             return None;
         }
         let (point, derivatives) = self.derivatives(place);
-        let principal = principal_curvatures(&derivatives)?;
+        let principal = derivatives.principal()?;
         Some(Here {
             point,
             normal: principal.normal,

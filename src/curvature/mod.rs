@@ -13,5 +13,5 @@ mod class;
 mod principal;
 
 pub use class::ShapeClass;
-pub use principal::{Derivatives, Principal, principal_curvatures};
+pub use principal::{Derivatives, Principal};
 pub(crate) use principal::{curvedness, shape_index};

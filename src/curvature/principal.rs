@@ -74,51 +74,54 @@ pub(crate) fn curvedness(k1: f64, k2: f64) -> f64 {
     k1.hypot(k2) * std::f64::consts::FRAC_1_SQRT_2
 }
 
-/// Principal curvatures from the symmetric shape operator in an orthonormal tangent frame.
-///
-/// With `e1 = Q_u/|Q_u|`, `e2` its in-plane complement, `Q_u = l e1`, `Q_v = s e1 + t e2` the operator is
-/// `a = e/l^2`, `b = (f - (s/l) e)/(l t)`, `c = (g - 2 (s/l) f + (s/l)^2 e)/t^2` with `e, f, g` of Eq. 9.
-/// Returns `None` where `Q_u` and `Q_v` are parallel or zero: there is no tangent plane.
-///
-/// ```
-/// use palpate::geometry::{Derivatives, principal_curvatures};
-///
-/// // the top of a ball of radius 7: the surface falls away on all sides, so both curvatures are negative
-/// let ball = principal_curvatures(&Derivatives::of_height(0.0, 0.0, -1.0 / 7.0, 0.0, -1.0 / 7.0)).unwrap();
-/// assert!(ball.k1 < 0.0 && ball.k1 == ball.k2);
-/// assert_eq!(ball.shape_index(), Some(1.0)); // a cap
-/// assert!((ball.curvedness() - 1.0 / 7.0).abs() < 1e-15);
-/// ```
-pub fn principal_curvatures(q: &Derivatives) -> Option<Principal> {
-    let normal_scaled = cross(q.u, q.v);
-    let area = norm_hypot(normal_scaled);
-    let length = norm_hypot(q.u);
-    if area == 0.0 || length == 0.0 || !area.is_finite() {
-        return None;
+impl Derivatives {
+    /// Principal curvatures from the symmetric shape operator in an orthonormal tangent frame.
+    ///
+    /// With `e1 = Q_u/|Q_u|`, `e2` its in-plane complement, `Q_u = l e1`, `Q_v = s e1 + t e2` the operator is
+    /// `a = e/l^2`, `b = (f - (s/l) e)/(l t)`, `c = (g - 2 (s/l) f + (s/l)^2 e)/t^2` with `e, f, g` of Eq. 9.
+    /// Returns `None` where `Q_u` and `Q_v` are parallel or zero: there is no tangent plane.
+    ///
+    /// ```
+    /// use palpate::geometry::Derivatives;
+    ///
+    /// // the top of a ball of radius 7: the surface falls away on all sides, so both curvatures are negative
+    /// let ball = Derivatives::of_height(0.0, 0.0, -1.0 / 7.0, 0.0, -1.0 / 7.0).principal().unwrap();
+    /// assert!(ball.k1 < 0.0 && ball.k1 == ball.k2);
+    /// assert_eq!(ball.shape_index(), Some(1.0)); // a cap
+    /// assert!((ball.curvedness() - 1.0 / 7.0).abs() < 1e-15);
+    /// ```
+    pub fn principal(&self) -> Option<Principal> {
+        let q = self;
+        let normal_scaled = cross(q.u, q.v);
+        let area = norm_hypot(normal_scaled);
+        let length = norm_hypot(q.u);
+        if area == 0.0 || length == 0.0 || !area.is_finite() {
+            return None;
+        }
+        let normal = normal_scaled.map(|w| w / area);
+        let e1 = q.u.map(|w| w / length);
+        let e2 = cross(normal, e1);
+        let shear = dot(q.v, e1) / length;
+        let height = area / length;
+        let (e, f, g) = (dot(q.uu, normal), dot(q.uv, normal), dot(q.vv, normal));
+        let a = e / (length * length);
+        let b = (f - shear * e) / (length * height);
+        let c = (g - shear * (2.0 * f - shear * e)) / (height * height);
+        let half_gap = (0.5 * (a - c)).hypot(b);
+        let mean = 0.5 * (a + c);
+        // eigenvector of the larger eigenvalue: half the angle of (a - c, 2 b)
+        let angle = 0.5 * b.atan2(0.5 * (a - c));
+        let (sin, cos) = angle.sin_cos();
+        let combine = |p: f64, r: f64| [0, 1, 2].map(|k| p * e1[k] + r * e2[k]);
+        Some(Principal {
+            k1: mean + half_gap,
+            k2: mean - half_gap,
+            difference: 2.0 * half_gap,
+            direction1: combine(cos, sin),
+            direction2: combine(-sin, cos),
+            normal,
+        })
     }
-    let normal = normal_scaled.map(|w| w / area);
-    let e1 = q.u.map(|w| w / length);
-    let e2 = cross(normal, e1);
-    let shear = dot(q.v, e1) / length;
-    let height = area / length;
-    let (e, f, g) = (dot(q.uu, normal), dot(q.uv, normal), dot(q.vv, normal));
-    let a = e / (length * length);
-    let b = (f - shear * e) / (length * height);
-    let c = (g - shear * (2.0 * f - shear * e)) / (height * height);
-    let half_gap = (0.5 * (a - c)).hypot(b);
-    let mean = 0.5 * (a + c);
-    // eigenvector of the larger eigenvalue: half the angle of (a - c, 2 b)
-    let angle = 0.5 * b.atan2(0.5 * (a - c));
-    let (sin, cos) = angle.sin_cos();
-    let combine = |p: f64, r: f64| [0, 1, 2].map(|k| p * e1[k] + r * e2[k]);
-    Some(Principal {
-        k1: mean + half_gap,
-        k2: mean - half_gap,
-        difference: 2.0 * half_gap,
-        direction1: combine(cos, sin),
-        direction2: combine(-sin, cos),
-        normal,
-    })
 }
 
 #[cfg(test)]
@@ -128,7 +131,7 @@ mod tests {
     #[test]
     fn convex_sphere_is_a_cap_and_the_umbilic_is_exact() {
         let radius = 7.0;
-        let p = principal_curvatures(&Derivatives::of_height(0.0, 0.0, -1.0 / radius, 0.0, -1.0 / radius)).unwrap();
+        let p = Derivatives::of_height(0.0, 0.0, -1.0 / radius, 0.0, -1.0 / radius).principal().unwrap();
         assert_eq!(p.difference, 0.0);
         assert_eq!(p.shape_index(), Some(1.0));
         assert!((p.curvedness() - 1.0 / radius).abs() < 1e-16);
@@ -136,7 +139,7 @@ mod tests {
 
     #[test]
     fn plane_has_no_shape_index() {
-        let p = principal_curvatures(&Derivatives::of_height(0.3, -2.0, 0.0, 0.0, 0.0)).unwrap();
+        let p = Derivatives::of_height(0.3, -2.0, 0.0, 0.0, 0.0).principal().unwrap();
         assert_eq!(p.shape_index(), None);
         assert_eq!(p.curvedness(), 0.0);
     }
@@ -154,7 +157,7 @@ mod tests {
             uv: duu.map(|w| shear * w),
             vv: duu.map(|w| shear * shear * w),
         };
-        let p = principal_curvatures(&q).unwrap();
+        let p = q.principal().unwrap();
         assert!((p.k1).abs() < 1e-15 && (p.k2 + 1.0 / radius).abs() < 1e-15);
         assert!((p.shape_index().unwrap() - 0.5).abs() < 1e-15);
         assert!((p.direction1[1].abs() - 1.0).abs() < 1e-15);

@@ -7,7 +7,7 @@
 
 use crate::contact::Contacts;
 use crate::fit::{Fit, FitOptions, Statistic, fit_contacts};
-use crate::recognition::{Estimate, Recognition, RecognitionOptions, recognise};
+use crate::recognition::{Estimate, Recognition, RecognitionOptions};
 use crate::scene::Truth;
 use crate::shape::compare_with_truth;
 
@@ -28,7 +28,7 @@ impl Answer {
     /// Of contacts, under the model that was named or none.
     pub(super) fn new(contacts: &Contacts, model: Option<&FitOptions>, level: f64) -> Answer {
         match model {
-            None => match recognise(contacts, &RecognitionOptions::default().with_level(level)) {
+            None => match Recognition::of(contacts, &RecognitionOptions::default().with_level(level)) {
                 Ok(found) => Answer::Recognised(Box::new(found)),
                 Err(error) => Answer::Refused(error.to_string()),
             },

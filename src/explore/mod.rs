@@ -6,14 +6,15 @@
 //! loop: sweep -> recognise -> plan -> touch, until the goal or the budget                   exploration.rs
 //! ```
 //!
-//! A robot that has its own world fits its contacts and asks [`next_touches`], or [`TouchPlanner`] again and again.
+//! A robot that has its own world fits its contacts and asks a [`TouchPlanner`], once or again and again.
 //! `palpate explore` plays the whole loop in a simulated world. There S, R and their intervals come from
 //! [`recognition`](crate::recognition), whose uncertainty counts doubt about the kind of surface; the planner's spline only
 //! chooses places.
 //!
 //! ```
+//! use palpate::explore::TouchPlanner;
 //! use palpate::fit::{NormalSigma, Objective};
-//! use palpate::{Contacts, FitOptions, explore, fit_contacts};
+//! use palpate::{Contacts, FitOptions, fit_contacts};
 //!
 //! // a dish touched at nine places with normals
 //! let (x, y): (Vec<f64>, Vec<f64>) = (0..9).map(|r| (f64::from(r % 3 - 1), f64::from(r / 3 - 1))).unzip();
@@ -22,8 +23,8 @@
 //! let contacts = Contacts::from_positions(x, y, z).with_normals(nx, ny, vec![1.0; 9]);
 //! let noise = Objective::Normals(NormalSigma::Known { z: 0.01, normal_deg: 1.0 });
 //! let fit = fit_contacts(&contacts, &FitOptions::default().with_objective(noise))?;
-//! let next = explore::next_touches(&fit, &[[0.0, 0.5], [1.0, 0.9], [0.1, 0.0]], 2)?;
-//! assert_eq!(next.len(), 2);
+//! let mut planner = TouchPlanner::new(&fit)?;
+//! assert_eq!(planner.next_touches(&[[0.0, 0.5], [1.0, 0.9], [0.1, 0.0]], 2)?.len(), 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -53,14 +54,3 @@ pub use planner::TouchPlanner;
 pub use stopping::Goal;
 #[doc(hidden)]
 pub use strategy::Strategy;
-
-use crate::fit::Fit;
-
-/// The `n` candidates (x, y in input units) whose touches would let the uncertainties of S and R fall most, the best first,
-/// by their numbers. [`TouchPlanner`] answers again without allocation.
-///
-/// # Errors
-/// A fit without known noise, with free coefficients or with axes of its own; no candidates, or one that is no place.
-pub fn next_touches(fit: &Fit, candidates: &[[f64; 2]], n: usize) -> Result<Vec<usize>, ExploreError> {
-    Ok(TouchPlanner::new(fit)?.next_touches(candidates, n)?.to_vec())
-}

@@ -1,9 +1,8 @@
 //! Why contacts give no fit. Every variant says what would be right.
 
-use crate::bspline::KnotError;
+use crate::bspline::SplineError;
 use crate::contact::ContactError;
 use crate::solve::SolveError;
-use crate::surface::SurfaceError;
 
 /// A fit that cannot be had from this input with these options.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,7 +17,7 @@ pub enum FitError {
         /// `x` or `y`.
         axis: &'static str,
         /// What is wrong.
-        source: KnotError,
+        source: SplineError,
     },
     /// An option is out of range.
     #[error("{option} is {value}: {expected}")]
@@ -29,6 +28,12 @@ pub enum FitError {
         value: String,
         /// What would be right.
         expected: &'static str,
+    },
+    /// A text is no value of an option.
+    #[error("{expected}")]
+    Word {
+        /// What would be right.
+        expected: String,
     },
     /// Fewer equations than unknowns.
     #[error(
@@ -142,7 +147,9 @@ pub enum FitError {
         source: SolveError,
     },
     /// The options ask for a parametric surface where a height field is fitted.
-    #[error("a height field has no {option}: leave it out, or fit a parametric surface (parametric::fit_surface)")]
+    #[error(
+        "a height field has no {option}: leave it out, or fit a parametric surface (parametric::FittedSurface::of)"
+    )]
     HeightField {
         /// What was asked for: the surface kind, or a closed direction.
         option: &'static str,
@@ -194,7 +201,7 @@ pub enum FitError {
     Degenerate,
     /// The result is not a finite surface.
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(#[from] SplineError),
 }
 
 impl FitError {

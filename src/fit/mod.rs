@@ -46,7 +46,6 @@ pub(crate) mod stages;
 #[doc(hidden)]
 pub use crate::solve::Factor;
 pub use certificate::Certificate;
-pub use certificate::guaranteed_digits::GuaranteedDigits;
 pub use describe::residuals::Rms;
 pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
@@ -54,6 +53,7 @@ pub use error::FitError;
 pub use linear::equations::{Equations, RowKind};
 pub(crate) use linear::free::Free;
 pub use linear::reasons::Reason;
+#[doc(hidden)]
 pub use linear::solution::Solution;
 pub(crate) use noise::probes::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
@@ -61,7 +61,6 @@ pub use notes::Note;
 pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
-    UnknownWord,
 };
 #[cfg(feature = "cli")]
 pub(crate) use placing::axes::{STEEP, steepness};
@@ -238,7 +237,13 @@ impl Fit {
         self.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| lambda / unit / unit)
     }
 
-    /// Method, reasons, rank, refinement.
+    /// The method that gave the coefficients; [`Fit::certificate`] says why.
+    pub fn method(&self) -> MethodUsed {
+        self.solution().method
+    }
+
+    /// Coefficients, factor, reasons, rank, refinement.
+    #[doc(hidden)]
     pub fn solution(&self) -> &Solution {
         &self.solved.fitted.solution
     }

@@ -5,7 +5,6 @@ mod words;
 pub(super) mod method;
 
 pub use method::Method;
-pub use words::UnknownWord;
 
 use super::FitError;
 

@@ -12,9 +12,9 @@
 //! says how much wider or narrower it is, not how wrong.
 
 use crate::fit::FitOptions;
-use crate::montecarlo::{Path, StoppingRule, Study, StudyOptions, Tolerance};
-use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::{RecognitionOptions, recognise};
+use crate::montecarlo::{Path, Study, StudyOptions, Tolerance};
+use crate::parametric::FittedSurface;
+use crate::recognition::{Recognition, RecognitionOptions};
 use crate::scene::World;
 use crate::threads;
 
@@ -96,9 +96,9 @@ impl<'a> IntervalSubject<'a> {
             let options = StudyOptions { replicates: count, replicates_given: true, ..plain.clone() };
             studies.extend(study(options).map(|study| (format!("Monte Carlo {count}"), study)));
         }
-        let rules = [(StoppingRule::Stein, "Stein's rule"), (StoppingRule::Adaptive, "adaptive")];
-        for (rule, name) in rules.into_iter().filter(|_| !whole) {
-            let options = StudyOptions { tolerance: Some(Tolerance { digits: 1, rule }), ..plain.clone() };
+        let rules = [(Tolerance::Stein(1), "Stein's rule"), (Tolerance::Adaptive(1), "adaptive")];
+        for (tolerance, name) in rules.into_iter().filter(|_| !whole) {
+            let options = StudyOptions { tolerance: Some(tolerance), ..plain.clone() };
             studies.extend(study(options).map(|study| (format!("Monte Carlo, {name}, 1 digit"), study)));
         }
         let touches = Touches::new(world, None, seed, if counted { 1 } else { REPLICATES })?;
@@ -123,7 +123,7 @@ impl<'a> IntervalSubject<'a> {
     /// Values and truths of every replicate.
     fn fit_all(&mut self) {
         for (contacts, truth) in &self.touches.replicates {
-            let fitted = fit_surface(contacts, self.options).ok().map(|(found, _)| found);
+            let fitted = FittedSurface::of(contacts, self.options).ok().map(|(found, _)| found);
             let (value, grid) = match &fitted {
                 Some(FittedSurface::Height(fit)) => {
                     let shape = fit.bare_shape();
@@ -144,7 +144,7 @@ impl<'a> IntervalSubject<'a> {
         let replicates = &self.touches.replicates;
         let contacts = move |number: u64| &replicates[(number % replicates.len() as u64) as usize].0;
         let mut calls: Vec<Call<'_, Given>> = vec![
-            Box::new(move |number| match fit_surface(contacts(number), self.options) {
+            Box::new(move |number| match FittedSurface::of(contacts(number), self.options) {
                 Ok((FittedSurface::Height(fit), _)) => {
                     let shape = fit.shape();
                     let both = [shape.shape_index.interval, shape.curvedness.interval];
@@ -154,7 +154,7 @@ impl<'a> IntervalSubject<'a> {
             }),
             Box::new(move |number| {
                 let options = RecognitionOptions { level: self.options.level, ..RecognitionOptions::default() };
-                let found = recognise(contacts(number), &options).ok();
+                let found = Recognition::of(contacts(number), &options).ok();
                 found.map_or(Given::Nothing, |found| {
                     let s = found.shape_index.map(|estimate| estimate.interval);
                     Given::OfReplicate([s, Some(found.curvedness.interval)])

@@ -7,7 +7,7 @@
 
 use crate::contact::Contacts;
 use crate::fit::{Fit, FitOptions, Shape};
-use crate::parametric::{FittedSurface, ParametricFit, fit_surface};
+use crate::parametric::{FittedSurface, ParametricFit};
 use crate::scene::Truth;
 
 use crate::vector::{cross, dot, norm, unit};
@@ -33,7 +33,7 @@ pub(crate) type Answer = Result<FittedSurface, String>;
 
 /// Fits and describes: the call that is timed. With `interval`, uncertainties and intervals are part of it.
 pub(crate) fn call(contacts: &Contacts, options: &FitOptions, interval: bool) -> Answer {
-    let (found, _) = fit_surface(contacts, options).map_err(|error| error.to_string())?;
+    let (found, _) = FittedSurface::of(contacts, options).map_err(|error| error.to_string())?;
     match &found {
         FittedSurface::Height(fit) if interval => {
             fit.shape();

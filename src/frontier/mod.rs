@@ -6,7 +6,7 @@
 //! interval         linear, recognised, Monte Carlo                       error of the ends, coverage         against time
 //! ```
 //!
-//! Every point is timed and judged on the same calls, on one thread. [`pick`] answers a [`Request`] for accuracy or for
+//! Every point is timed and judged on the same calls, on one thread. [`Request::pick`] answers a request for accuracy or for
 //! time with the configuration that keeps it.
 
 mod clock;
@@ -52,7 +52,7 @@ pub(crate) use held_out::held_out;
 pub(crate) use interval::IntervalSubject;
 #[cfg(feature = "cli")]
 pub(crate) use orders::{Order, orders};
-pub use pick::{Choice, Request, pick};
+pub use pick::{Choice, Request};
 #[cfg(feature = "cli")]
 pub(crate) use pick::{check_truth, choose};
 #[cfg(feature = "cli")]

@@ -18,7 +18,6 @@ use ndarray::Array2;
 
 use crate::bspline::gauss_legendre;
 use crate::contact::Grid;
-use crate::curvature::principal_curvatures;
 use crate::fit::{FitOptions, Objective, SlopeWeights, fit_grid};
 use crate::scene::surface::{Body, Ellipsoid, GaussianBump};
 use crate::scene::{Surface, linspace};
@@ -169,7 +168,7 @@ fn quadrature(surface: &Surface, field: &HeightField, segments: usize) -> [f64; 
             let found = field.at(*x, *y);
             let [nx, ny, nz] = there.local.normal;
             let slopes = (found.zx + nx / nz).powi(2) + (found.zy + ny / nz).powi(2);
-            let k1 = principal_curvatures(&found.derivatives()).map_or(f64::NAN, |principal| principal.k1);
+            let k1 = found.derivatives().principal().map_or(f64::NAN, |principal| principal.k1);
             let errors = [(found.z - there.point[2]).powi(2), slopes, (k1 - there.local.k1).powi(2)];
             (0..3).for_each(|q| sums[q] += wx * wy * errors[q]);
         }

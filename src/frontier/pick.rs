@@ -106,31 +106,32 @@ pub struct Choice {
     pub obstacle: Option<String>,
 }
 
-/// Measures the ways of fitting a scene on this machine, and picks one.
-///
-/// ```
-/// use palpate::FitOptions;
-/// use palpate::frontier::{Request, pick};
-/// use palpate::scene::surface::{Body, Sphere, Surface};
-/// use palpate::scene::{Sweep, World};
-///
-/// // a ball of radius 10 under three fingers
-/// let surface = Surface::new(Body::Sphere(Sphere { radius: 10.0 }), 0.0);
-/// let sweep = Sweep::new(vec![-2.0, 0.0, 2.0], vec![-2.0, -1.0, 0.0, 1.0, 2.0]);
-/// let world = World { surface, sweeps: vec![sweep], effects: vec![], laws: vec![] };
-/// let request = Request::default().with_error_s(0.01).with_stations_kept(true);
-/// let choice = pick(&world, &FitOptions::default().with_grid(4, 4), 1997, &request)?;
-/// assert!(choice.met && choice.errors[0] <= 0.01);
-/// # Ok::<(), palpate::frontier::FrontierError>(())
-/// ```
-///
-/// # Errors
-/// A scene that cannot be simulated, or a request that cannot be understood.
-pub fn pick(world: &World, own: &FitOptions, seed: u64, request: &Request) -> Result<Choice, FrontierError> {
-    request.check()?;
-    let subject = Subject::new(world, own, seed, !request.keep_stations)?.bare();
-    check_truth(&subject, request)?;
-    choose(&subject.measure(SECONDS, &|_, _| true), request)
+impl Request {
+    /// Measures the ways of fitting a scene on this machine, and picks one.
+    ///
+    /// ```
+    /// use palpate::FitOptions;
+    /// use palpate::frontier::Request;
+    /// use palpate::scene::{Surface, Sweep, World};
+    ///
+    /// // a ball of radius 10 under three fingers
+    /// let surface = Surface::sphere(10.0);
+    /// let sweep = Sweep::new(vec![-2.0, 0.0, 2.0], vec![-2.0, -1.0, 0.0, 1.0, 2.0]);
+    /// let world = World { surface, sweeps: vec![sweep], effects: vec![], laws: vec![] };
+    /// let request = Request::default().with_error_s(0.01).with_stations_kept(true);
+    /// let choice = request.pick(&world, &FitOptions::default().with_grid(4, 4), 1997)?;
+    /// assert!(choice.met && choice.errors[0] <= 0.01);
+    /// # Ok::<(), palpate::frontier::FrontierError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A scene that cannot be simulated, or a request that cannot be understood.
+    pub fn pick(&self, world: &World, own: &FitOptions, seed: u64) -> Result<Choice, FrontierError> {
+        self.check()?;
+        let subject = Subject::new(world, own, seed, !self.keep_stations)?.bare();
+        check_truth(&subject, self)?;
+        choose(&subject.measure(SECONDS, &|_, _| true), self)
+    }
 }
 
 /// Refuses errors of what the truth does not have.

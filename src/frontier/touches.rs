@@ -88,11 +88,10 @@ pub(crate) fn is_random(simulator: &Simulator) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::surface::{Body, Sphere};
     use crate::scene::{Surface, Sweep};
 
     fn world(stations: Vec<f64>) -> World {
-        let surface = Surface::new(Body::Sphere(Sphere { radius: 10.0 }), 0.0);
+        let surface = Surface::sphere(10.0);
         let sweeps = vec![Sweep::new(vec![-4.0, 0.0, 4.0], stations)];
         World { surface, sweeps, effects: Vec::new(), laws: Vec::new() }
     }

@@ -9,6 +9,7 @@ use super::columns::{Column, Columns, Need, columns_of};
 use super::gather::reading_of;
 use super::place::{Place, Runs, Unit};
 use super::table_form::{Separator, is_aside, table_form};
+use super::watch::tell_line;
 use super::{IoError, ReadOptions, Reading, ending};
 
 /// The columns of a table with where they come from.
@@ -52,6 +53,7 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
         .collect();
     let mut lines = Runs::default();
     for (line, row) in rows {
+        tell_line(text, row);
         match read_row(file, line, row, form.separator, &slots, &mut targets) {
             Ok(()) => {}
             Err(fault) if !options.skip_invalid => return Err(fault),

@@ -42,9 +42,9 @@ mod together;
 mod uncertainty_map;
 mod unpack;
 mod visible;
+mod watch;
 mod write;
 
-use std::io::Read;
 use std::path::Path;
 
 use crate::contact::{Contacts, Grid};
@@ -71,6 +71,7 @@ pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad};
 pub(crate) use together::Together;
 pub(crate) use uncertainty_map::{PointUncertainty, UNCERTAINTY_POINTS, UncertaintyMap};
 pub(crate) use visible::visible;
+pub(crate) use watch::{ReadPhase, ReadProgress, watched};
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
@@ -155,9 +156,13 @@ pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
 pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     let mut bytes = Vec::new();
     let (file, outcome) = if path == Path::new("-") {
-        ("standard input".to_string(), std::io::stdin().lock().read_to_end(&mut bytes).map(drop))
+        ("standard input".to_string(), watch::fetch(std::io::stdin().lock(), None, &mut bytes))
     } else {
-        (visible(&path.display().to_string()), std::fs::read(path).map(|content| bytes = content))
+        let content = std::fs::File::open(path).and_then(|file| {
+            let size = file.metadata().ok().and_then(|about| usize::try_from(about.len()).ok());
+            watch::fetch(file, size, &mut bytes)
+        });
+        (visible(&path.display().to_string()), content)
     };
     match outcome {
         Ok(()) => Ok((file, bytes)),

@@ -18,6 +18,7 @@ use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
 use super::gather::reading_of;
 use super::names::in_our_words;
 use super::place::{Place, Runs, Unit};
+use super::watch::{Counted, ReadPhase, tell_line};
 use super::{IoError, ReadOptions, Reading};
 
 /// The known columns of one vertex, NaN where the file has none.
@@ -60,11 +61,11 @@ impl PropertyAccess for Vertex {
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
     check_header_size(bytes).map_err(wrong)?;
-    let mut reader = Reader::new(bytes);
+    let mut reader = Reader::new(Counted::new(bytes, ReadPhase::Parsing));
     let parser = Parser::<Vertex>::new();
     let mut header = parser.read_header(&mut reader).map_err(|e| wrong(super::remark::one_line(&e.to_string())))?;
     let header_lines = reader.line();
-    let payload: &[u8] = reader.get_ref();
+    let payload = reader.get_ref().rest();
     check_header(&bytes[..bytes.len() - payload.len()], &header, payload.len() as u64).map_err(wrong)?;
     let vertex = header.elements.get_mut("vertex").ok_or_else(|| wrong("there is no element vertex".into()))?;
     rename_properties(file, vertex)?;
@@ -163,7 +164,7 @@ fn least_bytes(data_type: &PropertyType, encoding: Encoding) -> u64 {
 }
 
 fn read_binary(
-    reader: &mut Reader<&[u8]>,
+    reader: &mut Reader<Counted<'_>>,
     parser: &Parser<Vertex>,
     header: &Header,
     mut columns: Columns,
@@ -193,8 +194,8 @@ fn read_ascii(
     options: &ReadOptions,
 ) -> Result<(Columns, Runs), IoError> {
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
-    let text = std::str::from_utf8(payload).map_err(|_| wrong("its ascii body is not text".into()))?;
-    let mut lines = text.lines().enumerate().map(|(k, l)| (first_line + k, l.trim())).filter(|(_, l)| !l.is_empty());
+    let whole = std::str::from_utf8(payload).map_err(|_| wrong("its ascii body is not text".into()))?;
+    let mut lines = whole.lines().enumerate().map(|(k, l)| (first_line + k, l.trim())).filter(|(_, l)| !l.is_empty());
     let mut numbers = Runs::default();
     for element in header.elements.values() {
         let is_vertex = element.name == "vertex";
@@ -202,6 +203,7 @@ fn read_ascii(
             let (line, text) = lines.next().ok_or_else(|| {
                 wrong(format!("it ends after {row} of {} rows of element {}", element.count, element.name))
             })?;
+            tell_line(whole, text);
             if is_vertex {
                 read_ascii_vertex(file, line, text, element, &mut columns, options)?;
                 numbers.push(line);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bspline::Knots;
 use crate::contact::Frame;
-use crate::shape::{ShapeGrid, UvSupport, shape_maps};
+use crate::shape::{ShapeGrid, UvSupport};
 use crate::surface::{HeightField, Parametric};
 
 use super::IoError;
@@ -261,7 +261,7 @@ impl Saved {
 
     fn is_determined(&self, field: &HeightField, u: f64, v: f64) -> bool {
         let grid = ShapeGrid { x: vec![u], y: vec![v] };
-        self.unsupported.is_empty() || shape_maps(field, grid, &self.unsupported).supported[[0, 0]]
+        self.unsupported.is_empty() || field.shape_maps(grid, &self.unsupported).supported[[0, 0]]
     }
 }
 

@@ -10,6 +10,7 @@ use std::io::Read;
 use flate2::read::MultiGzDecoder;
 
 use super::IoError;
+use super::watch::{Counted, ReadPhase};
 
 /// Any small file may unpack to this much, whatever its ratio: a table of 60 MB is read in a second.
 const ALWAYS: u64 = 64 << 20;
@@ -37,7 +38,8 @@ pub(super) fn unpacked<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>,
     let wrong = |what: String| IoError::Form { file: file.into(), form: "gzip file", what };
     let most = limit(bytes.len() as u64);
     let mut content = Vec::new();
-    let outcome = MultiGzDecoder::new(bytes).take(most + 1).read_to_end(&mut content);
+    let outcome =
+        MultiGzDecoder::new(Counted::new(bytes, ReadPhase::Unpacking)).take(most + 1).read_to_end(&mut content);
     outcome.map_err(|e| wrong(format!("it cannot be unpacked ({e}); it may be cut short")))?;
     if content.len() as u64 > most {
         return Err(wrong(format!("it unpacks to {}", limit_words(bytes.len() as u64))));

@@ -18,8 +18,8 @@ use super::study::Study;
 use super::summary::Summary;
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitOptions};
-use crate::parametric::{FittedSurface, fit_surface};
-use crate::recognition::{Recognition, RecognitionOptions, count_model_error, recognise};
+use crate::parametric::FittedSurface;
+use crate::recognition::{Recognition, RecognitionOptions};
 use crate::scene::Truth;
 use crate::shape::{Interval, compare_with_truth, spread};
 
@@ -102,7 +102,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     let seed = study.seed();
     let fits: Vec<Option<Asked>> = crate::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
-        match fit_surface(&contacts, options).ok()?.0 {
+        match FittedSurface::of(&contacts, options).ok()?.0 {
             FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
             FittedSurface::Parametric(_) => None,
         }
@@ -120,7 +120,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     let recognised = crate::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
         let options = RecognitionOptions { level: options.level, ..RecognitionOptions::default() };
-        Some(told(&recognise(&contacts, &options).ok()?, &truth))
+        Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
     });
     let recognised: Vec<Told> = recognised.into_iter().flatten().collect();
     Coverages {
@@ -230,7 +230,7 @@ fn asked(fit: Fit, truth: &Truth) -> Asked {
         u: statistics.map(|s| s.u),
         plane: shape.class == ShapeClass::Plane,
     };
-    let counted = count_model_error(fit);
+    let counted = fit.with_model_error();
     let shape = counted.shape();
     Asked { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! fixed sites    sites stand still, rows are linear (or linearised): one factor for all replicates       LinearRows
 //! refit          sites move, rows are linear with known weights: one small fit a replicate               Refit
-//! whole          robust losses, weights or noise sds found with the fit, parametric surfaces:            fit_surface
+//! whole          robust losses, weights or noise sds found with the fit, parametric surfaces:            FittedSurface::of
 //! ```
 //!
 //! Numbers come in blocks of [`REPLICATES`] replicates that begin at multiples of it; a replicate's own do not depend on which of

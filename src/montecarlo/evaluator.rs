@@ -9,10 +9,10 @@
 use ndarray::Array2;
 
 use super::fixed_sites::tables;
-use super::quantity::{PointQuantity, Quantity};
+use super::quantity::Quantity;
 use crate::bspline::{BasisRow, Knots};
 use crate::contact::Frame;
-use crate::curvature::{Principal, ShapeClass, principal_curvatures};
+use crate::curvature::{Principal, ShapeClass};
 use crate::shape::{ShapeGrid, radius_of};
 use crate::simd::{GridTables, Isa, REPLICATES, mean_shapes};
 use crate::surface::HeightField;
@@ -84,7 +84,7 @@ impl Evaluator {
         let (mut s, mut defined, mut r) = (0.0, 0.0, 0.0);
         for bx in &self.rows[0] {
             for by in &self.rows[1] {
-                let Some(p) = principal_curvatures(&surface.with_rows(bx, by).derivatives()) else { continue };
+                let Some(p) = surface.with_rows(bx, by).derivatives().principal() else { continue };
                 r += p.curvedness();
                 if let Some(own) = p.shape_index() {
                     s += own;
@@ -113,12 +113,9 @@ impl Evaluator {
                     let off = (d - self.direction + 90.0).rem_euclid(180.0) - 90.0;
                     self.direction + off
                 }),
-                Quantity::At(what, at) => self.principal_at(&surface, *at).map_or(f64::NAN, |p| match what {
-                    PointQuantity::ShapeIndex => p.shape_index().unwrap_or(f64::NAN),
-                    PointQuantity::Curvedness => p.curvedness() / scale,
-                    PointQuantity::K1 => p.k1 / scale,
-                    PointQuantity::K2 => p.k2 / scale,
-                }),
+                Quantity::ShapeIndexAt(at) | Quantity::CurvednessAt(at) | Quantity::K1At(at) | Quantity::K2At(at) => {
+                    self.principal_at(&surface, *at).map_or(f64::NAN, |p| quantity.at_point(&p, scale))
+                }
             };
         }
     }
@@ -127,7 +124,7 @@ impl Evaluator {
         let mut sums = [0.0; 2];
         for bx in &self.rows[0] {
             for by in &self.rows[1] {
-                if let Some(p) = principal_curvatures(&surface.with_rows(bx, by).derivatives()) {
+                if let Some(p) = surface.with_rows(bx, by).derivatives().principal() {
                     sums = [sums[0] + p.k1, sums[1] + p.k2];
                 }
             }
@@ -139,7 +136,7 @@ impl Evaluator {
     fn principal_at(&self, surface: &HeightField, [x, y]: [f64; 2]) -> Option<Principal> {
         let [ox, oy, _] = self.frame.origin;
         let at = surface.at((x - ox) / self.frame.scale, (y - oy) / self.frame.scale);
-        principal_curvatures(&at.derivatives())
+        at.derivatives().principal()
     }
 
     fn direction_at_centre(&self, surface: &HeightField) -> Option<f64> {
@@ -147,7 +144,7 @@ impl Evaluator {
             let [lo, hi] = self.knots[k].domain();
             0.5 * (lo + hi)
         });
-        let principal = principal_curvatures(&surface.at(x, y).derivatives())?;
+        let principal = surface.at(x, y).derivatives().principal()?;
         let d = principal.direction1;
         (principal.difference > 0.0 && (d[0] != 0.0 || d[1] != 0.0))
             .then(|| d[1].atan2(d[0]).to_degrees().rem_euclid(180.0))

@@ -170,7 +170,6 @@ pub(super) fn tables(knots: &[Knots; 2], points: [&[f64]; 2]) -> GridTables {
 mod tests {
     use super::*;
     use crate::bspline::linspace;
-    use crate::curvature::principal_curvatures;
     use crate::surface::HeightField;
     use ndarray::Array2;
 
@@ -218,7 +217,7 @@ mod tests {
             let (mut mean_s, mut mean_r) = (0.0, 0.0);
             for x in &points {
                 for y in &points {
-                    let shape = principal_curvatures(&surface.at(*x, *y).derivatives()).unwrap();
+                    let shape = surface.at(*x, *y).derivatives().principal().unwrap();
                     mean_s += shape.shape_index().unwrap() / 64.0;
                     mean_r += shape.curvedness() / 64.0;
                 }

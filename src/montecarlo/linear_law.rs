@@ -19,7 +19,7 @@ use super::rest::{AtRest, Poked};
 use super::stopping::numerical_tolerance;
 use super::summary::Summary;
 use crate::draws::{DrawSource, EffectDraws};
-use crate::scene::Smoothness;
+use crate::shape::Interval;
 
 /// Half the step of a difference in standard deviations: its error is that share squared of a third derivative.
 const STEP: f64 = 0.05;
@@ -32,22 +32,13 @@ const BEND: f64 = 1.25;
 /// Most random numbers that are differentiated: each costs two replicates.
 const MOST_NUMBERS: usize = 200_000;
 
-/// One quantity by the linear law.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LinearPart {
-    /// Standard uncertainty; `None` where it could not be had.
-    pub sd: Option<f64>,
-    /// Lower end.
-    pub lo: Option<f64>,
-    /// Upper end.
-    pub hi: Option<f64>,
-}
-
 /// The linear law of S and of R.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinearLaw {
-    /// S and R.
-    pub parts: [LinearPart; 2],
+    /// Standard uncertainty of S and of R; `None` where it could not be had.
+    pub sd: [Option<f64>; 2],
+    /// Interval of S and of R.
+    pub interval: [Option<Interval>; 2],
     /// Variance of S and of R from each random stage.
     pub by_stage: Vec<(&'static str, [f64; 2])>,
     /// It agrees with the Monte Carlo, quantity by quantity.
@@ -75,7 +66,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
         if per == 0 {
             continue;
         }
-        if stage.smoothness() == Smoothness::Jumps {
+        if stage.jumps() {
             reasons.push(format!("{} has no derivative", stage.name()));
             continue;
         }
@@ -84,8 +75,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
             continue;
         }
         let variances = |h: f64| {
-            let poked: Arc<dyn DrawSource> =
-                Arc::new(Poked { per, h, rest: stage.rest(), smoothness: stage.smoothness() });
+            let poked: Arc<dyn DrawSource> = Arc::new(Poked { per, h, rest: stage.rest(), tilts: stage.tilts() });
             let draws =
                 |own: usize| EffectDraws::from_source(if own == number { poked.clone() } else { rest[own].clone() });
             let values = engine.values_from(&draws, 0, 2 * contacts * per);
@@ -108,7 +98,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
             continue;
         }
         let (lo, hi) = ((nominal - k * sd).max(floor), (nominal + k * sd).min(ceiling));
-        law.parts[q] = LinearPart { sd: Some(sd), lo: Some(lo), hi: Some(hi) };
+        (law.sd[q], law.interval[q]) = (Some(sd), Some(Interval { lo, hi }));
         // the law itself knows of no bounds, and is judged as it is
         match compare(monte_carlo.get(q), [nominal - k * sd, nominal + k * sd], sd) {
             Ok(()) => law.valid_parts[q] = complete,

@@ -41,8 +41,7 @@ pub use control::ControlTally;
 #[doc(hidden)]
 pub use coverage::{Coverages, Held, coverage};
 #[doc(hidden)]
-pub use engine::Engine;
-pub use engine::Values;
+pub use engine::{Engine, Values};
 pub use error::StudyError;
 #[doc(hidden)]
 pub use exact_sum::ExactSum;
@@ -51,24 +50,24 @@ pub use fixed_sites::FixedSites;
 pub use fixed_sites::ROW_NOISE;
 #[doc(hidden)]
 pub use histogram::{Bins, Histogram};
+pub use linear_law::LinearLaw;
 #[doc(hidden)]
 pub use linear_law::linear_law;
-pub use linear_law::{LinearLaw, LinearPart};
-pub use options::{StoppingRule, StudyOptions, Tolerance};
+pub use options::{StudyOptions, Tolerance};
 #[cfg(feature = "cli")]
 pub(crate) use oracle::{Family, noise_of, oracle_sd};
 pub use order::Coverage;
 #[doc(hidden)]
 pub use order::{Counted, Ranked, Sorted};
 pub use path::Path;
-pub use quantity::{PointQuantity, Quantity};
+pub use quantity::Quantity;
 #[cfg(feature = "cli")]
 pub(crate) use random_surfaces::RandomSurface;
 pub use state::StudyState;
 #[doc(hidden)]
 pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};
 pub use study::{Progress, Stopped, Study, StudyResult};
-pub use summary::{ClassShares, Summary};
+pub use summary::Summary;
 #[doc(hidden)]
 pub use summary::{class_shares, summarise};
 #[doc(hidden)]

@@ -13,27 +13,16 @@ pub(super) const MOST: u64 = 1 << 40;
 /// Replicates allowed when a tolerance decides and nothing else is said.
 pub(super) const ALLOWED: u64 = 1 << 32;
 
-/// How many significant digits both ends of the intervals shall have, and by which rule.
+/// How many significant digits of the standard uncertainty both ends of the intervals shall have, 1 to 4, and by which rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Tolerance {
-    /// Significant digits of the standard uncertainty, 1 to 4.
-    pub digits: u32,
-    /// The rule.
-    pub rule: StoppingRule,
-}
-
-/// When a study has its digits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum StoppingRule {
+pub enum Tolerance {
     /// Two stages (C. Stein 1945; G. Wuebbeler et al., *Metrologia* 47 (2010) 317): batches of the first say how many
-    /// more are needed.
-    #[default]
-    Stein,
+    /// more are needed. The one to take.
+    Stein(u32),
     /// After every batch, when twice the standard deviation of the batches' means is below the tolerance (JCGM 101:2008,
     /// 7.9.4). It stops too early now and then: it looks until it likes what it sees.
-    Adaptive,
+    Adaptive(u32),
 }
 
 /// How often a study repeats, what its intervals cover, and when it stops.
@@ -89,8 +78,8 @@ impl StudyOptions {
             return fault("quantile", wrong.to_string(), "probabilities between 0 and 1, such as 0.05,0.5");
         }
         match self.tolerance {
-            Some(Tolerance { digits, .. }) if !(1..=4).contains(&digits) => {
-                fault("tolerance", digits.to_string(), "1 to 4 significant digits")
+            Some(tolerance) if !(1..=4).contains(&tolerance.digits()) => {
+                fault("tolerance", tolerance.digits().to_string(), "1 to 4 significant digits")
             }
             _ => Ok(()),
         }
@@ -106,8 +95,15 @@ impl StudyOptions {
 }
 
 impl Tolerance {
+    /// Significant digits wanted.
+    pub fn digits(self) -> u32 {
+        match self {
+            Tolerance::Stein(digits) | Tolerance::Adaptive(digits) => digits,
+        }
+    }
+
     /// The rule wants to see every batch, not only those of a first stage.
-    pub fn looks_on(self) -> bool {
-        self.rule == StoppingRule::Adaptive
+    pub(crate) fn looks_on(self) -> bool {
+        matches!(self, Tolerance::Adaptive(_))
     }
 }

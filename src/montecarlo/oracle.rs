@@ -12,9 +12,9 @@
 
 use faer::{Mat, Side};
 
-use crate::scene::effects::{NormalNoise, PositionNoise};
+use crate::scene::effects::{Kind, NormalNoise, PositionNoise};
 use crate::scene::surface::{Body, Cylinder, Ellipsoid, GaussianBump, Paraboloid, Saddle, Sphere, Superquadric, Torus};
-use crate::scene::{Effect, World, surface::Surface};
+use crate::scene::{Surface, World};
 
 /// Step of the differences, relative to a size and to the patch.
 const STEP: f64 = 1e-5;
@@ -109,12 +109,12 @@ fn means(seen: &[Seen]) -> [Option<f64>; 2] {
 
 /// Standard deviations of z and of a normal's tangential part that a world names; `None` where there is no such noise.
 pub(crate) fn noise_of(world: &World) -> [Option<f64>; 2] {
-    let z = world.effects.iter().find_map(|effect| match effect {
-        Effect::PositionNoise(PositionNoise::Sigma([_, _, z])) => Some(*z),
+    let z = world.effects.iter().find_map(|effect| match &effect.kind {
+        Kind::PositionNoise(PositionNoise::Sigma([_, _, z])) => Some(*z),
         _ => None,
     });
-    let normal = world.effects.iter().find_map(|effect| match effect {
-        Effect::NormalNoise(NormalNoise { sigma_deg }) => Some(sigma_deg.to_radians()),
+    let normal = world.effects.iter().find_map(|effect| match &effect.kind {
+        Kind::NormalNoise(NormalNoise { sigma_deg }) => Some(sigma_deg.to_radians()),
         _ => None,
     });
     [z.filter(|z| *z > 0.0), normal.filter(|n| *n > 0.0)]

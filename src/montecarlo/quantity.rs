@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::curvature::Principal;
+
 /// A quantity of one fit. S and R stand first in every study; these may be asked for besides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
@@ -19,35 +21,15 @@ pub enum Quantity {
     Radius,
     /// Direction of k1 at the patch's centre, degrees, within 90 of the noise-free one.
     Direction,
-    /// At one point, input coordinates.
-    At(PointQuantity, [f64; 2]),
+    /// Shape index over one place (x, y), input coordinates.
+    ShapeIndexAt([f64; 2]),
+    /// Curvedness over one place.
+    CurvednessAt([f64; 2]),
+    /// Larger principal curvature over one place.
+    K1At([f64; 2]),
+    /// Smaller principal curvature over one place.
+    K2At([f64; 2]),
 }
-
-/// A quantity at a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum PointQuantity {
-    /// Shape index.
-    ShapeIndex,
-    /// Curvedness.
-    Curvedness,
-    /// Larger principal curvature.
-    K1,
-    /// Smaller principal curvature.
-    K2,
-}
-
-impl PointQuantity {
-    fn name(self) -> &'static str {
-        match self {
-            PointQuantity::ShapeIndex => "S",
-            PointQuantity::Curvedness => "R",
-            PointQuantity::K1 => "k1",
-            PointQuantity::K2 => "k2",
-        }
-    }
-}
-
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -57,7 +39,10 @@ impl fmt::Display for Quantity {
             Quantity::K2 => f.write_str("k2"),
             Quantity::Radius => f.write_str("radius"),
             Quantity::Direction => f.write_str("direction_deg"),
-            Quantity::At(what, [x, y]) => write!(f, "{}@{x},{y}", what.name()),
+            Quantity::ShapeIndexAt([x, y]) => write!(f, "S@{x},{y}"),
+            Quantity::CurvednessAt([x, y]) => write!(f, "R@{x},{y}"),
+            Quantity::K1At([x, y]) => write!(f, "k1@{x},{y}"),
+            Quantity::K2At([x, y]) => write!(f, "k2@{x},{y}"),
         }
     }
 }
@@ -68,16 +53,16 @@ impl FromStr for Quantity {
     fn from_str(text: &str) -> Result<Quantity, String> {
         const EXPECTED: &str = "k1, k2, radius, direction_deg, or S, R, k1, k2 at a point as in S@0,1.5";
         if let Some((what, place)) = text.split_once('@') {
-            let what = match what {
-                "S" => PointQuantity::ShapeIndex,
-                "R" => PointQuantity::Curvedness,
-                "k1" => PointQuantity::K1,
-                "k2" => PointQuantity::K2,
+            let of: fn([f64; 2]) -> Quantity = match what {
+                "S" => Quantity::ShapeIndexAt,
+                "R" => Quantity::CurvednessAt,
+                "k1" => Quantity::K1At,
+                "k2" => Quantity::K2At,
                 _ => return Err(format!("{text}: {EXPECTED}")),
             };
             let numbers: Result<Vec<f64>, _> = place.split(',').map(|n| n.trim().parse::<f64>()).collect();
             return match numbers.as_deref() {
-                Ok(&[x, y]) if x.is_finite() && y.is_finite() => Ok(Quantity::At(what, [x, y])),
+                Ok(&[x, y]) if x.is_finite() && y.is_finite() => Ok(of([x, y])),
                 _ => Err(format!("{text}: {EXPECTED}")),
             };
         }
@@ -89,6 +74,25 @@ impl FromStr for Quantity {
             "radius" => Ok(Quantity::Radius),
             "direction" | "direction_deg" => Ok(Quantity::Direction),
             _ => Err(format!("{text}: {EXPECTED}")),
+        }
+    }
+}
+
+impl Quantity {
+    /// The value at one point of a surface whose lengths are in units of `scale` input units; NaN of a quantity that belongs
+    /// to the patch.
+    pub(super) fn at_point(&self, p: &Principal, scale: f64) -> f64 {
+        match self {
+            Quantity::ShapeIndexAt(_) => p.shape_index().unwrap_or(f64::NAN),
+            Quantity::CurvednessAt(_) => p.curvedness() / scale,
+            Quantity::K1At(_) => p.k1 / scale,
+            Quantity::K2At(_) => p.k2 / scale,
+            Quantity::ShapeIndex
+            | Quantity::Curvedness
+            | Quantity::K1
+            | Quantity::K2
+            | Quantity::Radius
+            | Quantity::Direction => f64::NAN,
         }
     }
 }

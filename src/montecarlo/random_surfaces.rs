@@ -8,13 +8,9 @@
 //! contacts       27 to 200 over a square of half width 4; sd of z 0.005 to 0.05, of normals 60 degrees a unit of that
 //! ```
 
-use std::sync::Arc;
-
 use super::oracle::Family;
 use crate::draws::EffectDraws;
-use crate::scene::effects::{NormalNoise, PositionNoise};
-use crate::scene::surface::{Body, ImportedSurface, Pose, Superquadric, Surface, Torus};
-use crate::scene::{Sweep, World, linspace};
+use crate::scene::{Effect, ImportedSurface, Surface, Sweep, World, linspace};
 
 /// Numbers that a surface may draw.
 const NUMBERS: usize = 24;
@@ -67,38 +63,39 @@ impl RandomSurface {
         let between = |k: usize, lo: f64, hi: f64| lo + (hi - lo) * numbers[k];
         let sign = |k: usize| if numbers[k] < 0.5 { -1.0 } else { 1.0 };
         let mut bumps = Vec::new();
-        let (kind, body) = match seed % 3 {
+        let (kind, surface) = match seed % 3 {
             0 => {
                 for k in [8, 12, 16] {
                     bumps.extend([sign(k + 3) * between(k, 0.5, 2.0), between(k + 1, -5.0, 5.0)]);
                     bumps.extend([between(k + 2, -5.0, 5.0), between(20 + k / 4 - 2, 3.0, 7.0)]);
                 }
-                ("bumps", Body::Imported(Arc::new(Bumps(bumps.clone()))))
+                ("bumps", Surface::imported(Bumps(bumps.clone())))
             }
             1 => {
                 let minor = between(8, 8.0, 16.0);
-                ("torus", Body::Torus(Torus { major: minor + between(9, 6.0, 20.0), minor }))
+                ("torus", Surface::torus(minor + between(9, 6.0, 20.0), minor))
             }
             _ => {
                 let semi_axes = [8, 9, 10].map(|k| between(k, 9.0, 18.0));
                 let exponents = [11, 12].map(|k| between(k, 0.6, 1.0));
-                ("superquadric", Body::Superquadric(Superquadric { semi_axes, exponents }))
+                ("superquadric", Surface::superquadric(semi_axes, exponents))
             }
         };
-        let mut surface = Surface::new(body, 0.0);
-        if !seed.is_multiple_of(3) {
-            surface.pose =
-                Pose::new(between(0, 0.0, 180.0), [between(1, -10.0, 10.0), between(2, -10.0, 10.0), 0.0], [0.0; 3]);
-            surface.concave = numbers[3] < 0.5;
-        }
+        let surface = if seed.is_multiple_of(3) {
+            surface
+        } else {
+            let tilt = [between(1, -10.0, 10.0), between(2, -10.0, 10.0), 0.0];
+            let posed = surface.posed(between(0, 0.0, 180.0), tilt, [0.0; 3]);
+            if numbers[3] < 0.5 { posed.concave() } else { posed }
+        };
         let [fingers, stations] = SWEEPS[((numbers[4] * SWEEPS.len() as f64) as usize).min(SWEEPS.len() - 1)];
         let mut sweep = Sweep::new(linspace(-4.0, 4.0, fingers), linspace(-4.0, 4.0, stations));
         // a tilted body may leave a corner out of reach
         sweep.skip_unreachable = true;
         let sd = 0.005 * 10_f64.powf(numbers[5]);
         let world = World::new(surface, sweep)
-            .with(PositionNoise::Sigma([0.0, 0.0, sd]))
-            .with(NormalNoise { sigma_deg: 60.0 * sd });
+            .with(Effect::position_noise([0.0, 0.0, sd]))
+            .with(Effect::normal_noise(60.0 * sd));
         RandomSurface { name: format!("{kind}-{}-seed{seed}", fingers * stations), world, bumps }
     }
 
@@ -109,7 +106,7 @@ impl RandomSurface {
         }
         let surface = &self.world.surface;
         let member =
-            move |p: &[f64]| Some(Surface { body: Body::Imported(Arc::new(Bumps(p.to_vec()))), ..surface.clone() });
+            move |p: &[f64]| Some(Surface { body: Surface::imported(Bumps(p.to_vec())).body, ..surface.clone() });
         Some(Family { sizes: self.bumps.clone(), member: Box::new(member) })
     }
 }

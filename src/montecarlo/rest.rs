@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::draws::DrawSource;
-use crate::scene::{Simulator, Smoothness};
+use crate::scene::Simulator;
 
 /// Standard deviation of a uniform law on (0, 1).
 const UNIFORM_SD: f64 = 0.288_675_134_594_812_9;
@@ -45,8 +45,8 @@ pub(super) struct Poked {
     pub h: f64,
     /// The stage's rest.
     pub rest: f64,
-    /// How the stage depends on its numbers.
-    pub smoothness: Smoothness,
+    /// Whether its two uniform numbers are the size and the direction of a tilt.
+    pub tilts: bool,
 }
 
 impl Poked {
@@ -75,14 +75,14 @@ impl DrawSource for Poked {
         out.fill(self.rest);
         for (b, values) in out.chunks_exact_mut(per).enumerate() {
             let Some((component, sign)) = self.at(contact, first + b as u64) else { continue };
-            match (self.smoothness, &mut values[..]) {
-                (Smoothness::Polar, [size, direction, ..]) => {
+            match (self.tilts, &mut values[..]) {
+                (true, [size, direction, ..]) => {
                     // the size of two normal numbers of which one is h, in the direction of that one
                     *size = (-0.5 * self.h * self.h).exp();
                     let quarter = 0.25 * component as f64;
                     *direction = if sign > 0.0 { quarter } else { quarter + 0.5 };
                 }
-                (Smoothness::Smooth, values) => {
+                (false, values) => {
                     if let Some(value) = values.get_mut(component) {
                         *value = self.rest + sign * self.h * UNIFORM_SD;
                     }

@@ -10,7 +10,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::options::{StoppingRule, Tolerance};
+use super::options::Tolerance;
 use super::order::{Ranked, Sorted};
 
 /// Mean, sd, lower and upper end of S and of R over one batch of the stopping rule.
@@ -64,23 +64,23 @@ pub fn batch_estimate(columns: &[Vec<f64>], level: f64) -> BatchEstimate {
 /// Batches that the rule wants in all, from those seen; at most what was seen: enough.
 pub fn batches_wanted(tolerance: Tolerance, batches: &[BatchEstimate]) -> u64 {
     let seen = batches.len() as u64;
-    let least = match tolerance.rule {
-        StoppingRule::Stein => FIRST,
-        StoppingRule::Adaptive => 2,
+    let least = match tolerance {
+        Tolerance::Stein(_) => FIRST,
+        Tolerance::Adaptive(_) => 2,
     };
     if seen < least {
         return least;
     }
-    let used = match tolerance.rule {
-        StoppingRule::Stein => &batches[..FIRST as usize],
-        StoppingRule::Adaptive => batches,
+    let used = match tolerance {
+        Tolerance::Stein(_) => &batches[..FIRST as usize],
+        Tolerance::Adaptive(_) => batches,
     };
     let wanted = (0..2).map(|quantity| wanted_by(tolerance, used, quantity)).max().unwrap_or(seen);
-    match tolerance.rule {
-        StoppingRule::Stein => wanted.max(FIRST),
+    match tolerance {
+        Tolerance::Stein(_) => wanted.max(FIRST),
         // one more batch, and another look
-        StoppingRule::Adaptive if wanted > seen => seen + 1,
-        StoppingRule::Adaptive => seen,
+        Tolerance::Adaptive(_) if wanted > seen => seen + 1,
+        Tolerance::Adaptive(_) => seen,
     }
 }
 
@@ -91,10 +91,10 @@ fn wanted_by(tolerance: Tolerance, used: &[BatchEstimate], quantity: usize) -> u
         let mean = column(k).sum::<f64>() / h;
         column(k).map(|v| (v - mean) * (v - mean)).sum::<f64>() / (h - 1.0)
     };
-    let Some(delta) = numerical_tolerance(column(1).sum::<f64>() / h, tolerance.digits) else { return 0 };
-    let factor = match tolerance.rule {
-        StoppingRule::Stein => StudentsT::new(0.0, 1.0, h - 1.0).map_or(4.0, |t| t.inverse_cdf(0.975).powi(2)),
-        StoppingRule::Adaptive => 4.0,
+    let Some(delta) = numerical_tolerance(column(1).sum::<f64>() / h, tolerance.digits()) else { return 0 };
+    let factor = match tolerance {
+        Tolerance::Stein(_) => StudentsT::new(0.0, 1.0, h - 1.0).map_or(4.0, |t| t.inverse_cdf(0.975).powi(2)),
+        Tolerance::Adaptive(_) => 4.0,
     };
     // JCGM asks for all four, mean, u and both ends; an end is the least certain, and a NaN asks for nothing
     (0..4).map(|k| (variance(k) * factor / (delta * delta)).floor() as u64 + 1).max().unwrap_or(0)
@@ -122,9 +122,8 @@ mod tests {
     #[test]
     fn the_two_stages_keep_their_promise() {
         const BATCH: usize = 512;
-        let run = |rule: StoppingRule, seed: u64| {
+        let run = |tolerance: Tolerance, seed: u64| {
             let draws = EffectDraws::new(seed, "stopping");
-            let tolerance = Tolerance { digits: 2, rule };
             let mut batches: Vec<BatchEstimate> = Vec::new();
             let mut ends = Vec::new();
             loop {
@@ -142,8 +141,8 @@ mod tests {
             let end = ends.iter().sum::<f64>() / ends.len() as f64;
             ((end - 1.7 * 1.644_853_6).abs() <= 0.05, batches.len())
         };
-        let held = |rule| (0..200).filter(|seed| run(rule, *seed).0).count();
-        let (stein, adaptive) = (held(StoppingRule::Stein), held(StoppingRule::Adaptive));
+        let held = |tolerance| (0..200).filter(|seed| run(tolerance, *seed).0).count();
+        let (stein, adaptive) = (held(Tolerance::Stein(2)), held(Tolerance::Adaptive(2)));
         assert!(stein >= 185, "Stein held in {stein} of 200");
         assert!(stein > adaptive, "adaptive held in {adaptive} of 200");
     }

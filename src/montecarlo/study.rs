@@ -5,10 +5,11 @@ use super::control::{ControlTally, LinearControl};
 use super::engine::{Engine, Values};
 use super::error::StudyError;
 use super::linear_law::{LinearLaw, linear_law};
-use super::options::{StoppingRule, StudyOptions};
+use super::options::{StudyOptions, Tolerance};
 use super::state::StudyState;
 use super::stopping::{batch_size, batches_wanted};
-use super::summary::{ClassShares, Summary, class_shares, summarise};
+use super::summary::{Summary, class_shares, summarise};
+use crate::curvature::ShapeClass;
 use crate::fit::FitOptions;
 use crate::scene::Simulator;
 
@@ -39,10 +40,12 @@ impl Stopped {
 pub struct Progress<'a> {
     /// All that is known by now.
     pub state: &'a StudyState,
-    /// The replicates just done.
-    pub values: &'a Values,
+    /// `columns[quantity][replicate]` of the replicates just done, S and R first; NaN where undefined.
+    pub columns: &'a [Vec<f64>],
     /// One past the last replicate there will be, as far as is known.
     pub end: u64,
+    /// The replicates just done, with their numbers and failures.
+    pub(crate) values: &'a Values,
 }
 
 /// A scene, its fit, and how often.
@@ -61,8 +64,12 @@ pub struct Study {
 pub struct StudyResult {
     /// One summary a quantity, S and R first.
     pub quantities: Vec<Summary>,
-    /// Shares of the classes.
-    pub classes: ClassShares,
+    /// Share of each curved class among all replicates, in the order of S.
+    pub classes: Vec<(ShapeClass, f64)>,
+    /// Share of replicates without a class: S undefined, or the fit failed.
+    pub no_class: f64,
+    /// The class whose share reaches the level; `None`: no class does, and none is named.
+    pub verdict: Option<ShapeClass>,
     /// The linear law and whether it holds.
     pub linear: LinearLaw,
     /// Shares of the effects; `None` where none was asked for.
@@ -79,7 +86,7 @@ impl Study {
         let engine = Engine::new(simulator, fit, &options.quantities, options.path)?;
         let truth = truth(&engine);
         // the Guide's own rule is left as the Guide has it
-        let stein = options.tolerance.is_some_and(|tolerance| tolerance.rule == StoppingRule::Stein);
+        let stein = matches!(options.tolerance, Some(Tolerance::Stein(_)));
         let control = if stein { engine.control() } else { None };
         Ok(Study { engine, options, seed, truth, control })
     }
@@ -133,7 +140,7 @@ impl Study {
                 }
                 if end > to {
                     return Err(StudyError::Tolerance {
-                        digits: tolerance.digits,
+                        digits: tolerance.digits(),
                         needed: end - state.from,
                         allowed: to - state.from,
                         raise: "--replicates",
@@ -152,7 +159,7 @@ impl Study {
                 state.look(&values, self.options.level);
             }
             state.take(&values, self.options.level);
-            if !watch(&Progress { state: &state, values: &values, end }) {
+            if !watch(&Progress { state: &state, columns: &values.columns, end, values: &values }) {
                 return Ok((state, Stopped::Budget));
             }
         }
@@ -176,7 +183,9 @@ impl Study {
             .collect();
         let linear = linear_law(&self.engine, level, &quantities);
         let attribution = (attribution > 0).then(|| attribute(&self.engine, self.seed, attribution, &linear));
-        StudyResult { quantities, classes: class_shares(state, level), linear, attribution }
+        let (classes, no_class) = class_shares(state);
+        let verdict = classes.iter().find(|(_, share)| *share >= level).map(|(class, _)| *class);
+        StudyResult { quantities, classes, no_class, verdict, linear, attribution }
     }
 }
 

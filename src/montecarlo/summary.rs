@@ -36,17 +36,6 @@ pub struct Summary {
     pub resolution: f64,
 }
 
-/// Shares of the classes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ClassShares {
-    /// Share of each curved class among all replicates, in the order of S.
-    pub shares: Vec<(ShapeClass, f64)>,
-    /// Share of replicates without a class: S undefined, or the fit failed.
-    pub none: f64,
-    /// The class whose share reaches the level; `None`: no class does, and none is named.
-    pub verdict: Option<ShapeClass>,
-}
-
 /// Summarises a tally.
 pub fn summarise(
     tally: &Tally,
@@ -95,18 +84,13 @@ fn resolution(tally: &Tally, coverage: Option<Coverage>) -> f64 {
     width(coverage.interval.lo).max(width(coverage.interval.hi))
 }
 
-/// Shares of the classes at this level.
-pub fn class_shares(state: &StudyState, level: f64) -> ClassShares {
+/// Shares of the curved classes, and of the replicates without a class.
+pub fn class_shares(state: &StudyState) -> (Vec<(ShapeClass, f64)>, f64) {
     let total = state.done() as f64;
     if total == 0.0 {
-        return ClassShares::default();
+        return (Vec::new(), 0.0);
     }
-    let shares: Vec<(ShapeClass, f64)> = ShapeClass::CURVED
-        .into_iter()
-        .zip(&state.classes)
-        .map(|(class, count)| (class, *count as f64 / total))
-        .collect();
-    let verdict = shares.iter().find(|(_, share)| *share >= level).map(|(class, _)| *class);
-    let none = (state.done() - state.classes.iter().sum::<u64>()) as f64 / total;
-    ClassShares { shares, none, verdict }
+    let counts = ShapeClass::CURVED.into_iter().zip(&state.classes);
+    let shares = counts.map(|(class, count)| (class, *count as f64 / total)).collect();
+    (shares, (state.done() - state.classes.iter().sum::<u64>()) as f64 / total)
 }

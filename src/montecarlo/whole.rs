@@ -1,10 +1,10 @@
 //! Replicates that need the whole fit: whatever `palpate fit` would do with these contacts, in the domain that stands still.
 
-use super::quantity::{PointQuantity, Quantity};
+use super::quantity::Quantity;
 use crate::contact::Contacts;
-use crate::curvature::{ShapeClass, principal_curvatures};
+use crate::curvature::ShapeClass;
 use crate::fit::{Fit, FitError, FitOptions};
-use crate::parametric::{FittedSurface, fit_surface};
+use crate::parametric::FittedSurface;
 use crate::scene::Truth;
 use crate::shape::radius_of;
 
@@ -26,7 +26,7 @@ impl Whole {
     /// # Errors
     /// Every [`FitError`].
     pub(super) fn values(&self, (contacts, _): (Contacts, Truth)) -> Result<(Vec<f64>, bool), FitError> {
-        match fit_surface(&contacts, &self.options)?.0 {
+        match FittedSurface::of(&contacts, &self.options)?.0 {
             FittedSurface::Height(fit) => {
                 let plane = fit.shape().class == ShapeClass::Plane;
                 Ok((self.of_height(&fit), plane))
@@ -63,16 +63,14 @@ impl Whole {
             Quantity::Radius if s.is_nan() => f64::NAN,
             Quantity::Radius => radius_of(ShapeClass::of_shape_index(s), r).unwrap_or(f64::NAN),
             Quantity::Direction => shape.direction_deg.unwrap_or(f64::NAN),
-            Quantity::At(what, [x, y]) => {
+            Quantity::ShapeIndexAt([x, y])
+            | Quantity::CurvednessAt([x, y])
+            | Quantity::K1At([x, y])
+            | Quantity::K2At([x, y]) => {
                 let frame = fit.frame();
                 let [ox, oy, _] = frame.origin;
                 let at = fit.surface().at((x - ox) / frame.scale, (y - oy) / frame.scale);
-                principal_curvatures(&at.derivatives()).map_or(f64::NAN, |p| match what {
-                    PointQuantity::ShapeIndex => p.shape_index().unwrap_or(f64::NAN),
-                    PointQuantity::Curvedness => p.curvedness() / frame.scale,
-                    PointQuantity::K1 => p.k1 / frame.scale,
-                    PointQuantity::K2 => p.k2 / frame.scale,
-                })
+                at.derivatives().principal().map_or(f64::NAN, |p| quantity.at_point(&p, frame.scale))
             }
         };
         self.quantities.iter().map(of).collect()

@@ -12,7 +12,7 @@ use super::cells::Jet;
 use super::descent::{Descent, Solver, State};
 use super::problem::{Parts, Problem};
 use super::vector::{Vector, cross, dot, norm};
-use crate::curvature::{Derivatives, principal_curvatures};
+use crate::curvature::Derivatives;
 use crate::fit::FitError;
 use crate::shape::{ShapeGrid, UvSupport};
 
@@ -151,7 +151,7 @@ pub(super) fn check_geometry(problem: &Problem, state: &State, support: &UvSuppo
 
 fn largest_curvature(jet: &Jet) -> f64 {
     let [u, v, uu, uv, vv] = [jet[1][0], jet[0][1], jet[2][0], jet[1][1], jet[0][2]];
-    let principal = principal_curvatures(&Derivatives { u, v, uu, uv, vv });
+    let principal = Derivatives { u, v, uu, uv, vv }.principal();
     principal.map_or(f64::INFINITY, |p| p.k1.abs().max(p.k2.abs()))
 }
 

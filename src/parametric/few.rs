@@ -111,7 +111,7 @@ mod tests {
     use crate::cases::Lcg;
     use crate::contact::Contacts;
     use crate::fit::FitOptions;
-    use crate::parametric::fit_parametric;
+    use crate::parametric::ParametricFit;
 
     /// A bar of radius 10 felt 4,000 times: the answer holds the truth, u is that of all contacts and not of the few.
     #[test]
@@ -128,7 +128,7 @@ mod tests {
         }
         let fit = |points: &[[f64; 3]], normals: &[[f64; 3]]| {
             let contacts = Contacts::from_points(points).with_normal_vectors(normals);
-            fit_parametric(&contacts, &FitOptions { degree: [3, 3], ..FitOptions::default() }).unwrap()
+            ParametricFit::new(&contacts, &FitOptions { degree: [3, 3], ..FitOptions::default() }).unwrap()
         };
         let (all, some) = (fit(&points, &normals), fit(&points[..1200], &normals[..1200]));
         assert_eq!((all.standing(), some.standing()), (Some(1200), None));

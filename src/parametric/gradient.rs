@@ -52,7 +52,6 @@ pub(super) fn shape_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; IN
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curvature::principal_curvatures;
 
     #[test]
     fn gradients_match_differences() {
@@ -63,7 +62,7 @@ mod tests {
         let v: [f64; INPUTS] = std::array::from_fn(|k| ((k * k) as f64 * 0.7 + 0.3).sin());
         let (ds, dr) = shape_gradient(&at(v)).unwrap();
         let shape = |v| {
-            let p = principal_curvatures(&at(v)).unwrap();
+            let p = at(v).principal().unwrap();
             [p.shape_index().unwrap(), p.curvedness()]
         };
         for k in 0..INPUTS {

@@ -50,8 +50,9 @@ pub use certificate::ParametricCertificate;
 #[doc(hidden)]
 pub use choice::choose_surface;
 pub use describe::ParametricShape;
-pub use fitted::{FittedSurface, fit_surface};
-pub use parametric_fit::{ParametricFit, ParametricNoise};
+pub use fitted::FittedSurface;
+pub use parametric_fit::ParametricFit;
+use parametric_fit::ParametricNoise;
 
 use crate::contact::Contacts;
 use crate::fit::{FitError, FitOptions, Robust};
@@ -70,63 +71,65 @@ const SLACK: f64 = 30.0;
 /// With 100 the descent takes hundreds of steps instead of 20, and one replicate in thirty of noisy balls diverges.
 const TIE: f64 = 1e4;
 
-/// Fits a parametric surface to contacts with normals.
-///
-/// # Errors
-/// Every [`FitError`]: contacts on one curve or of several sheets, normals that change sides, too few of them, a surface
-/// that bends more than neighbouring contacts can have felt.
-pub fn fit_parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, FitError> {
-    options.check()?;
-    let mut contacts = PatchContacts::new(contacts)?;
-    let (mut flat, reason) = layout::flatten(&contacts, options)?;
-    let (frame, knots) = layout::lay_out(&contacts, &mut flat, options)?;
-    contacts.place(frame.origin, frame.scale);
-    let cells = Cells::new(knots);
-    check_count(&contacts, &cells)?;
-    let gauss = quadrature::gauss_points(&cells);
-    let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
-    let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
-    let mut solver = Solver::new(&problem)?;
-    let (mut state, mut reached, few) = few::fit(&mut problem, &mut solver, &flat, unknown)?;
-    let weights = problem.weights;
-    let mut weighted = contacts.clone();
-    if options.robust != Robust::None {
-        robust::reweight(options.robust, &problem, &mut weighted, &mut solver, &mut state, &mut reached)?;
+impl ParametricFit {
+    /// Fits a parametric surface to contacts with normals.
+    ///
+    /// # Errors
+    /// Every [`FitError`]: contacts on one curve or of several sheets, normals that change sides, too few of them, a surface
+    /// that bends more than neighbouring contacts can have felt.
+    pub fn new(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, FitError> {
+        options.check()?;
+        let mut contacts = PatchContacts::new(contacts)?;
+        let (mut flat, reason) = layout::flatten(&contacts, options)?;
+        let (frame, knots) = layout::lay_out(&contacts, &mut flat, options)?;
+        contacts.place(frame.origin, frame.scale);
+        let cells = Cells::new(knots);
+        check_count(&contacts, &cells)?;
+        let gauss = quadrature::gauss_points(&cells);
+        let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
+        let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
+        let mut solver = Solver::new(&problem)?;
+        let (mut state, mut reached, few) = few::fit(&mut problem, &mut solver, &flat, unknown)?;
+        let weights = problem.weights;
+        let mut weighted = contacts.clone();
+        if options.robust != Robust::None {
+            robust::reweight(options.robust, &problem, &mut weighted, &mut solver, &mut state, &mut reached)?;
+        }
+        let mut problem = Problem::new(&cells, &weighted, &flat.places, &gauss, weights);
+        let Limited { geometry, raised } =
+            limit_bending::limit(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
+        let weights = problem.weights;
+        let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
+        if few.standing.is_some() {
+            last.condition = few::unraised_factor(&problem, [SLACK, TIE], &mut solver, &state)?;
+        }
+        let residuals = problem.residuals(&state.coefficients, &state.feet);
+        let data = FitData {
+            options: options.clone(),
+            frame,
+            surface: Parametric::from_free(cells.knots().clone(), &state.coefficients)?,
+            support: layout::support(&flat, &state.feet.places, cells.knots()),
+            feet: state.feet,
+            weights,
+            solver,
+            residuals,
+            cells,
+            contacts: weighted,
+            standing: few.standing,
+        };
+        Ok(ParametricFit {
+            certificate: ParametricCertificate {
+                parametrisation: format!("{}{reason}", flat.method),
+                equations: contacts.equations(),
+                unknowns: 3 * data.cells.shape().coefficients(),
+                fairness_raised: few.raised + raised,
+                ..ParametricCertificate::of(&reached, &geometry, last)
+            },
+            noise: noise_of(&weights, frame.scale, unknown.any()),
+            data,
+            shape: OnceLock::new(),
+        })
     }
-    let mut problem = Problem::new(&cells, &weighted, &flat.places, &gauss, weights);
-    let Limited { geometry, raised } =
-        limit_bending::limit(&mut problem, &mut solver, &flat, unknown, &mut state, &mut reached)?;
-    let weights = problem.weights;
-    let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
-    if few.standing.is_some() {
-        last.condition = few::unraised_factor(&problem, [SLACK, TIE], &mut solver, &state)?;
-    }
-    let residuals = problem.residuals(&state.coefficients, &state.feet);
-    let data = FitData {
-        options: options.clone(),
-        frame,
-        surface: Parametric::from_free(cells.knots().clone(), &state.coefficients)?,
-        support: layout::support(&flat, &state.feet.places, cells.knots()),
-        feet: state.feet,
-        weights,
-        solver,
-        residuals,
-        cells,
-        contacts: weighted,
-        standing: few.standing,
-    };
-    Ok(ParametricFit {
-        certificate: ParametricCertificate {
-            parametrisation: format!("{}{reason}", flat.method),
-            equations: contacts.equations(),
-            unknowns: 3 * data.cells.shape().coefficients(),
-            fairness_raised: few.raised + raised,
-            ..ParametricCertificate::of(&reached, &geometry, last)
-        },
-        noise: noise_of(&weights, frame.scale, unknown.any()),
-        data,
-        shape: OnceLock::new(),
-    })
 }
 
 /// Checks that there are as many equations as coefficients: of the three unknowns of a coefficient contacts determine the

@@ -13,7 +13,7 @@ use crate::surface::Parametric;
 /// Noise sds and the weight of fairness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ParametricNoise {
+pub(crate) struct ParametricNoise {
     /// Sd of the distance to the surface, input units.
     pub position: f64,
     /// Sd of the normal per tangent axis, degrees.
@@ -24,12 +24,12 @@ pub struct ParametricNoise {
     pub estimated: bool,
 }
 
-/// A fitted parametric surface, from [`fit_parametric`](super::fit_parametric) or [`fit_surface`](super::fit_surface).
+/// A fitted parametric surface, from [`ParametricFit::new`] or [`FittedSurface::of`](super::FittedSurface::of).
 ///
 /// ```
 /// use palpate::Contacts;
 /// use palpate::fit::{FitOptions, SurfaceKind};
-/// use palpate::parametric::fit_parametric;
+/// use palpate::parametric::ParametricFit;
 ///
 /// // a half ball of radius 2, touched by five fingers at nine stations
 /// let (mut points, mut normals) = (Vec::new(), Vec::new());
@@ -45,7 +45,7 @@ pub struct ParametricNoise {
 /// let mut options = FitOptions::default();
 /// options.surface = SurfaceKind::Parametric;
 /// options.degree = [3, 3];
-/// let fit = fit_parametric(&contacts, &options)?;
+/// let fit = ParametricFit::new(&contacts, &options)?;
 /// let shape = fit.shape();
 /// assert!(shape.curvedness.mean.is_some_and(|r| (r - 0.5).abs() < 0.02));
 /// assert!(fit.certificate().fold_free);
@@ -93,9 +93,24 @@ impl ParametricFit {
         &self.certificate
     }
 
-    /// Noise sds and the weight of fairness.
-    pub fn noise(&self) -> &ParametricNoise {
-        &self.noise
+    /// Sd of the distance of contacts to the surface, input units.
+    pub fn position_sd(&self) -> f64 {
+        self.noise.position
+    }
+
+    /// Sd of normals per tangent axis, degrees.
+    pub fn normal_sd_deg(&self) -> f64 {
+        self.noise.normal_deg
+    }
+
+    /// Weight of fairness, lambda, in patch units.
+    pub fn fairness(&self) -> f64 {
+        self.noise.fairness
+    }
+
+    /// Whether either sd or the weight of fairness was estimated rather than declared.
+    pub fn noise_is_estimated(&self) -> bool {
+        self.noise.estimated
     }
 
     /// Number of contacts that stood for all until near the minimum; `None` where all took part in every step.

@@ -11,7 +11,7 @@
 use super::cloud::Cloud;
 use super::primitive::axes_along;
 use super::small::{Square, cholesky, inverse, solve};
-use crate::curvature::{Derivatives, Principal, principal_curvatures};
+use crate::curvature::{Derivatives, Principal};
 use crate::threads;
 use crate::vector::{dot, minus};
 
@@ -112,7 +112,7 @@ fn solved(rows: &[([f64; 6], f64, usize)], length: f64, noise: &Noise) -> Option
     let variance = [0, 1].map(|k| sums[k] / freedom[k].max(1.0) * scale[k] * scale[k]);
     let [_, zx, zy, xx, xy, yy] = c;
     // x, y, z were divided by the length: slopes stay, curvatures are its inverse
-    let principal = principal_curvatures(&Derivatives::of_height(zx, zy, xx, xy, yy))?;
+    let principal = Derivatives::of_height(zx, zy, xx, xy, yy).principal()?;
     let by = |direction: [f64; 3]| {
         let [x, y, _] = direction;
         [0.0, 0.0, 0.0, x * x, 2.0 * x * y, y * y]

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! use palpate::Contacts;
-//! use palpate::parts::{PartKind, PartsOptions, segment};
+//! use palpate::parts::{PartKind, Parts, PartsOptions};
 //!
 //! // two faces of a box: z = 0 for x < 0, and x = 0 for z < 0
 //! let place = |k: usize| ((k % 20) as f64 * 0.5 + 0.13 * ((k / 20) % 3) as f64, (k / 20) as f64 * 0.5);
@@ -19,7 +19,7 @@
 //! let side = (0..400).map(place).map(|(s, y)| ([0.0, y + 0.2, -0.2 - s], [1.0, 0.0, 0.0]));
 //! let (points, normals): (Vec<_>, Vec<_>) = top.chain(side).unzip();
 //! let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-//! let found = segment(&contacts, &PartsOptions::default())?;
+//! let found = Parts::of(&contacts, &PartsOptions::default())?;
 //! assert_eq!(found.parts.iter().map(|part| part.kind).collect::<Vec<_>>(), [PartKind::Plane; 2]);
 //! assert!((found.joints[0].angle_deg - 90.0).abs() < 1e-6);
 //! # Ok::<(), palpate::parts::PartsError>(())
@@ -57,12 +57,11 @@ pub use against::{Agreement, against};
 pub use error::PartsError;
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;
-pub use point_shapes::{PointShapes, shape_at_points};
+pub use point_shapes::PointShapes;
 pub use primitive::PartKind;
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 
 use crate::contact::Contacts;
-use crate::recognition::estimate_normals;
 use crate::vector::{Vector, dot, minus, norm, scaled};
 
 use answer::Findings;
@@ -81,11 +80,17 @@ const UNSEEN_DEG: f64 = 1.0;
 /// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
 const BLURRED_DEG: f64 = 15.0;
 
-/// Cuts contacts into parts.
-///
-/// # Errors
-/// When the contacts are faulty, too few, in one place, or their normals are none.
-pub fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
+impl Parts {
+    /// Cuts contacts into parts.
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, in one place, or their normals are none.
+    pub fn of(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
+        segment(contacts, options)
+    }
+}
+
+fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
     options.check()?;
     contacts.check()?;
     if contacts.len() < FEWEST {
@@ -131,7 +136,7 @@ fn normals(
         }
         return Ok(normals);
     }
-    let estimated = estimate_normals(contacts, options.viewpoint)?;
+    let estimated = contacts.with_estimated_normals(options.viewpoint)?;
     let mut normals: Vec<Vector> = (0..contacts.len()).filter_map(|r| estimated.unit_normal(r)).collect();
     let mut side = options.viewpoint.map_or("upwards", |_| "towards the viewpoint");
     if options.viewpoint.is_none() && goes_round(&normals) {

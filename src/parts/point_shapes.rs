@@ -13,7 +13,7 @@ use super::jet::{Jet, Law, Touched, jet};
 use super::ladder::{asked, law, quantile};
 use super::options::PartsOptions;
 use crate::contact::Contacts;
-use crate::curvature::{Derivatives, Principal, principal_curvatures};
+use crate::curvature::{Derivatives, Principal};
 use crate::recognition::Neighbours;
 use crate::threads;
 use crate::vector::Vector;
@@ -50,26 +50,32 @@ pub struct PointShapes {
 /// What one point gets: normal, k1, k2, S, R, u(S), u(R).
 type At = (Vector, [f64; 6]);
 
-/// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
-///
-/// ```
-/// use palpate::Contacts;
-/// use palpate::parts::{PartsOptions, shape_at_points};
-///
-/// // all round a ball of radius 5
-/// let at = |k: usize| ((k as f64 + 0.5) / 200.0 - 1.0, 2.4 * k as f64);
-/// let normals: Vec<[f64; 3]> = (0..400).map(at).map(|(z, a)| [a.cos(), a.sin(), 0.0].map(|v| v * (1.0 - z * z).sqrt())).zip((0..400).map(at))
-///     .map(|([x, y, _], (z, _))| [x, y, z]).collect();
-/// let points: Vec<[f64; 3]> = normals.iter().map(|n| n.map(|v| 5.0 * v)).collect();
-/// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-/// let shapes = shape_at_points(&contacts, &PartsOptions::default())?;
-/// assert!(shapes.curvedness.iter().all(|r| (r - 0.2).abs() < 0.002));
-/// # Ok::<(), palpate::parts::PartsError>(())
-/// ```
-///
-/// # Errors
-/// When the contacts are faulty, too few, in one place, or their normals are none.
-pub fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+impl PointShapes {
+    /// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
+    ///
+    /// ```
+    /// use palpate::Contacts;
+    /// use palpate::parts::{PartsOptions, PointShapes};
+    ///
+    /// // all round a ball of radius 5
+    /// let at = |k: usize| ((k as f64 + 0.5) / 200.0 - 1.0, 2.4 * k as f64);
+    /// let normals: Vec<[f64; 3]> = (0..400).map(at).map(|(z, a)| [a.cos(), a.sin(), 0.0].map(|v| v * (1.0 - z * z).sqrt())).zip((0..400).map(at))
+    ///     .map(|([x, y, _], (z, _))| [x, y, z]).collect();
+    /// let points: Vec<[f64; 3]> = normals.iter().map(|n| n.map(|v| 5.0 * v)).collect();
+    /// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+    /// let shapes = PointShapes::of(&contacts, &PartsOptions::default())?;
+    /// assert!(shapes.curvedness.iter().all(|r| (r - 0.2).abs() < 0.002));
+    /// # Ok::<(), palpate::parts::PartsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, in one place, or their normals are none.
+    pub fn of(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+        shape_at_points(contacts, options)
+    }
+}
+
+fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
     options.check()?;
     contacts.check()?;
     if contacts.len() < FEWEST + 1 {
@@ -102,7 +108,7 @@ fn at(touched: &Touched, i: usize, law: &Law) -> At {
     let open = (touched.normals[i], [f64::NAN; 6]);
     let Some(jet) = jet(touched, i, law) else { return open };
     let [_, zx, zy, xx, xy, yy] = jet.low;
-    let Some(principal) = principal_curvatures(&Derivatives::of_height(zx, zy, xx, xy, yy)) else { return open };
+    let Some(principal) = Derivatives::of_height(zx, zy, xx, xy, yy).principal() else { return open };
     let [u_s, u_r] = uncertainties(&jet, &principal, law);
     let normal = [0, 1, 2].map(|k| (0..3).map(|a| jet.axes[a][k] * principal.normal[a]).sum::<f64>());
     let s = principal.shape_index().unwrap_or(f64::NAN);

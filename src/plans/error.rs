@@ -81,7 +81,7 @@ pub enum PlanError {
         value: f64,
     },
     /// A pixel is NaN or infinite; plans take finite pixels alone, where they have a weight.
-    #[error("pixel ({}, {}) of {image} is {value}, not a finite number; images with missing pixels go to a MaskedImagePlan or to fit_grid", index[0], index[1])]
+    #[error("pixel ({}, {}) of {image} is {value}, not a finite number; images with missing pixels go to ImagePlan::masked or to fit_grid", index[0], index[1])]
     Pixel {
         /// Name of the image.
         image: &'static str,

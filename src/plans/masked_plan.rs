@@ -12,7 +12,7 @@ use ndarray::ArrayView2;
 
 use super::contraction::{Contraction, IMAGES, check_axis};
 use super::error::{PlanError, check_weights};
-use super::image_plan::Pixel;
+use super::pixel::Pixel;
 use crate::bspline::Knots;
 use crate::fit::Free;
 use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, assemble};
@@ -25,30 +25,9 @@ const ROWS: usize = 8;
 const MAX_ALTERNATIONS: usize = 40;
 const MAPS: [&str; 3] = ["wz", "wx", "wy"];
 
-/// A stream of images with slopes under fixed axes, knots and weight maps; a weight of 0 masks a pixel.
-///
-/// ```
-/// use ndarray::Array2;
-/// use palpate::plans::MaskedImagePlan;
-/// use palpate::spline::{Knots, linspace};
-///
-/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
-/// let pixels = linspace(-1.0, 1.0, 9);
-/// // one pixel is dead
-/// let weights = Array2::from_shape_fn((9, 9), |at| if at == (4, 4) { 0.0 } else { 1.0 });
-/// let maps = [weights.view(), weights.view(), weights.view()];
-/// let mut plan = MaskedImagePlan::new([axis.clone(), axis], &pixels, &pixels, maps)?;
-/// // z = x^2 as single-precision pixels, indexed [x, y]
-/// let mut z = Array2::from_shape_fn((9, 9), |(i, _)| (pixels[i] * pixels[i]) as f32);
-/// z[[4, 4]] = f32::NAN;
-/// let zx = Array2::from_shape_fn((9, 9), |(i, _)| (2.0 * pixels[i]) as f32);
-/// let zy = Array2::zeros((9, 9));
-/// let coefficients = plan.fit_views(z.view(), zx.view(), zy.view())?;
-/// assert!((coefficients[0] - 1.0).abs() < 1e-6 && (coefficients[3] + 1.0).abs() < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// A stream of images of which every pixel has weights of its own.
 #[derive(Clone, Debug)]
-pub struct MaskedImagePlan {
+pub(crate) struct MaskedPlan {
     contraction: Contraction,
     /// Squared weights of values, x slopes and y slopes, row-major.
     squares: [Vec<f64>; 3],
@@ -72,19 +51,19 @@ struct Gaps {
     before: Vec<f64>,
 }
 
-impl MaskedImagePlan {
+impl MaskedPlan {
     /// Plans for pixels at `x` by `y`, both increasing, these knots, and maps of the weights of heights, x slopes and y
     /// slopes, indexed [x, y], which multiply residuals.
     ///
     /// # Errors
     /// [`PlanError::Axis`], [`PlanError::Weight`], [`PlanError::Shape`] of a map; [`PlanError::Solve`] where the pixels
     /// that are left determine no surface.
-    pub fn new(
+    pub(crate) fn new(
         knots: [Knots; 2],
         x: &[f64],
         y: &[f64],
         weights: [ArrayView2<'_, f64>; 3],
-    ) -> Result<MaskedImagePlan, PlanError> {
+    ) -> Result<MaskedPlan, PlanError> {
         check_axis("x", x)?;
         check_axis("y", y)?;
         let expected = [x.len(), y.len()];
@@ -107,7 +86,7 @@ impl MaskedImagePlan {
         let mut factor = Cholesky::plan(matrix.shape())?;
         factor.factor(free.mask(&matrix).as_ref().unwrap_or(&matrix))?;
         let unknowns = matrix.order();
-        Ok(MaskedImagePlan {
+        Ok(MaskedPlan {
             contraction: Contraction::new(sites, [1.0; 3]),
             squares: weights.map(|map| map.iter().map(|w| w * w).collect()),
             factor,
@@ -121,7 +100,7 @@ impl MaskedImagePlan {
 
     /// Numbers of the coefficients that the mask leaves without data, or nearly so; they take the values of least
     /// roughness.
-    pub fn unsupported(&self) -> &[usize] {
+    pub(crate) fn unsupported(&self) -> &[usize] {
         self.gaps.as_ref().map_or(&[], |gaps| &gaps.list)
     }
 
@@ -131,7 +110,7 @@ impl MaskedImagePlan {
     /// # Errors
     /// [`PlanError::Shape`] for an image that is not as large as the axes say; [`PlanError::Pixel`] for a NaN or
     /// infinite pixel under a weight; [`PlanError::Overflow`].
-    pub fn fit_views<T: Pixel>(
+    pub(crate) fn fit_views<T: Pixel>(
         &mut self,
         z: ArrayView2<'_, T>,
         zx: ArrayView2<'_, T>,
@@ -157,6 +136,21 @@ impl MaskedImagePlan {
         self.contraction.write_right_side(&mut self.right);
         self.solve();
         Ok(&self.coefficients)
+    }
+
+    /// The same of row-major pixels.
+    ///
+    /// # Errors
+    /// [`PlanError::Length`] for an image that is not as large as the axes say, and as [`MaskedPlan::fit_views`].
+    pub(crate) fn fit_frame(&mut self, z: &[f64], zx: &[f64], zy: &[f64]) -> Result<&[f64], PlanError> {
+        let [along_x, along_y] = self.contraction.pixels();
+        let expected = along_x * along_y;
+        let view = |column, image| {
+            let wrong = PlanError::Length { column, found: <[f64]>::len(image), expected };
+            ArrayView2::from_shape((along_x, along_y), image).ok().filter(|_| image.len() == expected).ok_or(wrong)
+        };
+        let [of_z, of_zx, of_zy] = IMAGES;
+        self.fit_views(view(of_z, z)?, view(of_zx, zx)?, view(of_zy, zy)?)
     }
 
     fn solve(&mut self) {
@@ -253,7 +247,7 @@ mod tests {
         let knots = [Knots::uniform(3, 9, 0.0, 2.0).unwrap(), Knots::uniform(3, 7, 0.0, 2.0).unwrap()];
         let slopes = weights.mapv(|w| 0.5 * w);
         let maps = [weights.view(), slopes.view(), slopes.view()];
-        let mut plan = MaskedImagePlan::new(knots, &x, &y, maps).unwrap();
+        let mut plan = MaskedPlan::new(knots, &x, &y, maps).unwrap();
         let images = [0.05, 0.09, 0.13].map(image);
         let [z, zx, zy] = &images;
         let grid = Grid {
@@ -300,7 +294,7 @@ mod tests {
         let axis = Knots::uniform(2, 1, 0.0, 1.0).unwrap();
         let points = linspace(0.0, 1.0, 6);
         let plan = |map: &Array2<f64>| {
-            MaskedImagePlan::new([axis.clone(), axis.clone()], &points, &points, [map.view(), map.view(), map.view()])
+            MaskedPlan::new([axis.clone(), axis.clone()], &points, &points, [map.view(), map.view(), map.view()])
         };
         let ones = Array2::ones((6, 6));
         let mut bad = ones.clone();

@@ -6,10 +6,12 @@
 //!
 //! Nothing is allocated after the plan is made, and data are checked by way of the sums that are formed anyway.
 
+mod complete_plan;
 mod contraction;
 mod error;
 mod image_plan;
 mod masked_plan;
+mod pixel;
 mod slope_plan;
 mod stream;
 
@@ -17,7 +19,6 @@ pub use error::PlanError;
 pub(crate) use error::{check_noise_sds, check_shape_grid};
 pub use image_plan::ImagePlan;
 #[doc(hidden)]
-pub use image_plan::Pixel;
-pub use masked_plan::MaskedImagePlan;
+pub use pixel::Pixel;
 pub use slope_plan::{SlopeColumns, SlopePlan};
-pub use stream::{StreamShape, Touch, TouchStream};
+pub use stream::TouchStream;

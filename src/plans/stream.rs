@@ -11,6 +11,7 @@
 
 use super::error::{PlanError, check_noise_sds, check_shape_grid};
 use crate::bspline::{Knots, MAX_DEGREE};
+use crate::fit::Statistic;
 use crate::linalg::{StencilMatrix, TensorShape};
 use crate::shape::RepeatedGradients;
 use crate::solve::Cholesky;
@@ -22,7 +23,7 @@ const WIDTH: usize = MAX_DEGREE + 1;
 ///
 /// ```
 /// use palpate::spline::{Knots, linspace};
-/// use palpate::plans::{Touch, TouchStream};
+/// use palpate::plans::TouchStream;
 ///
 /// // a bowl z = (x^2 + y^2)/10: S = -1, R = 1/5 at its bottom
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
@@ -30,10 +31,10 @@ const WIDTH: usize = MAX_DEGREE + 1;
 /// let mut stream = TouchStream::new([axis.clone(), axis], [0.01, 0.03, 0.03], [&points, &points])?;
 /// for r in 0..9 {
 ///     let [x, y] = [f64::from(r / 3) - 1.0, f64::from(r % 3) - 1.0];
-///     stream.push(&Touch { at: [x, y], z: 0.1 * (x * x + y * y), slopes: [0.2 * x, 0.2 * y] })?;
+///     stream.push([x, y], 0.1 * (x * x + y * y), [0.2 * x, 0.2 * y])?;
 /// }
-/// let shape = stream.shape()?;
-/// assert!(shape.shape_index.is_some_and(|s| s < -0.9) && (shape.curvedness - 0.2).abs() < 0.01);
+/// let [s, r] = stream.shape()?;
+/// assert!(s.mean.is_some_and(|s| s < -0.9) && r.mean.is_some_and(|r| (r - 0.2).abs() < 0.01));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -54,34 +55,6 @@ pub struct TouchStream {
     /// One of the gradients times `A^-1`.
     solved: Vec<f64>,
     contacts: usize,
-}
-
-/// One touch: its place, height and slopes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Touch {
-    /// x and y, the knots' coordinates.
-    pub at: [f64; 2],
-    /// Height.
-    pub z: f64,
-    /// dz/dx and dz/dy.
-    pub slopes: [f64; 2],
-}
-
-/// The shape after the touches so far: means over the grid with their standard uncertainties.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct StreamShape {
-    /// Touches so far.
-    pub contacts: usize,
-    /// Mean S; `None` where it is defined nowhere on the grid.
-    pub shape_index: Option<f64>,
-    /// Standard uncertainty of mean S.
-    pub u_shape_index: f64,
-    /// Mean R, 1 / length.
-    pub curvedness: f64,
-    /// Standard uncertainty of mean R.
-    pub u_curvedness: f64,
 }
 
 impl TouchStream {
@@ -119,14 +92,15 @@ impl TouchStream {
         })
     }
 
-    /// Adds one touch: three rows more, over the basis functions alive there.
+    /// Adds one touch: three rows more, over the basis functions alive there. `at` is x and y in the knots' coordinates,
+    /// `z` the height there, `slopes` dz/dx and dz/dy.
     ///
     /// # Errors
     /// [`PlanError::NotFinite`] where a number is not finite, [`PlanError::Outside`] where the touch lies outside the
     /// knots' domain; nothing has changed then.
-    pub fn push(&mut self, touch: &Touch) -> Result<(), PlanError> {
-        self.check(touch)?;
-        let Touch { at: [x, y], z, slopes: [zx, zy] } = *touch;
+    pub fn push(&mut self, at: [f64; 2], z: f64, slopes: [f64; 2]) -> Result<(), PlanError> {
+        self.check(at, z, slopes)?;
+        let ([x, y], [zx, zy]) = (at, slopes);
         let [bx, by] = [(0, x), (1, y)].map(|(axis, at)| {
             let knots = &self.knots[axis];
             let mut rows = [0.0; 2 * WIDTH];
@@ -157,8 +131,7 @@ impl TouchStream {
         Ok(())
     }
 
-    fn check(&self, touch: &Touch) -> Result<(), PlanError> {
-        let Touch { at: [x, y], z, slopes: [zx, zy] } = *touch;
+    fn check(&self, [x, y]: [f64; 2], z: f64, [zx, zy]: [f64; 2]) -> Result<(), PlanError> {
         let index = self.contacts;
         for (column, value) in [("x", x), ("y", y), ("z", z), ("zx", zx), ("zy", zy)] {
             if !value.is_finite() {
@@ -174,16 +147,25 @@ impl TouchStream {
         Ok(())
     }
 
-    /// Fits all touches so far: mean S and mean R over the grid, and their uncertainties.
+    /// Touches so far.
+    pub fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// Fits all touches so far: mean S and mean R (1/length) over the grid with their standard uncertainties, from the sds
+    /// that the stream was made with. The mean of S is `None` where S is defined nowhere on the grid.
     ///
     /// # Errors
     /// [`PlanError::Solve`] while touches are too few or leave a basis function without data.
-    pub fn shape(&mut self) -> Result<StreamShape, PlanError> {
+    pub fn shape(&mut self) -> Result<[Statistic; 2], PlanError> {
         self.coefficients.copy_from_slice(&self.right);
         self.factor.factor_and_solve(&self.matrix, &mut self.coefficients)?;
         let (index, curvedness) = self.means();
-        let [u_shape_index, u_curvedness] = [0, 1].map(|k| self.uncertainty(k));
-        Ok(StreamShape { contacts: self.contacts, shape_index: index, u_shape_index, curvedness, u_curvedness })
+        let means = [index, Some(curvedness)];
+        Ok([0, 1].map(|k| {
+            let u = Some(self.uncertainty(k));
+            Statistic { mean: means[k], u, u_noise: u, dof: Some(f64::INFINITY), ..Statistic::default() }
+        }))
     }
 
     /// Coefficients of the last [`TouchStream::shape`], n x m, row-major.
@@ -226,14 +208,12 @@ mod tests {
     use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
     use crate::plans::{SlopeColumns, SlopePlan};
 
-    fn touch(r: usize) -> Touch {
+    /// Place, height and slopes of one touch.
+    fn touch(r: usize) -> ([f64; 2], f64, [f64; 2]) {
         let (x, y) = ((r as f64 * 0.754_877_666).fract() * 2.0 - 1.0, (r as f64 * 0.569_840_291).fract() * 2.0 - 1.0);
         let off = |k: f64| 0.01 * (r as f64 * k).sin();
-        Touch {
-            at: [x, y],
-            z: 0.3 * x * x + 0.1 * y * y + 0.05 * x + off(1.3),
-            slopes: [0.6 * x + 0.05 + off(2.1), 0.2 * y + off(3.7)],
-        }
+        let z = 0.3 * x * x + 0.1 * y * y + 0.05 * x + off(1.3);
+        ([x, y], z, [0.6 * x + 0.05 + off(2.1), 0.2 * y + off(3.7)])
     }
 
     /// Every tenth step against the whole fit with the same rows: coefficients, means, and uncertainties.
@@ -248,13 +228,13 @@ mod tests {
             assert!(stream.shape().is_err());
             let mut columns: [Vec<f64>; 5] = Default::default();
             for r in 0..120 {
-                let Touch { at: [x, y], z, slopes: [zx, zy] } = touch(r);
+                let (at @ [x, y], z, slopes @ [zx, zy]) = touch(r);
                 columns.iter_mut().zip([x, y, z, zx, zy]).for_each(|(c, v)| c.push(v));
-                stream.push(&touch(r)).unwrap();
+                stream.push(at, z, slopes).unwrap();
                 if r < 60 || r % 10 != 0 {
                     continue;
                 }
-                let found = stream.shape().unwrap();
+                let [s, mean_r] = stream.shape().unwrap();
                 let [x, y, z, zx, zy] = &columns;
                 let weights = sigma.map(|s| 1.0 / s);
                 let mut plan = SlopePlan::new([knots.clone(), knots.clone()], weights).unwrap();
@@ -275,11 +255,12 @@ mod tests {
                 );
                 let shape = fit.unwrap();
                 let shape = shape.shape();
-                assert_eq!(found.contacts, r + 1);
-                assert!((found.shape_index.unwrap() - shape.shape_index.mean.unwrap()).abs() < 1e-9);
-                assert!((found.curvedness - shape.curvedness.mean.unwrap()).abs() < 1e-9);
+                assert_eq!(stream.contacts(), r + 1);
+                assert!((s.mean.unwrap() - shape.shape_index.mean.unwrap()).abs() < 1e-9);
+                assert!((mean_r.mean.unwrap() - shape.curvedness.mean.unwrap()).abs() < 1e-9);
                 // the fit's uncertainty takes the residuals' variances, which are below the declared ones here
-                assert!(found.u_curvedness > 0.0 && found.u_curvedness < 20.0 * shape.curvedness.u.unwrap());
+                let u = mean_r.u.unwrap();
+                assert!(u > 0.0 && u < 20.0 * shape.curvedness.u.unwrap());
             }
         }
     }
@@ -298,19 +279,19 @@ mod tests {
             for r in 0..40 {
                 let mut n = [0.0; 4];
                 draws.gaussians(r as u64, run as u64, 4, &mut n);
-                let [x, y] = touch(r).at;
+                let [x, y] = touch(r).0;
                 let exact = [0.3 * x * x + 0.1 * y * y, 0.6 * x, 0.2 * y];
                 let [z, zx, zy] = [0, 1, 2].map(|k| exact[k] + sigma[k] * n[k]);
-                stream.push(&Touch { at: [x, y], z, slopes: [zx, zy] }).unwrap();
+                stream.push([x, y], z, [zx, zy]).unwrap();
             }
             let found = stream.shape().unwrap();
-            let values = [found.shape_index.unwrap(), found.curvedness];
+            let values = found.map(|found| found.mean.unwrap());
             (0..2).for_each(|k| {
                 sums[k] += values[k];
                 sums[2 + k] += values[k] * values[k];
             });
-            claimed[0] += found.u_shape_index / RUNS as f64;
-            claimed[1] += found.u_curvedness / RUNS as f64;
+            claimed[0] += found[0].u.unwrap() / RUNS as f64;
+            claimed[1] += found[1].u.unwrap() / RUNS as f64;
         }
         for k in 0..2 {
             let mean = sums[k] / RUNS as f64;
@@ -324,8 +305,8 @@ mod tests {
     fn a_faulty_touch_is_refused_and_changes_nothing() {
         let knots = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
         let mut stream = TouchStream::new([knots.clone(), knots.clone()], [1.0; 3], [&[0.0], &[0.0]]).unwrap();
-        assert!(stream.push(&Touch { at: [0.0, f64::NAN], z: 0.0, slopes: [0.0; 2] }).is_err());
-        let far = stream.push(&Touch { at: [1000.0, 0.0], z: 0.0, slopes: [0.0; 2] });
+        assert!(stream.push([0.0, f64::NAN], 0.0, [0.0; 2]).is_err());
+        let far = stream.push([1000.0, 0.0], 0.0, [0.0; 2]);
         assert!(matches!(far, Err(PlanError::Outside { axis: "x", index: 0, .. })));
         assert!(stream.right.iter().chain(stream.matrix.values()).all(|v| *v == 0.0) && stream.contacts == 0);
         assert!(TouchStream::new([knots.clone(), knots.clone()], [0.0; 3], [&[0.0], &[0.0]]).is_err());

@@ -13,7 +13,7 @@
 use crate::fit::{Fit, ModelReading, Reading, richer_reading};
 use crate::vector::Vector;
 
-use super::{Recognition, RecognitionError, RecognitionOptions, recognise_over};
+use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// Contacts that are recognised at most. More would narrow a reading that is dominated by the kind of surface, and
 /// would take longer than the fit.
@@ -27,34 +27,36 @@ const MOST_POINTS: usize = 16;
 const UNSAID: f64 = 25.0;
 const CHANCE: f64 = 0.01;
 
-/// Lets the intervals of S and R count that the surface may be of another kind than the one named: `u`, intervals and
-/// class probabilities of the fit's shape then cover what [`recognise`](super::recognise) says of the same contacts over
-/// the same points. Means, spreads, curvatures and the surface stay as they are.
-///
-/// ```
-/// use palpate::{Contacts, FitOptions, fit_contacts, recognition};
-///
-/// // a ridge of radius 6 along y: a biquadratic height field makes R too small, whatever the noise
-/// let (x, y): (Vec<f64>, Vec<f64>) = (0..36).map(|r| ((r % 6) as f64 - 2.5, (r / 6) as f64 - 2.5)).unzip();
-/// let z = x.iter().map(|x| (36.0 - x * x).sqrt() - 6.0).collect();
-/// let fit = fit_contacts(&Contacts::from_positions(x, y, z), &FitOptions::default())?;
-/// let fit = recognition::count_model_error(fit);
-/// let interval = fit.shape().curvedness.interval.unwrap();
-/// let truth = 1.0 / (6.0 * 2.0_f64.sqrt());
-/// assert!(interval.lo < truth && truth < interval.hi);
-/// # Ok::<(), palpate::fit::FitError>(())
-/// ```
-pub fn count_model_error(fit: Fit) -> Fit {
-    let recognised = match read(&fit) {
-        Ok(found) => found,
-        Err(error) => ModelReading::Unknown { why: error.to_string() },
-    };
-    let reading = match (richer_reading(&fit), recognised) {
-        (Some(richer), ModelReading::Found(simple)) => ModelReading::Found(richer.or(simple)),
-        (Some(richer), _) => ModelReading::Found(richer),
-        (None, recognised) => recognised,
-    };
-    fit.with_model_reading(reading)
+impl Fit {
+    /// Lets the intervals of S and R count that the surface may be of another kind than the one named: `u`, intervals and
+    /// class probabilities of the fit's shape then cover what [`Recognition::of`] says of the same contacts over
+    /// the same points. Means, spreads, curvatures and the surface stay as they are.
+    ///
+    /// ```
+    /// use palpate::{Contacts, FitOptions, fit_contacts};
+    ///
+    /// // a ridge of radius 6 along y: a biquadratic height field makes R too small, whatever the noise
+    /// let (x, y): (Vec<f64>, Vec<f64>) = (0..36).map(|r| ((r % 6) as f64 - 2.5, (r / 6) as f64 - 2.5)).unzip();
+    /// let z = x.iter().map(|x| (36.0 - x * x).sqrt() - 6.0).collect();
+    /// let fit = fit_contacts(&Contacts::from_positions(x, y, z), &FitOptions::default())?;
+    /// let fit = fit.with_model_error();
+    /// let interval = fit.shape().curvedness.interval.unwrap();
+    /// let truth = 1.0 / (6.0 * 2.0_f64.sqrt());
+    /// assert!(interval.lo < truth && truth < interval.hi);
+    /// # Ok::<(), palpate::fit::FitError>(())
+    /// ```
+    pub fn with_model_error(self) -> Fit {
+        let recognised = match read(&self) {
+            Ok(found) => found,
+            Err(error) => ModelReading::Unknown { why: error.to_string() },
+        };
+        let reading = match (richer_reading(&self), recognised) {
+            (Some(richer), ModelReading::Found(simple)) => ModelReading::Found(richer.or(simple)),
+            (Some(richer), _) => ModelReading::Found(richer),
+            (None, recognised) => recognised,
+        };
+        self.with_model_reading(reading)
+    }
 }
 
 fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
@@ -72,7 +74,7 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
         up: Some([0.0, 0.0, 1.0]),
         ..RecognitionOptions::default()
     };
-    let found = recognise_over(&contacts, &places, &options)?;
+    let found = Recognition::over(&contacts, &places, &options)?;
     if leaves_much_unsaid(&found) {
         return unknown("the contacts show no simple shape");
     }

@@ -252,7 +252,6 @@ fn transposed(m: &[Vector; 3], x: Vector) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curvature::principal_curvatures;
     use crate::vector::{minus, norm};
 
     fn places() -> Vec<Vector> {
@@ -321,13 +320,13 @@ mod tests {
 
     #[test]
     fn curvatures_of_the_undisplaced_surface_are_constant_and_displacement_adds_its_hessian() {
-        let p = principal_curvatures(&derivatives(0.7, -0.3, [0.0, 0.9], &[0.0; 6])).unwrap();
+        let p = derivatives(0.7, -0.3, [0.0, 0.9], &[0.0; 6]).principal().unwrap();
         assert!((p.k1 - 0.7).abs() < 1e-13 && (p.k2 + 0.3).abs() < 1e-13);
-        let p = principal_curvatures(&derivatives(0.7, -0.3, [0.0, 0.0], &[0.0, 0.0, 0.0, 0.2, 0.0, -0.1])).unwrap();
+        let p = derivatives(0.7, -0.3, [0.0, 0.0], &[0.0, 0.0, 0.0, 0.2, 0.0, -0.1]).principal().unwrap();
         assert!((p.k1 - 0.9).abs() < 1e-13 && (p.k2 + 0.4).abs() < 1e-13);
         for (k1, k2) in [(0.7, -0.3), (0.0, 0.4), (-0.5, -0.5), (1e-12, 0.0)] {
             let jet = [0.05, 0.1, -0.2, 0.3, 0.15, -0.1];
-            let p = principal_curvatures(&derivatives(k1, k2, [0.6, -0.4], &jet)).unwrap();
+            let p = derivatives(k1, k2, [0.6, -0.4], &jet).principal().unwrap();
             let [a, b] = bending(k1, k2, 0.6, &jet).unwrap();
             assert!((p.k1 - a).abs() < 1e-12 && (p.k2 - b).abs() < 1e-12);
         }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992. Such normals tell nothing new:
-//! they follow from the positions, and [`recognise`](super::recognise) uses them for the free side alone.
+//! they follow from the positions, and [`Recognition::of`](super::Recognition::of) uses them for the free side alone.
 
 use crate::contact::{ContactError, Contacts, Orientation};
 use crate::vector::Vector;
@@ -15,18 +15,31 @@ use super::believable_normals::plane_normal;
 use super::neighbours::Neighbours;
 use super::orientation::oriented;
 
-/// The same contacts with a normal each, estimated from their positions.
-///
-/// # Errors
-/// When a coordinate is not finite or the columns differ in length.
-pub fn estimate_normals(contacts: &Contacts, viewpoint: Option<[f64; 3]>) -> Result<Contacts, ContactError> {
-    let bare = Contacts { orientation: Orientation::None, ..contacts.clone() };
-    bare.check()?;
-    let points: Vec<Vector> = (0..bare.len()).map(|r| [bare.x[r], bare.y[r], bare.z[r]]).collect();
-    let tree = Neighbours::new(&points);
-    let upward = |n: Vector| if n[2] < 0.0 { n.map(|v| -v) } else { n };
-    let normals = points.iter().map(|p| plane_normal(&tree, &points, *p).map_or([0.0, 0.0, 1.0], upward)).collect();
-    Ok(bare.with_normal_vectors(&oriented(&points, normals, viewpoint).normals))
+impl Contacts {
+    /// The same contacts with a normal each, estimated from the planes through neighbouring positions; towards `viewpoint`,
+    /// or towards +z where none is given. Such normals tell the free side and nothing else.
+    ///
+    /// ```
+    /// use palpate::{Contacts, Orientation};
+    ///
+    /// let points: Vec<[f64; 3]> = (0..25).map(|r| [f64::from(r % 5), f64::from(r / 5), 0.0]).collect();
+    /// let contacts = Contacts::from_points(&points).with_estimated_normals(None)?;
+    /// let Orientation::Normals { nz, .. } = &contacts.orientation else { panic!("no normals") };
+    /// assert!(nz.iter().all(|nz| (nz - 1.0).abs() < 1e-12));
+    /// # Ok::<(), palpate::ContactError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When a coordinate is not finite or the columns differ in length.
+    pub fn with_estimated_normals(&self, viewpoint: Option<[f64; 3]>) -> Result<Contacts, ContactError> {
+        let bare = Contacts { orientation: Orientation::None, ..self.clone() };
+        bare.check()?;
+        let points: Vec<Vector> = (0..bare.len()).map(|r| [bare.x[r], bare.y[r], bare.z[r]]).collect();
+        let tree = Neighbours::new(&points);
+        let upward = |n: Vector| if n[2] < 0.0 { n.map(|v| -v) } else { n };
+        let normals = points.iter().map(|p| plane_normal(&tree, &points, *p).map_or([0.0, 0.0, 1.0], upward)).collect();
+        Ok(bare.with_normal_vectors(&oriented(&points, normals, viewpoint).normals))
+    }
 }
 
 #[cfg(test)]
@@ -42,7 +55,7 @@ mod tests {
             .collect();
         let out = |viewpoint| {
             let Orientation::Normals { nx, ny, nz } =
-                estimate_normals(&Contacts::from_points(&points), viewpoint).unwrap().orientation
+                Contacts::from_points(&points).with_estimated_normals(viewpoint).unwrap().orientation
             else {
                 panic!("no normals")
             };

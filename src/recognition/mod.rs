@@ -8,19 +8,21 @@
 //! P(hypothesis | contacts) ~ integral of likelihood and prior over theta, f, s, rho, l
 //! ```
 //!
-//! S and R are means over the region that contacts support, weighted by those probabilities. Rotating, moving, scaling
-//! or shuffling the contacts changes the coordinates of the answer and nothing else.
+//! S and R are means over the supported points of the map, weighted by those probabilities: an even grid over x and y, as
+//! for a fit that names its model, or over the chart of a patch that stands steep. Moving, scaling or shuffling the
+//! contacts changes the coordinates of the answer and nothing else. So does rotating them, but for the points of the grid:
+//! where S and R differ from place to place, their means over other points differ too.
 //!
 //! ```
 //! use palpate::Contacts;
-//! use palpate::recognition::{Hypothesis, RecognitionOptions, recognise};
+//! use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions};
 //!
 //! // a ridge of radius 6 along y, touched at 36 places
 //! let (x, y): (Vec<f64>, Vec<f64>) = (0..36).map(|r| ((r % 6) as f64 - 2.5, (r / 6) as f64 - 2.5)).unzip();
 //! let z: Vec<f64> = x.iter().map(|x| (36.0 - x * x).sqrt() - 6.0).collect();
 //! let nz = z.iter().map(|z| z + 6.0).collect();
 //! let contacts = Contacts::from_positions(x.clone(), y, z).with_normals(x, vec![0.0; 36], nz);
-//! let found = recognise(&contacts, &RecognitionOptions::default())?;
+//! let found = Recognition::of(&contacts, &RecognitionOptions::default())?;
 //! assert_eq!((found.hypothesis, found.class.name()), (Hypothesis::Cylinder, "ridge"));
 //! assert!((found.radius.unwrap() - 6.0).abs() < 1e-6);
 //! # Ok::<(), palpate::recognition::RecognitionError>(())
@@ -48,6 +50,7 @@ mod noise;
 mod normal_noise;
 mod options;
 mod orientation;
+mod over_plane;
 mod own_axes;
 mod paraboloid;
 mod patch;
@@ -71,9 +74,7 @@ mod surface;
 mod tests;
 mod weights;
 
-pub use beside::count_model_error;
 pub use error::RecognitionError;
-pub use estimated_normals::estimate_normals;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
 // free-form parts are described by the same field as contacts that no simple shape explains
@@ -82,11 +83,12 @@ pub use options::RecognitionOptions;
 pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
-pub use result::{Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub(crate) use result::Dropped;
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
 pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
-pub use surface::RecognisedSurface;
+pub(crate) use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
@@ -98,33 +100,35 @@ use model::{Kind, Model};
 use noise::Limit;
 use patch::Patch;
 
-/// Recognises the shape that contacts show.
-///
-/// # Errors
-/// When the contacts are faulty, too few, on one line, or not one sheet.
-pub fn recognise(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, None, options)
-}
+impl Recognition {
+    /// Recognises the shape that contacts show.
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, on one line, or not one sheet.
+    pub fn of(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        recognise_given(Given::from_contacts(contacts, options)?, None, options)
+    }
 
-/// The same, with S and R averaged over these places of the input instead of the region that contacts support.
-fn recognise_over(
-    contacts: &Contacts,
-    places: &[Vector],
-    options: &RecognitionOptions,
-) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
-}
+    /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
+    ///
+    /// # Errors
+    /// As [`Recognition::of`].
+    pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
+        recognise_given(Given::from_grid(grid, options)?, None, &upward)
+    }
 
-/// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
-///
-/// # Errors
-/// As [`recognise`].
-pub fn recognise_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    input::check_options(options)?;
-    let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-    recognise_given(Given::from_grid(grid, options)?, None, &upward)
+    /// Of contacts, with S and R averaged over these places of the input instead of the region that contacts support.
+    fn over(
+        contacts: &Contacts,
+        places: &[Vector],
+        options: &RecognitionOptions,
+    ) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
+    }
 }
 
 /// The steps, top to bottom.

@@ -1,6 +1,6 @@
 //! What a caller may say to a recognition; everything else is taken from the data.
 
-/// Options of [`recognise`](super::recognise). The defaults serve a user who names nothing.
+/// Options of [`Recognition::of`](super::Recognition::of). The defaults serve a user who names nothing.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RecognitionOptions {

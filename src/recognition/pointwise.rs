@@ -75,7 +75,7 @@ impl<'a> Pointwise<'a> {
         let lengths = self.half.map(|h| h * self.found.surface.frame.scale);
         let tilts = of([0.0, 1.0, 0.0, 2.0 * u, v, 0.0]) / lengths[0].powi(2)
             + of([0.0, 0.0, 1.0, 0.0, u, 2.0 * v]) / lengths[1].powi(2);
-        let [s, r] = self.shape_at(local);
+        let [s, r] = self.shape_at(self.found.share_of_map(place));
         let curved = self.found.shape_index.is_some();
         let sds = PointSds {
             position: of(terms(local)).sqrt(),
@@ -88,10 +88,10 @@ impl<'a> Pointwise<'a> {
     }
 
     /// Those of S and R between the four nearest points of the map.
-    fn shape_at(&self, local: [f64; 2]) -> [Option<f64>; 2] {
+    fn shape_at(&self, share: [f64; 2]) -> [Option<f64>; 2] {
         let [n, m] = self.found.grid;
         let cell = |k: usize, count: usize| {
-            let t = (0.5 * (local[k] + 1.0)).clamp(0.0, 1.0) * count.saturating_sub(1) as f64;
+            let t = share[k].clamp(0.0, 1.0) * count.saturating_sub(1) as f64;
             let first = (t.floor() as usize).min(count.saturating_sub(2));
             (first, t - first as f64)
         };

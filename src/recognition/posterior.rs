@@ -60,6 +60,21 @@ pub(super) struct Summary {
     pub(super) u: Vec<[f64; 2]>,
 }
 
+impl Summary {
+    /// Moves means and intervals from the points that they were taken over to others, by what one surface shows of the
+    /// difference.
+    pub(super) fn move_to(&mut self, state: &State, from: &[ChartPoint], to: &[ChartPoint]) {
+        let mean = |points: &[ChartPoint]| Points { all: points, map: &[], within: None }.field(state);
+        let (from, to) = (mean(from), mean(to));
+        if let Some(s) = &mut self.shape_index {
+            s.moved(to.s - from.s, [-1.0, 1.0]);
+        }
+        self.curvedness.moved(to.r - from.r, [0.0, f64::INFINITY]);
+        self.k1 += to.k[0] - from.k[0];
+        self.k2 += to.k[1] - from.k[1];
+    }
+}
+
 /// Means over the region of one surface, and S and R at the points asked for.
 struct Field {
     s: f64,

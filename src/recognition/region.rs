@@ -1,12 +1,14 @@
-//! The part of the chart that the answer is about: the map's points, and the lattice that means are taken over.
+//! The part of the surface that the answer is about: the map's points, and the lattice that means are taken over.
 //!
 //! ```text
-//! map      nu x nv points from edge to edge of the box of the contacts' chart positions
+//! map      nx x ny points from edge to edge of the box of the contacts' x and y, where the surface is nowhere steep over
+//!          them; otherwise of the box of the contacts' chart positions
 //! lattice  at most 16 x 16 points over the same box, those that contacts support: means are taken over them
 //! ```
 //!
 //! The map's outermost points lie on the edges of the box. Where the contacts do not fill their box, some of these
-//! points are not supported. Of a map of up to 16 x 16 points, the lattice is the supported part.
+//! points are not supported. Of a map of up to 16 x 16 points the lattice is the supported part; of a finer one, whose
+//! mean differs a little, the means are moved by what the reported surface shows of the difference.
 
 use std::sync::Arc;
 
@@ -17,6 +19,7 @@ use super::RecognitionOptions;
 use super::constant_curvature::ConstantCurvature;
 use super::displacement::Displacement;
 use super::evidence::Evidence;
+use super::over_plane;
 use super::patch::Patch;
 use super::state::{ChartPoint, State};
 use super::support::Support;
@@ -25,6 +28,10 @@ use super::surface::RecognisedSurface;
 /// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of
 /// them.
 const LATTICE: usize = 16;
+
+/// A narrow strip that runs aslant leaves few points of a grid over x and y. With fewer than this the chart's grid, where
+/// it has more, says more of the patch.
+const FEW: usize = 8;
 
 /// The reported surface with its points.
 pub(super) struct Region {
@@ -35,6 +42,8 @@ pub(super) struct Region {
     pub(super) lattice: Vec<ChartPoint>,
     /// Numbers of the lattice's points within the map, where they are a part of it.
     pub(super) within_map: Option<Vec<usize>>,
+    /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
+    pub(super) over: Option<[[f64; 2]; 2]>,
 }
 
 impl Region {
@@ -60,10 +69,15 @@ impl Region {
             state,
             support: support.clone(),
         };
-        let holds = |p: &ChartPoint| support.holds(p.chart, p.place);
-        let [along_u, along_v] = [linspace(u[0], u[1], options.grid[0]), linspace(v[0], v[1], options.grid[1])];
-        let map = product(&surface, &along_u, &along_v);
-        let mut supported: Vec<bool> = map.iter().map(holds).collect();
+        let mut over = over_plane::is_level(&surface)
+            .then(|| over_plane::bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
+        let (mut map, mut supported) = even(&surface, over, options.grid);
+        if over.is_some() && count(&supported) < FEW {
+            let (of_chart, there) = even(&surface, None, options.grid);
+            if count(&there) > count(&supported) {
+                (over, map, supported) = (None, of_chart, there);
+            }
+        }
         if !supported.contains(&true) {
             // a map so coarse that none of its points lies inside is shown as it is
             supported.fill(true);
@@ -71,15 +85,42 @@ impl Region {
         if let Some(places) = places {
             let at = |place: &Vector| base.chart(patch.frame.to_patch(*place));
             let lattice = places.iter().map(at).map(|[u, v]| surface.chart_point(u, v)).collect();
-            return Region { surface, map, supported, lattice, within_map: None };
+            return Region { surface, map, supported, lattice, within_map: None, over };
         }
-        let [n, m] = options.grid.map(|n| n.min(LATTICE));
-        let all = product(&surface, &linspace(u[0], u[1], n), &linspace(v[0], v[1], m));
-        let held: Vec<usize> = (0..all.len()).filter(|&i| holds(&all[i])).collect();
-        let numbers = if held.is_empty() { (0..all.len()).collect() } else { held };
+        let held = |supported: &[bool]| (0..supported.len()).filter(|&i| supported[i]).collect::<Vec<usize>>();
+        let points = options.grid.map(|n| n.min(LATTICE));
+        if points == options.grid {
+            let numbers = held(&supported);
+            let lattice = numbers.iter().map(|&i| map[i].clone()).collect();
+            return Region { surface, map, supported, lattice, within_map: Some(numbers), over };
+        }
+        let (all, coarse) = even(&surface, over, points);
+        let numbers = held(&coarse);
+        let numbers = if numbers.is_empty() { (0..all.len()).collect() } else { numbers };
         let lattice = numbers.iter().map(|&i| all[i].clone()).collect();
-        let within_map = (options.grid == [n, m]).then_some(numbers);
-        Region { surface, map, supported, lattice, within_map }
+        Region { surface, map, supported, lattice, within_map: None, over }
+    }
+}
+
+fn count(supported: &[bool]) -> usize {
+    supported.iter().filter(|s| **s).count()
+}
+
+/// Points of an even grid, the second direction running fastest, and whether contacts support each.
+fn even(surface: &RecognisedSurface, over: Option<[[f64; 2]; 2]>, points: [usize; 2]) -> (Vec<ChartPoint>, Vec<bool>) {
+    let holds = |p: &ChartPoint| surface.support.holds(p.chart, p.place);
+    match over {
+        Some(over) => {
+            let found = over_plane::product(surface, over, points);
+            let supported = found.iter().map(|(p, reached)| *reached && holds(p)).collect();
+            (found.into_iter().map(|(p, _)| p).collect(), supported)
+        }
+        None => {
+            let [u, v] = [surface.u, surface.v];
+            let found = product(surface, &linspace(u[0], u[1], points[0]), &linspace(v[0], v[1], points[1]));
+            let supported = found.iter().map(holds).collect();
+            (found, supported)
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use super::state::{ChartPoint, State};
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
+    Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
     RecognitionOptions, Tried, weighted_rms,
 };
 
@@ -39,6 +39,11 @@ pub(super) struct Findings<'a> {
     pub(super) distances: &'a Mat<f64>,
     /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
     pub(super) places: Option<&'a [Vector]>,
+}
+
+/// The points that contacts support.
+fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
+    points.iter().zip(supported).filter(|(_, supported)| **supported).map(|(point, _)| point.clone()).collect()
 }
 
 /// Hypothesis of a node.
@@ -69,21 +74,27 @@ impl Findings<'_> {
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
-        let Region { surface, map: points, supported, lattice, within_map } =
+        let Region { surface, map: points, supported, lattice, within_map, over: level_over } =
             Region::new(self.patch, self.evidence, base, state, self.places, options);
         let map = &points[..points.len().min(MAPPED)];
         let over = Points { all: &lattice, map, within: within_map.as_deref().filter(|_| map.len() == points.len()) };
-        let found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
+        let mut found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
+        if self.places.is_none() && within_map.is_none() {
+            found.move_to(&surface.state, &lattice, &held(&points, &supported));
+        }
         let map = self.map(&surface, &points, &supported, &found);
         let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
         let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
+        let place_of = |p: &ChartPoint| surface.at(p.chart[0], p.chart[1]);
         let curvedness = scaled_estimate(found.curvedness, scale);
         let [k1, k2] = [found.k1 / scale, found.k2 / scale];
         let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
         let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
         let directions = if directed { self.directions(&surface) } else { None };
+        let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
+            self.patch.dropped;
         Ok(Recognition {
             hypothesis,
             class,
@@ -104,9 +115,17 @@ impl Findings<'_> {
             support: (supported.iter().filter(|s| **s).count(), points.len()),
             map,
             grid: options.grid,
-            averaged: lattice.iter().map(|p| surface.at(p.chart[0], p.chart[1])).collect(),
+            over: level_over,
+            averaged: match self.places {
+                Some(_) => lattice.iter().map(place_of).collect(),
+                None => held(&points, &supported).iter().map(place_of).collect(),
+            },
             surface,
-            dropped: self.patch.dropped,
+            outliers,
+            missing,
+            normals_of_length_zero,
+            normals_against,
+            normals_flipped,
             normals: self.patch.normals,
             noise: self.noise(best),
             tried,

@@ -98,6 +98,14 @@ pub struct Estimate {
     pub dof: f64,
 }
 
+impl Estimate {
+    /// Moves mean and interval by this much within these limits.
+    pub(super) fn moved(&mut self, by: f64, [least, most]: [f64; 2]) {
+        let there = |value: f64| (value + by).clamp(least, most);
+        (self.mean, self.interval) = (there(self.mean), self.interval.map(there));
+    }
+}
+
 /// What the normals were used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -130,7 +138,7 @@ impl NormalsUse {
 /// Contacts and normals that were set aside or changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Dropped {
+pub(crate) struct Dropped {
     /// Contacts too far off the surface to belong to it.
     pub outliers: usize,
     /// Missing pixels of a grid.
@@ -244,16 +252,27 @@ pub struct Recognition {
     pub frame: Frame,
     /// Points of the map that contacts support, and all of them.
     pub support: (usize, usize),
-    /// The map, row after row: the second direction of the chart runs fastest.
+    /// The map, row after row: an even grid from edge to edge of the box of the contacts' x and y, y running fastest; where
+    /// the patch stands steep over them, a grid of its chart. Means are over its supported points.
     pub map: Vec<MapPoint>,
     /// Points of the map in the two directions.
     pub grid: [usize; 2],
+    /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
+    pub(crate) over: Option<[[f64; 2]; 2]>,
     /// The recognised surface, for sampling it elsewhere.
-    pub surface: RecognisedSurface,
+    pub(crate) surface: RecognisedSurface,
     /// Points and unit normals that the means are taken over, input coordinates.
     pub(crate) averaged: Vec<([f64; 3], [f64; 3])>,
-    /// What was set aside.
-    pub dropped: Dropped,
+    /// Contacts too far off the surface to belong to it, which were left out.
+    pub outliers: usize,
+    /// Missing pixels of a grid.
+    pub missing: usize,
+    /// Normals of length zero, which were left out.
+    pub normals_of_length_zero: usize,
+    /// Normals more than 60 degrees off the surface's, which were left out.
+    pub normals_against: usize,
+    /// Normals that were reversed to agree with their neighbours.
+    pub normals_flipped: usize,
     /// What the normals were used for.
     pub normals: NormalsUse,
     /// What the residuals tell of the sensor.
@@ -268,4 +287,51 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know, in whole sentences.
     pub notes: Vec<String>,
+}
+
+impl Recognition {
+    /// Ranges of the chart that the contacts cover: u and v, arc lengths in units of `frame.scale` input units.
+    pub fn chart(&self) -> [[f64; 2]; 2] {
+        [self.surface.u, self.surface.v]
+    }
+
+    /// Point and unit normal of the recognised surface at chart coordinates, in the input's coordinates.
+    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+        self.surface.at(u, v)
+    }
+
+    /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
+    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+        self.surface.curvatures_at(u, v)
+    }
+
+    /// Whether contacts surround the surface at chart coordinates.
+    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+        self.surface.supported_at(u, v)
+    }
+
+    /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
+    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+        self.surface.chart_of(place)
+    }
+
+    /// Signed distance of a place from the surface, positive on the free side. Input units.
+    pub fn distance(&self, place: [f64; 3]) -> f64 {
+        self.surface.distance(place)
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Recognition {
+    /// Where a place of the input lies within the map, 0 to 1 in both directions.
+    pub(crate) fn share_of_map(&self, place: [f64; 3]) -> [f64; 2] {
+        let (at, edges) = match self.over {
+            Some(over) => ([place[0], place[1]], over),
+            None => (self.surface.chart_of(place), [self.surface.u, self.surface.v]),
+        };
+        [0, 1].map(|k| {
+            let [lo, hi] = edges[k];
+            if hi > lo { (at[k] - lo) / (hi - lo) } else { 0.5 }
+        })
+    }
 }

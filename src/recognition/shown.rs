@@ -70,7 +70,7 @@ pub(crate) fn shown(
         Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), request) {
             Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
             None if is_no_answer(&found) => {
-                let strays = found.dropped.outliers as f64;
+                let strays = found.outliers as f64;
                 let outliers = 100.0 * strays / (strays + found.contacts as f64);
                 Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
             }

@@ -12,7 +12,9 @@ use ndarray::Array2;
 
 use crate::bspline::linspace;
 use crate::contact::{Contacts, Grid};
-use crate::fit::{Fit, FitError, FitOptions, FrameChoice, Objective, SlopeWeights, fit_contacts, fit_grid};
+use crate::fit::{
+    Fit, FitError, FitOptions, FrameChoice, Objective, OutsideDomain, SlopeWeights, fit_contacts, fit_grid,
+};
 use crate::shape::UvSupport;
 use crate::surface::{HeightField, Parametric};
 use crate::vector::{Vector, minus, norm};
@@ -33,9 +35,6 @@ const OF_MISFIT: f64 = 1e-3;
 
 /// The same as a share of the patch's size, for contacts without noise.
 const OF_SIZE: f64 = 1e-7;
-
-/// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.
-const STEEP: f64 = 0.25;
 
 /// Cells each way of the supported region as triangles.
 const CELLS: usize = 16;
@@ -78,11 +77,10 @@ impl Recognition {
         let rms = self.tried.iter().find(|t| t.hypothesis == self.hypothesis).map_or(0.0, |t| t.rms);
         let size = norm(minus(samples.points[0], samples.points[samples.points.len() - 1]));
         let enough = (OF_MISFIT * rms).max(OF_SIZE * size);
-        let level = |i: &usize| samples.normals[*i][2] >= STEEP;
-        if samples.used().all(|i| level(&i)) {
-            return samples.height_field(enough);
+        match self.over {
+            Some(over) => samples.height_field(over, enough),
+            None => samples.parametric(self, enough),
         }
-        samples.parametric(self, enough)
     }
 }
 
@@ -103,13 +101,15 @@ impl Samples {
         (0..self.points.len()).filter(|&i| self.supported[i])
     }
 
-    fn height_field(&self, enough: f64) -> Result<RecognisedSpline, FitError> {
+    fn height_field(&self, over: [[f64; 2]; 2], enough: f64) -> Result<RecognisedSpline, FitError> {
         let points: Vec<Vector> = self.used().map(|i| self.points[i]).collect();
         let normals: Vec<Vector> = self.used().map(|i| self.normals[i]).collect();
         let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
         let mut options = FitOptions {
             degree: [DEGREE; 2],
             frame: Some(FrameChoice::Keep),
+            domain: Some([over[0][0], over[0][1], over[1][0], over[1][1]]),
+            outside: OutsideDomain::Extend,
             objective: Objective::Slopes(SlopeWeights::Equal),
             ..FitOptions::default()
         };
@@ -182,7 +182,7 @@ fn support(found: &Recognition, scale: f64) -> UvSupport {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{RecognitionOptions, recognise};
+    use super::super::RecognitionOptions;
     use super::*;
     use crate::vector::dot;
 
@@ -198,11 +198,11 @@ mod tests {
 
     #[test]
     fn a_level_patch_becomes_a_height_field_and_half_a_pipe_a_map() {
-        let found = recognise(&cylinder(0.8), &RecognitionOptions::default()).unwrap();
+        let found = Recognition::of(&cylinder(0.8), &RecognitionOptions::default()).unwrap();
         let RecognisedSpline::Height { surface, .. } = found.spline().unwrap() else { panic!("no height field") };
         let here = surface.at(2.0, 4.0);
         assert!((here.z - 21.0_f64.sqrt()).abs() < 1e-4);
-        let found = recognise(&cylinder(1.5), &RecognitionOptions::default()).unwrap();
+        let found = Recognition::of(&cylinder(1.5), &RecognitionOptions::default()).unwrap();
         let RecognisedSpline::Parametric { surface, support } = found.spline().unwrap() else { panic!("no map") };
         let [u, v] = [0, 1].map(|k| surface.knots()[k].domain()).map(|[lo, hi]| 0.3 * lo + 0.7 * hi);
         assert!(support.holds(u, v));

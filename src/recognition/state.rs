@@ -5,7 +5,7 @@
 //!                                    at most 45 degrees
 //! ```
 
-use crate::curvature::{Principal, principal_curvatures};
+use crate::curvature::Principal;
 use crate::vector::{Vector, along};
 
 use super::constant_curvature::{ConstantCurvature, Jet, bending, curvatures_of, derivatives};
@@ -125,11 +125,11 @@ impl State {
 
     fn principal(&self, at: &ChartPoint) -> Option<Principal> {
         match &self.model {
-            Model::Paraboloid(surface) => principal_curvatures(&surface.derivatives(at.place[0], at.place[1])),
+            Model::Paraboloid(surface) => surface.derivatives(at.place[0], at.place[1]).principal(),
             Model::Constant(_, surface) => {
                 let [_, _, _, k1, k2, _] = surface.theta;
                 let [c, s] = self.turn;
-                principal_curvatures(&derivatives(k1, k2, self.turned_chart(at), &turned(&self.jet(at), c, s)))
+                derivatives(k1, k2, self.turned_chart(at), &turned(&self.jet(at), c, s)).principal()
             }
         }
     }
@@ -170,6 +170,6 @@ impl State {
 /// Direction of the larger curvature of a cylinder.
 fn axis_of_k1(surface: &ConstantCurvature, place: Vector) -> Vector {
     let k = surface.theta[3];
-    let local = principal_curvatures(&derivatives(k, 0.0, surface.chart(place), &[0.0; 6]));
+    let local = derivatives(k, 0.0, surface.chart(place), &[0.0; 6]).principal();
     surface.rotate_back(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
 }

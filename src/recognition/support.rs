@@ -1,7 +1,7 @@
 //! Where contacts support the surface: inside their outline and near enough to one of them.
 //!
 //! ```text
-//! inside the convex hull of the contacts' chart positions (the outline counts), and
+//! inside the convex hull of the contacts' chart positions (the outline counts, and a little more), and
 //! nearest contact within max(3 x 95 % quantile of nearest-neighbour distances, 1.1 x widest gap between cells)
 //! ```
 //!
@@ -22,13 +22,17 @@ const SAMPLE: usize = 4000;
 /// sites by the step of the finger. Along a finger and across fingers the steps differ less.
 const SUDDEN: f64 = 5.0;
 
+/// Share of the reach by which a point may lie outside the outline. Errors move the contacts on the outline by less than
+/// their distance from each other, and the edge of an even grid would otherwise be inside here and outside there.
+const BEYOND: f64 = 0.03;
+
 /// The region that contacts support.
 #[derive(Clone, Debug)]
 pub(super) struct Support<'a> {
     hull: Vec<[f64; 2]>,
     tree: Neighbours<'a>,
     reach: f64,
-    tolerance: f64,
+    beyond: f64,
 }
 
 impl<'a> Support<'a> {
@@ -40,12 +44,12 @@ impl<'a> Support<'a> {
         nearest.sort_unstable_by(f64::total_cmp);
         let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
         let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.points));
-        Support { hull: hull(charts), tree, reach, tolerance: 1e-9 }
+        Support { hull: hull(charts), tree, reach, beyond: BEYOND * reach }
     }
 
     /// The same region, independent of the contacts' lifetime.
     pub(super) fn into_owned(self) -> Support<'static> {
-        Support { hull: self.hull, tree: self.tree.into_owned(), reach: self.reach, tolerance: self.tolerance }
+        Support { hull: self.hull, tree: self.tree.into_owned(), reach: self.reach, beyond: self.beyond }
     }
 
     /// Range of the chart that the contacts cover.
@@ -59,7 +63,7 @@ impl<'a> Support<'a> {
     pub(super) fn holds(&self, chart: [f64; 2], place: Vector) -> bool {
         let inside = (0..self.hull.len()).all(|i| {
             let (a, b) = (self.hull[i], self.hull[(i + 1) % self.hull.len()]);
-            turn(a, b, chart) >= -self.tolerance
+            turn(a, b, chart) >= -self.beyond * (b[0] - a[0]).hypot(b[1] - a[1])
         });
         inside && self.tree.nearest(place, 1).first().is_some_and(|(squared, _)| squared.sqrt() <= self.reach)
     }

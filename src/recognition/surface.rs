@@ -17,7 +17,7 @@ use super::support::Support;
 
 /// The surface that was recognised, of whichever kind, in the input's coordinates.
 #[derive(Clone, Debug)]
-pub struct RecognisedSurface {
+pub(crate) struct RecognisedSurface {
     /// Frame in which the surface is written.
     pub frame: Frame,
     /// Range of the first chart coordinate that the contacts cover, in units of the frame's length.
@@ -32,30 +32,30 @@ pub struct RecognisedSurface {
 
 impl RecognisedSurface {
     /// Point and unit normal at chart coordinates, in the input's coordinates.
-    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+    pub(crate) fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
         let bent = self.state.at(&self.chart_point(u, v));
         (self.frame.to_input(bent.place), self.frame.rotate_back(bent.normal))
     }
 
     /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
-    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+    pub(crate) fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
         let curvatures = self.state.curvatures(&self.chart_point(u, v))?;
         Some(curvatures.map(|k| k / self.frame.scale))
     }
 
     /// Whether contacts surround the surface at chart coordinates.
-    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+    pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {
         let point = self.chart_point(u, v);
         self.support.holds(point.chart, point.place)
     }
 
     /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
-    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+    pub(crate) fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
         self.base.chart(self.frame.to_patch(place))
     }
 
     /// Signed distance of a place from the surface, positive on the free side. Input units.
-    pub fn distance(&self, place: [f64; 3]) -> f64 {
+    pub(crate) fn distance(&self, place: [f64; 3]) -> f64 {
         let local = self.frame.to_patch(place);
         let displaced = match self.state.model().kind() {
             Kind::General if self.displacement.is_some() => {

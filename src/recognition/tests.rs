@@ -49,7 +49,7 @@ fn cylinder(x: f64, y: f64) -> f64 {
 }
 
 fn recognised(points: &[Vector]) -> Recognition {
-    recognise(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap()
+    Recognition::of(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap()
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn turning_scaling_and_shuffling_change_nothing_but_coordinates() {
         points.iter().map(|[x, y, _]| unit([-0.1 * x - 0.01 * y, 0.04 * y - 0.01 * x, 1.0])).collect();
     let of = |points: &[Vector], normals: &[Vector]| {
         let contacts = Contacts::from_points(points).with_normal_vectors(normals);
-        recognise(&contacts, &RecognitionOptions::default()).unwrap()
+        Recognition::of(&contacts, &RecognitionOptions::default()).unwrap()
     };
     let first = of(&points, &normals);
     let (s, r) = (first.shape_index.unwrap().mean, first.curvedness.mean);
@@ -119,12 +119,9 @@ fn outliers_and_faulty_normals_are_set_aside_and_counted() {
     normals[30] = [0.0; 3];
     normals[31] = normals[31].map(|v| -v);
     let found =
-        recognise(&Contacts::from_points(&points).with_normal_vectors(&normals), &RecognitionOptions::default())
+        Recognition::of(&Contacts::from_points(&points).with_normal_vectors(&normals), &RecognitionOptions::default())
             .unwrap();
-    assert_eq!(
-        (found.dropped.outliers, found.dropped.normals_of_length_zero, found.dropped.normals_flipped),
-        (2, 1, 1)
-    );
+    assert_eq!((found.outliers, found.normals_of_length_zero, found.normals_flipped), (2, 1, 1));
     assert_eq!((found.class, found.normals), (ShapeClass::Cap, NormalsUse::Believed));
     assert!((found.radius.unwrap() - 10.0).abs() < 0.3);
 }
@@ -160,8 +157,8 @@ fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
     let axis: Vec<f64> = (0..12).map(|i| i as f64 * 0.6 - 3.3).collect();
     let mut z = ndarray::Array2::from_shape_fn((12, 12), |(i, j)| sphere(axis[i], axis[j]));
     z[[3, 4]] = f64::NAN;
-    let found = recognise_grid(&Grid::new(axis.clone(), axis, z), &RecognitionOptions::default()).unwrap();
-    assert_eq!((found.class, found.dropped.missing, found.contacts), (ShapeClass::Cap, 1, 143));
+    let found = Recognition::of_grid(&Grid::new(axis.clone(), axis, z), &RecognitionOptions::default()).unwrap();
+    assert_eq!((found.class, found.missing, found.contacts), (ShapeClass::Cap, 1, 143));
     assert_eq!((found.map.len(), found.support.1), (64, 64));
     for point in found.map.iter().filter(|p| p.supported) {
         let [x, y, z] = point.position;
@@ -171,8 +168,9 @@ fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
 
 #[test]
 fn what_is_no_patch_is_refused_with_a_reason() {
-    let refused =
-        |points: &[Vector]| recognise(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap_err();
+    let refused = |points: &[Vector]| {
+        Recognition::of(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap_err()
+    };
     let few = refused(&patch(sphere, 8, 0.0, 1));
     assert_eq!(few, RecognitionError::TooFew { found: 8, needed: 9, kind: "without" });
     let line: Vec<Vector> = (0..20).map(|i| [i as f64, 2.0 * i as f64, 1.0]).collect();
@@ -188,10 +186,11 @@ fn what_is_no_patch_is_refused_with_a_reason() {
             ])
         })
         .collect();
-    let closed = recognise(&Contacts::from_points(&ball).with_normal_vectors(&ball), &RecognitionOptions::default());
+    let closed =
+        Recognition::of(&Contacts::from_points(&ball).with_normal_vectors(&ball), &RecognitionOptions::default());
     assert!(matches!(closed, Err(RecognitionError::AllAround { .. })));
     let nan = Contacts { orientation: Orientation::None, ..Contacts::from_points(&[[f64::NAN, 0.0, 0.0]; 12]) };
-    assert!(matches!(recognise(&nan, &RecognitionOptions::default()), Err(RecognitionError::Contact(_))));
+    assert!(matches!(Recognition::of(&nan, &RecognitionOptions::default()), Err(RecognitionError::Contact(_))));
 }
 
 #[test]
@@ -207,7 +206,7 @@ fn few_touches_with_normals_are_enough_for_a_class() {
             .collect();
         let normals: Vec<Vector> = points.iter().map(|[x, y, z]| unit([*x, *y, z + 10.0])).collect();
         let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-        let found = recognise(&contacts, &RecognitionOptions::default()).unwrap();
+        let found = Recognition::of(&contacts, &RecognitionOptions::default()).unwrap();
         assert_eq!(found.class, ShapeClass::Cap, "{count} touches");
     }
 }

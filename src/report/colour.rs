@@ -55,8 +55,8 @@ pub(super) fn hex([r, g, b]: Colour) -> String {
 pub(super) struct Field<'a> {
     /// Key in the page's data.
     pub key: &'static str,
-    /// What it is called.
-    pub name: &'static str,
+    /// What it is called, with its unit.
+    pub name: String,
     /// Values; NaN where there is none.
     pub values: &'a [f64],
     /// Ends of the scale.

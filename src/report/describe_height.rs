@@ -7,7 +7,7 @@ use crate::contact::{Contacts, Frame, Grid};
 use crate::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface, SupportMap, UNCERTAINTY_POINTS};
 use crate::scene::Truth;
-use crate::shape::{PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, shape_maps, spread};
+use crate::shape::{PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, spread};
 use crate::simd::Isa;
 use crate::surface::HeightField;
 
@@ -83,7 +83,7 @@ impl<'a> HeightDescription<'a> {
         grid: ShownGrid,
     ) -> HeightDescription<'a> {
         let domain = [0, 1].map(|k| surface.knots()[k].domain());
-        let mut maps = shape_maps(surface, ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
+        let mut maps = surface.shape_maps(ShapeGrid::over(domain, grid.points, grid.inset), &saved.unsupported);
         if let Some(map) = &saved.support_map {
             let places = &maps.grid;
             maps.supported
@@ -148,7 +148,7 @@ impl Description for HeightDescription<'_> {
 fn picture_maps(surface: &HeightField, grid: [usize; 2], unsupported: &[usize]) -> ShapeMaps {
     let [least, most] = PICTURE_CELLS;
     let domain = [0, 1].map(|k| surface.knots()[k].domain());
-    shape_maps(surface, ShapeGrid::over(domain, grid.map(|n| n.clamp(least, most)), 0.0), unsupported)
+    surface.shape_maps(ShapeGrid::over(domain, grid.map(|n| n.clamp(least, most)), 0.0), unsupported)
 }
 
 fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
@@ -215,9 +215,9 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         condition: certificate.and_then(|certificate| finite(certificate.condition)),
         backward_error: certificate.and_then(|certificate| finite(certificate.backward_error)),
         promise: certificate.map(|certificate| PromisePart {
-            coefficients: certificate.guaranteed_digits.coefficients,
-            shape_index: certificate.guaranteed_digits.shape_index,
-            curvedness: certificate.guaranteed_digits.curvedness,
+            coefficients: certificate.digits_of_coefficients,
+            shape_index: certificate.digits_of_shape_index,
+            curvedness: certificate.digits_of_curvedness,
         }),
         refinements: solution.refinements,
         smooth: fit.smoothing(),
@@ -281,6 +281,7 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         direction: None,
         axis_deg: shape.axis_deg,
         axis: None,
+        centre: None,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),

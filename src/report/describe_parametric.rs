@@ -165,10 +165,10 @@ fn decline(document: &mut FitDocument) {
 }
 
 fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
-    let (certificate, levels, rms) = (fit.certificate(), fit.noise(), fit.rms());
+    let (certificate, rms) = (fit.certificate(), fit.rms());
     let knots = fit.surface().knots();
     let finite = |v: f64| v.is_finite().then_some(v);
-    let how = if levels.estimated { "levels estimated with the fit" } else { "levels declared" };
+    let how = if fit.noise_is_estimated() { "levels estimated with the fit" } else { "levels declared" };
     FitPart {
         degree: [0, 1].map(|k| knots[k].degree()),
         segments: [0, 1].map(|k| knots[k].n_segments()),
@@ -189,8 +189,8 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             closed: [0, 1].map(|k| knots[k].is_closed()),
         }),
         sigma: Some(SigmaPart {
-            z: Some(levels.position),
-            normal_deg: Some(levels.normal_deg),
+            z: Some(fit.position_sd()),
+            normal_deg: Some(fit.normal_sd_deg()),
             ..SigmaPart::default()
         }),
         method: "cholesky".into(),
@@ -202,7 +202,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
         backward_error: finite(certificate.gradient),
         promise: None,
         refinements: 0,
-        smooth: levels.fairness,
+        smooth: fit.fairness(),
         rms: RmsPart { z: Some(rms[0]), normal_deg: Some(rms[1].to_degrees()), ..RmsPart::default() },
         notes: subject.remarks().chain(notes(fit)).collect(),
         technical_notes: Vec::new(),
@@ -256,6 +256,7 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         direction: shape.direction,
         axis_deg: None,
         axis: shape.axis,
+        centre: None,
         support: shape.support,
         plane_p: shape.plane_p,
         covariance: None,

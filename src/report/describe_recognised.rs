@@ -8,12 +8,18 @@
 use std::borrow::Cow;
 use std::io::Write;
 
+use ndarray::Array2;
+
 use crate::contact::{Contacts, Frame, Grid};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
-use crate::recognition::{Estimate, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
-use crate::shape::{ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, shape_maps, spread, uv_grid};
+use crate::recognition::{
+    Estimate, Hypothesis, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition,
+};
+use crate::shape::{
+    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, spread, uv_grid,
+};
 use crate::surface::HeightField;
 
 use super::description::{Description, PICTURE_CELLS, Subject, shares, spread_part, take_back_class};
@@ -53,7 +59,7 @@ impl<'a> RecognisedDescription<'a> {
         let mut document = FitDocument {
             schema: FIT_SCHEMA.into(),
             unit: subject.unit.clone(),
-            contacts: found.contacts + found.dropped.outliers,
+            contacts: found.contacts + found.outliers,
             frame: match &spline {
                 RecognisedSpline::Height { fit, .. } => SavedFrame::of(fit.frame()),
                 RecognisedSpline::Parametric { .. } => SavedFrame::of(&found.frame),
@@ -78,15 +84,28 @@ impl<'a> RecognisedDescription<'a> {
     }
 
     fn maps(&self, points: [usize; 2]) -> Maps {
+        // means are over the supported points of the recognition's own map, and the maps show these
+        let own = (points == self.found.grid).then(|| self.supported());
         match &self.spline {
             RecognisedSpline::Height { surface, .. } => {
-                Maps::Height(Box::new(height_maps(surface, &self.found.surface, points)))
+                let mut maps = height_maps(surface, &self.found.surface, points);
+                maps.supported = own.unwrap_or(maps.supported);
+                Maps::Height(Box::new(maps))
             }
             RecognisedSpline::Parametric { surface, support } => {
                 let grid = uv_grid([&surface.knots()[0], &surface.knots()[1]], points, 0.0);
-                Maps::Parametric(Box::new(parametric_maps(surface, grid, support)))
+                Maps::Parametric(Box::new(match own {
+                    Some(own) => parametric_maps_at(surface, grid, &own),
+                    None => parametric_maps(surface, grid, support),
+                }))
             }
         }
+    }
+
+    /// Which points of the recognition's map contacts support.
+    fn supported(&self) -> Array2<bool> {
+        let [_, m] = self.found.grid;
+        Array2::from_shape_fn(self.found.grid, |(i, j)| self.found.map.get(i * m + j).is_some_and(|p| p.supported))
     }
 }
 
@@ -106,7 +125,7 @@ enum Maps {
 /// Maps over the spline's domain; where contacts do not surround the surface nothing is said.
 fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize; 2]) -> ShapeMaps {
     let domain = [0, 1].map(|k| surface.knots()[k].domain());
-    let mut maps = shape_maps(surface, ShapeGrid::over(domain, points, 0.0), &[]);
+    let mut maps = surface.shape_maps(ShapeGrid::over(domain, points, 0.0), &[]);
     for ((i, j), supported) in maps.supported.indexed_iter_mut() {
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
         *supported = found.supported_at(u, v);
@@ -245,12 +264,11 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
 
 /// Contacts and normals that were set aside or changed, in words.
 fn set_aside(found: &Recognition) -> Vec<String> {
-    let dropped = &found.dropped;
     let counted = [
-        (dropped.outliers, "contact", "too far off the surface to belong to it: left out"),
-        (dropped.normals_of_length_zero, "normal", "of length 0: left out"),
-        (dropped.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
-        (dropped.normals_against, "normal", "more than 60 degrees off the surface: left out"),
+        (found.outliers, "contact", "too far off the surface to belong to it: left out"),
+        (found.normals_of_length_zero, "normal", "of length 0: left out"),
+        (found.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
+        (found.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     let some = counted.iter().filter(|(count, _, _)| *count > 0);
@@ -307,6 +325,21 @@ fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
     ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
 }
 
+/// Centre of curvature in the middle of the patch, across: the centre of a ball, a point on the axis of a pipe or bar. Of other
+/// surfaces it is one of many, and says nothing.
+fn centre(found: &Recognition) -> Option<[f64; 3]> {
+    if !matches!(found.hypothesis, Hypothesis::Sphere | Hypothesis::Cylinder) || found.radius.is_none() {
+        return None;
+    }
+    let [u, v] = [found.surface.u, found.surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
+    let (place, normal) = found.surface.at(u, v);
+    // towards the free side where the surface is hollow
+    let [k1, k2] = found.surface.curvatures_at(u, v)?;
+    let k = if k1.abs() > k2.abs() { k1 } else { k2 };
+    let centre = [0, 1, 2].map(|axis| place[axis] + normal[axis] / k);
+    centre.iter().all(|v| v.is_finite()).then_some(centre)
+}
+
 fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
     let supported = || found.map.iter().filter(|p| p.supported);
     let over_map = |pick: fn(&crate::recognition::MapPoint) -> f64, mean: f64| {
@@ -335,6 +368,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         direction: found.direction.filter(|_| !level),
         axis_deg: found.axis.filter(|_| level).map(projected),
         axis: found.axis.filter(|_| !level),
+        centre: centre(found),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,
         covariance: None,

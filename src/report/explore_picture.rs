@@ -1,32 +1,38 @@
-//! `explore.svg`: where it touched and in which order; u(S) and u(R)/R against the contacts.
+//! `explore`: where it touched and in which order; u(S) and u(R)/R against the contacts.
 
 use std::io::Write;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::drawing::Drawing;
 use super::explore::{ExploreDocument, KnownPart};
+use super::pictures::{PictureFormat, write_drawing};
+use super::plotted::Plotted;
 use super::table::significant;
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Area<'a> = DrawingArea<Plotted<'a>, Shift>;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// Touches that are numbered; more numbers than these would lie over each other.
 const NUMBERED: usize = 120;
 
-/// Draws an exploration as an SVG.
+/// Draws an exploration.
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_explore_picture(document: &ExploreDocument, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut svg = String::new();
-    draw(document, &mut svg).map_err(|e| std::io::Error::other(e.to_string()))?;
-    out.write_all(svg.as_bytes())
+pub(crate) fn write_explore_picture(
+    document: &ExploreDocument,
+    format: PictureFormat,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let mut drawing = Drawing::new(1040.0, 560.0);
+    draw(document, &mut drawing).map_err(|e| std::io::Error::other(e.to_string()))?;
+    write_drawing(&drawing, format, out)
 }
 
-fn draw(document: &ExploreDocument, svg: &mut String) -> Outcome {
-    let root = SVGBackend::with_string(svg, (1040, 560)).into_drawing_area();
-    root.fill(&WHITE)?;
+fn draw(document: &ExploreDocument, drawing: &mut Drawing) -> Outcome {
+    let root = Plotted(drawing).into_drawing_area();
     let (head, body) = root.split_vertically(34);
     let title = format!(
         "{}: {} contacts by {}, stopped by {}",

@@ -7,6 +7,7 @@
 use crate::curvature::ShapeClass;
 use crate::fit::{Fit, ModelReading, Reading, Statistic};
 
+use super::percent::percent;
 use super::table::significant;
 
 /// What a user can do about the kind of surface.
@@ -56,6 +57,6 @@ fn parts(name: &str, found: &Statistic, level: f64) -> Option<String> {
     let model = found.u_model.filter(|model| *model > noise)?;
     let [mean, lo, hi] = [mean, interval.lo, interval.hi].map(|v| significant(v, 4));
     let [noise, model] = [noise, model].map(|v| significant(v, 2));
-    let level = significant(100.0 * level, 2);
-    Some(format!("{name} {mean}, {level} % interval {lo} to {hi}: noise {noise}, model {model}"))
+    let level = percent(level);
+    Some(format!("{name} {mean}, {level} interval {lo} to {hi}: noise {noise}, model {model}"))
 }

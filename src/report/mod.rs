@@ -43,7 +43,9 @@ mod parametric;
 mod parametric_view;
 mod parts;
 mod parts_picture;
+mod percent;
 mod pictures;
+mod plotted;
 mod png;
 mod point_shapes;
 mod point_table;
@@ -77,11 +79,12 @@ pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
 pub(crate) use page::{
-    INTERRUPTED, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
-    write_study_page, write_sweep_page, write_table_page,
+    INTERRUPTED, PartsBody, Provenance, SweepPage, TablePage, write_explore_page, write_fit_page, write_frontier_page,
+    write_parts_page, write_study_page, write_sweep_page, write_table_page,
 };
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
 pub(crate) use parts_picture::write_parts_picture;
+pub(crate) use percent::percent;
 pub(crate) use pictures::{PictureFormat, SurfacePictures, write_sweep_picture};
 pub(crate) use point_shapes::{PointShapesFormat, write_point_shapes, write_point_shapes_summary};
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};

@@ -5,7 +5,6 @@ use std::io::Write;
 use serde::Serialize;
 
 use crate::contact::Frame;
-use crate::curvature::principal_curvatures;
 use crate::io::Points;
 use crate::surface::HeightField;
 
@@ -69,7 +68,7 @@ impl PointTable for HeightPoints {
 
 fn point(surface: &HeightField, frame: &Frame, x: f64, y: f64) -> PointShape {
     let here = surface.at(x, y);
-    let principal = principal_curvatures(&here.derivatives());
+    let principal = here.derivatives().principal();
     let within = |k: usize, v: f64| {
         let [lo, hi] = surface.knots()[k].domain();
         (lo..=hi).contains(&v)

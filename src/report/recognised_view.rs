@@ -9,12 +9,10 @@ use super::surface_view::{ContactsView, Standing, SurfaceView, between};
 /// Puts contacts and uncertainties of a recognition into the view of its spline.
 pub(super) fn recognised_view(found: &Recognition, input: &Input, view: &mut SurfaceView) {
     let surface = &found.surface;
-    let share = |[lo, hi]: [f64; 2], t: f64| if hi > lo { (t - lo) / (hi - lo) } else { 0.5 };
     let of = |pick: fn(&crate::recognition::MapPoint) -> f64| {
         let values: Vec<f64> = found.map.iter().map(pick).collect();
         let at = |(point, r): (&[f64; 3], &f64)| {
-            let [u, v] = surface.chart_of(*point);
-            if r.is_nan() { f64::NAN } else { between(&values, found.grid, [share(surface.u, u), share(surface.v, v)]) }
+            if r.is_nan() { f64::NAN } else { between(&values, found.grid, found.share_of_map(*point)) }
         };
         view.points.iter().zip(&view.curvedness).map(at).collect::<Vec<f64>>()
     };

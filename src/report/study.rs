@@ -262,9 +262,9 @@ impl From<&Summary> for QuantityPart {
 impl From<&LinearLaw> for LinearDocument {
     fn from(law: &LinearLaw) -> LinearDocument {
         let part = |q: usize| LinearQuantity {
-            sd: law.parts[q].sd,
-            lo: law.parts[q].lo,
-            hi: law.parts[q].hi,
+            sd: law.sd[q],
+            lo: law.interval[q].map(|i| i.lo),
+            hi: law.interval[q].map(|i| i.hi),
             valid: law.valid_parts[q],
         };
         LinearDocument { shape_index: part(0), curvedness: part(1), valid: law.valid(), why: law.why.clone() }

@@ -1,10 +1,13 @@
-//! `study.svg`: histograms of S and R with interval and truth, shares of the classes, shares of the effects.
+//! `study`: histograms of S and R with interval and truth, shares of the classes, shares of the effects.
 
 use std::io::Write;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::drawing::Drawing;
+use super::pictures::{PictureFormat, write_drawing};
+use super::plotted::Plotted;
 use super::study::{QuantityPart, StudyDocument};
 use super::table::significant;
 use crate::montecarlo::Ranked;
@@ -14,26 +17,26 @@ const BARS: usize = 60;
 /// Share of the replicates that is left out on either side: one wild replicate would squeeze all others into a bar.
 const CUT: f64 = 0.001;
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Area<'a> = DrawingArea<Plotted<'a>, Shift>;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// Draws a study as an SVG; `ranked` are the values of S and of R.
+/// Draws a study; `ranked` are the values of S and of R.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn write_study_picture(
     document: &StudyDocument,
     ranked: &[Ranked<'_>; 2],
+    format: PictureFormat,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    let mut svg = String::new();
-    draw(document, ranked, &mut svg).map_err(|e| std::io::Error::other(e.to_string()))?;
-    out.write_all(svg.as_bytes())
+    let mut drawing = Drawing::new(960.0, 700.0);
+    draw(document, ranked, &mut drawing).map_err(|e| std::io::Error::other(e.to_string()))?;
+    write_drawing(&drawing, format, out)
 }
 
-fn draw(document: &StudyDocument, ranked: &[Ranked<'_>; 2], svg: &mut String) -> Outcome {
-    let root = SVGBackend::with_string(svg, (960, 700)).into_drawing_area();
-    root.fill(&WHITE)?;
+fn draw(document: &StudyDocument, ranked: &[Ranked<'_>; 2], drawing: &mut Drawing) -> Outcome {
+    let root = Plotted(drawing).into_drawing_area();
     let (head, body) = root.split_vertically(30);
     let title = format!("{}: {} replicates", document.scene, document.replicates);
     head.draw(&Text::new(title, (12, 8), ("sans-serif", 16)))?;

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use super::percent::percent;
 use super::study::{EffectPart, LinearQuantity, QuantityPart, StudyDocument};
 use super::table::significant;
 use crate::montecarlo::Stopped;
@@ -89,8 +90,8 @@ fn quantity_lines(name: &str, part: &QuantityPart, level: f64, line: &mut dyn Fn
         line(
             "",
             format!(
-                "{} % of replicates between {} and {} (ends known to {e} and {f}); shortest such interval {} to {}",
-                100.0 * level,
+                "{} of replicates between {} and {} (ends known to {e} and {f}); shortest such interval {} to {}",
+                percent(level),
                 significant(lo, 5),
                 significant(hi, 5),
                 significant(a, 5),

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use super::document::{FitDocument, FitPart, MeasurePart, ParametricPart};
+use super::percent::percent;
 
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
@@ -198,7 +199,7 @@ fn measure(part: &MeasurePart, decimals: impl Fn(f64) -> usize) -> String {
         let _ = write!(text, ",  u = {}", significant(u, 2));
     }
     if let Some([lo, hi]) = part.interval {
-        let level = part.level.map_or(String::new(), |level| format!("{} % ", significant(100.0 * level, 2)));
+        let level = part.level.map_or(String::new(), |level| format!("{} ", percent(level)));
         let _ = write!(text, ",  {level}[{}, {}]", shown(lo), shown(hi));
     }
     if let (Some(noise), Some(model)) = (part.u_noise, part.u_model) {

@@ -9,28 +9,28 @@
 //! nothing: it draws no random numbers and is not even asked about.
 
 mod batch;
-pub mod effects;
+pub(crate) mod effects;
 mod error;
 #[doc(hidden)]
 pub mod explain;
 mod rotation;
 mod simulate;
-pub mod surface;
+pub(crate) mod surface;
 mod sweep;
 mod truth;
 
 pub use crate::draws::{EffectDraws, NoiseLaw};
 pub use batch::ContactBatch;
-pub use effects::Effect;
-pub(crate) use effects::Smoothness;
+pub use effects::{Effect, Stage};
 pub use error::SceneError;
 pub use simulate::Simulator;
-pub(crate) use surface::Surface;
 #[doc(hidden)]
 pub use surface::SurfacePoint;
+pub use surface::{ImportedSurface, Solid, Surface};
+pub use sweep::Sweep;
+pub(crate) use sweep::SweepPath;
 #[doc(hidden)]
 pub use sweep::{MAX_TOUCHES, Site, linspace};
-pub use sweep::{Sweep, SweepPath};
 pub use truth::Truth;
 
 /// A world to be touched.
@@ -68,8 +68,8 @@ impl World {
     }
 
     /// The same world with one more effect.
-    pub fn with(mut self, effect: impl Into<Effect>) -> World {
-        self.effects.push(effect.into());
+    pub fn with(mut self, effect: Effect) -> World {
+        self.effects.push(effect);
         self
     }
 
@@ -82,15 +82,12 @@ impl World {
 
 #[cfg(all(test, feature = "serde"))]
 mod tests {
-    use super::effects::PositionNoise;
-    use super::surface::{Body, Cylinder, Pose, Surface};
     use super::*;
 
     fn world() -> World {
-        let mut surface = Surface::new(Body::Cylinder(Cylinder { radius: 10.0 }), 45.0);
-        surface.pose = Pose::new(45.0, [10.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+        let surface = Surface::cylinder(10.0).posed(45.0, [10.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
         let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
-        World::new(surface, sweep).with(PositionNoise::Sigma([0.02; 3])).with_law("position_noise", NoiseLaw::Laplace)
+        World::new(surface, sweep).with(Effect::position_noise([0.02; 3])).with_law("position_noise", NoiseLaw::Laplace)
     }
 
     #[test]

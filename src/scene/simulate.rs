@@ -8,7 +8,7 @@
 //! effects has no stages. Replicates are made one at a time or as a [`ContactBatch`], with the same bits.
 
 use super::batch::ContactBatch;
-use super::effects::{Context, Effect, Smoothness, Stage};
+use super::effects::{Context, Kind, Stage};
 use super::surface::{Surface, SurfacePoint};
 use super::sweep::{Site, Sweep, SweepPath, Touched};
 use super::truth::Truth;
@@ -68,7 +68,7 @@ impl World {
             if *law != NoiseLaw::Normal && stages[k].draws_per_contact() == 0 {
                 return Err(clash("that effect has nothing random"));
             }
-            if *law != NoiseLaw::Normal && stages[k].smoothness() == Smoothness::Jumps {
+            if *law != NoiseLaw::Normal && stages[k].jumps() {
                 return Err(clash("what happens with a probability has no shape"));
             }
             laws[k] = *law;
@@ -78,6 +78,7 @@ impl World {
 
     fn prepare(&self, sites: &[Site]) -> Result<Vec<Box<dyn Stage>>, SceneError> {
         let mut effects: Vec<_> = self.effects.iter().collect();
+        effects.iter().try_for_each(|effect| effect.check_settings())?;
         effects.sort_by_key(|effect| effect.order());
         if let Some(twice) = effects.windows(2).find(|pair| pair[0].order() == pair[1].order()) {
             return Err(SceneError::Twice { effect: twice[0].name() });
@@ -102,9 +103,9 @@ impl World {
         let mut context =
             Context { sites, surface: &self.surface, tip_radius, believed_radius: tip_radius, load: None };
         for effect in &effects {
-            match effect {
-                Effect::TipRadiusError(calibration) => context.believed_radius += calibration.error,
-                Effect::Indentation(indentation) => context.load = Some(indentation.threshold),
+            match &effect.kind {
+                Kind::TipRadiusError(calibration) => context.believed_radius += calibration.error,
+                Kind::Indentation(indentation) => context.load = Some(indentation.threshold),
                 _ => {}
             }
         }

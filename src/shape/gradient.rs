@@ -169,13 +169,12 @@ pub(crate) fn mean_gradients(surface: &HeightField, maps: &ShapeMaps, gradients:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curvature::principal_curvatures;
 
     #[test]
     fn gradients_match_differences() {
         let at = |v: [f64; 5]| SurfacePoint { z: 0.0, zx: v[0], zy: v[1], zxx: v[2], zxy: v[3], zyy: v[4] };
         let shape = |v: [f64; 5]| {
-            let p = principal_curvatures(&at(v).derivatives()).unwrap();
+            let p = at(v).derivatives().principal().unwrap();
             [p.shape_index().unwrap(), p.curvedness()]
         };
         for v in [[0.3, -0.7, 0.5, 0.2, -0.9], [0.0, 0.0, -1.0, 0.3, -2.0], [4.0, 3.0, 0.1, -0.2, 0.4]] {

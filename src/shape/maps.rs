@@ -6,7 +6,6 @@ use ndarray::Array2;
 
 use super::ShapeGrid;
 use crate::bspline::BasisRow;
-use crate::curvature::principal_curvatures;
 use crate::surface::{CurvatureGrid, HeightField, SurfacePoint};
 
 /// Above this number of points the derivatives are computed row by row from one polynomial per segment. They equal those
@@ -18,14 +17,14 @@ const MANY: usize = 4096;
 /// ```
 /// use ndarray::Array2;
 /// use palpate::spline::Knots;
-/// use palpate::geometry::{ShapeGrid, shape_maps};
+/// use palpate::geometry::ShapeGrid;
 /// use palpate::spline::HeightField;
 ///
 /// // z = x^2 is a rut along y: S = -1/2, and R = sqrt 2 at its bottom
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
 /// let coefficients = Array2::from_shape_fn((3, 3), |(i, _)| if i == 1 { -1.0 } else { 1.0 });
 /// let surface = HeightField::new([axis.clone(), axis], coefficients)?;
-/// let maps = shape_maps(&surface, ShapeGrid::over([[-1.0, 1.0]; 2], [3, 3], 0.0), &[]);
+/// let maps = surface.shape_maps(ShapeGrid::over([[-1.0, 1.0]; 2], [3, 3], 0.0), &[]);
 /// assert!(maps.shape_index_at(1, 1).is_some_and(|s| (s + 0.5).abs() < 1e-12));
 /// assert!((maps.curvedness[[1, 1]] - 2.0_f64.sqrt()).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -63,35 +62,37 @@ impl ShapeMaps {
     }
 }
 
-/// Evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
-pub fn shape_maps(surface: &HeightField, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
-    let size = (grid.x.len(), grid.y.len());
-    let rows = Arc::new(grid.rows(surface.knots()));
-    let free = flags(surface, unsupported);
-    let mut maps = ShapeMaps {
-        points: Array2::default(size),
-        k1: Array2::zeros(size),
-        k2: Array2::zeros(size),
-        shape_index: Array2::zeros(size),
-        curvedness: Array2::zeros(size),
-        supported: Array2::from_elem(size, true),
-        rows: rows.clone(),
-        grid,
-    };
-    fill_points(surface, &rows, &mut maps);
-    for i in 0..size.0 {
-        for j in 0..size.1 {
-            if let Some(p) = principal_curvatures(&maps.points[[i, j]].derivatives()) {
-                (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
-                maps.shape_index[[i, j]] = p.shape_index().unwrap_or(f64::NAN);
-                maps.curvedness[[i, j]] = p.curvedness();
-            }
-            if let Some(free) = &free {
-                maps.supported[[i, j]] = is_supported(free, &rows[0][i], &rows[1][j]);
+impl HeightField {
+    /// Heights, curvatures, S and R: evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
+    pub fn shape_maps(&self, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
+        let size = (grid.x.len(), grid.y.len());
+        let rows = Arc::new(grid.rows(self.knots()));
+        let free = flags(self, unsupported);
+        let mut maps = ShapeMaps {
+            points: Array2::default(size),
+            k1: Array2::zeros(size),
+            k2: Array2::zeros(size),
+            shape_index: Array2::zeros(size),
+            curvedness: Array2::zeros(size),
+            supported: Array2::from_elem(size, true),
+            rows: rows.clone(),
+            grid,
+        };
+        fill_points(self, &rows, &mut maps);
+        for i in 0..size.0 {
+            for j in 0..size.1 {
+                if let Some(p) = maps.points[[i, j]].derivatives().principal() {
+                    (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
+                    maps.shape_index[[i, j]] = p.shape_index().unwrap_or(f64::NAN);
+                    maps.curvedness[[i, j]] = p.curvedness();
+                }
+                if let Some(free) = &free {
+                    maps.supported[[i, j]] = is_supported(free, &rows[0][i], &rows[1][j]);
+                }
             }
         }
+        maps
     }
-    maps
 }
 
 fn fill_points(surface: &HeightField, [along_x, along_y]: &[Vec<BasisRow>; 2], maps: &mut ShapeMaps) {
@@ -140,7 +141,7 @@ mod tests {
         let surface = HeightField::new(knots, c).unwrap();
         let grid = ShapeGrid::over([[0.0, 1.0], [-1.0, 1.0]], [70, 81], 0.0);
         assert!(grid.len() > MANY);
-        let maps = shape_maps(&surface, grid, &[]);
+        let maps = surface.shape_maps(grid, &[]);
         for ((i, j), point) in maps.points.indexed_iter() {
             let expected = surface.at(maps.grid.x[i], maps.grid.y[j]);
             let near = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-13 * size;

@@ -27,8 +27,10 @@ pub(crate) use gradient::{by_coefficients, shape_gradient};
 pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
-pub use maps::{ShapeMaps, shape_maps};
+pub use maps::ShapeMaps;
 pub(crate) use outline::Outline;
+#[cfg(feature = "cli")]
+pub(crate) use parametric_maps::parametric_maps_at;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 #[cfg(feature = "cli")]

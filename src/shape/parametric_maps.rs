@@ -63,6 +63,12 @@ pub fn uv_grid(knots: [&Knots; 2], points: [usize; 2], inset: f64) -> ShapeGrid 
 
 /// Evaluates the surface and its shape over `grid`, where `support` holds.
 pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) -> ParametricMaps {
+    let held = Array2::from_shape_fn((grid.x.len(), grid.y.len()), |(i, j)| support.holds(grid.x[i], grid.y[j]));
+    parametric_maps_at(surface, grid, &held)
+}
+
+/// The same where `held` says so, point by point of the grid.
+pub(crate) fn parametric_maps_at(surface: &Parametric, grid: ShapeGrid, held: &Array2<bool>) -> ParametricMaps {
     let size = (grid.x.len(), grid.y.len());
     let nan = Array2::from_elem(size, f64::NAN);
     let mut maps = ParametricMaps {
@@ -81,7 +87,7 @@ pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSuppor
             let (u, v) = (maps.grid.x[i], maps.grid.y[j]);
             let here = surface.at(u, v);
             maps.points[[i, j]] = here.point;
-            let Some(p) = here.principal().filter(|_| support.holds(u, v)) else { continue };
+            let Some(p) = here.principal().filter(|_| held[[i, j]]) else { continue };
             maps.supported[[i, j]] = true;
             (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
             (maps.normals[[i, j]], maps.direction[[i, j]]) = (p.normal, p.direction1);

@@ -70,14 +70,14 @@ mod tests {
 
     use super::*;
     use crate::bspline::Knots;
-    use crate::shape::{ShapeGrid, shape_maps};
+    use crate::shape::ShapeGrid;
     use crate::surface::HeightField;
 
     #[test]
     fn errors_are_root_mean_squares_over_supported_points() {
         let knots = [Knots::uniform(2, 1, 0.0, 1.0).unwrap(), Knots::uniform(2, 1, 0.0, 1.0).unwrap()];
         let surface = HeightField::new(knots, Array2::from_shape_fn((3, 3), |(i, _)| (i as f64).powi(2))).unwrap();
-        let mut maps = shape_maps(&surface, ShapeGrid::over([[0.0, 1.0]; 2], [2, 2], 0.0), &[]);
+        let mut maps = surface.shape_maps(ShapeGrid::over([[0.0, 1.0]; 2], [2, 2], 0.0), &[]);
         maps.supported[[0, 0]] = false;
         maps.curvedness.fill(1.0);
         let found = compare_with_truth(&maps, |[x, _, _]| Some((None, 1.0 + 3.0 * x)));

@@ -1,7 +1,7 @@
 //! Shape index and curvedness of a height field from its five derivatives, without a cancelling root.
 //!
 //! With `p = S_x, q = S_y, e = S_xx, f = S_xy, g = S_yy`, `v = 1 + p^2`, `w = v + q^2`, the symmetric shape operator
-//! `[a b; b c]` of `curvature::principal_curvatures`, multiplied by the positive `v w^(3/2)`, needs no division:
+//! `[a b; b c]` of `Derivatives::principal`, multiplied by the positive `v w^(3/2)`, needs no division:
 //!
 //! ```text
 //! a' = e w          u = f v - p q e          b' = u sqrt(w)          c' = g v^2 - p q (f v + u)
@@ -164,7 +164,7 @@ pub(super) fn shape_maps_twin(derivatives: [&[f64]; 5], shape_index: &mut [f64],
 mod tests {
     use super::super::ulps;
     use super::*;
-    use crate::curvature::{Derivatives, principal_curvatures};
+    use crate::curvature::Derivatives;
 
     /// Spheres, cylinders at any angle, saddles, planes and anything, on slopes up to 30.
     fn samples() -> [Vec<f64>; 5] {
@@ -200,7 +200,7 @@ mod tests {
         let (mut s, mut r) = (vec![0.0; n], vec![0.0; n]);
         shape_maps_twin(d.each_ref().map(|v| &v[..]), &mut s, &mut r);
         for i in 0..n {
-            let k = principal_curvatures(&Derivatives::of_height(d[0][i], d[1][i], d[2][i], d[3][i], d[4][i])).unwrap();
+            let k = Derivatives::of_height(d[0][i], d[1][i], d[2][i], d[3][i], d[4][i]).principal().unwrap();
             assert!((r[i] - k.curvedness()).abs() <= 1e-13 * r[i], "R at {i}");
             match k.shape_index() {
                 None => assert!(s[i].is_nan()),

@@ -2,10 +2,9 @@
 
 use ndarray::Array2;
 
-use super::error::SurfaceError;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
-use crate::bspline::{BasisRow, Knots};
+use crate::bspline::{BasisRow, Knots, SplineError};
 use crate::curvature::Derivatives;
 
 /// Height and derivatives at one point.
@@ -96,15 +95,15 @@ impl HeightField {
     /// A surface from its knots and its n x m coefficients.
     ///
     /// # Errors
-    /// [`SurfaceError::Shape`], [`SurfaceError::NotFinite`].
-    pub fn new(knots: [Knots; 2], coefficients: Array2<f64>) -> Result<HeightField, SurfaceError> {
+    /// [`SplineError::Shape`], [`SplineError::NotFinite`].
+    pub fn new(knots: [Knots; 2], coefficients: Array2<f64>) -> Result<HeightField, SplineError> {
         let expected = [knots[0].n_basis(), knots[1].n_basis()];
         let found = [coefficients.nrows(), coefficients.ncols()];
         if found != expected {
-            return Err(SurfaceError::Shape { found, expected });
+            return Err(SplineError::Shape { found, expected });
         }
         if let Some(((i, j), _)) = coefficients.indexed_iter().find(|(_, c)| !c.is_finite()) {
-            return Err(SurfaceError::NotFinite { i, j });
+            return Err(SplineError::NotFinite { i, j });
         }
         Ok(HeightField { knots, coefficients })
     }
@@ -133,7 +132,7 @@ impl HeightField {
     ///
     /// # Errors
     /// When the map leaves the finite numbers or makes distinct knots equal.
-    pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<HeightField, SurfaceError> {
+    pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<HeightField, SplineError> {
         // one multiplication and one addition, rounded once each
         let place = |k: &Knots, o: f64| Knots::new(k.degree(), k.as_slice().iter().map(|t| o + scale * t).collect());
         let knots = [place(&self.knots[0], origin[0])?, place(&self.knots[1], origin[1])?];
@@ -150,9 +149,9 @@ impl From<HeightField> for SavedSurface<f64> {
 
 #[cfg(feature = "serde")]
 impl TryFrom<SavedSurface<f64>> for HeightField {
-    type Error = SurfaceError;
+    type Error = SplineError;
 
-    fn try_from(saved: SavedSurface<f64>) -> Result<HeightField, SurfaceError> {
+    fn try_from(saved: SavedSurface<f64>) -> Result<HeightField, SplineError> {
         let (knots, coefficients) = saved.read()?;
         HeightField::new(knots, coefficients)
     }

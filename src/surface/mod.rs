@@ -3,14 +3,12 @@
 //! Paper Eq. 5. A height field is the map `Q(x, y) = (x, y, S(x, y))`; curvature is written for any Q
 //! ([`crate::curvature::Derivatives`]), so a [`Parametric`] surface, which may be vertical or closed, is a second type beside it.
 
-mod error;
 mod height_field;
 mod parametric;
 mod rows;
 #[cfg(feature = "serde")]
 mod saved;
 
-pub use error::SurfaceError;
 pub use height_field::{HeightField, SurfacePoint};
 pub use parametric::{Parametric, ParametricPoint};
 pub use rows::CurvatureGrid;

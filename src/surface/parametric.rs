@@ -5,11 +5,10 @@
 
 use ndarray::Array2;
 
-use super::error::SurfaceError;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
-use crate::bspline::Knots;
-use crate::curvature::{Derivatives, Principal, principal_curvatures};
+use crate::bspline::{Knots, SplineError};
+use crate::curvature::{Derivatives, Principal};
 
 /// Point and derivatives of `Q` at one (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +28,7 @@ impl ParametricPoint {
 
     /// Principal curvatures and directions; `None` where the surface has no tangent plane.
     pub fn principal(&self) -> Option<Principal> {
-        principal_curvatures(&self.derivatives)
+        self.derivatives.principal()
     }
 }
 
@@ -64,19 +63,19 @@ impl Parametric {
     /// A surface from its knots and its n x m coefficients, those of a closed direction repeated at the end.
     ///
     /// # Errors
-    /// [`SurfaceError::Shape`], [`SurfaceError::NotFinite`], [`SurfaceError::Seam`].
-    pub fn new(knots: [Knots; 2], coefficients: Array2<[f64; 3]>) -> Result<Parametric, SurfaceError> {
+    /// [`SplineError::Shape`], [`SplineError::NotFinite`], [`SplineError::Seam`].
+    pub fn new(knots: [Knots; 2], coefficients: Array2<[f64; 3]>) -> Result<Parametric, SplineError> {
         let expected = [knots[0].n_basis(), knots[1].n_basis()];
         let found = [coefficients.nrows(), coefficients.ncols()];
         if found != expected {
-            return Err(SurfaceError::Shape { found, expected });
+            return Err(SplineError::Shape { found, expected });
         }
         if let Some(((i, j), _)) = coefficients.indexed_iter().find(|(_, c)| c.iter().any(|v| !v.is_finite())) {
-            return Err(SurfaceError::NotFinite { i, j });
+            return Err(SplineError::NotFinite { i, j });
         }
         let [n, m] = [knots[0].free(), knots[1].free()];
         if let Some(((i, j), _)) = coefficients.indexed_iter().find(|((i, j), c)| **c != coefficients[[i % n, j % m]]) {
-            return Err(SurfaceError::Seam { i, j });
+            return Err(SplineError::Seam { i, j });
         }
         Ok(Parametric { knots, coefficients })
     }
@@ -85,10 +84,10 @@ impl Parametric {
     ///
     /// # Errors
     /// As [`Parametric::new`].
-    pub fn from_free(knots: [Knots; 2], free: &[[f64; 3]]) -> Result<Parametric, SurfaceError> {
+    pub fn from_free(knots: [Knots; 2], free: &[[f64; 3]]) -> Result<Parametric, SplineError> {
         let [n, m] = [knots[0].free(), knots[1].free()];
         if free.len() != n * m {
-            return Err(SurfaceError::Shape { found: [free.len(), 1], expected: [n * m, 1] });
+            return Err(SplineError::Shape { found: [free.len(), 1], expected: [n * m, 1] });
         }
         let shape = [knots[0].n_basis(), knots[1].n_basis()];
         let coefficients = Array2::from_shape_fn(shape, |(i, j)| free[(i % n) * m + j % m]);
@@ -130,7 +129,7 @@ impl Parametric {
     ///
     /// # Errors
     /// When the map leaves the finite numbers.
-    pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<Parametric, SurfaceError> {
+    pub fn placed(&self, origin: [f64; 3], scale: f64) -> Result<Parametric, SplineError> {
         let knots = [self.knots[0].mapped(0.0, 1.0 / scale)?, self.knots[1].mapped(0.0, 1.0 / scale)?];
         Parametric::new(knots, self.coefficients.mapv(|c| [0, 1, 2].map(|k| origin[k] + scale * c[k])))
     }
@@ -145,9 +144,9 @@ impl From<Parametric> for SavedSurface<[f64; 3]> {
 
 #[cfg(feature = "serde")]
 impl TryFrom<SavedSurface<[f64; 3]>> for Parametric {
-    type Error = SurfaceError;
+    type Error = SplineError;
 
-    fn try_from(saved: SavedSurface<[f64; 3]>) -> Result<Parametric, SurfaceError> {
+    fn try_from(saved: SavedSurface<[f64; 3]>) -> Result<Parametric, SplineError> {
         let (knots, coefficients) = saved.read()?;
         Parametric::new(knots, coefficients)
     }
@@ -180,6 +179,6 @@ mod tests {
         assert!((before.derivatives.uu[0] - after.derivatives.uu[0]).abs() < 1e-8);
         let mut torn = tube.coefficients().clone();
         torn[[9, 0]] = [0.0; 3];
-        assert!(matches!(Parametric::new(tube.knots().clone(), torn), Err(SurfaceError::Seam { i: 9, j: 0 })));
+        assert!(matches!(Parametric::new(tube.knots().clone(), torn), Err(SplineError::Seam { i: 9, j: 0 })));
     }
 }

@@ -180,7 +180,6 @@ pub(crate) fn pieces_of(knots: &Knots, points: &[f64]) -> RowPieces {
 mod tests {
     use super::*;
     use crate::bspline::linspace;
-    use crate::curvature::principal_curvatures;
     use ndarray::Array2;
 
     #[test]
@@ -207,7 +206,7 @@ mod tests {
             let largest = r.iter().fold(0.0_f64, |m, v| m.max(*v));
             for i in 0..45 {
                 for j in 0..points {
-                    let k = principal_curvatures(&surface.at(x[i], y[j]).derivatives()).unwrap();
+                    let k = surface.at(x[i], y[j]).derivatives().principal().unwrap();
                     let (found, curved) = (s[i * points + j], r[i * points + j]);
                     assert!((curved - k.curvedness()).abs() < 1e-12 * k.curvedness().max(largest / 100.0));
                     if k.curvedness() > largest / 100.0 {

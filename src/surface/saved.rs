@@ -2,8 +2,7 @@
 
 use ndarray::Array2;
 
-use super::error::SurfaceError;
-use crate::bspline::{KnotError, Knots};
+use crate::bspline::{Knots, SplineError};
 
 /// One knot vector.
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -25,7 +24,7 @@ impl SavedKnots {
         SavedKnots { degree: knots.degree(), closed: knots.is_closed(), knots: knots.as_slice().to_vec() }
     }
 
-    fn read(self) -> Result<Knots, KnotError> {
+    fn read(self) -> Result<Knots, SplineError> {
         if self.closed {
             return Knots::closed_from(self.degree, &self.knots);
         }
@@ -45,7 +44,7 @@ impl<C: Copy> SavedSurface<C> {
         }
     }
 
-    pub(super) fn read(self) -> Result<([Knots; 2], Array2<C>), SurfaceError> {
+    pub(super) fn read(self) -> Result<([Knots; 2], Array2<C>), SplineError> {
         let [u, v] = self.knots;
         let knots = [u.read()?, v.read()?];
         let expected = [knots[0].n_basis(), knots[1].n_basis()];
@@ -53,7 +52,7 @@ impl<C: Copy> SavedSurface<C> {
         let found = [self.coefficients.len(), columns];
         let flat = self.coefficients.into_iter().flatten().collect();
         let array = Array2::from_shape_vec((found[0], found[1]), flat).ok().filter(|_| found == expected);
-        Ok((knots, array.ok_or(SurfaceError::Shape { found, expected })?))
+        Ok((knots, array.ok_or(SplineError::Shape { found, expected })?))
     }
 }
 

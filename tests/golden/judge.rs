@@ -69,7 +69,6 @@ fn judge_fit(case: &HardCase, golden: &Golden, fit: Result<Fit, FitError>) -> Ju
         Err(error) => return refused(error),
     };
     let certificate = fit.certificate();
-    let promise = certificate.guaranteed_digits;
     let unsupported = certificate.unsupported.len();
     let whole = unsupported == 0 || case.expectation == Expectation::UpToHeight;
     let found = [found_coefficients(&fit, golden).filter(|_| whole), None, None];
@@ -81,7 +80,11 @@ fn judge_fit(case: &HardCase, golden: &Golden, fit: Result<Fit, FitError>) -> Ju
         method: certificate.method.name().to_string(),
         answered: true,
         condition: certificate.condition,
-        promised: keep([promise.coefficients, promise.shape_index, promise.curvedness]),
+        promised: keep([
+            certificate.digits_of_coefficients,
+            certificate.digits_of_shape_index,
+            certificate.digits_of_curvedness,
+        ]),
         allowed: keep(allowed.map(digits)),
         found,
         fitted: fitted_error(case, &fit, golden),

@@ -12,11 +12,12 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// The list may not grow beyond this; the aim is 110. What stands between are the simulated world, whose list has one type
-/// for every effect and every body (28 of its 45), and studies and recognition, 36 names, most of them parts of an answer
-/// whose fields are documented one by one; what to touch next, 3; and the parts of a body and
-/// its shape at every point, 12, 9 of them the answer.
-const MOST_NAMES: usize = 174;
+/// The list may not grow beyond this.
+const MOST_NAMES: usize = 110;
+
+/// Names that do not count: a room behind a feature that is off unless somebody asks for it, and the two crates whose types
+/// stand in signatures and are handed on whole.
+const APART: [&str; 3] = ["palpate::hard_cases::", "palpate::nalgebra_sparse", "palpate::ndarray"];
 
 /// A walk over the items of one module.
 struct Walk<'a> {
@@ -150,7 +151,8 @@ fn the_public_names_are_those_of_the_list() {
     );
     let twice: Vec<&String> = found.iter().filter(|a| found.iter().any(|b| *a != b && last(a) == last(b))).collect();
     assert!(twice.is_empty(), "one name, two public paths: {twice:#?}");
-    assert!(found.len() <= MOST_NAMES, "{} public names are more than {MOST_NAMES}", found.len());
+    let count = found.iter().filter(|name| !APART.iter().any(|apart| name.starts_with(apart))).count();
+    assert!(count <= MOST_NAMES, "{count} public names are more than {MOST_NAMES}");
     assert!(!found.iter().any(|name| name.ends_with('*')), "a glob makes names public that nobody listed");
 }
 

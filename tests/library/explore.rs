@@ -1,16 +1,14 @@
 //! Planned touches against refits, and the loop in a simulated world.
 
-use palpate::explore::{ExploreError, TouchPlanner, next_touches};
+use palpate::explore::{ExploreError, TouchPlanner};
 use palpate::fit::{Fit, NormalSigma, Objective, SlopeWeights};
 use palpate::internals::explore::{ExploreOptions, Goal, Stopped, Strategy, explore};
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Surface, Torus};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Surface, Sweep, World};
 use palpate::{Contacts, FitOptions, fit_contacts};
 
 /// Points and normals of a torus under a sweep that leaves its middle open, with a wobble that stands for noise.
 fn touched() -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-    let body = Surface::new(Body::Torus(Torus { major: 14.0, minor: 6.0 }), 20.0);
+    let body = Surface::torus(14.0, 6.0).turned(20.0);
     let stations = vec![-4.0, -3.0, -1.5, 0.5, 2.0, 4.0];
     let simulator = World::new(body, Sweep::new(vec![-4.0, -2.5, 0.5, 4.0], stations)).compile().unwrap();
     let (contacts, truth) = simulator.into_contacts(1, 0);
@@ -84,6 +82,10 @@ fn the_choice_is_that_of_refitting_with_every_candidate() {
     }
 }
 
+fn next_touches(fit: &Fit, candidates: &[[f64; 2]], n: usize) -> Result<Vec<usize>, ExploreError> {
+    Ok(TouchPlanner::new(fit)?.next_touches(candidates, n)?.to_vec())
+}
+
 #[test]
 fn a_planner_used_again_answers_the_same() {
     let (points, normals) = touched();
@@ -110,10 +112,10 @@ fn what_cannot_be_planned_is_refused_with_its_reason() {
 }
 
 fn world() -> World {
-    let bar = Surface::new(Body::Cylinder(Cylinder { radius: 9.0 }), 30.0);
+    let bar = Surface::cylinder(9.0).turned(30.0);
     World::new(bar, Sweep::new(vec![-4.0, 0.0, 4.0], vec![-4.0, 0.0, 4.0]))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 1.0 })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(1.0))
 }
 
 fn options(strategy: Strategy) -> ExploreOptions {

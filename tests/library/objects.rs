@@ -1,7 +1,7 @@
 //! S and R at every point of closed objects beside their closed forms, and what must not depend on how they lie.
 
 use palpate::Contacts;
-use palpate::parts::{PartsError, PartsOptions, PointShapes, shape_at_points};
+use palpate::parts::{PartsError, PartsOptions, PointShapes};
 
 type Vector = [f64; 3];
 
@@ -95,7 +95,7 @@ fn noisy(object: &Object, [sd, degrees]: [f64; 2], draws: &mut Draws) -> (Vec<Ve
 }
 
 fn shapes(points: &[Vector], normals: &[Vector]) -> PointShapes {
-    shape_at_points(&Contacts::from_points(points).with_normal_vectors(normals), &PartsOptions::default()).unwrap()
+    PointShapes::of(&Contacts::from_points(points).with_normal_vectors(normals), &PartsOptions::default()).unwrap()
 }
 
 /// Shares of the points whose S and R are within 2 u of the truth, and root mean square errors.
@@ -184,7 +184,7 @@ fn points_that_move_a_little_change_their_shape_a_little() {
 #[test]
 fn too_few_contacts_and_no_extent_are_refused() {
     let few = Contacts::from_points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    assert!(matches!(shape_at_points(&few, &PartsOptions::default()), Err(PartsError::TooFew { contacts: 3, .. })));
+    assert!(matches!(PointShapes::of(&few, &PartsOptions::default()), Err(PartsError::TooFew { contacts: 3, .. })));
     let one = Contacts::from_points(&[[1.0; 3]; 40]).with_normal_vectors(&[[0.0, 0.0, 1.0]; 40]);
-    assert!(matches!(shape_at_points(&one, &PartsOptions::default()), Err(PartsError::NoExtent)));
+    assert!(matches!(PointShapes::of(&one, &PartsOptions::default()), Err(PartsError::NoExtent)));
 }

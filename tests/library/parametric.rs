@@ -5,10 +5,8 @@ use palpate::Orientation;
 use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
 use palpate::internals::parametric::choose_surface;
 use palpate::internals::scene::linspace;
-use palpate::parametric::{FittedSurface, ParametricFit, fit_parametric, fit_surface};
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::parametric::{FittedSurface, ParametricFit};
+use palpate::scene::{Effect, Surface, Sweep, World};
 
 mod shapes;
 
@@ -17,7 +15,7 @@ fn world(surface: Surface) -> World {
 }
 
 fn sphere(radius: f64) -> Surface {
-    Surface::new(Body::Sphere(Sphere { radius }), 0.0)
+    Surface::sphere(radius)
 }
 
 fn options(degree: usize) -> FitOptions {
@@ -41,7 +39,7 @@ fn at_contacts(fit: &ParametricFit) -> [f64; 2] {
 fn the_ball_that_the_paper_could_not_feel() {
     let contacts = world(sphere(5.7)).compile().unwrap().noise_free();
     for degree in [3, 4] {
-        let fit = fit_parametric(&contacts, &options(degree)).unwrap();
+        let fit = ParametricFit::new(&contacts, &options(degree)).unwrap();
         let [s, r] = at_contacts(&fit);
         assert!(s >= 0.98 && (r * 5.7 - 1.0).abs() < 0.02, "degree {degree}: S {s}, R r {}", r * 5.7);
         assert!(fit.certificate().settled && fit.certificate().fold_free);
@@ -52,8 +50,8 @@ fn the_ball_that_the_paper_could_not_feel() {
 fn cylinders_are_ridges_at_every_angle() {
     for radius in [5.7, 10.0] {
         for angle in [0.0, 20.0, 45.0, 70.0, 90.0] {
-            let bar = Surface::new(Body::Cylinder(Cylinder { radius }), angle);
-            let fit = fit_parametric(&world(bar).compile().unwrap().noise_free(), &options(3)).unwrap();
+            let bar = Surface::cylinder(radius).turned(angle);
+            let fit = ParametricFit::new(&world(bar).compile().unwrap().noise_free(), &options(3)).unwrap();
             let [s, r] = at_contacts(&fit);
             assert!((s - 0.5).abs() < 0.01, "r {radius} at {angle}: S {s}");
             assert!((r * radius - 0.5_f64.sqrt()).abs() < 0.02, "r {radius} at {angle}: R r {}", r * radius);
@@ -64,13 +62,13 @@ fn cylinders_are_ridges_at_every_angle() {
 #[test]
 fn noise_neither_folds_nor_runs_away() {
     let noisy = world(sphere(5.7))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(0.03_f64.to_degrees()))
         .compile()
         .unwrap();
     let mut mean = 0.0;
     for replicate in 0..20 {
-        let fit = fit_parametric(&noisy.simulate(7, replicate).0, &options(3)).unwrap();
+        let fit = ParametricFit::new(&noisy.simulate(7, replicate).0, &options(3)).unwrap();
         let [s, r] = at_contacts(&fit);
         mean += s / 20.0;
         assert!((r * 5.7 - 1.0).abs() < 0.2, "replicate {replicate}: R r {}", r * 5.7);
@@ -82,8 +80,8 @@ fn noise_neither_folds_nor_runs_away() {
 #[test]
 fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
     let noisy = world(sphere(5.7))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(0.03_f64.to_degrees()))
         .compile()
         .unwrap();
     let sigma = |share: f64| NormalSigma::Known { z: 0.02 * share, normal_deg: (0.03_f64 * share).to_degrees() };
@@ -95,7 +93,7 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
             .with_segments(segments, segments)
             .with_smooth(Smooth::Lambda(0.0))
             .with_objective(Objective::Normals(sigma(0.1)));
-        match fit_parametric(&contacts, &thin) {
+        match ParametricFit::new(&contacts, &thin) {
             Ok(fit) => {
                 let r = at_contacts(&fit)[1] * 5.7;
                 assert!(fit.certificate().bending <= 2.5 && r < 1.5, "{segments} segments: R r {r}");
@@ -110,7 +108,7 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
     assert!(refused >= 3, "only {refused} ran away, so little was tested");
     // the same contacts with the fairness that they call for
     let fair = options(3).with_segments(3, 3).with_smooth(Smooth::Auto);
-    let fit = fit_parametric(&noisy.simulate(1997, 1).0, &fair).unwrap();
+    let fit = ParametricFit::new(&noisy.simulate(1997, 1).0, &fair).unwrap();
     let [s, r] = at_contacts(&fit);
     assert!(s > 0.9 && (r * 5.7 - 1.0).abs() < 0.1, "S {s}, R r {}", r * 5.7);
     assert!(fit.certificate().bending < 2.0, "{:?}", fit.certificate());
@@ -135,7 +133,7 @@ fn scenes_that_go_round_close_without_a_seam() {
     for (name, s_true, closed) in [("around-cylinder", Some(0.5), vec![1]), ("around-torus", None, vec![0, 1])] {
         let scene = palpate::internals::io::scene_file::builtin(name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
-        let fit = fit_parametric(&contacts, &scene.fit).unwrap();
+        let fit = ParametricFit::new(&contacts, &scene.fit).unwrap();
         assert!(fit.certificate().fold_free && fit.certificate().settled, "{name}: {:?}", fit.certificate());
         let maps = &fit.shape().maps;
         let (mut worst, mut count) = ([0.0_f64; 2], 0);
@@ -165,13 +163,13 @@ fn scenes_that_go_round_close_without_a_seam() {
 
 #[test]
 fn no_direction_of_space_is_special() {
-    let noisy = world(sphere(6.0)).with(PositionNoise::Sigma([0.02; 3])).compile().unwrap();
+    let noisy = world(sphere(6.0)).with(Effect::position_noise([0.02; 3])).compile().unwrap();
     let (lanes, _) = noisy.simulate(3, 0);
     let mut scattered = lanes.clone();
     (scattered.finger, scattered.station) = (None, None);
     for contacts in [lanes, scattered] {
         let shape = |contacts: &Contacts| {
-            let fit = fit_parametric(contacts, &options(3)).unwrap();
+            let fit = ParametricFit::new(contacts, &options(3)).unwrap();
             [fit.shape().shape_index.mean.unwrap(), fit.shape().curvedness.mean.unwrap()]
         };
         let first = shape(&contacts);
@@ -188,7 +186,7 @@ fn no_direction_of_space_is_special() {
 fn what_goes_round_has_no_seam() {
     let round = |contacts: &Contacts, closed: [bool; 2], segments: usize| {
         let options = options(3).with_closed(closed).with_segments(segments, segments);
-        fit_parametric(contacts, &options).unwrap()
+        ParametricFit::new(contacts, &options).unwrap()
     };
     let bar = round(&shapes::ring_of_bar(5.0, 4, 12), [false, true], 1);
     assert!((bar.shape().shape_index.mean.unwrap() - 0.5).abs() < 0.01);
@@ -209,7 +207,7 @@ fn what_goes_round_has_no_seam() {
 #[test]
 fn half_balls_are_felt_to_the_rim_with_and_without_lanes() {
     for contacts in [shapes::half_ball(5.0, 5, 9), shapes::scattered_half_ball(5.0, 60)] {
-        let fit = fit_parametric(&contacts, &options(3).with_segments(2, 2)).unwrap();
+        let fit = ParametricFit::new(&contacts, &options(3).with_segments(2, 2)).unwrap();
         let [s, r] = at_contacts(&fit);
         assert!(s > 0.95 && (5.0 * r - 1.0).abs() < 0.05, "S {s}, R r {}", 5.0 * r);
         assert!(fit_contacts(&contacts, &FitOptions::default()).is_err() || s > 0.95);
@@ -226,13 +224,13 @@ fn bad_input_is_refused_or_certified() {
             (nx[r], ny[r], nz[r]) = (-nx[r], -ny[r], -nz[r]);
         }
     }
-    assert!(matches!(fit_parametric(&sides, &options(3)), Err(FitError::Sheet { .. })));
+    assert!(matches!(ParametricFit::new(&sides, &options(3)), Err(FitError::Sheet { .. })));
     // one finger
     let one = World::new(sphere(10.0), Sweep::new(vec![0.0], linspace(-4.0, 4.0, 20))).compile().unwrap().noise_free();
     let mut unlabelled = one.clone();
     (unlabelled.finger, unlabelled.station) = (None, None);
     for line in [one, unlabelled] {
-        let found = fit_parametric(&line, &options(3));
+        let found = ParametricFit::new(&line, &options(3));
         assert!(matches!(found, Err(FitError::Sheet { .. })), "{found:?}");
     }
     // stations of the middle lane counted backwards: its chords cross the others'
@@ -240,7 +238,7 @@ fn bad_input_is_refused_or_certified() {
     if let Some(stations) = &mut crossed.station {
         (9..18).for_each(|r| stations[r] = 8 - stations[r]);
     }
-    match fit_parametric(&crossed, &options(3)) {
+    match ParametricFit::new(&crossed, &options(3)) {
         Err(FitError::Sheet { .. }) => {}
         Ok(fit) => {
             // flattened without its labels, and the certificate says that they are not those of lanes
@@ -252,16 +250,16 @@ fn bad_input_is_refused_or_certified() {
         Err(other) => panic!("{other}"),
     }
     let bare = Contacts { orientation: Orientation::None, ..contacts };
-    assert!(matches!(fit_parametric(&bare, &options(3)), Err(FitError::Objective { .. })));
+    assert!(matches!(ParametricFit::new(&bare, &options(3)), Err(FitError::Objective { .. })));
 }
 
 #[test]
 fn auto_stands_up_only_where_it_must() {
     let auto = FitOptions::default().with_surface(SurfaceKind::Auto);
     let flat = world(sphere(20.0)).compile().unwrap().noise_free();
-    assert!(matches!(fit_surface(&flat, &auto).unwrap().0, FittedSurface::Height(_)));
+    assert!(matches!(FittedSurface::of(&flat, &auto).unwrap().0, FittedSurface::Height(_)));
     let steep = world(sphere(5.7)).compile().unwrap().noise_free();
-    let (found, reason) = fit_surface(&steep, &auto).unwrap();
+    let (found, reason) = FittedSurface::of(&steep, &auto).unwrap();
     let FittedSurface::Parametric(fit) = found else { panic!("{reason}") };
     assert!(reason.contains("from the mean") && reason.contains("degree raised"), "{reason}");
     assert!(fit.shape().shape_index.mean.unwrap() > 0.95);

@@ -1,27 +1,22 @@
 //! Parts of a body: what must not depend on how it lies, and how large its numbers are.
 
-use palpate::parts::{JointKind, PartKind, Parts, PartsOptions, segment};
-use palpate::scene::surface::{Body, Pose, Solid, SolidShape, Solids, Surface};
-use palpate::scene::{Sweep, World, effects::NormalNoise, effects::PositionNoise};
+use palpate::parts::{JointKind, PartKind, Parts, PartsOptions};
+use palpate::scene::{Effect, Solid, Surface, Sweep, World};
 use palpate::{Contacts, Orientation};
 
 /// A bar with a ball on top, beside a ring.
 fn body() -> Contacts {
-    let solid = |shape, offset| Solid { shape, pose: Pose::new(0.0, [0.0; 3], offset), cut: false };
-    let parts = vec![
-        solid(SolidShape::Bar { radius: 5.0, length: 14.0 }, [0.0; 3]),
-        solid(SolidShape::Ball { radius: 5.0 }, [0.0, 0.0, 7.0]),
-        solid(SolidShape::Ring { major: 9.0, minor: 1.9 }, [0.0, 0.0, -4.0]),
-    ];
-    let surface = Surface::new(Body::Solids(Solids { parts }), 0.0);
+    let ball = Solid::ball(5.0).moved([0.0, 0.0, 7.0]);
+    let ring = Solid::ring(9.0, 1.9).moved([0.0, 0.0, -4.0]);
+    let surface = Surface::solids(vec![Solid::bar(5.0, 14.0), ball, ring]);
     let world = World::new(surface, Sweep::scan(0.7, None))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 2.0 });
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(2.0));
     world.compile().unwrap().simulate(11, 0).0
 }
 
 fn found(contacts: &Contacts) -> Parts {
-    segment(contacts, &PartsOptions::default()).unwrap()
+    Parts::of(contacts, &PartsOptions::default()).unwrap()
 }
 
 fn vectors(contacts: &Contacts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {

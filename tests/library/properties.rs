@@ -114,7 +114,7 @@ proptest! {
             let (one, other) = (f.at(x, y), g.at(c * x - s * y, s * x + c * y));
             prop_assert!((one.z - other.z).abs() < 1e-7);
             let curvature = |p: &palpate::spline::SurfacePoint| {
-                palpate::geometry::principal_curvatures(&p.derivatives()).unwrap()
+                p.derivatives().principal().unwrap()
             };
             let (k, l) = (curvature(&one), curvature(&other));
             prop_assert!((k.k1 - l.k1).abs() < 1e-7 && (k.k2 - l.k2).abs() < 1e-7);

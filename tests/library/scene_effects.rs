@@ -1,13 +1,13 @@
 //! The law of every effect over 10^6 draws against its closed form, in sigma of the estimate; and what effects do to
 //! each other: nothing.
 use palpate::internals::scene::{ContactBatch, linspace};
-use palpate::scene::effects::*;
-use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
-use palpate::scene::{Effect, Simulator, Sweep, World};
+use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
 use palpate::{Contacts, Orientation};
 
 const DRAWS: usize = 1_000_000;
 const LANES: usize = 10_000;
+/// How much too large the tips of [`one_of_each`] are believed to be.
+const TIP_RADIUS_ERROR: f64 = 0.05;
 /// Five sigma: a false alarm once in 1.7 million comparisons, and the seed is fixed.
 const SIGMAS: f64 = 5.0;
 
@@ -37,18 +37,18 @@ impl Mean {
 }
 
 fn sphere() -> Surface {
-    Surface::new(Body::Sphere(Sphere { radius: 6.0 }), 0.0)
+    Surface::sphere(6.0)
 }
 
 fn plane() -> Surface {
-    Surface::new(Body::Plane, 0.0)
+    Surface::plane()
 }
 
 fn one_site(tip_radius: f64) -> Sweep {
-    Sweep { tip_radius, ..Sweep::new(vec![2.0], vec![1.0]) }
+    Sweep::new(vec![2.0], vec![1.0]).with_tip_radius(tip_radius)
 }
 
-fn compiled(surface: Surface, sweep: Sweep, effect: impl Into<Effect>) -> Simulator {
+fn compiled(surface: Surface, sweep: Sweep, effect: Effect) -> Simulator {
     World::new(surface, sweep).with(effect).compile().unwrap()
 }
 
@@ -131,7 +131,7 @@ laws![
 
 /// Deterministic: P - e n in every replicate.
 fn tip_radius_error() {
-    let simulator = compiled(sphere(), one_site(1.0), TipRadiusError { error: 0.2 });
+    let simulator = compiled(sphere(), one_site(1.0), Effect::tip_radius_error(0.2));
     let (point, normal) = touch(&simulator);
     let expected = [0, 1, 2].map(|k| point[k] - 0.2 * normal[k]);
     replicate(&simulator, |points, normals, _| {
@@ -143,7 +143,7 @@ fn tip_radius_error() {
 /// First and second moment of the depth under a uniform overshoot.
 fn indentation() {
     let (modulus, threshold, overshoot) = (50.0, 0.5, 1.5);
-    let simulator = compiled(sphere(), one_site(1.0), Indentation { modulus, threshold, overshoot });
+    let simulator = compiled(sphere(), one_site(1.0), Effect::indentation(modulus, threshold, overshoot));
     let (point, normal) = touch(&simulator);
     // ball of radius 1 on a ball of radius 6
     let unit_depth = (9.0 / (16.0 * modulus * modulus) * (1.0 + 1.0 / 6.0_f64)).cbrt();
@@ -168,7 +168,7 @@ fn indentation() {
 /// tan(tilt) = mu + sigma N against the sliding; the contact swings about the tip's centre.
 fn friction() {
     let (mu, sigma, tip) = (0.3, 0.05, 1.0);
-    let simulator = compiled(sphere(), one_site(tip), Friction { mu, sigma });
+    let simulator = compiled(sphere(), one_site(tip), Effect::friction(mu, sigma));
     let (point, normal) = touch(&simulator);
     let sliding = minus([0.0, 1.0, 0.0], normal.map(|n| normal[1] * n));
     let (sliding, side) = (unit(sliding), cross(normal, unit(sliding)));
@@ -190,7 +190,11 @@ fn force_noise() {
     let (sigma, drift, load) = (0.01, 0.004, 2.0);
     let bias = [0.02, -0.01, 0.0];
     let sweep = Sweep::new(vec![0.0], vec![-1.0, 0.0, 1.0]);
-    let simulator = compiled(plane(), sweep, ForceNoise { sigma, bias, drift, quantum: 0.0, load });
+    let simulator = compiled(
+        plane(),
+        sweep,
+        Effect::force_noise(sigma).with_force_bias(bias).with_force_drift(drift).with_force(load),
+    );
     let mut means: [Mean; 2] = Default::default();
     let mut variances: [Mean; 3] = Default::default();
     let (mut shared, mut lengths) = (Mean::default(), Mean::default());
@@ -216,7 +220,7 @@ fn force_noise() {
     assert!((lengths.sum / lengths.count - 1.0).abs() < 1e-12);
 
     let quantum = 0.02;
-    let noise = ForceNoise { sigma: quantum, quantum, ..ForceNoise::default() };
+    let noise = Effect::force_noise(quantum).with_force_steps(quantum);
     let simulator = compiled(plane(), Sweep::new(vec![0.0], vec![0.0]), noise);
     let mut variance = Mean::default();
     replicate(&simulator, |_, normals, _| {
@@ -227,7 +231,7 @@ fn force_noise() {
     let second_order = 1.0 + 3.0 * quantum * quantum;
     variance.expect("variance with quantisation", (quantum * quantum * (1.0 + 1.0 / 12.0)) * second_order);
 
-    let quantised = ForceNoise { quantum: 0.3, ..ForceNoise::default() };
+    let quantised = Effect::force_noise(0.0).with_force_steps(0.3);
     let simulator = compiled(sphere(), one_site(0.0), quantised);
     let (_, normal) = touch(&simulator);
     let mut block = ContactBatch::default();
@@ -238,9 +242,9 @@ fn force_noise() {
 /// Mean 0 and all six covariances.
 fn position_noise() {
     let covariance = [[0.04, 0.01, -0.02], [0.01, 0.09, 0.03], [-0.02, 0.03, 0.05]];
-    let simulator = compiled(sphere(), one_site(0.0), PositionNoise::Covariance(covariance));
+    let simulator = compiled(sphere(), one_site(0.0), Effect::position_covariance(covariance));
     expect_covariance(&simulator, covariance);
-    let simulator = compiled(sphere(), one_site(0.0), PositionNoise::Sigma([0.1, 0.2, 0.3]));
+    let simulator = compiled(sphere(), one_site(0.0), Effect::position_noise([0.1, 0.2, 0.3]));
     expect_covariance(&simulator, [[0.01, 0.0, 0.0], [0.0, 0.04, 0.0], [0.0, 0.0, 0.09]]);
 }
 
@@ -269,7 +273,7 @@ fn expect_covariance(simulator: &Simulator, covariance: [[f64; 3]; 3]) {
 /// von Mises-Fisher: E cos = coth k - 1/k, E cos^2 = 1 - 2 E cos / k, azimuth uniform; rms angle sqrt 2 sigma when small.
 fn normal_noise() {
     for sigma_deg in [25.0_f64, 0.5] {
-        let simulator = compiled(sphere(), one_site(1.0), NormalNoise { sigma_deg });
+        let simulator = compiled(sphere(), one_site(1.0), Effect::normal_noise(sigma_deg));
         let (point, normal) = touch(&simulator);
         let kappa = sigma_deg.to_radians().powi(-2);
         let mean_cos = 1.0 / kappa.tanh() - 1.0 / kappa;
@@ -303,10 +307,9 @@ fn normal_noise() {
 fn encoder() {
     let (length, sigma_deg) = (10.0, 8.0_f64);
     let sigma = sigma_deg.to_radians();
-    let arm = |theta_deg: f64| {
-        Some(Arm { base: [-8.0, 1.0, 0.0], links: vec![Link { a: length, theta_deg, ..Link::default() }] })
-    };
-    let simulator = compiled(plane(), one_site(0.0), Encoder { resolution_deg: 0.0, sigma_deg, arm: arm(0.0) });
+    let base = [-8.0, 1.0, 0.0];
+    let one_link = |theta_deg: f64| [[length, 0.0, 0.0, theta_deg]];
+    let simulator = compiled(plane(), one_site(0.0), Effect::encoder(0.0, sigma_deg).with_arm(base, &one_link(0.0)));
     let (mut x, mut y, mut y2) = (Mean::default(), Mean::default(), Mean::default());
     replicate(&simulator, |points, normals, _| {
         let shift = minus(points[0], [2.0, 1.0, 0.0]);
@@ -320,7 +323,7 @@ fn encoder() {
     y2.expect("variance across", length * length * 0.5 * (1.0 - (-2.0 * sigma * sigma).exp()));
 
     // the joint stands at -33 degrees from encoder zero; steps of 10 read -30
-    let coarse = Encoder { resolution_deg: 10.0, sigma_deg: 0.0, arm: arm(33.0) };
+    let coarse = Effect::encoder(10.0, 0.0).with_arm(base, &one_link(33.0));
     let simulator = compiled(plane(), one_site(0.0), coarse);
     let mut block = ContactBatch::default();
     simulator.simulate_batch(1, 0, 1, &mut block);
@@ -335,7 +338,7 @@ fn three_joints() {
     let sigma_deg = 0.01_f64;
     let sigma = sigma_deg.to_radians();
     let sweep = Sweep::new(vec![-4.0, 4.0], vec![-4.0, 4.0]);
-    let simulator = compiled(plane(), sweep, Encoder { resolution_deg: 0.0, sigma_deg, arm: None });
+    let simulator = compiled(plane(), sweep, Effect::encoder(0.0, sigma_deg));
     let mut products: [[Mean; 3]; 3] = Default::default();
     replicate(&simulator, |points, _, _| {
         let shift = minus(points[3], [4.0, 4.0, 0.0]);
@@ -375,7 +378,7 @@ fn misalignment() {
     for (axis, degrees) in [(0, 20.0), (1, -35.0), (2, 90.0)] {
         let mut rotation_deg = [0.0; 3];
         rotation_deg[axis] = degrees;
-        let simulator = compiled(sphere(), one_site(0.0), Misalignment { rotation_deg, translation });
+        let simulator = compiled(sphere(), one_site(0.0), Effect::misalignment(rotation_deg, translation));
         let (point, normal) = touch(&simulator);
         let mut about = [0.0; 3];
         about[axis] = 1.0;
@@ -395,7 +398,7 @@ fn misalignment() {
 /// Lag uniform: mean and variance along the lane; on a curved surface the point stays on it.
 fn latency() {
     let (distance, jitter) = (0.3, 0.2);
-    let simulator = compiled(plane(), one_site(0.0), Latency { distance, jitter });
+    let simulator = compiled(plane(), one_site(0.0), Effect::latency(distance, jitter));
     let (mut mean, mut variance) = (Mean::default(), Mean::default());
     replicate(&simulator, |points, _, _| {
         let shift = minus(points[0], [2.0, 1.0, 0.0]);
@@ -405,7 +408,7 @@ fn latency() {
     });
     mean.expect("shift", -distance);
     variance.expect("variance", jitter * jitter / 3.0);
-    let simulator = compiled(sphere(), one_site(0.5), Latency { distance, jitter });
+    let simulator = compiled(sphere(), one_site(0.5), Effect::latency(distance, jitter));
     let surface = sphere();
     let (contacts, _) = simulator.simulate(1, 2);
     assert!((surface.height(contacts.x[0], contacts.y[0]).unwrap() - contacts.z[0]).abs() < 1e-12);
@@ -416,7 +419,7 @@ fn finger_noise() {
     let (sigma, sigma_deg, length) = ([0.1, 0.2, 0.3], 0.2_f64, 2.0);
     let stations = [-3.0, -2.5, 0.5];
     let sweep = Sweep::new(vec![-1.0, 1.0], stations.to_vec());
-    let simulator = compiled(plane(), sweep, FingerNoise { sigma, sigma_deg, length });
+    let simulator = compiled(plane(), sweep, Effect::finger_noise(sigma, sigma_deg, length));
     let mut z: [[Mean; 6]; 6] = Default::default();
     let mut tilt: [[Mean; 6]; 6] = Default::default();
     replicate(&simulator, |points, normals, _| {
@@ -440,7 +443,7 @@ fn finger_noise() {
 /// How often, how far, in no direction.
 fn slip() {
     let (probability, size) = (0.05, 0.8);
-    let simulator = compiled(sphere(), one_site(0.0), Slip { probability, size });
+    let simulator = compiled(sphere(), one_site(0.0), Effect::slip(probability, size));
     let (point, normal) = touch(&simulator);
     let mut often = Mean::default();
     let mut means: [Mean; 3] = Default::default();
@@ -465,7 +468,7 @@ fn slip() {
 fn dropout() {
     let probability = 0.3;
     let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 4));
-    let simulator = compiled(plane(), sweep, Dropout { probability });
+    let simulator = compiled(plane(), sweep, Effect::dropout(probability));
     let (mut kept, mut variance) = (Mean::default(), Mean::default());
     replicate(&simulator, |_, _, lost| {
         let count = lost.iter().filter(|lost| !**lost).count() as f64;
@@ -484,7 +487,7 @@ fn dropout() {
 /// Independent errors of z, zx, zy on a slanting place.
 fn row_noise() {
     let (sigma_z, sigma_slope) = (0.02, 0.05);
-    let simulator = compiled(sphere(), one_site(0.0), RowNoise { sigma_z, sigma_slope });
+    let simulator = compiled(sphere(), one_site(0.0), Effect::row_noise(sigma_z, sigma_slope));
     let (point, normal) = touch(&simulator);
     let mut means: [Mean; 3] = Default::default();
     let mut products: [[Mean; 3]; 3] = Default::default();
@@ -512,25 +515,25 @@ fn row_noise() {
 /// One of each, of ordinary strength.
 fn one_of_each() -> Vec<Effect> {
     vec![
-        TipRadiusError { error: 0.05 }.into(),
-        Indentation { modulus: 50.0, threshold: 0.5, overshoot: 0.2 }.into(),
-        Friction { mu: 0.2, sigma: 0.02 }.into(),
-        ForceNoise { sigma: 0.02, bias: [0.01, 0.0, -0.01], drift: 0.005, quantum: 0.01, load: 1.0 }.into(),
-        PositionNoise::Sigma([0.02, 0.03, 0.04]).into(),
-        NormalNoise { sigma_deg: 2.0 }.into(),
-        Encoder { resolution_deg: 0.01, sigma_deg: 0.02, arm: None }.into(),
-        Misalignment { rotation_deg: [1.0, -2.0, 0.5], translation: [0.1, 0.0, -0.1] }.into(),
-        Latency { distance: 0.05, jitter: 0.02 }.into(),
-        FingerNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
-        Slip { probability: 0.2, size: 0.5 }.into(),
-        Dropout { probability: 0.2 }.into(),
-        RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }.into(),
+        Effect::tip_radius_error(TIP_RADIUS_ERROR),
+        Effect::indentation(50.0, 0.5, 0.2),
+        Effect::friction(0.2, 0.02),
+        Effect::force_noise(0.02).with_force_bias([0.01, 0.0, -0.01]).with_force_drift(0.005).with_force_steps(0.01),
+        Effect::position_noise([0.02, 0.03, 0.04]),
+        Effect::normal_noise(2.0),
+        Effect::encoder(0.01, 0.02),
+        Effect::misalignment([1.0, -2.0, 0.5], [0.1, 0.0, -0.1]),
+        Effect::latency(0.05, 0.02),
+        Effect::finger_noise([0.01; 3], 1.0, 3.0),
+        Effect::slip(0.2, 0.5),
+        Effect::dropout(0.2),
+        Effect::row_noise(0.02, 0.05),
     ]
 }
 
 fn patch(effects: Vec<Effect>) -> World {
-    let cylinder = Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 90.0);
-    let sweep = Sweep { tip_radius: 0.5, repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let cylinder = Surface::cylinder(6.6).turned(90.0);
+    let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_tip_radius(0.5).with_repeats(2);
     World { effects, ..World::new(cylinder, sweep) }
 }
 
@@ -580,12 +583,12 @@ fn adding_an_effect_leaves_every_other_effects_draws_alone() {
             simulator.run_stage(stage, 9, &mut block);
             assert_eq!(block.normals, alone[i].normals, "normals of {} beside {}", one.name(), other.name());
             assert_eq!(block.lost, alone[i].lost, "losses of {} beside {}", one.name(), other.name());
-            if let Effect::TipRadiusError(calibration) = other {
+            if other.name() == "tip_radius_error" {
                 // the same draws, swung with the radius that the robot now believes in
                 for entry in 0..block.points.len() {
                     let tilt = minus(block.normals[entry], untouched.normals[entry]);
                     let swings = matches!(one.name(), "friction" | "force_noise" | "encoder");
-                    let more = if swings { calibration.error } else { 0.0 };
+                    let more = if swings { TIP_RADIUS_ERROR } else { 0.0 };
                     let expected = minus(alone[i].points[entry], tilt.map(|d| more * d));
                     assert_close(one.name(), block.points[entry], expected, 1e-13);
                 }
@@ -602,20 +605,20 @@ fn adding_an_effect_leaves_every_other_effects_draws_alone() {
 fn nearly_nothing(strength: f64) -> Vec<Effect> {
     let s = strength;
     vec![
-        TipRadiusError { error: s }.into(),
+        Effect::tip_radius_error(s),
         // Hertz's depth grows with F^(2/3): a depth of s, not a force of s
-        Indentation { modulus: 1.0, threshold: s * s.sqrt(), overshoot: 0.0 }.into(),
-        Friction { mu: s, sigma: s }.into(),
-        ForceNoise { sigma: s, bias: [s; 3], drift: s, quantum: s, load: 1.0 }.into(),
-        PositionNoise::Sigma([s; 3]).into(),
-        NormalNoise { sigma_deg: s }.into(),
-        Encoder { resolution_deg: s, sigma_deg: s, arm: None }.into(),
-        Misalignment { rotation_deg: [s; 3], translation: [s; 3] }.into(),
-        Latency { distance: s, jitter: s }.into(),
-        FingerNoise { sigma: [s; 3], sigma_deg: s, length: 1.0 }.into(),
-        Slip { probability: 0.5, size: s }.into(),
-        Dropout { probability: s }.into(),
-        RowNoise { sigma_z: s, sigma_slope: s }.into(),
+        Effect::indentation(1.0, s * s.sqrt(), 0.0),
+        Effect::friction(s, s),
+        Effect::force_noise(s).with_force_bias([s; 3]).with_force_drift(s).with_force_steps(s),
+        Effect::position_noise([s; 3]),
+        Effect::normal_noise(s),
+        Effect::encoder(s, s),
+        Effect::misalignment([s; 3], [s; 3]),
+        Effect::latency(s, s),
+        Effect::finger_noise([s; 3], s, 1.0),
+        Effect::slip(0.5, s),
+        Effect::dropout(s),
+        Effect::row_noise(s, s),
     ]
 }
 
@@ -660,9 +663,9 @@ fn one_replicate_is_the_same_as_its_lane_in_any_block() {
 #[test]
 fn effects_that_keep_the_sites_say_so_and_do() {
     for effect in one_of_each().into_iter().chain([
-        PositionNoise::Sigma([0.0, 0.0, 0.1]).into(),
-        FingerNoise { sigma: [0.0, 0.0, 0.1], sigma_deg: 3.0, length: 2.0 }.into(),
-        Misalignment { rotation_deg: [0.0; 3], translation: [0.0, 0.0, 0.2] }.into(),
+        Effect::position_noise([0.0, 0.0, 0.1]),
+        Effect::finger_noise([0.0, 0.0, 0.1], 3.0, 2.0),
+        Effect::misalignment([0.0; 3], [0.0, 0.0, 0.2]),
     ]) {
         for tip_radius in [0.0, 0.5] {
             let mut world = patch(vec![effect.clone()]);

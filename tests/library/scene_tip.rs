@@ -44,7 +44,7 @@ fn tip_and_surface_share_their_normal() {
 
 /// The contact lies on the surface, and no point of the surface lies inside the ball.
 fn assert_on_surface_and_free(
-    surface: &palpate::scene::surface::Surface,
+    surface: &palpate::scene::Surface,
     point: [f64; 3],
     normal: [f64; 3],
     tip: f64,

@@ -1,14 +1,12 @@
 //! Studies through the library: the paths to S and R agree, splits and threads change no bit, stopping and shares hold.
 
 use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
-use palpate::montecarlo::{Engine, Path, Quantity, Stopped, StoppingRule, Store, Study, StudyOptions, Tolerance};
-use palpate::scene::effects::{Dropout, FingerNoise, NormalNoise, PositionNoise, RowNoise};
-use palpate::scene::surface::{Body, Cylinder, Surface};
-use palpate::scene::{NoiseLaw, Simulator, Sweep, World};
+use palpate::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
+use palpate::scene::{Effect, NoiseLaw, Simulator, Surface, Sweep, World};
 use palpate::spline::linspace;
 
 fn world() -> World {
-    let surface = Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 30.0);
+    let surface = Surface::cylinder(6.6).turned(30.0);
     World::new(surface, Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9)))
 }
 
@@ -26,14 +24,14 @@ fn engine(simulator: Simulator, options: &FitOptions, only: Option<Path>) -> Eng
 /// Every path that can be had for a scene, against whole fits, replicate by replicate.
 #[test]
 fn the_paths_agree_where_they_overlap() {
-    let still = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 });
+    let still = world().with(Effect::row_noise(0.02, 0.05));
     let mixed = world()
-        .with(PositionNoise::Sigma([0.0, 0.0, 0.02]))
-        .with(NormalNoise { sigma_deg: 2.0 })
-        .with(FingerNoise { sigma: [0.0, 0.0, 0.01], sigma_deg: 1.0, length: 2.0 });
+        .with(Effect::position_noise([0.0, 0.0, 0.02]))
+        .with(Effect::normal_noise(2.0))
+        .with(Effect::finger_noise([0.0, 0.0, 0.01], 1.0, 2.0));
     // sites leave the domain that stands still
-    let moving = world().with(PositionNoise::Sigma([0.1; 3])).with(NormalNoise { sigma_deg: 2.0 });
-    let losing = world().with(Dropout { probability: 0.1 }).with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 });
+    let moving = world().with(Effect::position_noise([0.1; 3])).with(Effect::normal_noise(2.0));
+    let losing = world().with(Effect::dropout(0.1)).with(Effect::row_noise(0.02, 0.05));
     for (world, path) in
         [(&still, Path::FixedSites), (&mixed, Path::FixedSites), (&moving, Path::Refit), (&losing, Path::Refit)]
     {
@@ -59,7 +57,7 @@ fn the_paths_agree_where_they_overlap() {
 
 #[test]
 fn linearised_normal_rows_are_named_and_close_at_small_noise() {
-    let world = world().with(PositionNoise::Sigma([0.0, 0.0, 1e-4])).with(NormalNoise { sigma_deg: 0.01 });
+    let world = world().with(Effect::position_noise([0.0, 0.0, 1e-4])).with(Effect::normal_noise(0.01));
     let objective = Objective::Normals(NormalSigma::Known { z: 1e-4, normal_deg: 0.01 });
     let options = slopes(3, 4).with_objective(objective);
     let own = engine(world.compile().unwrap(), &options, None);
@@ -77,8 +75,8 @@ fn linearised_normal_rows_are_named_and_close_at_small_noise() {
 fn any_split_on_any_number_of_threads_gives_the_same_bits() {
     let options = slopes(2, 4);
     for world in [
-        world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }),
-        world().with(PositionNoise::Sigma([0.05; 3])).with_law("position_noise", NoiseLaw::StudentT { dof: 4.0 }),
+        world().with(Effect::row_noise(0.02, 0.05)),
+        world().with(Effect::position_noise([0.05; 3])).with_law("position_noise", NoiseLaw::StudentT { dof: 4.0 }),
     ] {
         let engine = engine(world.compile().unwrap(), &options, None);
         let whole = engine.values(5, 0, 300).columns;
@@ -96,7 +94,7 @@ fn any_split_on_any_number_of_threads_gives_the_same_bits() {
 fn parts_merge_to_the_bits_of_one_run() {
     for most in [20_000, 1 << 23] {
         let options = StudyOptions { replicates: most, replicates_given: true, ..StudyOptions::default() };
-        let simulator = || world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+        let simulator = || world().with(Effect::row_noise(0.02, 0.05)).compile().unwrap();
         let study = Study::new(simulator(), &slopes(2, 4), options, 1).unwrap();
         let run = |from, to| study.run(study.start(from), to, &mut |_| true).unwrap().0;
         let whole = run(0, 20_000);
@@ -113,9 +111,9 @@ fn parts_merge_to_the_bits_of_one_run() {
 #[test]
 fn shares_add_up_and_repeat() {
     let world = world()
-        .with(palpate::scene::effects::Friction { mu: 0.1, sigma: 0.0 })
-        .with(PositionNoise::Sigma([0.01; 3]))
-        .with(NormalNoise { sigma_deg: 2.0 });
+        .with(Effect::friction(0.1, 0.0))
+        .with(Effect::position_noise([0.01; 3]))
+        .with(Effect::normal_noise(2.0));
     let study = Study::new(world.compile().unwrap(), &slopes(2, 4), StudyOptions::default(), 1).unwrap();
     let state = study.run(study.start(0), 2000, &mut |_| true).unwrap().0;
     let result = study.result(&state, 2000);
@@ -139,31 +137,31 @@ fn shares_add_up_and_repeat() {
 /// Small noise: the linear law's sds are those of the Monte Carlo, and it is called valid.
 #[test]
 fn the_linear_law_holds_at_small_noise_and_not_on_a_ball() {
-    let small = [PositionNoise::Sigma([1e-4; 3]).into(), palpate::scene::Effect::from(NormalNoise { sigma_deg: 0.02 })];
-    let on = |body: Body| {
+    let small = [Effect::position_noise([1e-4; 3]), Effect::normal_noise(0.02)];
+    let on = |surface: Surface| {
         let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
-        let mut world = World::new(Surface::new(body, 20.0), sweep);
+        let mut world = World::new(surface.turned(20.0), sweep);
         world.effects = small.to_vec();
         let options = StudyOptions { replicates: 40_000, ..StudyOptions::default() };
         let study = Study::new(world.compile().unwrap(), &slopes(4, 4), options, 1).unwrap();
         let state = study.run(study.start(0), 40_000, &mut |_| true).unwrap().0;
         study.result(&state, 0)
     };
-    let saddle = on(Body::Saddle(palpate::scene::surface::Saddle { radii: [12.0, 12.0] }));
+    let saddle = on(Surface::saddle([12.0, 12.0]));
     for q in 0..2 {
-        let ratio = saddle.linear.parts[q].sd.unwrap() / saddle.quantities[q].sd.unwrap();
+        let ratio = saddle.linear.sd[q].unwrap() / saddle.quantities[q].sd.unwrap();
         assert!((ratio - 1.0).abs() < 0.012, "{q}: {ratio}");
     }
     assert!(saddle.linear.valid(), "{}", saddle.linear.why);
-    let ball = on(Body::Sphere(palpate::scene::surface::Sphere { radius: 10.0 }));
+    let ball = on(Surface::sphere(10.0));
     assert!(!ball.linear.valid_parts[0], "{}", ball.linear.why);
-    let plane = on(Body::Plane);
+    let plane = on(Surface::plane());
     assert!(!plane.linear.valid(), "{}", plane.linear.why);
 }
 
 #[test]
 fn quantities_on_request_are_those_of_the_fit() {
-    let world = world().with(RowNoise { sigma_z: 0.002, sigma_slope: 0.005 });
+    let world = world().with(Effect::row_noise(0.002, 0.005));
     let asked: Vec<Quantity> =
         ["k1", "k2", "radius", "direction", "S@1,2", "R@0,0", "k2@-1,3"].iter().map(|q| q.parse().unwrap()).collect();
     let of = |path| Engine::new(world.compile().unwrap(), &slopes(2, 4), &asked, path).unwrap().values(1, 0, 5).columns;
@@ -181,7 +179,7 @@ fn quantities_on_request_are_those_of_the_fit() {
 #[test]
 fn what_cannot_be_is_refused() {
     let study = |options: StudyOptions| {
-        let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.0 }).compile().unwrap();
+        let simulator = world().with(Effect::row_noise(0.02, 0.0)).compile().unwrap();
         Study::new(simulator, &slopes(2, 4), options, 1).map(|_| ()).unwrap_err().to_string()
     };
     let none = StudyOptions::default();
@@ -190,7 +188,7 @@ fn what_cannot_be_is_refused() {
         assert!(study(StudyOptions { level, ..none.clone() }).contains("level is"), "{level}");
     }
     assert!(study(StudyOptions { quantiles: vec![1.5], ..none.clone() }).contains("quantile is 1.5"));
-    let moving = world().with(PositionNoise::Sigma([0.1; 3])).compile().unwrap();
+    let moving = world().with(Effect::position_noise([0.1; 3])).compile().unwrap();
     let forced = Engine::new(moving, &slopes(2, 4), &[], Some(Path::FixedSites)).unwrap_err().to_string();
     assert!(forced.contains("position_noise moves sites"), "{forced}");
 }
@@ -200,7 +198,7 @@ fn what_cannot_be_is_refused() {
 fn a_thousand_random_splits_merge_to_the_same_bits() {
     const REPLICATES: u64 = 600;
     let options = StudyOptions { replicates: REPLICATES, replicates_given: true, ..StudyOptions::default() };
-    let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+    let simulator = world().with(Effect::row_noise(0.02, 0.05)).compile().unwrap();
     let study = Study::new(simulator, &slopes(2, 4), options, 1).unwrap();
     let run = |from, to| study.run(study.start(from), to, &mut |_| true).unwrap().0;
     let whole = run(0, REPLICATES);
@@ -231,10 +229,10 @@ fn a_thousand_random_splits_merge_to_the_same_bits() {
 #[test]
 fn a_tolerance_with_the_control_goes_on_to_the_same_bits() {
     let make = |options: StudyOptions| {
-        let simulator = world().with(RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }).compile().unwrap();
+        let simulator = world().with(Effect::row_noise(0.02, 0.05)).compile().unwrap();
         Study::new(simulator, &slopes(2, 4), options, 5).unwrap()
     };
-    let tolerance = Some(Tolerance { digits: 2, rule: StoppingRule::Stein });
+    let tolerance = Some(Tolerance::Stein(2));
     let study = make(StudyOptions { tolerance, ..StudyOptions::default() });
     let (whole, stopped) = study.run(study.start(0), 1 << 30, &mut |_| true).unwrap();
     assert_eq!(stopped, Stopped::Tolerance);

@@ -89,6 +89,9 @@ fn what_was_chosen_is_said_and_the_saved_surface_lies_on_the_contacts() {
     let interval = found["shape"]["R"]["interval"].as_array().unwrap();
     let truth = 1.0 / (10.0 * 2.0_f64.sqrt());
     assert!(interval[0].as_f64().unwrap() < truth && truth < interval[1].as_f64().unwrap());
+    // the axis of the bar goes through the origin
+    let centre: Vector = serde_json::from_value(found["shape"]["centre"].clone()).unwrap();
+    assert!((0.6 * centre[0] + 0.8 * centre[1]).hypot(centre[2]) < 0.05, "{centre:?}");
     std::fs::write(at.join("at.csv"), "x,y\n0,0\n1,-2\n3,3\n").unwrap();
     let shown = fitted(at, "show bar.json --at at.csv");
     for point in shown["points"].as_array().unwrap() {
@@ -237,4 +240,36 @@ fn the_contacts_of_every_built_in_scene_are_answered() {
         answered += usize::from(output.status.success());
     }
     assert!(answered >= 9, "{answered} of {}", patches.len());
+}
+
+/// Mean of a column of `maps.csv` over the rows that have a value, and how many rows these are.
+fn mean_of_map(folder: &Path, column: &str) -> (f64, usize) {
+    let text = std::fs::read_to_string(folder.join("out/maps.csv")).unwrap();
+    let mut rows = text.lines();
+    let at = rows.next().unwrap().split(',').position(|name| name == column).unwrap();
+    let values: Vec<f64> = rows.filter_map(|row| row.split(',').nth(at)?.parse().ok()).collect();
+    (values.iter().sum::<f64>() / values.len() as f64, values.len())
+}
+
+#[test]
+fn the_means_are_those_of_the_map_that_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    // S and R differ from place to place, and the principal directions lie aslant to x and y
+    let hill = |x: f64, y: f64| 0.9 * (-0.06 * (x + 0.5 * y).powi(2) - 0.03 * (y - 1.0).powi(2)).exp() + 0.02 * x * y;
+    let level = patch(500, hill);
+    let upright: Vec<Vector> = level.iter().map(|[x, y, z]| [*z, *x, *y]).collect();
+    for (name, points) in [("level.csv", &level), ("upright.csv", &upright)] {
+        write(folder.path(), name, points, None);
+        for grid in ["", " --grid 24"] {
+            let shape = fitted(folder.path(), &format!("fit {name} --out out{grid}"))["shape"].clone();
+            for (key, column) in [("S", "S"), ("R", "R")] {
+                let (mean, count) = mean_of_map(folder.path(), column);
+                let (said, u) = (shape[key]["mean"].as_f64().unwrap(), shape[key]["u"].as_f64().unwrap());
+                // the map shows the likeliest surface's spline, the mean counts less likely ones too
+                assert!((mean - said).abs() < 0.25 * u, "{name} {grid} {key}: {mean} in the map, {said} said, u {u}");
+                let all = shape["grid"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).product::<f64>();
+                assert_eq!(shape["support"].as_f64().unwrap(), count as f64 / all, "{name} {grid}");
+            }
+        }
+    }
 }

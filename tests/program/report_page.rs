@@ -78,7 +78,7 @@ fn every_verb_writes_a_page_that_stands_alone() {
     text(at, &[&study[..], &sweep].concat());
     text(at, &["explore", "paper-table2", "--contacts", "40", "--out", "explore"]);
     for (folder, words) in [
-        ("run", "like the side of a pipe"),
+        ("run", "like the outside of a pipe"),
         ("fit", "Standard uncertainty"),
         ("named", "Residuals"),
         ("show", "not saved with the surface"),

@@ -3,7 +3,7 @@
 use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 use palpate::internals::io::scene_file::{SceneFileError, builtin, builtin_scenes, family_members, read_scene};
-use palpate::parametric::{FittedSurface, fit_surface};
+use palpate::parametric::FittedSurface;
 use palpate::scene::Effect;
 
 const SCENE: &str = "[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-4.0, 0.0, 4.0]\nfrom = -4.0\nto = 4.0\nstations = 9\n";
@@ -146,7 +146,7 @@ fn a_scene_by_a_wrong_name_names_the_nearest() {
 fn imported_surfaces_are_labelled() {
     #[derive(Debug)]
     struct Parabola;
-    impl palpate::scene::surface::ImportedSurface for Parabola {
+    impl palpate::scene::ImportedSurface for Parabola {
         fn label(&self) -> &str {
             "parabola.json"
         }
@@ -155,7 +155,7 @@ fn imported_surfaces_are_labelled() {
         }
     }
     let text = SCENE.replace("kind = \"sphere\"\nradius = 10.0", "kind = \"imported\"\nfile = \"parabola.json\"");
-    let importer = |file: &str| -> Result<std::sync::Arc<dyn palpate::scene::surface::ImportedSurface>, String> {
+    let importer = |file: &str| -> Result<std::sync::Arc<dyn palpate::scene::ImportedSurface>, String> {
         if file == "parabola.json" { Ok(std::sync::Arc::new(Parabola)) } else { Err("no such file".into()) }
     };
     let scene = palpate::internals::io::scene_file::read_scene_with(&text, &importer).unwrap();
@@ -208,7 +208,8 @@ fn every_built_in_scene_runs() {
         if listed.name.starts_with("parts-") {
             continue;
         }
-        let (fit, _) = fit_surface(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
+        let (fit, _) =
+            FittedSurface::of(&contacts, &scene.fit).unwrap_or_else(|error| panic!("{}: {error}", listed.name));
         let curvedness = match fit {
             FittedSurface::Height(fit) => fit.shape().curvedness,
             FittedSurface::Parametric(fit) => fit.shape().curvedness,

@@ -45,6 +45,7 @@ fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
         " mm ",
         "per mm; 0.707/radius",
         "the way along the ridge",
+        "the axis goes through x = ",
     ] {
         assert!(bar.contains(words), "{words}: {bar}");
     }

@@ -6,9 +6,7 @@
 
 use palpate::internals::draws::EffectDraws;
 use palpate::internals::scene::linspace;
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, GaussianBump, Pose, Saddle, Sphere, Superquadric, Surface, Torus};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Surface, Sweep, World};
 
 pub(crate) const KINDS: [&str; 6] = ["sphere", "cylinder", "saddle", "torus", "bump", "superquadric"];
 
@@ -24,28 +22,26 @@ pub(crate) fn object(seed: u64) -> World {
     EffectDraws::new(seed, "objects").uniforms(0, 0, 8, &mut u);
     let between = |k: usize, lo: f64, hi: f64| lo + (hi - lo) * u[k];
     let body = match seed % 6 {
-        0 => Body::Sphere(Sphere { radius: between(0, 6.5, 20.0) }),
-        1 => Body::Cylinder(Cylinder { radius: between(0, 6.5, 20.0) }),
-        2 => Body::Saddle(Saddle { radii: [between(0, 6.5, 20.0), between(1, 6.5, 20.0)] }),
+        0 => Surface::sphere(between(0, 6.5, 20.0)),
+        1 => Surface::cylinder(between(0, 6.5, 20.0)),
+        2 => Surface::saddle([between(0, 6.5, 20.0), between(1, 6.5, 20.0)]),
         3 => {
             let minor = between(0, 7.0, 14.0);
-            Body::Torus(Torus { major: minor + between(1, 2.0, 20.0), minor })
+            Surface::torus(minor + between(1, 2.0, 20.0), minor)
         }
-        4 => Body::Gaussian(GaussianBump { height: between(0, 3.0, 8.0), width: between(1, 6.0, 10.0) }),
-        _ => Body::Superquadric(Superquadric {
-            semi_axes: [between(0, 9.0, 16.0), between(1, 9.0, 16.0), between(2, 7.0, 14.0)],
-            exponents: [between(6, 0.8, 1.0), between(7, 0.8, 1.0)],
-        }),
+        4 => Surface::gaussian_bump(between(0, 3.0, 8.0), between(1, 6.0, 10.0)),
+        _ => Surface::superquadric(
+            [between(0, 9.0, 16.0), between(1, 9.0, 16.0), between(2, 7.0, 14.0)],
+            [between(6, 0.8, 1.0), between(7, 0.8, 1.0)],
+        ),
     };
-    let mut surface = Surface::new(body, 0.0);
     // bars and rings reach far; the others stay over the patch
-    surface.pose = Pose::new(between(3, 0.0, 180.0), [0.0; 3], [between(4, -1.0, 1.0), between(5, -1.0, 1.0), 0.0]);
+    let offset = [between(4, -1.0, 1.0), between(5, -1.0, 1.0), 0.0];
+    let mut surface = body.posed(between(3, 0.0, 180.0), [0.0; 3], offset);
     // every other round of the kinds is seen from inside
     if (seed / 6) % 2 == 1 {
         surface = surface.concave();
     }
     let sweep = Sweep::new(linspace(-HALF, HALF, 3), linspace(-HALF, HALF, 3));
-    World::new(surface, sweep)
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+    World::new(surface, sweep).with(Effect::position_noise([0.02; 3])).with(Effect::normal_noise(0.03_f64.to_degrees()))
 }

@@ -8,9 +8,7 @@ use palpate::FitOptions;
 use palpate::fit::{NormalSigma, Objective};
 use palpate::internals::explore::{ExploreOptions, Strategy, explore};
 use palpate::internals::scene::linspace;
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Surface, Sweep, World};
 use rayon::prelude::*;
 
 use crate::contacts::options;
@@ -19,10 +17,10 @@ use crate::contacts::options;
 const MADE: [usize; 2] = [27, 45];
 
 fn world(radius: f64, axis_deg: f64) -> World {
-    let bar = Surface::new(Body::Cylinder(Cylinder { radius }), axis_deg);
+    let bar = Surface::cylinder(radius).turned(axis_deg);
     World::new(bar, Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9)))
-        .with(PositionNoise::Sigma([0.02; 3]))
-        .with(NormalNoise { sigma_deg: 0.03_f64.to_degrees() })
+        .with(Effect::position_noise([0.02; 3]))
+        .with(Effect::normal_noise(0.03_f64.to_degrees()))
 }
 
 pub(crate) fn print(noises: u64) {

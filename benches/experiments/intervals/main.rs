@@ -4,7 +4,7 @@
 //! cargo bench --bench intervals -- [REPLICATES [RECOGNISED [NAME]]]
 //!
 //! noise    shape() of REPLICATES fits: what noise alone makes of S and R
-//! total    the same after count_model_error, of RECOGNISED fits: what `palpate fit` with a named model prints
+//! total    the same after Fit::with_model_error, of RECOGNISED fits: what `palpate fit` with a named model prints
 //! ```
 //!
 //! Every row is a scene of its own, its seed is 18. Per cent of the truths inside the 95 % interval; the median half width
@@ -14,10 +14,10 @@
 mod scenes;
 
 use palpate::fit::{Fit, FitOptions, Shape};
+use palpate::fit_contacts;
 use palpate::geometry::ShapeClass;
 use palpate::internals::io::scene_file::read_scene;
 use palpate::scene::{Simulator, Truth};
-use palpate::{fit_contacts, recognition};
 
 type Fault = Box<dyn std::error::Error>;
 
@@ -119,7 +119,7 @@ fn main() -> Result<(), Fault> {
         let read = read_scene(&text).map_err(|e| format!("{scene}: {e}"))?;
         let simulator = read.world.compile()?;
         let (noise, failed) = all(&simulator, &read.fit, replicates, |fit| fit);
-        let (total, _) = all(&simulator, &read.fit, recognised, recognition::count_model_error);
+        let (total, _) = all(&simulator, &read.fit, recognised, palpate::Fit::with_model_error);
         let pair = |of: [Option<f64>; 2], places: usize| {
             of.map(|v| v.map_or("-".into(), |v| format!("{v:.places$}"))).join(" \\| ")
         };

@@ -2,7 +2,7 @@
 
 use palpate::fit::SurfaceKind;
 use palpate::internals::io::scene_file::{builtin, builtin_scenes, family_members};
-use palpate::parametric::{FittedSurface, fit_surface};
+use palpate::parametric::FittedSurface;
 use palpate::scene::Truth;
 
 pub(crate) fn print() {
@@ -12,7 +12,7 @@ pub(crate) fn print() {
         let Ok(file) = builtin(&scene.name) else { continue };
         let Ok(world) = file.world.compile() else { continue };
         let (contacts, truth) = world.simulate(file.seed, 0);
-        let fit = |surface| fit_surface(&contacts, &file.fit.clone().with_surface(surface));
+        let fit = |surface| FittedSurface::of(&contacts, &file.fit.clone().with_surface(surface));
         let text = |found: Result<(FittedSurface, String), palpate::fit::FitError>| match found {
             Ok((surface, _)) => errors(&surface, &truth),
             Err(error) => error.to_string().chars().take(22).collect(),
@@ -29,7 +29,7 @@ pub(crate) fn print() {
             scene.name,
             chosen.name(),
             text(fit(SurfaceKind::Height)),
-            text(fit_surface(&contacts, &space))
+            text(FittedSurface::of(&contacts, &space))
         );
     }
 }

@@ -5,8 +5,7 @@ use std::time::Instant;
 use palpate::fit::Fit;
 use palpate::internals::scene::linspace;
 use palpate::parametric::ParametricFit;
-use palpate::scene::surface::{Body, Sphere, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Surface, Sweep, World};
 
 use crate::worlds::{self, cylinder};
 
@@ -25,7 +24,7 @@ fn least<T>(runs: usize, mut run: impl FnMut() -> T) -> (f64, T) {
 }
 
 pub(crate) fn print() {
-    let sweep = Sweep { repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_repeats(2);
     let world = World::new(cylinder(6.6, 90.0).surface, sweep).compile().expect("on the bar");
     let contacts = world.noise_free();
     println!("\n36 contacts, whole fit with all corrections (goal 60 us)");
@@ -41,7 +40,7 @@ pub(crate) fn print() {
             1e6 * height
         );
     }
-    let surface = Surface::new(Body::Sphere(Sphere { radius: 10.0 }), 0.0);
+    let surface = Surface::sphere(10.0);
     let sweep = Sweep::new(linspace(-4.0, 4.0, 200), linspace(-4.0, 4.0, 1000));
     let contacts = World::new(surface, sweep).compile().expect("on the ball").noise_free();
     let options = worlds::options(3, 64);

@@ -3,10 +3,8 @@
 use palpate::Contacts;
 use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
 use palpate::internals::scene::linspace;
-use palpate::parametric::{ParametricFit, fit_parametric};
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Cylinder, Sphere, Surface};
-use palpate::scene::{Simulator, Sweep, World};
+use palpate::parametric::ParametricFit;
+use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
 
 pub(crate) const SEED: u64 = 1997;
 pub(crate) const SIGMA: f64 = 0.02;
@@ -24,7 +22,7 @@ pub(crate) struct Case {
 pub(crate) fn sphere(radius: f64) -> Case {
     Case {
         name: format!("sphere r = {radius}"),
-        surface: Surface::new(Body::Sphere(Sphere { radius }), 0.0),
+        surface: Surface::sphere(radius),
         radius,
         shape_index: 1.0,
         curvedness: 1.0,
@@ -34,7 +32,7 @@ pub(crate) fn sphere(radius: f64) -> Case {
 pub(crate) fn cylinder(radius: f64, angle: f64) -> Case {
     Case {
         name: format!("cylinder r = {radius} at {angle}"),
-        surface: Surface::new(Body::Cylinder(Cylinder { radius }), angle),
+        surface: Surface::cylinder(radius).turned(angle),
         radius,
         shape_index: 0.5,
         curvedness: 0.5_f64.sqrt(),
@@ -45,7 +43,7 @@ pub(crate) fn world(case: &Case, noisy: bool) -> Simulator {
     let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
     let world = World::new(case.surface.clone(), sweep);
     let world = if noisy {
-        world.with(PositionNoise::Sigma([SIGMA; 3])).with(NormalNoise { sigma_deg: SIGMA_NORMAL.to_degrees() })
+        world.with(Effect::position_noise([SIGMA; 3])).with(Effect::normal_noise(SIGMA_NORMAL.to_degrees()))
     } else {
         world
     };
@@ -76,9 +74,7 @@ pub(crate) fn at_contacts(fit: &ParametricFit, radius: f64) -> [f64; 3] {
 pub(crate) fn height_at_contacts(fit: &Fit, contacts: &Contacts, radius: f64) -> [f64; 3] {
     let surface = fit.input_surface().expect("finite");
     let shapes: Vec<[f64; 2]> = (0..contacts.len())
-        .filter_map(|r| {
-            palpate::geometry::principal_curvatures(&surface.at(contacts.x[r], contacts.y[r]).derivatives())
-        })
+        .filter_map(|r| surface.at(contacts.x[r], contacts.y[r]).derivatives().principal())
         .map(|p| [p.shape_index().unwrap_or(f64::NAN), p.curvedness() * radius])
         .collect();
     summary(&shapes)
@@ -93,7 +89,7 @@ fn summary(shapes: &[[f64; 2]]) -> [f64; 3] {
 }
 
 pub(crate) fn parametric(contacts: &Contacts, options: &FitOptions) -> Result<ParametricFit, String> {
-    fit_parametric(contacts, options).map_err(|e| e.to_string())
+    ParametricFit::new(contacts, options).map_err(|e| e.to_string())
 }
 
 /// The height field of the same degree and objective, as far as one has it.

@@ -1,9 +1,7 @@
 //! Bodies of five families with what is true of them; sizes, pose, spacing and noise are drawn.
 
 use palpate::parts::{JointKind, PartKind};
-use palpate::scene::effects::{NormalNoise, PositionNoise};
-use palpate::scene::surface::{Body, Pose, Solid, SolidShape, Solids, Surface};
-use palpate::scene::{Sweep, World};
+use palpate::scene::{Effect, Solid, Surface, Sweep, World};
 
 /// The families in the order of the table.
 pub(crate) const FAMILIES: [&str; 5] = ["box", "capsule", "cone", "mug", "pipe"];
@@ -38,21 +36,41 @@ impl Random {
     }
 }
 
-fn faces_of(shape: &SolidShape) -> Vec<Face> {
-    let face = |kind| Face { kind, radius: None, minor_radius: None, half_angle_deg: None };
-    let plane = face(PartKind::Plane);
-    match *shape {
-        SolidShape::Block { .. } => vec![plane; 6],
-        SolidShape::Ball { radius } => vec![Face { radius: Some(radius), ..face(PartKind::Sphere) }],
-        SolidShape::Bar { radius, .. } => vec![Face { radius: Some(radius), ..face(PartKind::Cylinder) }, plane, plane],
-        SolidShape::Frustum { radius, top, length } => {
-            let angle = (radius - top).atan2(length).to_degrees();
-            vec![Face { half_angle_deg: Some(angle), ..face(PartKind::Cone) }, plane, plane]
-        }
-        SolidShape::Ring { major, minor } => {
-            vec![Face { radius: Some(major), minor_radius: Some(minor), ..face(PartKind::Torus) }]
-        }
-    }
+/// A solid with its faces, in the order in which the simulation numbers them.
+type Faced = (Solid, Vec<Face>);
+
+const PLANE: Face = Face { kind: PartKind::Plane, radius: None, minor_radius: None, half_angle_deg: None };
+
+fn block(size: [f64; 3]) -> Faced {
+    (Solid::block(size), vec![PLANE; 6])
+}
+
+fn ball(radius: f64) -> Faced {
+    (Solid::ball(radius), vec![Face { kind: PartKind::Sphere, radius: Some(radius), ..PLANE }])
+}
+
+fn bar(radius: f64, length: f64) -> Faced {
+    let mantle = Face { kind: PartKind::Cylinder, radius: Some(radius), ..PLANE };
+    (Solid::bar(radius, length), vec![mantle, PLANE, PLANE])
+}
+
+fn frustum(radius: f64, top: f64, length: f64) -> Faced {
+    let angle = (radius - top).atan2(length).to_degrees();
+    let cone = Face { kind: PartKind::Cone, half_angle_deg: Some(angle), ..PLANE };
+    (Solid::frustum(radius, top, length), vec![cone, PLANE, PLANE])
+}
+
+fn ring(major: f64, minor: f64) -> Faced {
+    let tube = Face { kind: PartKind::Torus, radius: Some(major), minor_radius: Some(minor), ..PLANE };
+    (Solid::ring(major, minor), vec![tube])
+}
+
+fn moved((solid, faces): Faced, offset: [f64; 3]) -> Faced {
+    (solid.moved(offset), faces)
+}
+
+fn cut((solid, faces): Faced) -> Faced {
+    (solid.cut(), faces)
 }
 
 /// The body of a family and a seed.
@@ -61,59 +79,51 @@ pub(crate) fn draw(family: &str, seed: u64) -> Drawn {
     let number = FAMILIES.iter().position(|f| *f == family).expect("a family of the list") as u64;
     let mut random = Random(seed.wrapping_mul(31).wrapping_add(number));
     let mut r = |lo: f64, hi: f64| random.between(lo, hi);
-    let solid = |shape, offset| Solid { shape, pose: Pose::new(0.0, [0.0; 3], offset), cut: false };
-    let cut = |shape, offset| Solid { cut: true, ..solid(shape, offset) };
     let mut eye = None;
     let (parts, joints) = match family {
         "box" => {
             let size = [r(8.0, 20.0), r(8.0, 20.0), r(8.0, 20.0)];
             eye = Some([r(45.0, 70.0), r(45.0, 70.0), r(45.0, 70.0)]);
             let joints = vec![(0, 2, Convex), (0, 4, Convex), (2, 4, Convex)];
-            (vec![solid(SolidShape::Block { size }, [0.0; 3])], joints)
+            (vec![block(size)], joints)
         }
         "capsule" => {
             let (radius, length) = (r(3.0, 7.0), r(10.0, 20.0));
-            let bar = solid(SolidShape::Bar { radius, length }, [0.0; 3]);
-            let ball = solid(SolidShape::Ball { radius }, [0.0, 0.0, 0.5 * length]);
-            (vec![bar, ball], vec![(0, 2, Convex), (0, 3, Smooth)])
+            let end = moved(ball(radius), [0.0, 0.0, 0.5 * length]);
+            (vec![bar(radius, length), end], vec![(0, 2, Convex), (0, 3, Smooth)])
         }
         "cone" => {
             let (radius, length, height) = (r(5.0, 9.0), r(6.0, 14.0), r(8.0, 14.0));
-            let bar = solid(SolidShape::Bar { radius, length }, [0.0; 3]);
-            let cone = SolidShape::Frustum { radius, top: radius * r(0.25, 0.6), length: height };
-            let cone = solid(cone, [0.0, 0.0, 0.5 * (length + height)]);
-            (vec![bar, cone], vec![(0, 2, Convex), (0, 3, Convex), (3, 5, Convex)])
+            let cone = frustum(radius, radius * r(0.25, 0.6), height);
+            let cone = moved(cone, [0.0, 0.0, 0.5 * (length + height)]);
+            (vec![bar(radius, length), cone], vec![(0, 2, Convex), (0, 3, Convex), (3, 5, Convex)])
         }
         "mug" => {
             let (radius, length, wall, floor) = (r(8.0, 12.0), r(20.0, 26.0), r(2.5, 4.0), r(2.5, 4.0));
-            let bar = solid(SolidShape::Bar { radius, length }, [0.0; 3]);
-            let bore = SolidShape::Bar { radius: radius - wall, length };
-            let bore = cut(bore, [0.0, 0.0, floor]);
-            let ring = SolidShape::Ring { major: r(5.5, 8.0), minor: r(1.5, 2.2) };
-            let pose = Pose::new(0.0, [90.0, 0.0, 0.0], [radius, 0.0, r(-2.0, 2.0)]);
+            let bore = cut(moved(bar(radius - wall, length), [0.0, 0.0, floor]));
+            let (handle, tube) = ring(r(5.5, 8.0), r(1.5, 2.2));
+            let handle = handle.posed([90.0, 0.0, 0.0], [radius, 0.0, r(-2.0, 2.0)]);
             let joints = vec![(0, 1, Convex), (0, 2, Convex), (1, 3, Convex), (3, 5, Concave), (0, 6, Concave)];
-            (vec![bar, bore, Solid { shape: ring, pose, cut: false }], joints)
+            (vec![bar(radius, length), bore, (handle, tube)], joints)
         }
         _ => {
             let (radius, length, wall) = (r(6.0, 10.0), r(18.0, 26.0), r(2.5, 3.5));
-            let bar = solid(SolidShape::Bar { radius, length }, [0.0; 3]);
-            let bore = cut(SolidShape::Bar { radius: radius - wall, length: 2.0 * length }, [0.0; 3]);
-            let ring = SolidShape::Ring { major: radius, minor: r(1.2, 2.2) };
-            let groove = cut(ring, [0.0, 0.0, r(-3.0, 3.0)]);
+            let bore = cut(bar(radius - wall, 2.0 * length));
+            let groove = cut(moved(ring(radius, r(1.2, 2.2)), [0.0, 0.0, r(-3.0, 3.0)]));
             let joints = vec![(0, 1, Convex), (0, 2, Convex), (1, 3, Convex), (2, 3, Convex), (0, 6, Convex)];
-            (vec![bar, bore, groove], joints)
+            (vec![bar(radius, length), bore, groove], joints)
         }
     };
-    let faces = parts.iter().flat_map(|solid| faces_of(&solid.shape)).collect();
+    let (parts, faces): (Vec<Solid>, Vec<Vec<Face>>) = parts.into_iter().unzip();
+    let faces = faces.concat();
     let rotation = [r(-180.0, 180.0), r(-80.0, 80.0), r(-180.0, 180.0)];
     let offset = [r(-50.0, 50.0), r(-50.0, 50.0), r(-50.0, 50.0)];
-    let mut surface = Surface::new(Body::Solids(Solids { parts }), 0.0);
-    surface.pose = Pose::new(0.0, rotation, offset);
+    let surface = Surface::solids(parts).posed(0.0, rotation, offset);
     let eye = eye.map(|eye| world_of(rotation, offset, eye));
     let sigma = r(0.01, 0.04);
     let world = World::new(surface, Sweep::scan(r(0.5, 0.7), eye))
-        .with(PositionNoise::Sigma([sigma; 3]))
-        .with(NormalNoise { sigma_deg: r(1.0, 4.0) });
+        .with(Effect::position_noise([sigma; 3]))
+        .with(Effect::normal_noise(r(1.0, 4.0)));
     Drawn { world, faces, joints }
 }
 

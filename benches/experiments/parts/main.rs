@@ -9,7 +9,7 @@ mod bodies;
 use std::collections::BTreeMap;
 
 use bodies::{Drawn, FAMILIES};
-use palpate::parts::{Part, PartKind, Parts, PartsOptions, segment};
+use palpate::parts::{Part, PartKind, Parts, PartsOptions};
 
 /// The first seed that was not looked at while the method was made.
 const UNSEEN: u64 = 1_000_001;
@@ -65,7 +65,7 @@ fn one(drawn: &Drawn, tally: &mut Tally, confusion: &mut BTreeMap<(&'static str,
     let (contacts, truth) = drawn.world.compile().expect("the body is sound").simulate(seed, 0);
     let faces = truth.faces().expect("solids have faces");
     let clock = std::time::Instant::now();
-    let found = segment(&contacts, &PartsOptions::default()).expect("a body has parts");
+    let found = Parts::of(&contacts, &PartsOptions::default()).expect("a body has parts");
     tally.seconds += clock.elapsed().as_secs_f64();
     let agreement = palpate::internals::parts::against(&contacts, &found, &faces, drawn.faces.len());
     tally.bodies += 1;

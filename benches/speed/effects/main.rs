@@ -11,34 +11,34 @@ mod no_effects;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use no_effects::cylinder;
 use palpate::internals::scene::{ContactBatch, linspace};
-use palpate::scene::effects::*;
 use palpate::scene::{Effect, Sweep, World};
 
 const LANES: usize = 64;
 
 fn one_of_each() -> Vec<Effect> {
     vec![
-        TipRadiusError { error: 0.05 }.into(),
-        Indentation { modulus: 50.0, threshold: 0.5, overshoot: 0.2 }.into(),
-        Friction { mu: 0.2, sigma: 0.02 }.into(),
-        ForceNoise { sigma: 0.02, bias: [0.01, 0.0, -0.01], drift: 0.005, quantum: 0.01, load: 1.0 }.into(),
-        PositionNoise::Sigma([0.02, 0.03, 0.04]).into(),
-        NormalNoise { sigma_deg: 2.0 }.into(),
-        Encoder { resolution_deg: 0.01, sigma_deg: 0.02, arm: None }.into(),
-        Misalignment { rotation_deg: [1.0, -2.0, 0.5], translation: [0.1, 0.0, -0.1] }.into(),
-        Latency { distance: 0.05, jitter: 0.02 }.into(),
-        FingerNoise { sigma: [0.01; 3], sigma_deg: 1.0, length: 3.0 }.into(),
-        Slip { probability: 0.2, size: 0.5 }.into(),
-        Dropout { probability: 0.2 }.into(),
-        RowNoise { sigma_z: 0.02, sigma_slope: 0.05 }.into(),
+        Effect::tip_radius_error(0.05),
+        Effect::indentation(50.0, 0.5, 0.2),
+        Effect::friction(0.2, 0.02),
+        Effect::force_noise(0.02).with_force_bias([0.01, 0.0, -0.01]).with_force_drift(0.005).with_force_steps(0.01),
+        Effect::position_noise([0.02, 0.03, 0.04]),
+        Effect::normal_noise(2.0),
+        Effect::encoder(0.01, 0.02),
+        Effect::misalignment([1.0, -2.0, 0.5], [0.1, 0.0, -0.1]),
+        Effect::latency(0.05, 0.02),
+        Effect::finger_noise([0.01; 3], 1.0, 3.0),
+        Effect::slip(0.2, 0.5),
+        Effect::dropout(0.2),
+        Effect::row_noise(0.02, 0.05),
     ]
 }
 
 fn each_effect(c: &mut Criterion) {
     let mut group = c.benchmark_group("effect");
     group.throughput(Throughput::Elements((LANES * 36) as u64));
-    let patch =
-        |tip_radius: f64| Sweep { tip_radius, repeats: 2, ..Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)) };
+    let patch = |tip_radius: f64| {
+        Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6)).with_tip_radius(tip_radius).with_repeats(2)
+    };
     for effect in one_of_each() {
         // point tips where they will do: a latency on rolled tips solves the contact anew
         let tip = if effect.name() == "latency" { 0.0 } else { 0.5 };

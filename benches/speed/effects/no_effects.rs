@@ -6,8 +6,7 @@ use std::time::Instant;
 use criterion::{Criterion, Throughput};
 use palpate::Contacts;
 use palpate::internals::scene::{SurfacePoint, linspace};
-use palpate::scene::surface::{Body, Cylinder, Surface};
-use palpate::scene::{Sweep, Truth, World};
+use palpate::scene::{Surface, Sweep, Truth, World};
 
 use crate::instructions;
 
@@ -15,7 +14,7 @@ use crate::instructions;
 const ROUNDS: usize = 401;
 
 pub(crate) fn cylinder() -> Surface {
-    Surface::new(Body::Cylinder(Cylinder { radius: 6.6 }), 90.0)
+    Surface::cylinder(6.6).turned(90.0)
 }
 
 /// 20 fingers, 1000 stations: large enough that a scene's fixed cost is not what is measured.

@@ -18,10 +18,11 @@ from ._errors import (
     SurfaceError,
 )
 from ._explore import Exploration, ExploreStep, Known, TouchPlanner, explore, next_touches
-from ._fit import Certificate, Fit, Measure, Shape, Spread, fit
+from ._fit import Fit, fit
 from ._frontier import Frontier, FrontierPick, frontier
 from ._many import FitMany, fit_many, tiles
 from ._native import ParametricSurface, StreamShape, Surface, TouchStream, __version__
+from ._shape import Certificate, Measure, Shape, Spread
 from ._study import Study, StudyMeasure, merge, scene, scenes, simulate, study
 
 __all__ = [

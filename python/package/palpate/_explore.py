@@ -16,8 +16,9 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import ExploreError, in_python
-from ._fit import Fit, Shape
+from ._fit import Fit
 from ._line import flags, source
+from ._shape import Shape
 from ._tables import html_table, number
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ Lengths are in the input's unit, curvatures in its inverse, angles in degrees; w
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -17,134 +16,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._columns import Columns, columns, is_grid
 from ._errors import FitError, in_python
 from ._native import ParametricSurface, Surface
+from ._shape import Certificate, Shape
 from ._tables import html_table, number
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-__all__ = ["Certificate", "Fit", "Measure", "Shape", "Spread", "fit"]
+__all__ = ["Fit", "fit"]
 
 Pair = Union[int, tuple[int, int]]
 Numbers = npt.ArrayLike
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Mean over the patch, and sd over the patch (variation, not uncertainty)."""
-
-    mean: float | None
-    sd: float | None
-
-
-@dataclass(frozen=True)
-class Measure(Spread):
-    """A mean over the patch with its standard uncertainty u and its interval (lo, hi) at the fit's level."""
-
-    u: float | None = None
-    interval: tuple[float, float] | None = None
-    u_noise: float | None = None
-    u_model: float | None = None
-
-    @classmethod
-    def _of(cls, part: dict[str, Any]) -> Measure:
-        ends = part.get("interval")
-        return cls(
-            part["mean"],
-            part["sd"],
-            part.get("u"),
-            None if ends is None else (ends[0], ends[1]),
-            part.get("u_noise"),
-            part.get("u_model"),
-        )
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What the patch looks like, over the points of the shape grid that the data support.
-
-    shape_index: S from -1 (cup) over 0 (saddle) to 1 (cap). curvedness: R, 1/length. class_name: one of cup, trough,
-    rut, saddle rut, saddle, saddle ridge, ridge, dome, cap, plane. radius: of a cap, cup, ridge or rut. direction_deg: of
-    k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
-    in space. axis_deg and axis: the same of the direction along a ridge or rut, or of the longer way of a dome or
-    trough.
-    """
-
-    shape_index: Measure
-    curvedness: Measure
-    class_name: str | None
-    class_probability: dict[str, float]
-    k1: Spread
-    k2: Spread
-    radius: float | None
-    radius_interval: tuple[float, float] | None
-    direction_deg: float | None
-    direction: tuple[float, float, float] | None
-    axis_deg: float | None
-    axis: tuple[float, float, float] | None
-    support: float
-    plane_p: float | None
-    grid: tuple[int, int]
-
-    @property
-    def S(self) -> Measure:
-        """The shape index."""
-        return self.shape_index
-
-    @property
-    def R(self) -> Measure:
-        """The curvedness."""
-        return self.curvedness
-
-    @classmethod
-    def _of(cls, part: dict[str, Any]) -> Shape:
-        ends = part.get("radius_interval")
-        return cls(
-            shape_index=Measure._of(part["S"]),
-            curvedness=Measure._of(part["R"]),
-            class_name=part["class"],
-            class_probability=dict(part["class_probability"] or {}),
-            k1=Spread(part["k1"]["mean"], part["k1"]["sd"]),
-            k2=Spread(part["k2"]["mean"], part["k2"]["sd"]),
-            radius=part["radius"],
-            radius_interval=None if ends is None else (ends[0], ends[1]),
-            direction_deg=part["direction_deg"],
-            direction=None if part.get("direction") is None else tuple(part["direction"]),
-            axis_deg=part.get("axis_deg"),
-            axis=None if part.get("axis") is None else tuple(part["axis"]),
-            support=part["support"],
-            plane_p=part["plane_p"],
-            grid=(part["grid"][0], part["grid"][1]),
-        )
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """How far to trust the arithmetic: method and why, rank, condition, backward error, digits that are guaranteed."""
-
-    method: str
-    reason: str
-    equations: int
-    unknowns: int
-    rank: int
-    condition: float | None
-    backward_error: float | None
-    digits: dict[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def _of(cls, part: dict[str, Any]) -> Certificate:
-        return cls(
-            method=part["method"],
-            reason=part["reason"],
-            equations=part["equations"],
-            unknowns=part["unknowns"],
-            rank=part["rank"],
-            condition=part["condition"],
-            backward_error=part["backward_error"],
-            digits=dict(part.get("promise") or {}),
-        )
 
 
 class Fit:
@@ -342,20 +227,6 @@ def _saved_surface(document: dict[str, Any]) -> Surface | ParametricSurface:
     return Surface(knots, coefficients, degree, document["frame"]["axes"])
 
 
-def _of_frame(frame: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The columns of a DataFrame, or of a mapping: positions, and what stands beside them."""
-    missing = [name for name in "xyz" if name not in frame]
-    if missing:
-        raise ValueError(f"x: a table of contacts has columns x, y and z; {', '.join(missing)} is missing")
-    beside: dict[str, Any] = {}
-    if all(name in frame for name in ("nx", "ny", "nz")):
-        beside["normals"] = tuple(frame[name] for name in ("nx", "ny", "nz"))
-    elif all(name in frame for name in ("zx", "zy")):
-        beside["slopes"] = tuple(frame[name] for name in ("zx", "zy"))
-    beside.update({name: frame[name] for name in ("wz", "wx", "wy", "finger", "station") if name in frame})
-    return {name: frame[name] for name in "xyz"}, beside
-
-
 def fit(
     x: Any,
     y: Numbers | None = None,
@@ -414,32 +285,19 @@ def fit(
     >>> found.shape.class_name, round(found.shape.S.mean, 3), round(found.shape.radius, 2)
     ('ridge', 0.5, 6.01)
     """
-    if y is None and z is None:
-        if hasattr(x, "coords") and hasattr(x, "dims"):
-            array = x.transpose("x", "y")
-            x, y, z = array.coords["x"].values, array.coords["y"].values, array.values
-        elif hasattr(x, "keys") and hasattr(x, "__getitem__"):
-            columns, beside = _of_frame(x)
-            x, y, z = columns["x"], columns["y"], columns["z"]
-            if normals is None and slopes is None:
-                normals, slopes = beside.get("normals"), beside.get("slopes")
-            wz, wx, wy = (beside.get(n) if w is None else w for n, w in (("wz", wz), ("wx", wx), ("wy", wy)))
-            finger = beside.get("finger") if finger is None else finger
-            station = beside.get("station") if station is None else station
-    if y is None or z is None:
-        raise TypeError(f"{'y' if y is None else 'z'} is missing: fit(x, y, z), or a table or a DataArray alone")
+    given = columns("fit", Columns(x, y, z, normals, slopes, (wz, wx, wy), (finger, station)))
     words = {
         "surface": surface, "closed": closed, "degree": degree, "segments": segments, "knots": knots, "domain": domain,
         "weights": weights, "sigma": sigma, "method": method, "smooth": smooth, "robust": robust, "grid": grid,
         "inset": inset, "frame": frame, "level": level, "viewpoint": viewpoint, "bare": bare or None,
     }  # fmt: skip
     unit = None if unit is None else _native.unit_name(unit)
-    dimensions = getattr(z, "ndim", None)
-    if (np.ndim(z) if dimensions is None else dimensions) == 2:
+    x, y, z, normals, slopes, factors, labels = given
+    if is_grid(z):
         if normals is not None or flip_normals:
             raise ValueError("normals: a grid takes slopes=(zx, zy), each as large as z")
-        if finger is not None or station is not None:
+        if any(label is not None for label in labels):
             raise ValueError("finger, station: a grid has none")
-        return Fit(_native.fit_grid(x, y, z, slopes, (wz, wx, wy), words), "grid", unit)
-    rest = (normals, slopes, (wz, wx, wy), (finger, station))
-    return Fit(_native.fit_contacts(x, y, z, *rest, flip_normals, words), "contacts", unit)
+        return Fit(_native.fit_grid(x, y, z, slopes, factors, words), "grid", unit)
+    core = _native.fit_contacts(x, y, z, normals, slopes, factors, labels, flip_normals, words)
+    return Fit(core, "contacts", unit)

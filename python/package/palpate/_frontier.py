@@ -1,6 +1,7 @@
 """Frontiers: what accuracy costs in time on this machine, and the configuration that keeps a request.
 
-    degree x segments x stations x weights x surface, each timed and judged against the scene's truth on the same calls
+    degree x segments x stations x weights x surface, each timed and judged on the same calls: against the scene's truth,
+    or by contacts that were left out
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+import numpy.typing as npt
+
 from . import _native
+from ._columns import Columns, columns, is_grid
 from ._errors import FrontierError, in_python
 from ._line import flags, source
 from ._tables import html_table, number
@@ -143,8 +147,16 @@ def _row(point: dict[str, Any]) -> dict[str, Any]:
 
 
 def frontier(
-    scene: str | PathLike[str],
+    scene: Any,
+    y: npt.ArrayLike | None = None,
+    z: npt.ArrayLike | None = None,
     *,
+    normals: Any = None,
+    slopes: Any = None,
+    wz: npt.ArrayLike | None = None,
+    wx: npt.ArrayLike | None = None,
+    wy: npt.ArrayLike | None = None,
+    flip_normals: bool = False,
     error_s: float | None = None,
     error_r: float | None = None,
     budget: float | str | None = None,
@@ -156,29 +168,56 @@ def frontier(
 ) -> Frontier:
     """Measures what accuracy costs in time here, and picks the configuration that keeps a request.
 
-    scene: a built-in name, a file, or TOML text; or a file of contacts, whose ways of fitting are judged by contacts left
-    out. The words are those of `palpate frontier`: error_s, error_r (1/length) ask for the cheapest fit whose rms error
-    stays below in 95 of 100 runs; budget, in seconds or as "50us", asks for the most accurate within it. keep_stations
-    leaves the number of stations as the scene has it; seconds is the time for timing the ways of fitting (20 where nothing
-    is said); bare=True times them alone, without intervals, solvers and stages.
+    scene: a built-in name, a file, or TOML text; its ways of fitting are judged by its truth. The words are those of
+    `palpate frontier`: error_s, error_r (1/length) ask for the cheapest fit whose rms error stays below in 95 of 100 runs;
+    budget, in seconds or as "50us", asks for the most accurate within it. keep_stations leaves the number of stations as
+    the scene has it; seconds is the time for timing the ways of fitting (20 where nothing is said); bare=True times them
+    alone, without intervals, solvers and stages.
+
+    Contacts instead of a scene: frontier(x, y, z, normals=...) as for `fit`, each (g,), or a table, or a file; 30 or more.
+    They have no truth, and are judged by those that were left out, a fifth at a time: `error` is that of their heights,
+    the noise included, and no error of S or R can be asked for; budget can. keep_stations, seed and bare say nothing then.
 
     progress(done, of) is called meanwhile, as `tqdm` likes it. Ctrl-C ends it with KeyboardInterrupt, between two timed
     calls, or within some seconds where a reference or stages are made. Instructions are counted by `palpate frontier`
     alone. Times are those of one thread of a machine that should have nothing else to do.
 
-    Raises FrontierError.
+    Raises FrontierError; FitError where contacts are none, with kind and fields; TypeError and ValueError that name the
+    argument.
 
     >>> found = frontier("paper-cylinder", error_s=0.05, keep_stations=True, bare=True, seconds=0.1)
     >>> found.pick.met, "[fit]" in found.scene
     (True, True)
+    >>> import palpate
+    >>> contacts = palpate.simulate("paper-table2")
+    >>> measured = frontier(contacts, budget="10ms", seconds=0.1)
+    >>> measured.pick.label in {point["label"] for point in measured.points}
+    True
     """
-    name, text = source(scene)
     within = f"{budget}s" if isinstance(budget, (int, float)) else budget
     options = {
         "error_s": error_s, "error_r": error_r, "budget": within, "keep_stations": bool(keep_stations), "seed": seed,
         "seconds": seconds, "bare": bool(bare), "uncounted": True, "quiet": True,
     }  # fmt: skip
-    document = _native.frontier([*flags("frontier", options, {}), "--", name], text, progress)
+    words = flags("frontier", options, {})
+    if isinstance(scene, (str, PathLike)):
+        arrays = {"y": y, "z": z, "normals": normals, "slopes": slopes, "wz": wz, "wx": wx, "wy": wy}
+        strange = [name for name, given in arrays.items() if given is not None] or ["flip_normals"] * flip_normals
+        if strange:
+            raise TypeError(f"{strange[0]}: a scene, or a file, has its own contacts; arrays are for frontier(x, y, z)")
+        name, text = source(scene)
+        return _read(_native.frontier([*words, "--", name], text, progress))
+    given = columns("frontier", Columns(scene, y, z, normals, slopes, (wz, wx, wy)))
+    if is_grid(given.z):
+        raise ValueError("z: a grid cannot be judged by pixels that were left out, which its neighbours nearly repeat")
+    x, y, z, normals, slopes, weights, _ = given
+    line = [*words, "--", "contacts"]
+    return _read(
+        _native.frontier_of_contacts(x, y, z, normals, slopes, weights, flip_normals, line, progress)
+    )
+
+
+def _read(document: bytes) -> Frontier:
     found: dict[str, Any] = json.loads(document)
     if found.get("schema") != "palpate.frontier/1":
         raise FrontierError("this is no document of a frontier: its schema is not palpate.frontier/1", "Schema")

@@ -122,14 +122,16 @@ def fit_many(
 
 def tiles(image: Any, size: int | tuple[int, int]) -> npt.NDArray[Any]:
     """Cuts an image (n, m) into tiles of `size` pixels: (tiles, size, size), row by row; what is over at the far edges
-    is left out. Where the image lies in order, the only copy is the one that puts a tile's pixels together.
+    is left out. Where the image lies in order, the only copy is the one that puts a tile's pixels together. Tiles of a Dask
+    array are one, and are made by whoever computes them.
 
     >>> import numpy as np
     >>> tiles(np.arange(16.0).reshape(4, 4), 2)[1]
     array([[2., 3.],
            [6., 7.]])
     """
-    array: npt.NDArray[Any] = np.asanyarray(image)
+    # a Dask array stays where it is
+    array: npt.NDArray[Any] = image if hasattr(image, "__dask_graph__") else np.asanyarray(image)
     a, b = (size, size) if isinstance(size, int) else size
     if array.ndim != 2 or a < 1 or b < 1:
         raise ValueError(f"image, size: an image (n, m) and tiles of 1 pixel or more wanted, not {array.shape}, {size}")

@@ -23,6 +23,7 @@ __all__ = [
     "fit_contacts",
     "fit_grid",
     "frontier",
+    "frontier_of_contacts",
     "merge_parts",
     "scene_contacts",
     "scene_texts",
@@ -174,6 +175,17 @@ def explore(
     arguments: list[str], text: str | None, progress: _Progress | None
 ) -> tuple[bytes, dict[str, npt.NDArray[Any]]]: ...
 def frontier(arguments: list[str], text: str | None, progress: _Progress | None) -> bytes: ...
+def frontier_of_contacts(
+    x: Any,
+    y: Any,
+    z: Any,
+    normals: Any,
+    slopes: Any,
+    weights: Sequence[Any],
+    flip_normals: bool,
+    arguments: list[str],
+    progress: _Progress | None,
+) -> bytes: ...
 def unit_name(text: str) -> str: ...
 def fit_contacts(
     x: Any,

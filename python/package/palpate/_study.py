@@ -37,7 +37,7 @@ _CLOCK = ("seconds", "replicates_per_second")
 
 @dataclass(frozen=True)
 class StudyMeasure:
-    """One quantity over the replicates: mean, sd, bias (mean less truth), interval (lo, hi) at the study's level."""
+    """One quantity over the replicates: mean, sd, interval (lo, hi) at the study's level; truth, and bias (mean less truth)."""
 
     mean: float | None
     sd: float | None
@@ -46,6 +46,7 @@ class StudyMeasure:
     hi: float | None
     shortest: tuple[float, float] | None
     standard_error: float | None
+    truth: float | None
 
     @classmethod
     def _of(cls, part: dict[str, Any]) -> StudyMeasure:
@@ -58,6 +59,7 @@ class StudyMeasure:
             hi=part.get("hi"),
             shortest=None if ends is None else (ends[0], ends[1]),
             standard_error=part.get("standard_error"),
+            truth=part.get("truth"),
         )
 
 
@@ -110,6 +112,10 @@ class Study:
         """What the user should know, in whole sentences."""
         return [in_python(note) for note in self.document["notes"]]
 
+    def to_dict(self) -> dict[str, Any]:
+        """The document palpate.study/1: what `palpate study --json` prints."""
+        return self.document
+
     def save_part(self, path: str | PathLike[str]) -> None:
         """Writes what the replicates came to, for `merge` and for `palpate merge`."""
         Path(path).write_bytes(self.part)
@@ -118,8 +124,8 @@ class Study:
         """One row a quantity; where the values were kept, `pandas.DataFrame(study.values)` has them."""
         import pandas
 
-        rows = {name: (q.mean, q.sd, q.bias, q.lo, q.hi) for name, q in self.quantities.items()}
-        frame = pandas.DataFrame.from_dict(rows, orient="index", columns=["mean", "sd", "bias", "lo", "hi"])
+        rows = {name: (q.truth, q.mean, q.bias, q.sd, q.lo, q.hi) for name, q in self.quantities.items()}
+        frame = pandas.DataFrame.from_dict(rows, orient="index", columns=["truth", "mean", "bias", "sd", "lo", "hi"])
         frame.attrs["palpate"] = json.dumps(self.document)
         return frame
 

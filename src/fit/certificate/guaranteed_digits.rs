@@ -20,30 +20,15 @@ const UNIT: f64 = PLACING;
 /// Orders in x and in y of S_x, S_y, S_xx, S_xy, S_yy.
 const ORDERS: [[usize; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// Decimal digits in which a fit agrees at least with the exact solution of the written problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GuaranteedDigits {
-    /// Of the coefficients in the input's frame, relative to the largest.
-    pub coefficients: f64,
-    /// Of S at the worst supported grid point, absolute.
-    pub shape_index: f64,
-    /// Of R at the worst supported grid point, relative.
-    pub curvedness: f64,
-}
-
-/// Digits from the condition and the backward error.
-pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> GuaranteedDigits {
+/// Decimal digits of the coefficients, of S and of R, from the condition and the backward error.
+pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> [f64; 3] {
     let c = &solved.fitted.solution.coefficients;
-    let Some(bound) = Bound::new(solved, backward) else { return GuaranteedDigits::default() };
+    let Some(bound) = Bound::new(solved, backward) else { return [0.0; 3] };
     let (origin, scale) = (solved.origin_height(), solved.patch.frame.scale);
     let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / scale + v).abs()));
     let coefficients = bound.of_coefficients();
     let [shape_index, curvedness] = at_points(solved, shape, &bound);
-    GuaranteedDigits {
-        coefficients: digits(if largest > 0.0 { coefficients / largest } else { 0.0 }),
-        shape_index: digits(shape_index),
-        curvedness: digits(curvedness),
-    }
+    [if largest > 0.0 { coefficients / largest } else { 0.0 }, shape_index, curvedness].map(digits)
 }
 
 /// `-log10` of a bound and one last rounding, between 0 and 15.95. NaN guarantees none.

@@ -16,7 +16,7 @@ use crate::fit::linear::reasons::Reason;
 use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
 use backward::backward;
-use guaranteed_digits::{GuaranteedDigits, guaranteed_digits};
+use guaranteed_digits::guaranteed_digits;
 
 /// The certificate of one fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,13 @@ pub struct Certificate {
     pub condition: f64,
     /// Componentwise backward error of the augmented system.
     pub backward_error: f64,
-    /// Digits that the answer has at least.
-    pub guaranteed_digits: GuaranteedDigits,
+    /// Decimal digits in which the coefficients agree at least with the exact solution of the written problem: in the input's
+    /// frame, relative to the largest.
+    pub digits_of_coefficients: f64,
+    /// The same of S at the worst supported grid point, absolute.
+    pub digits_of_shape_index: f64,
+    /// The same of R at the worst supported grid point, relative.
+    pub digits_of_curvedness: f64,
     /// Coefficients (number `i m + j`) that the data leave free.
     pub unsupported: Vec<usize>,
     /// Refinement steps taken.
@@ -49,6 +54,8 @@ pub struct Certificate {
 pub(super) fn certify(solved: &Solved, shape: &Shape) -> Certificate {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let backward = backward(solved);
+    let [digits_of_coefficients, digits_of_shape_index, digits_of_curvedness] =
+        guaranteed_digits(solved, shape, &backward);
     Certificate {
         method: solution.method,
         reasons: solution.reasons.clone(),
@@ -57,7 +64,9 @@ pub(super) fn certify(solved: &Solved, shape: &Shape) -> Certificate {
         rank: solution.rank,
         condition: solved.condition(),
         backward_error: backward.error,
-        guaranteed_digits: guaranteed_digits(solved, shape, &backward),
+        digits_of_coefficients,
+        digits_of_shape_index,
+        digits_of_curvedness,
         unsupported: solution.unsupported.clone(),
         refinements: solution.refinements,
         refinement_gain: solution.refinement_gain,

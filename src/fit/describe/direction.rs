@@ -5,7 +5,6 @@
 //! axis                   of the smaller |k|: along a ridge, a rut, or a body's longer way
 //! ```
 
-use crate::curvature::principal_curvatures;
 use crate::fit::describe::uncertainty::standard_uncertainty;
 use crate::fit::solved::Solved;
 use crate::shape::gap_gradient;
@@ -36,7 +35,7 @@ fn found(solved: &Solved) -> Option<Directions> {
         0.5 * (lo + hi)
     });
     let point = solved.surface.at(dx, dy);
-    let principal = principal_curvatures(&point.derivatives())?;
+    let principal = point.derivatives().principal()?;
     let rounding = 1e3 * UNIT * (1.0 + principal.k1.abs().max(principal.k2.abs()));
     let noise = standard_uncertainty(solved, &gap_gradient(&solved.surface, dx, dy));
     if principal.difference <= (2.0 * noise).max(rounding) {

@@ -17,7 +17,7 @@ use crate::curvature::ShapeClass;
 use crate::fit::placing::data::Data;
 use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
-use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, shape_maps, spread};
+use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, spread};
 use crate::surface::SurfacePoint;
 use direction::{Directions, directions};
 use flatness::{is_flat, plane_probability};
@@ -32,7 +32,7 @@ const PLANE_SIGNIFICANCE: f64 = 0.01;
 pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let domain = [solved.patch.knots[0].domain(), solved.patch.knots[1].domain()];
     let grid = ShapeGrid::over(domain, solved.options.grid, solved.options.inset);
-    let mut maps = shape_maps(&solved.surface, grid, &solved.fitted.solution.unsupported);
+    let mut maps = solved.surface.shape_maps(grid, &solved.fitted.solution.unsupported);
     // who names a domain asks about all of it, as streams and plans answer
     if let (Data::Scattered { contacts, .. }, None) = (&solved.data, solved.options.domain) {
         leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);

@@ -120,7 +120,7 @@ mod tests {
             let places = [-2.5, 0.0, 2.5];
             let all = places.iter().flat_map(|x| places.iter().map(move |y| (*x, *y)));
             all.map(|(x, y)| surface.at(x, y))
-                .map(|p| [p.z, crate::curvature::principal_curvatures(&p.derivatives()).unwrap().curvedness()])
+                .map(|p| [p.z, p.derivatives().principal().unwrap().curvedness()])
                 .collect()
         };
         let runs: Vec<Vec<[f64; 2]>> = (1..=300).map(|seed| at(&fitted(seed))).collect();

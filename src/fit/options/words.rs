@@ -7,33 +7,18 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::super::error::FitError;
 use super::{FrameChoice, NormalSigma, Robust, SlopeWeights, Smooth, SurfaceKind};
 
-/// A text that is no value of an option; says what would be one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnknownWord {
-    /// What would be right.
-    pub expected: String,
-}
-
-impl fmt::Display for UnknownWord {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.expected)
-    }
-}
-
-impl std::error::Error for UnknownWord {}
-
-impl UnknownWord {
-    fn new(expected: impl Into<String>) -> UnknownWord {
-        UnknownWord { expected: expected.into() }
-    }
+/// A text that is no value of an option, where this would be right.
+fn unknown(expected: impl Into<String>) -> FitError {
+    FitError::Word { expected: expected.into() }
 }
 
 /// What would be right is one of these words: `a, b or c`.
-pub(super) fn listed<T>(words: &[(&str, T)]) -> UnknownWord {
+pub(super) fn listed<T>(words: &[(&str, T)]) -> FitError {
     let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    UnknownWord::new(match words.split_last() {
+    unknown(match words.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => words.concat(),
     })
@@ -58,9 +43,9 @@ macro_rules! words {
         }
 
         impl std::str::FromStr for $option {
-            type Err = $crate::fit::UnknownWord;
+            type Err = $crate::fit::FitError;
 
-            fn from_str(text: &str) -> Result<$option, $crate::fit::UnknownWord> {
+            fn from_str(text: &str) -> Result<$option, $crate::fit::FitError> {
                 let found = $option::WORDS.iter().find(|(word, _)| *word == text);
                 found.map(|(_, value)| *value).ok_or_else(|| listed($option::WORDS))
             }
@@ -98,14 +83,14 @@ impl SlopeWeights {
 }
 
 impl FromStr for SlopeWeights {
-    type Err = UnknownWord;
+    type Err = FitError;
 
-    fn from_str(text: &str) -> Result<SlopeWeights, UnknownWord> {
+    fn from_str(text: &str) -> Result<SlopeWeights, FitError> {
         if let Some((_, weights)) = SlopeWeights::WORDS.iter().find(|(word, _)| *word == text) {
             return Ok(*weights);
         }
         let words: Vec<&str> = SlopeWeights::WORDS.iter().map(|(word, _)| *word).collect();
-        let expected = || UnknownWord::new(format!("{} or WZ,WX,WY such as 1,10,10", words.join(", ")));
+        let expected = || unknown(format!("{} or WZ,WX,WY such as 1,10,10", words.join(", ")));
         numbers(text).and_then(SlopeWeights::explicit).ok_or_else(expected)
     }
 }
@@ -134,16 +119,16 @@ impl NormalSigma {
 }
 
 impl FromStr for NormalSigma {
-    type Err = UnknownWord;
+    type Err = FitError;
 
-    fn from_str(text: &str) -> Result<NormalSigma, UnknownWord> {
+    fn from_str(text: &str) -> Result<NormalSigma, FitError> {
         const EXPECTED: &str =
             "auto, or Z,DEG: the sd of z in input units and of the normals in degrees, such as 0.02,5";
         if let Some((_, sigma)) = NormalSigma::WORDS.iter().find(|(word, _)| *word == text) {
             return Ok(*sigma);
         }
         let known = numbers::<2>(text).and_then(|[z, normal_deg]| NormalSigma::known(z, normal_deg));
-        known.ok_or_else(|| UnknownWord::new(EXPECTED))
+        known.ok_or_else(|| unknown(EXPECTED))
     }
 }
 
@@ -167,14 +152,14 @@ impl Smooth {
 }
 
 impl FromStr for Smooth {
-    type Err = UnknownWord;
+    type Err = FitError;
 
-    fn from_str(text: &str) -> Result<Smooth, UnknownWord> {
+    fn from_str(text: &str) -> Result<Smooth, FitError> {
         if let Some((_, smooth)) = Smooth::WORDS.iter().find(|(word, _)| *word == text) {
             return Ok(*smooth);
         }
         let lambda = numbers::<1>(text).and_then(|[lambda]| Smooth::lambda(lambda));
-        lambda.ok_or_else(|| UnknownWord::new("none, auto or LAMBDA >= 0 such as 1e-6"))
+        lambda.ok_or_else(|| unknown("none, auto or LAMBDA >= 0 such as 1e-6"))
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::io::columns::{Column, Columns, Need};
 use crate::io::gather::reading_of;
 use crate::io::place::{Runs, Unit};
+use crate::io::watch::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 #[derive(Default)]
@@ -56,6 +57,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
 fn parse(text: &str) -> Result<Model, String> {
     let mut model = Model::default();
     for (k, line) in text.lines().enumerate() {
+        tell_line(text, line);
         let mut words = line.split_whitespace();
         let key = words.next();
         let mut three = || -> Result<[f64; 3], String> {

@@ -6,6 +6,7 @@
 use crate::io::columns::{Column, Columns, Need};
 use crate::io::gather::reading_of;
 use crate::io::place::{Place, Runs, Unit};
+use crate::io::watch::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 const WITH_NORMALS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
@@ -33,6 +34,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     let mut columns = Columns::named(file, &WITH_NORMALS[..fields], Need::Contacts)?;
     let mut numbers = Runs::default();
     for (line, row) in lines.take(count) {
+        tell_line(text, row);
         let mut words = row.split_whitespace();
         for name in &WITH_NORMALS[..fields] {
             let Some((column, values)) = Column::of(name).and_then(|c| Some((c, columns.get_mut(c)?))) else {

@@ -12,6 +12,7 @@ use crate::io::columns::{Column, Columns, Need};
 use crate::io::gather::reading_of;
 use crate::io::names::in_our_words;
 use crate::io::place::{Place, Runs, Unit};
+use crate::io::watch::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::lzf;
@@ -243,6 +244,7 @@ fn read_ascii(
     let mut numbers = Runs::default();
     let rows = text.lines().enumerate().map(|(k, row)| (header.lines + 1 + k, row.trim()));
     for (line, row) in rows.filter(|(_, row)| !row.is_empty()).take(header.points) {
+        tell_line(text, row);
         let words: Vec<&str> = row.split_whitespace().collect();
         let mut at = 0_usize;
         for (field, column) in header.fields.iter().zip(wanted) {

@@ -8,6 +8,7 @@ use crate::io::place::Unit;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::soup::Soup;
+use crate::io::watch::tell_line;
 
 /// Bytes before the first triangle, and of each.
 const START: usize = 84;
@@ -62,6 +63,7 @@ fn read_text(file: &str, bytes: &[u8], soup: &mut Soup) -> Result<(), IoError> {
     let mut corners: Vec<[f64; 3]> = Vec::with_capacity(3);
     let mut ended = false;
     for (k, line) in text.lines().enumerate() {
+        tell_line(text, line);
         let mut words = line.split_whitespace();
         match words.next() {
             Some("vertex") => {

@@ -9,7 +9,7 @@ use ndarray::Array2;
 
 use crate::io::surface_file::{AnySurface, Saved};
 use crate::io::uncertainty_map::PointUncertainty;
-use crate::shape::{ShapeGrid, parametric_maps, shape_maps, uv_grid};
+use crate::shape::{ShapeGrid, parametric_maps, uv_grid};
 
 /// Triangles with the shape at their corners.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ fn vertices(saved: &Saved, points: [usize; 2]) -> (Array2<Option<Vertex>>, [bool
     match &saved.surface {
         AnySurface::Height(field) => {
             let domain = [0, 1].map(|k| field.knots()[k].domain());
-            let maps = shape_maps(field, ShapeGrid::over(domain, points, 0.0), &saved.unsupported);
+            let maps = field.shape_maps(ShapeGrid::over(domain, points, 0.0), &saved.unsupported);
             let turned = |v: [f64; 3]| if saved.frame.keeps_axes() { v } else { saved.frame.rotate_back(v) };
             let vertex = |(i, j): (usize, usize)| {
                 let (x, y) = (maps.grid.x[i], maps.grid.y[j]);

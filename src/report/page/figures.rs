@@ -59,11 +59,17 @@ fn edges(axis: &[f64]) -> [f64; 2] {
     }
 }
 
-/// One map with its caption; `first` holds the contacts' dots, which the others use again.
+/// One map with its caption and the names of its axes; `first` holds the contacts' dots, which the others use again.
 ///
 /// # Errors
 /// What the system says of memory.
-pub(super) fn figure(view: &SurfaceView, field: &Field, caption: &str, first: bool) -> std::io::Result<String> {
+pub(super) fn figure(
+    view: &SurfaceView,
+    field: &Field,
+    caption: &str,
+    names: &[String; 2],
+    first: bool,
+) -> std::io::Result<String> {
     let frame = Frame::new(view);
     let [left, top, width, height] = frame.inside;
     let ([n, m], tall) = ([view.places[0].len(), view.places[1].len()], height.max(0.6 * SIDE) + TOP + 44.0);
@@ -79,7 +85,7 @@ pub(super) fn figure(view: &SurfaceView, field: &Field, caption: &str, first: bo
         text(&format!("Map of {} over the patch", field.name)),
     );
     dots(view, &frame, first, &mut out);
-    axes(view, &frame, &mut out);
+    axes(names, &frame, &mut out);
     scale(field, tall, &mut out);
     out.push_str("<g class=\"cross\" visibility=\"hidden\"><circle r=\"7\"/><circle r=\"5.5\"/></g></svg></figure>\n");
     Ok(out)
@@ -116,7 +122,7 @@ pub(super) fn thinned(view: &SurfaceView) -> Option<String> {
     (drawn < contacts.all).then(|| format!("Dots: {drawn} of the {} contacts, evenly chosen.", contacts.all))
 }
 
-fn axes(view: &SurfaceView, frame: &Frame, out: &mut String) {
+fn axes(names: &[String; 2], frame: &Frame, out: &mut String) {
     let [left, top, width, height] = frame.inside;
     let bottom = top + height;
     let _ =
@@ -150,9 +156,9 @@ fn axes(view: &SurfaceView, frame: &Frame, out: &mut String) {
          <text class=\"name\" transform=\"translate(12 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         left + 0.5 * width,
         bottom + 35.0,
-        view.axes[0],
+        text(&names[0]),
         top + 0.5 * height,
-        view.axes[1]
+        text(&names[1])
     );
 }
 

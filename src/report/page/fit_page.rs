@@ -23,13 +23,13 @@ pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String,
     let fields = fields(&view, document);
     let mut sections = cards(document);
     sections.push_str(&stage(&view, &fields));
-    sections.push_str(&maps(&view, &fields)?);
+    sections.push_str(&maps(&view, &fields, document)?);
     sections.push_str(&numbers(document));
     if let Some(contacts) = &view.contacts {
         sections.push_str(&residuals(document, contacts));
     }
     sections.push_str(&trust(document));
-    Ok((sections, view_data(&view, &fields)))
+    Ok((sections, view_data(&view, &fields, document.unit.as_deref())))
 }
 
 /// Writes the page of a surface; `saved` is its document as it is saved, `name` the scene or the file.

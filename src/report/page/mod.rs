@@ -16,20 +16,25 @@
 //!
 //! | file | |
 //! |---|---|
-//! | `shell.rs`, `html.rs`, `provenance.rs` | the page around its sections, escaping, where it comes from |
+//! | `shell.rs`, `html.rs`, `lengths.rs`, `provenance.rs` | the page around its sections, escaping, units, where it comes from |
 //! | `fit_page.rs`, `surface_sections.rs`, `words.rs` | a surface: sections, sentences |
-//! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `table_page.rs` | the other verbs |
-//! | `chart.rs`, `histogram.rs`, `figures.rs`, `perspective.rs`, `tables.rs` | pictures and tables |
+//! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `parts_page.rs`, `table_page.rs` | the other verbs |
+//! | `chart.rs`, `histogram.rs`, `figures.rs`, `tables.rs` | charts, maps and tables |
+//! | `eye.rs`, `perspective.rs`, `body.rs` | still pictures in space |
 //! | `colour.rs`, `raster.rs`, `base64.rs`, `view_data.rs` | colours, pixels, data for the scripts |
 //! | `assets/` | style, scripts, and in `vendor/` the library with its licence and the script that bundles it |
 
+mod body;
 mod chart;
 mod explore_page;
+mod eye;
 mod figures;
 mod fit_page;
 mod frontier_page;
 mod histogram;
 mod html;
+mod lengths;
+mod parts_page;
 mod perspective;
 mod provenance;
 mod raster;
@@ -42,9 +47,11 @@ mod tables;
 mod view_data;
 mod words;
 
+pub(crate) use body::PartsBody;
 pub(crate) use explore_page::write_explore_page;
 pub(crate) use fit_page::write_fit_page;
 pub(crate) use frontier_page::write_frontier_page;
+pub(crate) use parts_page::write_parts_page;
 pub(crate) use provenance::Provenance;
 pub(crate) use study_page::{INTERRUPTED, write_study_page};
 pub(crate) use sweep_page::{SweepPage, write_sweep_page};

@@ -1,48 +1,33 @@
-//! The surface in perspective as SVG: what is seen until the turning view starts, and without WebGL or JavaScript.
-//!
-//! ```text
-//! (x, y, z) -> (x cos a + y sin a,  z cos e + (y cos a - x sin a) sin e)      a parallel view; the farthest faces first
-//! ```
+//! The surface in perspective as SVG: what is seen until the turning view starts, and without WebGL or JavaScript. The
+//! farthest faces are drawn first.
 
 use std::fmt::Write as _;
 
 use crate::report::surface_view::{SurfaceView, Vector};
+use crate::vector::{cross, dot, minus, unit};
 
-use super::super::colour::{Field, hex, mix};
-use super::html::text;
+use super::super::colour::{FAINT, Field, hex, mix};
+use super::eye::{Canvas, Eye};
 
-/// Faces along each direction; more would not be told apart.
-const FACES: usize = 26;
+/// Faces along each direction, a multiple of [`LINES`]; more would take a browser without graphics longer to draw.
+const FACES: usize = 20;
+/// Lines on the surface along each direction, as the turning view has them.
+const LINES: usize = 10;
 /// Contacts that are drawn.
-const DOTS: usize = 200;
-/// Direction of the view: turned about z, and raised.
-const TURN: f64 = -0.6;
-const RISE: f64 = 0.6;
-const SIZE: [f64; 2] = [600.0, 420.0];
-
-/// Across, up, and towards the viewer.
-fn seen(p: Vector) -> [f64; 3] {
-    let (across, away) = (p[0] * TURN.cos() + p[1] * TURN.sin(), p[1] * TURN.cos() - p[0] * TURN.sin());
-    [across, p[2] * RISE.cos() + away * RISE.sin(), p[2] * RISE.sin() - away * RISE.cos()]
-}
+const DOTS: usize = 400;
 
 /// How bright a face is: light falls from beside the viewer, on either side of the surface.
-fn light([a, b, c, d]: [[f64; 3]; 4]) -> f64 {
-    let across = [0, 1, 2].map(|k| c[k] - a[k]);
-    let up = [0, 1, 2].map(|k| d[k] - b[k]);
-    let normal = [0, 1, 2].map(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        across[i] * up[j] - across[j] * up[i]
-    });
-    let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let along = 0.23 * normal[0] + 0.41 * normal[1] + 0.88 * normal[2];
-    if length > 0.0 { 0.42 + 0.58 * (along / length).abs().min(1.0) } else { 1.0 }
+fn light([a, b, c, d]: [Vector; 4]) -> f64 {
+    let normal = unit(cross(minus(c, a), minus(d, b)));
+    let along = dot(normal, unit([0.25, 0.45, 1.0])).abs();
+    if along.is_finite() { 0.42 + 0.58 * along.min(1.0) } else { 1.0 }
 }
 
 /// Points along one direction that are joined by faces: the first and the last among them.
 fn chosen(count: usize, closed: bool) -> Vec<usize> {
     let faces = FACES.min(count.max(2) - 1);
-    let mut all: Vec<usize> = (0..=faces).map(|k| k * (count - 1) / faces).collect();
+    // rounded as the turning view rounds, whose lines lie between the same points
+    let mut all: Vec<usize> = (0..=faces).map(|k| (2 * k * (count - 1) + faces) / (2 * faces)).collect();
     if closed {
         all.push(0);
     }
@@ -55,48 +40,75 @@ pub(super) fn picture(view: &SurfaceView, field: &Field) -> String {
     if n < 2 || m < 2 {
         return String::new();
     }
-    let all: Vec<[f64; 3]> = view.points.iter().map(|p| seen(*p)).collect();
-    let place = fitted(&all);
-    let ([i, j], mut faces) = ([chosen(n, view.closed[0]), chosen(m, view.closed[1])], Vec::new());
-    for a in i.windows(2) {
-        for b in j.windows(2) {
-            let corners = [a[0] * m + b[0], a[1] * m + b[0], a[1] * m + b[1], a[0] * m + b[1]];
-            let depth: f64 = corners.iter().map(|k| all[*k][2]).sum();
-            faces.push((depth, corners));
-        }
-    }
-    faces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let [width, height] = SIZE;
-    let label = text(&format!("The surface in perspective, coloured by {}", field.name));
-    let mut out =
-        format!("<svg class=\"perspective\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{label}\">\n");
-    for (_, corners) in faces {
-        let points: Vec<String> =
-            corners.iter().map(|k| place(all[*k])).map(|[x, y]| format!("{x:.0},{y:.0}")).collect();
-        let light = light(corners.map(|k| all[k]));
-        let fill = field.colour(corners[0]).map_or("var(--unknown)".into(), |c| hex(mix([0; 3], c, light)));
-        let _ = writeln!(out, "<polygon points=\"{}\" fill=\"{fill}\"/>", points.join(" "));
-    }
-    if let Some(contacts) = &view.contacts {
-        let step = contacts.points.len().div_ceil(DOTS).max(1);
-        for point in contacts.points.iter().step_by(step) {
-            let [x, y] = place(seen(*point));
-            let _ = writeln!(out, "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"3\"/>");
-        }
-    }
+    let eye = Eye::new(&view.points);
+    let canvas = eye.canvas();
+    let mut out = canvas.begin(&format!("The surface in perspective, coloured by {}", field.name));
+    out.push_str(&canvas.edges(&eye, true));
+    faces(view, field, (&eye, &canvas), &mut out);
+    out.push_str(&canvas.edges(&eye, false));
+    dots(view, (&eye, &canvas), &mut out);
     out.push_str("</svg>\n");
     out
 }
 
-/// Where seen points stand in the picture.
-fn fitted(all: &[[f64; 3]]) -> impl Fn([f64; 3]) -> [f64; 2] {
-    let range =
-        |k: usize| all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], p| [lo.min(p[k]), hi.max(p[k])]);
-    let ([left, right], [low, high]) = (range(0), range(1));
-    let scale = (0.9 * SIZE[0] / (right - left)).min(0.9 * SIZE[1] / (high - low));
-    let scale = if scale.is_finite() { scale } else { 1.0 };
-    move |p| {
-        let middle = [0.5 * (left + right), 0.5 * (low + high)];
-        [0.5 * SIZE[0] + scale * (p[0] - middle[0]), 0.5 * SIZE[1] - scale * (p[1] - middle[1])]
+/// One face: its corners, the point that colours it, its place among the faces.
+struct Face {
+    near: f64,
+    corners: [usize; 4],
+    middle: usize,
+    at: [usize; 2],
+}
+
+/// Faces from the farthest to the nearest, and how many there are along both directions.
+fn faces_of(view: &SurfaceView, turned: &[Vector]) -> (Vec<Face>, [usize; 2]) {
+    let m = view.places[1].len();
+    let [i, j] = [0, 1].map(|k| chosen(view.places[k].len(), view.closed[k]));
+    let mut faces = Vec::new();
+    for (k, a) in i.windows(2).enumerate() {
+        for (l, b) in j.windows(2).enumerate() {
+            let corners = [a[0] * m + b[0], a[1] * m + b[0], a[1] * m + b[1], a[0] * m + b[1]];
+            let near = corners.iter().map(|c| turned[*c][2]).sum();
+            // the last face of a closed direction ends where the first begins
+            let middle = (a[0] + a[1].max(a[0])) / 2 * m + (b[0] + b[1].max(b[0])) / 2;
+            faces.push(Face { near, corners, middle, at: [k, l] });
+        }
     }
+    faces.sort_by(|a, b| a.near.total_cmp(&b.near));
+    (faces, [i.len() - 1, j.len() - 1])
+}
+
+fn faces(view: &SurfaceView, field: &Field, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
+    let turned: Vec<Vector> = view.points.iter().map(|p| eye.turned(*p)).collect();
+    let (faces, [n, m]) = faces_of(view, &turned);
+    let every = [n, m].map(|count| (count / LINES).max(1));
+    let mut drawn = vec![false; n * m];
+    for Face { corners, middle, at: [k, l], .. } in faces {
+        drawn[k * m + l] = true;
+        let light = light(corners.map(|c| turned[c]));
+        let [a, b, c, d] = corners.map(|c| canvas.place(eye, view.points[c]));
+        let (colour, class) = field.colour(middle).map_or((FAINT, " class=\"none\""), |colour| (colour, ""));
+        let fill = hex(mix([0; 3], colour, light));
+        let _ = writeln!(out, "<path{class} d=\"M{a}L{b} {c} {d}z\" fill=\"{fill}\"/>");
+        // a line between two faces is drawn after both, or the second would hide half of it
+        let done = |i: usize, j: usize| i >= n || j >= m || drawn[i * m + j];
+        let edges = [
+            (k, every[0], done(k.wrapping_sub(1), l), [&a, &d]),
+            (k + 1, every[0], done(k + 1, l), [&b, &c]),
+            (l, every[1], done(k, l.wrapping_sub(1)), [&a, &b]),
+            (l + 1, every[1], done(k, l + 1), [&d, &c]),
+        ];
+        let lines = edges.iter().filter(|(number, every, last, _)| number % every == 0 && *last);
+        let path: String = lines.map(|(.., [from, to])| format!("M{from}L{to}")).collect();
+        if !path.is_empty() {
+            let _ = writeln!(out, "<path class=\"line\" d=\"{path}\"/>");
+        }
+    }
+}
+
+fn dots(view: &SurfaceView, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
+    let Some(contacts) = &view.contacts else { return };
+    let step = contacts.points.len().div_ceil(DOTS).max(1);
+    let path: String = contacts.points.iter().step_by(step).map(|p| format!("M{}h0", canvas.place(eye, *p))).collect();
+    let size = if contacts.points.len() < DOTS { "few" } else { "many" };
+    let _ = writeln!(out, "<path class=\"rim {size}\" d=\"{path}\"/><path class=\"dot {size}\" d=\"{path}\"/>");
 }

@@ -17,11 +17,12 @@ const STYLES: [&str; 2] = [include_str!("assets/page.css"), include_str!("assets
 const THREE: &str = include_str!("assets/vendor/three.min.js");
 const THREE_LICENCE: &str = include_str!("assets/vendor/three.LICENSE");
 /// Our own scripts, in the order in which they build on each other.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("assets/tooltip.js"),
     include_str!("assets/data.js"),
     include_str!("assets/colours.js"),
     include_str!("assets/shapes.js"),
+    include_str!("assets/body.js"),
     include_str!("assets/lively.js"),
     include_str!("assets/stage.js"),
     include_str!("assets/controls.js"),
@@ -95,8 +96,11 @@ impl Page<'_> {
     fn write_scripts(&self, out: &mut dyn Write) -> std::io::Result<()> {
         if let Some(view) = &self.view {
             writeln!(out, "<script type=\"application/json\" id=\"palpate-view\">{}</script>", embedded(view))?;
-            // its licence asks to stand in every copy
-            writeln!(out, "<script>\n{THREE}\n/*\n{THREE_LICENCE}*/\n</script>")?;
+            // as text, which `main.js` runs once the first picture is seen; its licence asks to stand in every copy
+            writeln!(
+                out,
+                "<script type=\"text/plain\" id=\"palpate-library\">\n{THREE}\n/*\n{THREE_LICENCE}*/\n</script>"
+            )?;
         }
         writeln!(out, "<script>\n\"use strict\";\n{}</script>", SCRIPTS.concat())
     }

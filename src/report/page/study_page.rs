@@ -9,12 +9,13 @@ use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, list, notes, table};
-use super::words::{class_words, percent};
 use crate::montecarlo::Ranked;
 use crate::report::json::write_json;
+use crate::report::percent::percent;
 use crate::report::study::{EffectPart, LinearQuantity, QuantityPart, StudyDocument};
 use crate::report::study_table::write_study_table;
 use crate::report::table::significant;
+use crate::report::words::like;
 
 /// The word of [`StudyDocument::stopped`] for a study that Ctrl-C ended.
 pub(crate) const INTERRUPTED: &str = "interrupted";
@@ -80,11 +81,11 @@ fn notices(document: &StudyDocument, asked: u64) -> Vec<String> {
 }
 
 fn lead(document: &StudyDocument) -> String {
-    let level = percent(Some(document.level));
+    let level = percent(document.level);
     match &document.verdict {
         Some(class) => format!(
             "With this much noise the patch is still recognised as a {class} ({}) in at least {level} of {} measurements.",
-            class_words(class),
+            like(class),
             document.replicates
         ),
         None => format!(
@@ -95,7 +96,7 @@ fn lead(document: &StudyDocument) -> String {
 }
 
 fn cards(document: &StudyDocument) -> String {
-    let level = percent(Some(document.level));
+    let level = percent(document.level);
     let one = |name: &str, part: &QuantityPart| {
         let mut lines = Vec::new();
         lines.extend(part.lo.zip(part.hi).map(|(lo, hi)| {
@@ -141,7 +142,7 @@ fn histograms(document: &StudyDocument, ranked: &[Ranked<'_>; 2]) -> String {
             format!("<figure><figcaption><b>{}</b>{}</figcaption>{chart}</figure>\n", text(name), text(&far))
         })
         .collect();
-    let level = percent(Some(document.level));
+    let level = percent(document.level);
     let interval = format!("interval that holds {level} of the measurements");
     let marks = key(&[
         ("", "--accent", "measurements"),
@@ -193,7 +194,7 @@ fn numbers(document: &StudyDocument) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = named.into_iter().chain(others).map(row).collect();
-    let level = percent(Some(document.level));
+    let level = percent(document.level);
     let (symmetric, shortest) = (format!("{level} interval"), format!("Shortest {level} interval"));
     let head =
         ["", "Mean", "Error of the mean", "Standard deviation", &symmetric, &shortest, "Truth", "Mean less truth"];

@@ -7,10 +7,11 @@ use super::chart::{precise, shown};
 use super::figures::{figure, thinned};
 use super::histogram::Histogram;
 use super::html::text;
+use super::lengths::Lengths;
 use super::perspective::picture;
 use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
-use super::words::{certificate, interval_of, noise, percent};
+use super::words::{certificate, interval_of, named_level, noise};
 use crate::report::document::{FitDocument, MeasurePart, SpreadPart};
 use crate::report::surface_view::{ContactsView, SurfaceView};
 use crate::report::table::significant;
@@ -19,17 +20,20 @@ use crate::report::table::significant;
 pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<Field<'a>> {
     let largest = view.curvedness.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
     let plane = document.shape.class.as_deref() == Some("plane");
+    let inverse = Lengths::of(document).inverse();
     let mut all = Vec::new();
     if !plane {
         let fading = Some((&view.curvedness[..], largest));
         let (values, stops) = (&view.shape_index[..], &DIVERGING[..]);
-        all.push(Field { key: "S", name: "shape index S", values, ends: [-1.0, 1.0], stops, fading });
+        all.push(Field { key: "S", name: "shape index S".into(), values, ends: [-1.0, 1.0], stops, fading });
     }
     let values = &view.curvedness[..];
     let stops = &VIRIDIS[..];
-    all.push(Field { key: "R", name: "curvedness R", values, ends: ends(values), stops, fading: None });
+    let name = format!("curvedness R ({inverse})");
+    all.push(Field { key: "R", name, values, ends: ends(values), stops, fading: None });
     if let Some([s, r]) = &view.uncertainty {
-        let named = [("uS", "uncertainty of S", &s[..]), ("uR", "uncertainty of R", &r[..])];
+        let name = format!("uncertainty of R ({inverse})");
+        let named = [("uS", "uncertainty of S".into(), &s[..]), ("uR", name, &r[..])];
         for (key, name, values) in named.into_iter().skip(usize::from(plane)) {
             all.push(Field { key, name, values, ends: ends(values), stops, fading: None });
         }
@@ -39,10 +43,10 @@ pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<F
 
 /// Large numbers at the top.
 pub(super) fn cards(document: &FitDocument) -> String {
-    let shape = &document.shape;
-    let lines = |part: &MeasurePart, unit: &str| {
+    let (shape, lengths) = (&document.shape, Lengths::of(document));
+    let lines = |part: &MeasurePart| {
         let mut lines: Vec<String> =
-            part.u.map(|u| format!("standard uncertainty {}{unit}", significant(u, 2))).into_iter().collect();
+            part.u.map(|u| format!("standard uncertainty {}", significant(u, 2))).into_iter().collect();
         lines.extend(interval_of(part));
         lines.extend(part.sd.map(|sd| variation(sd, part.mean)));
         lines
@@ -55,13 +59,22 @@ pub(super) fn cards(document: &FitDocument) -> String {
     });
     let mut out = String::from("<div class=\"cards\">\n");
     out.push_str(&card("Class", class, &sure.into_iter().collect::<Vec<_>>()));
-    out.push_str(&card("S, shape index", &mean(&shape.shape_index), &lines(&shape.shape_index, "")));
-    out.push_str(&card("R, curvedness (1/length)", &mean(&shape.curvedness), &lines(&shape.curvedness, "")));
+    out.push_str(&card("S, shape index", &mean(&shape.shape_index), &lines(&shape.shape_index)));
+    out.push_str(&card(
+        &format!("R, curvedness ({})", lengths.inverse()),
+        &mean(&shape.curvedness),
+        &lines(&shape.curvedness),
+    ));
     if let Some(radius) = shape.radius {
         let between = shape.radius_interval.map(|[lo, hi]| {
-            format!("{} interval {} to {}", percent(shape.curvedness.level), precise(lo, hi - lo), precise(hi, hi - lo))
+            format!(
+                "{} interval {} to {}",
+                named_level(shape.curvedness.level),
+                precise(lo, hi - lo),
+                precise(hi, hi - lo)
+            )
         });
-        out.push_str(&card("Radius", &shown(radius), &between.into_iter().collect::<Vec<_>>()));
+        out.push_str(&card(&lengths.along("Radius"), &shown(radius), &between.into_iter().collect::<Vec<_>>()));
     }
     out.push_str("</div>\n");
     out
@@ -101,7 +114,7 @@ pub(super) fn stage(view: &SurfaceView, fields: &[Field]) -> String {
     }
     format!(
         "<section id=\"space\"><h2>The surface</h2>\n<div id=\"stage\" class=\"stage\">{still}\
-         <p class=\"without\">The turning view needs JavaScript and WebGL; this is a still picture of it.</p></div>\n\
+         <p class=\"without\"><noscript>The turning view needs JavaScript and WebGL; this is a still picture of it.</noscript></p></div>\n\
          <div id=\"stage-controls\" class=\"controls\" hidden></div>\n<p class=\"hint\">{}</p></section>\n",
         text(&hints.join(" "))
     )
@@ -111,18 +124,18 @@ pub(super) fn stage(view: &SurfaceView, fields: &[Field]) -> String {
 ///
 /// # Errors
 /// What the system says of memory.
-pub(super) fn maps(view: &SurfaceView, fields: &[Field]) -> std::io::Result<String> {
+pub(super) fn maps(view: &SurfaceView, fields: &[Field], document: &FitDocument) -> std::io::Result<String> {
+    let lengths = Lengths::of(document);
+    let inverse = text(&lengths.inverse());
     let mut out = String::from("<section id=\"maps\"><h2>Maps over the patch</h2>\n<div class=\"figures\">\n");
     for (k, field) in fields.iter().enumerate() {
         let caption = match field.key {
-            "S" => {
-                "<b>S, shape index.</b> Which shape: from cup over saddle to cap. It fades to grey where the surface is nearly flat."
-            }
-            "R" => "<b>R, curvedness</b> (1/length). How strongly it is curved.",
-            "uS" => "<b>Standard uncertainty of S</b>, point by point.",
-            _ => "<b>Standard uncertainty of R</b>, point by point.",
+            "S" => "<b>S, shape index.</b> Which shape: from cup over saddle to cap. It fades to grey where the surface is nearly flat.".into(),
+            "R" => format!("<b>R, curvedness</b> ({inverse}). How strongly it is curved."),
+            "uS" => "<b>Standard uncertainty of S</b>, point by point.".into(),
+            _ => format!("<b>Standard uncertainty of R</b> ({inverse}), point by point."),
         };
-        out.push_str(&figure(view, field, caption, k == 0)?);
+        out.push_str(&figure(view, field, &caption, &view.axes.map(|name| lengths.along(name)), k == 0)?);
     }
     out.push_str("</div>\n");
     let mut hints = vec!["Grey: no contacts near enough to say anything.".to_string()];
@@ -137,7 +150,7 @@ pub(super) fn maps(view: &SurfaceView, fields: &[Field]) -> std::io::Result<Stri
 
 /// Every mean with what is known of it, and what the columns mean.
 pub(super) fn numbers(document: &FitDocument) -> String {
-    let shape = &document.shape;
+    let (shape, inverse) = (&document.shape, Lengths::of(document).inverse());
     let number = |v: Option<f64>| v.map_or("-".into(), shown);
     let measured = |name: &str, part: &MeasurePart, truth: Option<f64>| {
         let interval = part
@@ -152,11 +165,12 @@ pub(super) fn numbers(document: &FitDocument) -> String {
     let truth = document.truth.as_ref();
     let mut rows = vec![
         measured("S, shape index", &shape.shape_index, truth.and_then(|t| t.shape_index)),
-        measured("R, curvedness", &shape.curvedness, truth.and_then(|t| t.curvedness)),
-        curvature("k1, larger curvature", &shape.k1),
-        curvature("k2, smaller curvature", &shape.k2),
+        measured(&format!("R, curvedness ({inverse})"), &shape.curvedness, truth.and_then(|t| t.curvedness)),
+        curvature(&format!("k1, larger curvature ({inverse})"), &shape.k1),
+        curvature(&format!("k2, smaller curvature ({inverse})"), &shape.k2),
     ];
-    let interval = format!("{} interval", percent(shape.curvedness.level.or(shape.shape_index.level).or(Some(0.95))));
+    let interval =
+        format!("{} interval", named_level(shape.curvedness.level.or(shape.shape_index.level).or(Some(0.95))));
     let mut head =
         vec!["", "Mean over the patch", "Standard uncertainty", &interval, "Variation over the patch", "Truth"];
     if truth.is_none() {
@@ -184,7 +198,8 @@ pub(super) fn numbers(document: &FitDocument) -> String {
 pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> String {
     let belonging: Vec<f64> = contacts.belonging().collect();
     let Some(histogram) = Histogram::of(&belonging) else { return String::new() };
-    let name = format!("residual {} (contact less surface)", contacts.measured);
+    let lengths = Lengths::of(document);
+    let name = lengths.along(&format!("residual {}, contact less surface", contacts.measured));
     let chart = histogram.chart(["Residuals of the contacts", &name, "contacts"], None, &[("zero", 0.0)]);
     let rms = &document.fit.rms;
     let mut said = Vec::new();
@@ -192,8 +207,8 @@ pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> Stri
     if let Some(z) = rms.z {
         said.push(format!(
             "Contacts lie {} off the surface (root mean square); the farthest {}.",
-            significant(z, 3),
-            significant(worst, 3)
+            lengths.of_size(significant(z, 3)),
+            lengths.of_size(significant(worst, 3))
         ));
     }
     if let (Some(zx), Some(zy)) = (rms.zx, rms.zy) {

@@ -7,7 +7,7 @@ use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{key, table};
-use super::words::percent;
+use crate::report::percent::percent;
 use crate::report::study::QuantityPart;
 use crate::report::sweep::{SweepPoint, write_sweep_table};
 
@@ -93,7 +93,7 @@ fn charts(sweep: &SweepPage<'_>, name: &str) -> String {
         }
         format!("<figure><figcaption><b>{}</b></figcaption>{}</figure>", text(title), chart.svg())
     };
-    let interval = format!("{} of the measurements", percent(Some(sweep.level)));
+    let interval = format!("{} of the measurements", percent(sweep.level));
     let marks = key(&[("line", "--accent", "mean"), ("", "--band", &interval), ("line dashed", "--second", "truth")]);
     format!(
         "<section id=\"charts\"><h2>S and R</h2>\n<div class=\"figures\">{}{}</div>{marks}</section>\n",

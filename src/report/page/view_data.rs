@@ -11,7 +11,7 @@ use crate::report::surface_view::{ContactsView, SurfaceView, Vector};
 pub(super) const STROKES: usize = 4000;
 
 /// The data as JSON.
-pub(super) fn view_data(view: &SurfaceView, fields: &[Field]) -> String {
+pub(super) fn view_data(view: &SurfaceView, fields: &[Field], unit: Option<&str>) -> String {
     let centre = middle(view);
     let near = |points: &[Vector]| singles(points.iter().flat_map(|p| [0, 1, 2].map(|k| p[k] - centre[k])));
     let fields: Vec<Value> = fields
@@ -31,6 +31,7 @@ pub(super) fn view_data(view: &SurfaceView, fields: &[Field]) -> String {
     json!({
         "centre": centre,
         "axes": view.axes,
+        "unit": unit,
         "places": view.places,
         "closed": view.closed,
         "points": near(&view.points),

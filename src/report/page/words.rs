@@ -1,41 +1,26 @@
 //! What the numbers of a fit mean, in sentences for somebody who never saw the program.
 
 use super::chart::{precise, shown};
+use super::lengths::Lengths;
 use crate::report::document::{FitDocument, MeasurePart};
+use crate::report::percent::percent;
 use crate::report::table::significant;
+use crate::report::words::like;
 
-/// What a class looks like.
-pub(super) fn class_words(class: &str) -> &'static str {
-    match class {
-        "cup" => "hollow in every direction, like the inside of a ball",
-        "trough" => "hollow in every direction, in one more than in the other, like the inside of an egg",
-        "rut" => "hollow across and straight along, like a groove",
-        "saddle rut" => "a saddle that is nearly a groove",
-        "saddle" => "hollow in one direction and bulging as much in the other, like a riding saddle",
-        "saddle ridge" => "a saddle that is nearly a ridge",
-        "ridge" => "bulging across and straight along, like the side of a pipe",
-        "dome" => "bulging in every direction, in one more than in the other, like an egg",
-        "cap" => "bulging equally in every direction, like the top of a ball",
-        "plane" => "flat: no curvature that the contacts can tell from zero",
-        _ => "",
-    }
-}
-
-/// The level of an interval: `95 %`.
-pub(super) fn percent(level: Option<f64>) -> String {
-    // rounding must not make 94.99999999999999 of it
-    level.map_or("an".into(), |level| format!("{} %", (1e6 * level).round() / 1e4))
+/// The level of an interval in front of its name, where it is known: `95 % interval`, `an interval`.
+pub(super) fn named_level(level: Option<f64>) -> String {
+    level.map_or("an".into(), percent)
 }
 
 /// The interval of a mean, as `95 % interval 0.48 to 0.52`.
 pub(super) fn interval_of(part: &MeasurePart) -> Option<String> {
     let [lo, hi] = part.interval?;
-    Some(format!("{} interval {} to {}", percent(part.level), precise(lo, hi - lo), precise(hi, hi - lo)))
+    Some(format!("{} interval {} to {}", named_level(part.level), precise(lo, hi - lo), precise(hi, hi - lo)))
 }
 
 /// What was found, in one or two sentences.
 pub(super) fn finding(document: &FitDocument) -> String {
-    let shape = &document.shape;
+    let (shape, lengths) = (&document.shape, Lengths::of(document));
     let Some(class) = shape.class.as_deref() else {
         return if shape.shape_index.mean.is_some() {
             "No single kind of shape: several stand side by side on this patch, so its mean describes no part of it."
@@ -44,18 +29,19 @@ pub(super) fn finding(document: &FitDocument) -> String {
             "The shape index is undefined here, so the patch has no class.".into()
         };
     };
-    let mut words = format!("The patch is a {class}: {}.", class_words(class));
+    let mut words = format!("The patch is a {class}: {}.", like(class));
     if let Some(radius) = shape.radius {
         let between = match (shape.radius_interval, shape.curvedness.level) {
             (Some([lo, hi]), level) => {
-                format!(", between {} and {} at {}", precise(lo, hi - lo), precise(hi, hi - lo), percent(level))
+                let sure = level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
+                format!(" (between {} and {}{sure})", precise(lo, hi - lo), lengths.of_size(precise(hi, hi - lo)))
             }
             _ => String::new(),
         };
-        words.push_str(&format!(" Its radius is {}{between}.", shown(radius)));
+        words.push_str(&format!(" Its radius is {}{between}.", lengths.of_size(shown(radius))));
     }
     if let Some([small, large]) = shape.radii {
-        words.push_str(&format!(" Its two radii are {} and {}.", shown(small), shown(large)));
+        words.push_str(&format!(" Its two radii are {} and {}.", shown(small), lengths.of_size(shown(large))));
     }
     words
 }
@@ -140,12 +126,16 @@ fn in_space(document: &FitDocument) -> Vec<String> {
 
 /// Noise found or declared, in words.
 pub(super) fn noise(document: &FitDocument) -> Option<String> {
-    let sigma = document.fit.sigma.as_ref()?;
-    let mut parts: Vec<String> = sigma.z.map(|z| format!("{} in position", significant(z, 3))).into_iter().collect();
+    let (sigma, lengths) = (document.fit.sigma.as_ref()?, Lengths::of(document));
+    let mut parts: Vec<String> =
+        sigma.z.map(|z| format!("{} in position", lengths.of_size(significant(z, 3)))).into_iter().collect();
     parts.extend(sigma.normal_deg.map(|v| format!("{} degrees in the normal", significant(v, 3))));
     parts.extend(sigma.slope.map(|v| format!("{} in the slope", significant(v, 3))));
     if let (Some(sd), Some(over)) = (sigma.shared, sigma.shared_over) {
-        parts.push(format!("{} shared by neighbours over a distance of {}", significant(sd, 3), significant(over, 3)));
+        parts.push({
+            let [sd, over] = [sd, over].map(|v| lengths.of_size(significant(v, 3)));
+            format!("{sd} shared by neighbours over a distance of {over}")
+        });
     }
     (!parts.is_empty()).then(|| format!("Noise of one contact (standard deviation): {}.", parts.join(", ")))
 }

@@ -86,7 +86,11 @@ impl SurfacePictures {
     }
 }
 
-fn write_drawing(drawing: &Drawing, format: PictureFormat, out: &mut dyn Write) -> std::io::Result<()> {
+/// Writes a drawing in this format.
+///
+/// # Errors
+/// What the system says.
+pub(super) fn write_drawing(drawing: &Drawing, format: PictureFormat, out: &mut dyn Write) -> std::io::Result<()> {
     match format {
         PictureFormat::Svg => drawing.write_svg(out),
         PictureFormat::Png => drawing.write_png(out),

@@ -9,6 +9,7 @@
 use std::io::Write;
 
 use crate::report::drawing::{Anchor, Colour, Drawing};
+use crate::report::percent::percent;
 use crate::report::study::QuantityPart;
 use crate::report::sweep::SweepPoint;
 
@@ -62,7 +63,7 @@ fn sweep(title: &str, keys: &[&str], points: &[SweepPoint], level: f64) -> Drawi
     if lines.len() > 1 {
         legend(&mut drawing, keys, &lines);
     }
-    let words = format!("dots: mean; bars: {} % of the replicates; lines: truth", short(100.0 * level));
+    let words = format!("dots: mean; bars: {} of the replicates; lines: truth", percent(level));
     foot(&mut drawing, &[words]);
     drawing
 }

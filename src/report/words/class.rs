@@ -3,19 +3,22 @@
 use super::super::document::ShapePart;
 use super::numbers::chance;
 
-/// What each class looks like from the side that was touched.
-const LIKE: [(&str, &str); 10] = [
-    ("cup", "like the inside of a bowl"),
-    ("trough", "like the inside of a spoon"),
-    ("rut", "like the inside of a pipe"),
-    ("saddle rut", "between a rut and a saddle"),
-    ("saddle", "like a horse's saddle: hollow one way, raised the other"),
-    ("saddle ridge", "between a saddle and a ridge"),
-    ("ridge", "like the outside of a pipe"),
-    ("dome", "like the side of an egg"),
-    ("cap", "like the outside of a ball"),
-    ("plane", "flat, as far as these contacts can tell"),
-];
+/// What a class looks like from the side that was touched; empty for a word that is no class.
+pub(in crate::report) fn like(class: &str) -> &'static str {
+    match class {
+        "cup" => "like the inside of a bowl",
+        "trough" => "like the inside of a spoon",
+        "rut" => "like the inside of a pipe",
+        "saddle rut" => "between a rut and a saddle",
+        "saddle" => "like a horse's saddle: hollow one way, raised the other",
+        "saddle ridge" => "between a saddle and a ridge",
+        "ridge" => "like the outside of a pipe",
+        "dome" => "like the side of an egg",
+        "cap" => "like the outside of a ball",
+        "plane" => "flat, as far as these contacts can tell",
+        _ => "",
+    }
+}
 
 /// The class, what it looks like, and how sure it is.
 pub(super) fn sentence(shape: &ShapePart) -> String {
@@ -32,9 +35,9 @@ pub(super) fn sentence(shape: &ShapePart) -> String {
         let sure = format!("{} and {} sure", chance(p), chance(q));
         return format!("{class} by the mean of S, {other} by its bounds: the contacts do not tell which ({sure})");
     }
-    let like = LIKE.iter().find(|(name, _)| *name == class).map_or(String::new(), |(_, like)| format!(": {like}"));
+    let like = like(class);
     let sure = probability(shape, class).map_or(String::new(), |p| format!(" ({} sure)", chance(p)));
-    format!("{class}{like}{sure}")
+    if like.is_empty() { format!("{class}{sure}") } else { format!("{class}: {like}{sure}") }
 }
 
 /// Probability of a class, where it is known.
@@ -57,7 +60,7 @@ mod tests {
     #[test]
     fn every_class_has_words() {
         for class in ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]) {
-            assert!(LIKE.iter().any(|(name, _)| *name == class.name()), "{class}");
+            assert!(!like(class.name()).is_empty(), "{class}");
         }
     }
 }

@@ -21,6 +21,7 @@ use std::io::Write;
 
 use super::document::FitDocument;
 
+pub(super) use class::like;
 pub(super) use map::small_maps;
 use wrap::Labelled;
 

@@ -1,9 +1,9 @@
 //! How sure the values are and why, what else was noticed, and what to do next.
 
 use super::super::document::{FitDocument, MeasurePart};
-use super::super::table::significant;
+use super::super::table::{decimals, significant};
 use super::class::{probability, second};
-use super::numbers::chance;
+use super::numbers::{DIGITS, chance};
 use super::wrap::Labelled;
 
 /// A class less likely than this is said to be open.
@@ -22,6 +22,9 @@ const PATTERN: f64 = 0.05;
 const THIN: f64 = 0.2;
 
 pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
+    if let Some(words) = place(document) {
+        text.add("place", words);
+    }
     if let Some(words) = found_as(document) {
         text.add("found as", words);
     }
@@ -46,6 +49,26 @@ pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
     for words in next(document) {
         text.add("next", words);
     }
+}
+
+/// Where a ball or a pipe lies.
+fn place(document: &FitDocument) -> Option<String> {
+    let shape = &document.shape;
+    let (centre, radius) = (shape.centre?, shape.radius?);
+    let what = match shape.class.as_deref() {
+        Some("cap" | "cup") => "the middle of the ball is at",
+        Some("ridge" | "rut") => "the axis goes through",
+        _ => return None,
+    };
+    // a place is known no better than the radius
+    let places = decimals(radius, DIGITS);
+    let [x, y, z] = centre.map(|v| {
+        let text = format!("{v:.places$}");
+        // no minus before a row of zeros
+        if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) { text.replace('-', "") } else { text }
+    });
+    let unit = document.unit.as_ref().map_or(String::new(), |unit| format!(" {unit}"));
+    Some(format!("{what} x = {x}, y = {y}, z = {z}{unit}, in the coordinates of the input"))
 }
 
 /// The kind of surface that explains the contacts best, and the next best.

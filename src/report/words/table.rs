@@ -1,6 +1,7 @@
 //! The values in columns: what was found, between which bounds the truth lies, what the number means.
 
 use super::super::document::{FitDocument, MeasurePart};
+use super::super::percent::percent;
 use super::super::table::{decimals, significant};
 use super::numbers::{DIGITS, like};
 
@@ -31,7 +32,7 @@ pub(super) fn table(document: &FitDocument) -> String {
     let rows = rows(document);
     let some = |pick: fn(&Row) -> &String| rows.iter().any(|row| !pick(row).is_empty());
     let level = document.shape.curvedness.level.filter(|_| some(|row| &row.between));
-    let head = level.map_or(String::new(), |level| format!("{} % sure to lie between", significant(100.0 * level, 2)));
+    let head = level.map_or(String::new(), |level| format!("{} sure to lie between", percent(level)));
     let truth = if some(|row| &row.truth) { "in truth" } else { "" };
     let heads = [["", "value", &head, truth, ""]];
     let all: Vec<[&str; 5]> = heads.into_iter().chain(rows.iter().map(Row::cells)).collect();

@@ -15,7 +15,7 @@ use crate::vector::{Vector, along, cross, dot, norm};
 /// One joint and the link behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Link {
+pub(crate) struct Link {
     /// Length along the link's x axis, input units.
     pub a: f64,
     /// Twist about the link's x axis, degrees.
@@ -29,7 +29,7 @@ pub struct Link {
 /// Joints from the base to the tip's centre.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Arm {
+pub(crate) struct Arm {
     /// Where the base stands, upright, input units.
     pub base: [f64; 3],
     /// Links in order, at least one.
@@ -45,7 +45,7 @@ pub(crate) struct Pose {
 
 impl Arm {
     /// Three joints (waist, shoulder, elbow) at four patch sides from a patch of this side and centre.
-    pub fn beside(side: f64, centre: [f64; 3]) -> Arm {
+    pub(crate) fn beside(side: f64, centre: [f64; 3]) -> Arm {
         let base = [centre[0] - 4.0 * side, centre[1], centre[2]];
         let waist = Link { alpha_deg: 90.0, d: 2.0 * side, ..Link::default() };
         let segment = Link { a: 3.0 * side, ..Link::default() };
@@ -53,7 +53,7 @@ impl Arm {
     }
 
     /// Sum of all lengths: nothing beyond is reached.
-    pub fn span(&self) -> f64 {
+    pub(crate) fn span(&self) -> f64 {
         self.links.iter().map(|link| link.a.hypot(link.d)).sum()
     }
 

@@ -4,7 +4,7 @@
 //! other contacts keep their draws. The set of sites changes, so a study cannot keep its factor.
 //! Not modelled: several losses in a row, as by a loose cable.
 
-use super::{Context, Smoothness, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, probability};
@@ -12,9 +12,16 @@ use crate::scene::error::{SceneError, probability};
 /// Lost readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Dropout {
+pub(crate) struct Dropout {
     /// How often.
     pub probability: f64,
+}
+
+impl Effect {
+    /// Readings that never arrive: each contact is lost with `probability`, independently. Range: 0 to below 1.
+    pub fn dropout(probability: f64) -> Effect {
+        Dropout { probability }.into()
+    }
 }
 
 impl Dropout {
@@ -48,8 +55,8 @@ impl Stage for Dropout {
         1.0
     }
 
-    fn smoothness(&self) -> Smoothness {
-        Smoothness::Jumps
+    fn jumps(&self) -> bool {
+        true
     }
 
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {

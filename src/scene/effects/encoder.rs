@@ -12,8 +12,8 @@
 //! Source: the paper's section 6 (joint angles of a 3-DOF arm); Denavit-Hartenberg as in [`Arm`]. Not modelled: link
 //! lengths that are wrong, bending, backlash.
 
-use super::arm::{Arm, Pose};
-use super::{Context, Stage, swing};
+use super::arm::{Arm, Link, Pose};
+use super::{Context, Effect, Kind, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative};
@@ -26,13 +26,44 @@ const MAX_JOINTS: usize = 32;
 /// Encoder quantisation and noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Encoder {
+pub(crate) struct Encoder {
     /// Step of every encoder, degrees.
     pub resolution_deg: f64,
     /// Sd of every joint angle, degrees.
     pub sigma_deg: f64,
     /// The arm; `None`: three joints beside the patch.
     pub arm: Option<Arm>,
+}
+
+impl Effect {
+    /// Joint encoders that read in steps of `resolution_deg` (0: none) with noise of sd `sigma_deg`, degrees, carried to
+    /// the tip by the arm's kinematics. Range: both zero or more.
+    ///
+    /// Without [`Effect::with_arm`] three joints stand beside the patch, at the patch's scale.
+    pub fn encoder(resolution_deg: f64, sigma_deg: f64) -> Effect {
+        Encoder { resolution_deg, sigma_deg, arm: None }.into()
+    }
+
+    /// Of [`Effect::encoder`]: the arm, by the place of its base and the Denavit-Hartenberg row of each joint,
+    /// `[a, alpha, d, theta]`: link length, twist, offset and the joint's angle at encoder zero; input units and degrees.
+    /// Range: 1 to 32 joints, and every site within their reach.
+    ///
+    /// ```
+    /// use palpate::scene::{Effect, Surface, Sweep, World};
+    ///
+    /// // a shoulder ten units beside the contact, and one link
+    /// let arm = Effect::encoder(0.01, 0.02).with_arm([-10.0, 0.0, 0.0], &[[10.0, 0.0, 0.0, 0.0]]);
+    /// World::new(Surface::plane(), Sweep::new(vec![0.0], vec![0.0])).with(arm).compile()?;
+    /// # Ok::<(), palpate::scene::SceneError>(())
+    /// ```
+    pub fn with_arm(mut self, base: [f64; 3], rows: &[[f64; 4]]) -> Effect {
+        let link = |[a, alpha_deg, d, theta_deg]: [f64; 4]| Link { a, alpha_deg, d, theta_deg };
+        match &mut self.kind {
+            Kind::Encoder(encoder) => encoder.arm = Some(Arm { base, links: rows.iter().copied().map(link).collect() }),
+            _ => return self.misplace("with_arm", "encoder"),
+        }
+        self
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@
 //! Source: G. E. Uhlenbeck, L. S. Ornstein, *Phys. Rev.* 36 (1930) 823, in its exact discretisation. Not modelled:
 //! correlation between fingers, and between position and normal.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, positive};
@@ -21,13 +21,23 @@ use crate::vector::unit;
 /// Correlated errors along the path of each finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct FingerNoise {
+pub(crate) struct FingerNoise {
     /// Sd of the position along x, y, z, input units.
     pub sigma: [f64; 3],
     /// Sd of the normal per tangent axis, degrees.
     pub sigma_deg: f64,
     /// Correlation length, input units.
     pub length: f64,
+}
+
+impl Effect {
+    /// Errors that change slowly along the path of each finger: of the position with sds `sigma`, input units, and of the
+    /// normal with `sigma_deg` per tangent axis, degrees; their correlation falls as `exp(-distance / length)`.
+    ///
+    /// Range: the sds zero or more, `length` above zero.
+    pub fn finger_noise(sigma: [f64; 3], sigma_deg: f64, length: f64) -> Effect {
+        FingerNoise { sigma, sigma_deg, length }.into()
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@
 //! Source: the paper's section 6 (normals from a force sensor); Bicchi, Salisbury, Brock, *IJRR* 12 (1993) 249.
 //! Not modelled: cross-talk between axes, hysteresis, temperature; the sensor is zeroed before each finger starts.
 
-use super::{Context, Stage, swing};
+use super::{Context, Effect, Kind, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative, positive};
@@ -22,7 +22,7 @@ use crate::vector::{norm, scaled};
 /// Errors of the force sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ForceNoise {
+pub(crate) struct ForceNoise {
     /// Sd per axis.
     pub sigma: f64,
     /// Constant offset.
@@ -38,6 +38,58 @@ pub struct ForceNoise {
 impl Default for ForceNoise {
     fn default() -> ForceNoise {
         ForceNoise { sigma: 0.0, bias: [0.0; 3], drift: 0.0, quantum: 0.0, load: 1.0 }
+    }
+}
+
+impl Effect {
+    /// Noise of sd `sigma` per axis on the force that the normal is estimated from.
+    ///
+    /// The contact force F is what [`Effect::indentation`] sets, where the world has it, else 1, or what
+    /// [`Effect::with_force`] says: without either, `sigma` is a fraction of the contact force. Range: zero or more.
+    ///
+    /// ```
+    /// use palpate::scene::{Effect, Surface, Sweep, World};
+    ///
+    /// let sensor = Effect::force_noise(0.02).with_force_bias([0.01, 0.0, -0.01]).with_force_steps(0.01);
+    /// let sweep = Sweep::new(vec![0.0], vec![-1.0, 0.0, 1.0]);
+    /// World::new(Surface::plane(), sweep.clone()).with(sensor).compile()?;
+    ///
+    /// let mixed_up = World::new(Surface::plane(), sweep).with(Effect::dropout(0.1).with_force_steps(0.01));
+    /// assert!(mixed_up.compile().unwrap_err().to_string().contains("belongs to force_noise"));
+    /// # Ok::<(), palpate::scene::SceneError>(())
+    /// ```
+    pub fn force_noise(sigma: f64) -> Effect {
+        ForceNoise { sigma, ..ForceNoise::default() }.into()
+    }
+
+    /// Of [`Effect::force_noise`]: a constant offset of the sensed force, unit of force. Range: finite.
+    pub fn with_force_bias(self, bias: [f64; 3]) -> Effect {
+        self.with_force_setting("with_force_bias", |noise| noise.bias = bias)
+    }
+
+    /// Of [`Effect::force_noise`]: a random walk along each finger whose steps have this sd per axis, unit of force. Range:
+    /// zero or more.
+    pub fn with_force_drift(self, sd: f64) -> Effect {
+        self.with_force_setting("with_force_drift", |noise| noise.drift = sd)
+    }
+
+    /// Of [`Effect::force_noise`]: the step of the sensor's converter, unit of force; 0 for none. A reading that is
+    /// rounded to no force at all is lost.
+    pub fn with_force_steps(self, quantum: f64) -> Effect {
+        self.with_force_setting("with_force_steps", |noise| noise.quantum = quantum)
+    }
+
+    /// Of [`Effect::force_noise`]: the contact force, where no indentation sets it. Range: above zero.
+    pub fn with_force(self, force: f64) -> Effect {
+        self.with_force_setting("with_force", |noise| noise.load = force)
+    }
+
+    fn with_force_setting(mut self, setting: &'static str, set: impl FnOnce(&mut ForceNoise)) -> Effect {
+        match &mut self.kind {
+            Kind::ForceNoise(noise) => set(noise),
+            _ => return self.misplace(setting, "force_noise"),
+        }
+        self
     }
 }
 

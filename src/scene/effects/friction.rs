@@ -10,7 +10,7 @@
 //! Source: Coulomb's law on a sliding finger (A. Bicchi, J. K. Salisbury, D. L. Brock, *IJRR* 12 (1993) 249, contact
 //! sensing from force measurements). Not modelled: stick-slip, direction changes at stations, rolling resistance.
 
-use super::{Context, Stage, swing};
+use super::{Context, Effect, Stage, swing};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
@@ -19,11 +19,21 @@ use crate::vector::{along, dot, norm, scaled, unit};
 /// Sliding friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Friction {
+pub(crate) struct Friction {
     /// Coefficient of friction.
     pub mu: f64,
     /// Its sd from contact to contact.
     pub sigma: f64,
+}
+
+impl Effect {
+    /// Sliding friction with coefficient `mu`, which varies by the sd `sigma` from contact to contact: the sensed normal
+    /// is tilted by `atan mu` against the sliding direction.
+    ///
+    /// Range: both zero or more, without unit.
+    pub fn friction(mu: f64, sigma: f64) -> Effect {
+        Friction { mu, sigma }.into()
+    }
 }
 
 #[derive(Clone, Debug)]

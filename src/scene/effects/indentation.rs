@@ -13,7 +13,7 @@
 //! Not modelled: the ellipse of unequal curvatures (their mean is taken), viscosity, the growth of the
 //! contact area beyond small strains, and how the shifted pad tilts the normal.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, positive};
@@ -22,13 +22,24 @@ use crate::vector::along;
 /// Hertz indentation at a force threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Indentation {
+pub(crate) struct Indentation {
     /// Contact modulus E*, force per length squared.
     pub modulus: f64,
     /// Force at which a reading is triggered.
     pub threshold: f64,
     /// Largest excess over the threshold.
     pub overshoot: f64,
+}
+
+impl Effect {
+    /// Elastic tips that sink in by Hertz's law before they are read: depth `(9 F^2 / (16 modulus^2 rho_e))^(1/3)` at a
+    /// force F uniform between `threshold` and `threshold + overshoot`.
+    ///
+    /// Units: force per length squared, force, force. Range: `modulus` above zero, the forces zero or more; the tips need a
+    /// radius, and the depth stays below it.
+    pub fn indentation(modulus: f64, threshold: f64, overshoot: f64) -> Effect {
+        Indentation { modulus, threshold, overshoot }.into()
+    }
 }
 
 /// Depth at unit force, contact by contact.

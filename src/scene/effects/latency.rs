@@ -11,7 +11,7 @@
 //! Not modelled: changes of speed between stations, the delay of the force channel, and the rotation of the shift by a
 //! misaligned frame (second order).
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative};
@@ -21,11 +21,20 @@ use crate::scene::sweep::{Site, contact};
 /// Positions that lag behind forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Latency {
+pub(crate) struct Latency {
     /// Mean lag along the path, input units.
     pub distance: f64,
     /// Half the width of the uniform law about it.
     pub jitter: f64,
+}
+
+impl Effect {
+    /// Positions older than the normals they are read with: the finger was then `distance + jitter (2 U - 1)` further
+    /// back on its path, input units, U uniform in (0, 1). Range: `jitter` zero or more, and every lagged site on the
+    /// surface.
+    pub fn latency(distance: f64, jitter: f64) -> Effect {
+        Latency { distance, jitter }.into()
+    }
 }
 
 #[derive(Clone, Debug)]

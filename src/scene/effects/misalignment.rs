@@ -4,7 +4,7 @@
 //! origin. Constant over a scene: deterministic, no spread.
 //! Source: extrinsic calibration error. Not modelled: play of the base, and a frame that moves during the sweep.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite};
@@ -14,11 +14,19 @@ use crate::vector::along;
 /// Error of the robot's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Misalignment {
+pub(crate) struct Misalignment {
     /// Angles about x, y, z, degrees.
     pub rotation_deg: [f64; 3],
     /// Shift, input units.
     pub translation: [f64; 3],
+}
+
+impl Effect {
+    /// A robot whose frame is not the one it believes: `P -> Rz Ry Rx P + translation`, angles `rotation_deg` about the
+    /// fixed axes x, y, z in that order, degrees; the same in every replicate. Range: finite numbers.
+    pub fn misalignment(rotation_deg: [f64; 3], translation: [f64; 3]) -> Effect {
+        Misalignment { rotation_deg, translation }.into()
+    }
 }
 
 #[derive(Clone, Copy, Debug)]

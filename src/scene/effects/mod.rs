@@ -31,20 +31,20 @@ mod row_noise;
 mod slip;
 mod tip_radius_error;
 
-pub use arm::{Arm, Link};
-pub use dropout::Dropout;
-pub use encoder::Encoder;
-pub use finger_noise::FingerNoise;
-pub use force_noise::ForceNoise;
-pub use friction::Friction;
-pub use indentation::Indentation;
-pub use latency::Latency;
-pub use misalignment::Misalignment;
-pub use normal_noise::NormalNoise;
-pub use position_noise::PositionNoise;
-pub use row_noise::RowNoise;
-pub use slip::Slip;
-pub use tip_radius_error::TipRadiusError;
+pub(crate) use arm::{Arm, Link};
+pub(crate) use dropout::Dropout;
+pub(crate) use encoder::Encoder;
+pub(crate) use finger_noise::FingerNoise;
+pub(crate) use force_noise::ForceNoise;
+pub(crate) use friction::Friction;
+pub(crate) use indentation::Indentation;
+pub(crate) use latency::Latency;
+pub(crate) use misalignment::Misalignment;
+pub(crate) use normal_noise::NormalNoise;
+pub(crate) use position_noise::PositionNoise;
+pub(crate) use row_noise::RowNoise;
+pub(crate) use slip::Slip;
+pub(crate) use tip_radius_error::TipRadiusError;
 
 use super::batch::ContactBatch;
 use super::error::SceneError;
@@ -80,26 +80,13 @@ pub(crate) fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3
     *normal = sensed;
 }
 
-/// How an effect depends on its random numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Smoothness {
-    /// Smoothly in each of them.
-    Smooth,
-    /// Two uniforms are the size and the direction of a tilt.
-    Polar,
-    /// By jumps: something happens or does not.
-    Jumps,
-}
-
 /// One prepared effect: constants worked out, ready for batches of replicates.
 ///
 /// An effect of the caller's own is a stage too, put behind the built-in ones with
 /// [`Simulator::with_stage`](crate::scene::Simulator::with_stage):
 ///
 /// ```
-/// use palpate::scene::effects::{Smoothness, Stage};
-/// use palpate::scene::surface::{Body, Sphere, Surface};
-/// use palpate::scene::{ContactBatch, EffectDraws, Sweep, World};
+/// use palpate::scene::{ContactBatch, EffectDraws, Stage, Surface, Sweep, World};
 /// use palpate::spline::linspace;
 /// use rand_distr::{Distribution, Gumbel};
 ///
@@ -120,9 +107,9 @@ pub enum Smoothness {
 ///     fn keeps_sites(&self) -> bool {
 ///         true
 ///     }
-///     fn smoothness(&self) -> Smoothness {
+///     fn jumps(&self) -> bool {
 ///         // no derivative by numbers that are the generator's own
-///         Smoothness::Jumps
+///         true
 ///     }
 ///     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {
 ///         if draws.is_scripted() {
@@ -140,7 +127,7 @@ pub enum Smoothness {
 /// }
 ///
 /// let sweep = Sweep::new(vec![-1.0, 0.0, 1.0], linspace(-1.0, 1.0, 9));
-/// let world = World::new(Surface::new(Body::Sphere(Sphere { radius: 5.0 }), 0.0), sweep);
+/// let world = World::new(Surface::sphere(5.0), sweep);
 /// let simulator = world.compile()?.with_stage(Drops(Gumbel::new(0.0, 0.01).unwrap()));
 /// let (contacts, _) = simulator.simulate(1997, 0);
 /// assert!(contacts.z.iter().zip(&simulator.noise_free().z).all(|(drawn, true_z)| drawn != true_z));
@@ -164,9 +151,15 @@ pub trait Stage: std::fmt::Debug + Send + Sync {
     fn rest(&self) -> f64 {
         0.5
     }
-    /// How a derivative by this effect's random numbers is taken.
-    fn smoothness(&self) -> Smoothness {
-        Smoothness::Smooth
+    /// Whether it depends on its random numbers by jumps, because something happens or does not: there is then no
+    /// derivative by them.
+    fn jumps(&self) -> bool {
+        false
+    }
+    /// Whether its two uniform numbers are the size and the direction of a tilt, so that the derivative is taken by the
+    /// tilt's two parts instead.
+    fn tilts(&self) -> bool {
+        false
     }
     /// Sds of z and of each slope, where the effect is nothing but row noise: a study then needs no contacts.
     fn row_sds(&self) -> Option<[f64; 2]> {
@@ -186,10 +179,10 @@ enum Sweeps {
 
 macro_rules! effects {
     ($($(#[$doc:meta])* $kind:ident => $name:literal, $sweeps:ident;)*) => {
-        /// Every effect, in physical order.
+        /// The numbers of every effect, in physical order.
         #[derive(Clone, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-        pub enum Effect {
+        pub(crate) enum Kind {
             $($(#[$doc])* $kind($kind),)*
         }
 
@@ -199,22 +192,24 @@ macro_rules! effects {
 
             /// Name as in a scene file.
             pub fn name(&self) -> &'static str {
-                match self { $(Effect::$kind(_) => $name,)* }
+                match &self.kind { $(Kind::$kind(_) => $name,)* }
             }
 
             /// Whether it acts on sweeps that go round the surface too, because it needs no direction of the fingers.
             pub(crate) fn goes_around(&self) -> bool {
-                match self { $(Effect::$kind(_) => matches!(Sweeps::$sweeps, Sweeps::Any),)* }
+                match &self.kind { $(Kind::$kind(_) => matches!(Sweeps::$sweeps, Sweeps::Any),)* }
             }
 
             /// Checks its numbers and prepares it; `None` when all its strengths are zero.
             pub(crate) fn prepare(&self, context: &Context) -> Result<Option<Box<dyn Stage>>, SceneError> {
-                match self { $(Effect::$kind(effect) => effect.prepare(context),)* }
+                match &self.kind { $(Kind::$kind(effect) => effect.prepare(context),)* }
             }
         }
 
         $(impl From<$kind> for Effect {
-            fn from(effect: $kind) -> Effect { Effect::$kind(effect) }
+            fn from(effect: $kind) -> Effect {
+                Effect { kind: Kind::$kind(effect), misplaced: None }
+            }
         })*
     };
 }
@@ -249,7 +244,60 @@ effects! {
     RowNoise => "row_noise", Down;
 }
 
+/// One thing that comes between the surface and the numbers a robot reads: noise, friction, a coarse encoder, a lost
+/// reading.
+///
+/// Each has a constructor of its own, which says what it does, in which units, and what it leaves out. A world holds
+/// each effect once at most, in any order; they act in the physical order of [`Effect::ORDER`]. An effect whose
+/// strengths are all zero costs and changes nothing.
+///
+/// # Errors
+/// The constructors take any numbers. [`World::compile`](crate::scene::World::compile) checks them, and names the number
+/// that is out of range as a scene file would.
+///
+/// ```
+/// use palpate::scene::{Effect, SceneError, Surface, Sweep, World};
+/// use palpate::spline::linspace;
+///
+/// let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
+/// let world = World::new(Surface::sphere(10.0), sweep)
+///     .with(Effect::position_noise([0.02; 3]))
+///     .with(Effect::normal_noise(2.0))
+///     .with(Effect::dropout(0.1));
+/// let (contacts, truth) = world.compile()?.simulate(1997, 0);
+/// assert_eq!(contacts.len(), truth.points.len());
+///
+/// let wrong = world.with(Effect::slip(1.5, 0.3)).compile().unwrap_err();
+/// assert_eq!(wrong.to_string(), "effects.slip.probability = 1.5: a probability, 0 to 1, is needed");
+/// # Ok::<(), SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
+pub struct Effect {
+    pub(crate) kind: Kind,
+    /// A setting that belongs to another effect; compiling the world says so.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    misplaced: Option<(&'static str, &'static str)>,
+}
+
 impl Effect {
+    /// The same effect, marked: `setting` was asked of it and belongs to effect `owner`.
+    fn misplace(self, setting: &'static str, owner: &'static str) -> Effect {
+        Effect { misplaced: Some((setting, owner)), ..self }
+    }
+
+    /// Refuses an effect that was given a setting of another one.
+    pub(crate) fn check_settings(&self) -> Result<(), SceneError> {
+        match self.misplaced {
+            None => Ok(()),
+            Some((setting, owner)) => Err(SceneError::Clash {
+                first: format!("effects.{}", self.name()),
+                second: setting.into(),
+                why: format!("that setting belongs to {owner}"),
+            }),
+        }
+    }
+
     /// Place in the physical order.
     pub fn order(&self) -> usize {
         Effect::ORDER.iter().position(|name| *name == self.name()).unwrap_or(usize::MAX)

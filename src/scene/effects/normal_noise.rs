@@ -12,7 +12,7 @@
 //! implies (`force_noise` has it).
 
 use super::finger_noise::bent;
-use super::{Context, Smoothness, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::{EffectDraws, NoiseLaw};
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
@@ -22,9 +22,17 @@ use crate::vector::unit;
 /// Isotropic errors of the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct NormalNoise {
+pub(crate) struct NormalNoise {
     /// Sd per tangent axis, degrees.
     pub sigma_deg: f64,
+}
+
+impl Effect {
+    /// Normals drawn from the von Mises-Fisher law about the true one, with the sd `sigma_deg` per tangent axis, degrees.
+    /// The contact point stays. Range: zero or more.
+    pub fn normal_noise(sigma_deg: f64) -> Effect {
+        NormalNoise { sigma_deg }.into()
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +72,8 @@ impl Stage for Prepared {
         1.0
     }
 
-    fn smoothness(&self) -> Smoothness {
-        Smoothness::Polar
+    fn tilts(&self) -> bool {
+        true
     }
 
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {

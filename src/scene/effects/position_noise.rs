@@ -5,7 +5,7 @@
 //! Source: the usual model of a tracked or computed fingertip position. Not modelled: correlation between contacts
 //! (see `finger_noise`, `encoder`) and growth with the arm's reach.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite, not_negative};
@@ -13,11 +13,24 @@ use crate::scene::error::{SceneError, finite, not_negative};
 /// Position errors, per axis or correlated between axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum PositionNoise {
+pub(crate) enum PositionNoise {
     /// Sd along x, y, z, input units.
     Sigma([f64; 3]),
     /// Covariance of x, y, z, input units squared.
     Covariance([[f64; 3]; 3]),
+}
+
+impl Effect {
+    /// Independent gaussian errors of the measured position with these sds along x, y, z, input units. Range: zero or more.
+    pub fn position_noise(sigma: [f64; 3]) -> Effect {
+        PositionNoise::Sigma(sigma).into()
+    }
+
+    /// Gaussian errors of the measured position with this covariance of x, y, z, input units squared. It is symmetric and
+    /// has no negative eigenvalue. A world has this or [`Effect::position_noise`].
+    pub fn position_covariance(covariance: [[f64; 3]; 3]) -> Effect {
+        PositionNoise::Covariance(covariance).into()
+    }
 }
 
 /// Lower triangle rows: xx, yx yy, zx zy zz.

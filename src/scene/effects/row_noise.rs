@@ -5,7 +5,7 @@
 //! Source: the observation model of the paper's Eq. 14. Not modelled: that real slopes err in proportion to
 //! 1 + slope^2, that x and y err too, and every correlation.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative};
@@ -14,11 +14,19 @@ use crate::vector::unit;
 /// Independent errors of z, zx, zy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RowNoise {
+pub(crate) struct RowNoise {
     /// Sd of z, input units.
     pub sigma_z: f64,
     /// Sd of each slope.
     pub sigma_slope: f64,
+}
+
+impl Effect {
+    /// Independent gaussian errors on the rows of the fit, as the paper's studies have them: sd `sigma_z` of z, input
+    /// units, and `sigma_slope` of each slope; x and y stay exact. Range: both zero or more.
+    pub fn row_noise(sigma_z: f64, sigma_slope: f64) -> Effect {
+        RowNoise { sigma_z, sigma_slope }.into()
+    }
 }
 
 impl RowNoise {

@@ -6,7 +6,7 @@
 //! Source: the gross-error model of P. J. Huber, *Ann. Math. Stat.* 35 (1964) 73. Not modelled: slips that last over
 //! several stations, and normals lost with the grip.
 
-use super::{Context, Smoothness, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, not_negative, probability};
@@ -15,11 +15,19 @@ use crate::vector::along;
 /// Gross outliers of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Slip {
+pub(crate) struct Slip {
     /// How often.
     pub probability: f64,
     /// How far, input units.
     pub size: f64,
+}
+
+impl Effect {
+    /// Fingers that slip: with `probability` a contact is read `size` away, input units, in a direction uniform on the
+    /// sphere. The normal stays. Range: a probability from 0 to 1, a size of zero or more.
+    pub fn slip(probability: f64, size: f64) -> Effect {
+        Slip { probability, size }.into()
+    }
 }
 
 impl Slip {
@@ -52,8 +60,8 @@ impl Stage for Slip {
         1.0
     }
 
-    fn smoothness(&self) -> Smoothness {
-        Smoothness::Jumps
+    fn jumps(&self) -> bool {
+        true
     }
 
     fn apply(&self, batch: &mut ContactBatch, draws: &EffectDraws) {

@@ -6,7 +6,7 @@
 //! Source: the contact from tip centre and normal (R. S. Fearing, in *Dextrous Robot Hands*, 1990, the paper's [7]).
 //! Not modelled: tips out of round, a different error per finger.
 
-use super::{Context, Stage};
+use super::{Context, Effect, Stage};
 use crate::draws::EffectDraws;
 use crate::scene::batch::ContactBatch;
 use crate::scene::error::{SceneError, finite};
@@ -15,9 +15,18 @@ use crate::vector::along;
 /// Error of the calibrated tip radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TipRadiusError {
+pub(crate) struct TipRadiusError {
     /// Believed minus true radius, input units.
     pub error: f64,
+}
+
+impl Effect {
+    /// Tips that are believed too large by `error`, input units: the contact that the robot computes is `P - error n`.
+    ///
+    /// Range: any finite number; negative for tips believed too small, as long as the believed radius is none below zero.
+    pub fn tip_radius_error(error: f64) -> Effect {
+        TipRadiusError { error }.into()
+    }
 }
 
 impl TipRadiusError {

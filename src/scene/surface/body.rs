@@ -10,7 +10,7 @@ macro_rules! bodies {
         /// A shape with its apex at the origin and its free side upwards.
         #[derive(Clone, Debug)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-        pub enum Body {
+        pub(crate) enum Body {
             /// The plane `z = 0`.
             Plane,
             $($(#[$doc])* $kind($type),)*
@@ -21,10 +21,10 @@ macro_rules! bodies {
 
         impl Body {
             /// The words for bodies in scene files.
-            pub const KINDS: &'static [&'static str] = &["plane", $($name,)* "imported"];
+            pub(crate) const KINDS: &'static [&'static str] = &["plane", $($name,)* "imported"];
 
             /// The word for this body in scene files.
-            pub fn kind(&self) -> &'static str {
+            pub(crate) fn kind(&self) -> &'static str {
                 match self {
                     Body::Plane => "plane",
                     $(Body::$kind(_) => $name,)*

@@ -6,15 +6,31 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, positive};
 use crate::vector::Vector;
 
 /// An endless round bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Cylinder {
+pub(crate) struct Cylinder {
     /// Radius, input units.
     pub radius: f64,
+}
+
+impl Surface {
+    /// An endless round bar of this radius along x, its top line through the origin: `y^2 + z^2 + 2 r z = 0`, S = 1/2 and
+    /// R = 1/(r sqrt 2) everywhere. Range: above zero, input units.
+    ///
+    /// ```
+    /// use palpate::scene::Surface;
+    ///
+    /// let bar_along_y = Surface::cylinder(5.0).turned(90.0);
+    /// assert_eq!(bar_along_y.height(3.0, 100.0), Some(-1.0));
+    /// ```
+    pub fn cylinder(radius: f64) -> Surface {
+        Surface::new(Body::Cylinder(Cylinder { radius }), 0.0)
+    }
 }
 
 impl Cylinder {

@@ -3,14 +3,23 @@
 //! As the quadric `alpha = c/a^2`, `beta = c/b^2`, `gamma = 1/c`: curvatures -c/a^2 and -c/b^2 at the apex.
 
 use super::quadric::{Quadric, QuadricBody};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, all_positive};
 
 /// A stretched ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Ellipsoid {
+pub(crate) struct Ellipsoid {
     /// Semi-axes along x, y, z, input units.
     pub semi_axes: [f64; 3],
+}
+
+impl Surface {
+    /// A stretched ball with these semi-axes a, b, c along x, y, z, its top at the origin:
+    /// `x^2/a^2 + y^2/b^2 + (z + c)^2/c^2 = 1`. Range: above zero, input units.
+    pub fn ellipsoid(semi_axes: [f64; 3]) -> Surface {
+        Surface::new(Body::Ellipsoid(Ellipsoid { semi_axes }), 0.0)
+    }
 }
 
 impl QuadricBody for Ellipsoid {

@@ -6,17 +6,26 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_slab, widened};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, finite, positive};
 use crate::vector::{Vector, along};
 
 /// A hill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct GaussianBump {
+pub(crate) struct GaussianBump {
     /// Height h of the top above the plain, input units.
     pub height: f64,
     /// Width w (the normal law's sigma), input units.
     pub width: f64,
+}
+
+impl Surface {
+    /// A hill with its top at the origin: `z = height (exp(-(x^2 + y^2)/(2 width^2)) - 1)`, input units. Range: `height`
+    /// finite, `width` above zero.
+    pub fn gaussian_bump(height: f64, width: f64) -> Surface {
+        Surface::new(Body::Gaussian(GaussianBump { height, width }), 0.0)
+    }
 }
 
 impl Geometry for GaussianBump {

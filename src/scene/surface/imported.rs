@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{about_the_patch, first_below};
+use super::{Body, Surface};
 use crate::scene::error::SceneError;
 use crate::vector::along;
 
@@ -24,6 +25,35 @@ pub trait ImportedSurface: std::fmt::Debug + Send + Sync {
 
     /// `[h, h_x, h_y, h_xx, h_xy, h_yy]` at a point, input units; `None` outside its domain.
     fn jet(&self, x: f64, y: f64) -> Option<[f64; 6]>;
+}
+
+impl Surface {
+    /// A surface `z = h(x, y)` of the caller's own.
+    ///
+    /// ```
+    /// use palpate::scene::{ImportedSurface, Surface};
+    ///
+    /// /// `z = -x^4`
+    /// #[derive(Debug)]
+    /// struct Quartic;
+    ///
+    /// impl ImportedSurface for Quartic {
+    ///     fn label(&self) -> &str {
+    ///         "quartic"
+    ///     }
+    ///     fn is_fit(&self) -> bool {
+    ///         false
+    ///     }
+    ///     fn jet(&self, x: f64, _y: f64) -> Option<[f64; 6]> {
+    ///         Some([-x.powi(4), -4.0 * x.powi(3), 0.0, -12.0 * x * x, 0.0, 0.0])
+    ///     }
+    /// }
+    ///
+    /// assert_eq!(Surface::imported(Quartic).height(2.0, 0.0), Some(-16.0));
+    /// ```
+    pub fn imported(surface: impl ImportedSurface + 'static) -> Surface {
+        Surface::new(Body::Imported(Arc::new(surface)), 0.0)
+    }
 }
 
 impl Geometry for Arc<dyn ImportedSurface> {

@@ -30,38 +30,56 @@ mod superquadric;
 mod torus;
 mod union;
 
-pub use body::Body;
-pub use cylinder::Cylinder;
-pub use ellipsoid::Ellipsoid;
-pub use gaussian::GaussianBump;
+pub(crate) use body::Body;
+pub(crate) use cylinder::Cylinder;
+pub(crate) use ellipsoid::Ellipsoid;
+pub(crate) use gaussian::GaussianBump;
 pub use imported::ImportedSurface;
 #[doc(hidden)]
 pub use local::Local;
-pub use monkey_saddle::MonkeySaddle;
-pub use paraboloid::Paraboloid;
-pub use pose::Pose;
-pub use saddle::Saddle;
-pub use sinusoid::Sinusoid;
-pub use solid::SolidShape;
-pub use solids::{Solid, Solids};
-pub use sphere::Sphere;
-pub use superquadric::Superquadric;
-pub use torus::Torus;
-pub use union::Union;
+pub(crate) use monkey_saddle::MonkeySaddle;
+pub(crate) use paraboloid::Paraboloid;
+pub(crate) use pose::Pose;
+pub(crate) use saddle::Saddle;
+pub(crate) use sinusoid::Sinusoid;
+pub(crate) use solid::SolidShape;
+pub use solids::Solid;
+pub(crate) use solids::Solids;
+pub(crate) use sphere::Sphere;
+pub(crate) use superquadric::Superquadric;
+pub(crate) use torus::Torus;
+pub(crate) use union::Union;
 
 use crate::scene::error::SceneError;
 use crate::vector::{Vector, scaled};
 
-/// A body in the world.
+/// What the fingers touch: a body with its apex at the origin and its free side upwards, then mirrored and posed where
+/// that is asked for.
+///
+/// # Errors
+/// The constructors take any numbers. [`Surface::check`], which [`World::compile`](crate::scene::World::compile) calls,
+/// names the first that is out of range, as a scene file would.
+///
+/// ```
+/// use palpate::scene::Surface;
+///
+/// // a groove at 45 degrees: the cylinder seen from inside
+/// let groove = Surface::cylinder(10.0).turned(45.0).concave();
+/// let lowest = groove.at(0.0, 0.0).unwrap();
+/// assert_eq!(lowest.local.shape_index(), Some(-0.5));
+///
+/// let wrong = Surface::torus(2.0, 3.0).check().unwrap_err();
+/// assert!(wrong.to_string().contains("the tube is thinner than the ring is wide"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     /// Its shape, apex at the body's origin.
-    pub body: Body,
+    pub(crate) body: Body,
     /// Mirrored, z to -z, before it is posed.
-    pub concave: bool,
+    pub(crate) concave: bool,
     /// Rotation and offset.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
 }
 
 /// A point of a surface with all that is true there.
@@ -76,7 +94,7 @@ pub struct SurfacePoint {
 
 impl Surface {
     /// A convex body at the origin, rotated by `axis_deg` about z.
-    pub fn new(body: Body, axis_deg: f64) -> Surface {
+    pub(crate) fn new(body: Body, axis_deg: f64) -> Surface {
         Surface { body, concave: false, pose: Pose::new(axis_deg, [0.0; 3], [0.0; 3]) }
     }
 
@@ -88,10 +106,21 @@ impl Surface {
         self.body.geometry().check()
     }
 
-    /// The same body seen from inside.
+    /// The same body seen from inside: mirrored, z to -z, before it is posed.
     pub fn concave(mut self) -> Surface {
         self.concave = true;
         self
+    }
+
+    /// The same body rotated by `axis_deg` about z, degrees from +x towards +y; a cylinder's generators point there.
+    pub fn turned(self, axis_deg: f64) -> Surface {
+        self.posed(axis_deg, [0.0; 3], [0.0; 3])
+    }
+
+    /// The same body in another place: rotated by `axis_deg` about its own z axis, then by `rotation_deg` about the fixed
+    /// axes x, y, z in that order, degrees, then moved by `offset`, input units. It replaces what was asked for before.
+    pub fn posed(self, axis_deg: f64, rotation_deg: [f64; 3], offset: [f64; 3]) -> Surface {
+        Surface { pose: Pose::new(axis_deg, rotation_deg, offset), ..self }
     }
 
     /// Height over (x, y), input units; `None` where the surface does not reach.

@@ -6,15 +6,23 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{about_the_patch, first_below};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, positive};
 use crate::vector::{Vector, along};
 
 /// Three valleys and three ridges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MonkeySaddle {
+pub(crate) struct MonkeySaddle {
     /// Length l, input units.
     pub length: f64,
+}
+
+impl Surface {
+    /// Three valleys and three ridges: `z = (x^3 - 3 x y^2)/length^2`, flat at the origin. Range: above zero, input units.
+    pub fn monkey_saddle(length: f64) -> Surface {
+        Surface::new(Body::MonkeySaddle(MonkeySaddle { length }), 0.0)
+    }
 }
 
 impl Geometry for MonkeySaddle {

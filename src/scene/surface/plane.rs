@@ -3,6 +3,7 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
+use super::{Body, Surface};
 use crate::scene::error::SceneError;
 use crate::scene::rotation::UP;
 use crate::vector::Vector;
@@ -11,6 +12,13 @@ const QUADRIC: Quadric = Quadric { alpha: 0.0, beta: 0.0, gamma: 0.0 };
 
 /// The plane `z = 0`, which has no size.
 pub(crate) struct Plane;
+
+impl Surface {
+    /// The plane `z = 0`: both curvatures zero, S undefined.
+    pub fn plane() -> Surface {
+        Surface::new(Body::Plane, 0.0)
+    }
+}
 
 impl Geometry for Plane {
     fn check(&self) -> Result<(), SceneError> {

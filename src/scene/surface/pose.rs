@@ -11,7 +11,7 @@ use crate::vector::{cross, dot, minus, norm};
 /// Rotation and offset of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredPose"))]
-pub struct Pose {
+pub(crate) struct Pose {
     matrix: Matrix,
     offset: Vector,
     upright: bool,
@@ -51,7 +51,7 @@ impl TryFrom<StoredPose> for Pose {
 impl Pose {
     /// `axis_deg` about the body's z axis, then `rotation_deg` about the fixed axes x, y, z in that order, then
     /// `offset` (input units).
-    pub fn new(axis_deg: f64, rotation_deg: [f64; 3], offset: [f64; 3]) -> Pose {
+    pub(crate) fn new(axis_deg: f64, rotation_deg: [f64; 3], offset: [f64; 3]) -> Pose {
         let [rx, ry, rz] = rotation_deg;
         let upright = rx == 0.0 && ry == 0.0;
         let matrix = if upright {
@@ -63,7 +63,7 @@ impl Pose {
     }
 
     /// Whether the body's z axis is the world's.
-    pub fn upright(&self) -> bool {
+    pub(crate) fn upright(&self) -> bool {
         self.upright
     }
 

@@ -5,6 +5,7 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_slab, widened};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, finite, positive};
 use crate::vector::{Vector, along};
 use std::f64::consts::{PI, TAU};
@@ -12,13 +13,27 @@ use std::f64::consts::{PI, TAU};
 /// Corrugated sheet (one wavelength) or egg box (two).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sinusoid {
+pub(crate) struct Sinusoid {
     /// Amplitude A of each wave, input units.
     pub amplitude: f64,
     /// Wavelength along x, input units.
     pub wavelength: f64,
     /// Wavelength along y; `None`: no wave along y.
     pub wavelength_y: Option<f64>,
+}
+
+impl Surface {
+    /// A corrugated sheet with a crest at the origin: `z = A (cos(2 pi x/l) - 1)`, amplitude A and wavelength l in input
+    /// units. Range: the amplitude finite, the wavelength above zero.
+    pub fn sinusoid(amplitude: f64, wavelength: f64) -> Surface {
+        Surface::new(Body::Sinusoid(Sinusoid { amplitude, wavelength, wavelength_y: None }), 0.0)
+    }
+
+    /// An egg box: the waves of [`Surface::sinusoid`] along x and along y, with a wavelength each.
+    pub fn egg_box(amplitude: f64, wavelengths: [f64; 2]) -> Surface {
+        let [wavelength, along_y] = wavelengths;
+        Surface::new(Body::Sinusoid(Sinusoid { amplitude, wavelength, wavelength_y: Some(along_y) }), 0.0)
+    }
 }
 
 impl Geometry for Sinusoid {

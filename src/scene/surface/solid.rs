@@ -13,7 +13,7 @@ use crate::vector::{Vector, along, dot, norm, scaled, unit};
 /// A solid about the origin, its axis along z. Lengths in input units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum SolidShape {
+pub(crate) enum SolidShape {
     /// A box with these sides.
     Block {
         /// Along x, y, z.
@@ -85,7 +85,7 @@ pub(super) enum Face {
 
 impl SolidShape {
     /// The words of scene files.
-    pub const KINDS: [&'static str; 5] = ["block", "ball", "bar", "frustum", "ring"];
+    pub(crate) const KINDS: [&'static str; 5] = ["block", "ball", "bar", "frustum", "ring"];
 
     pub(super) fn faces(&self) -> Vec<Face> {
         match *self {

@@ -15,7 +15,7 @@ use super::local::Local;
 use super::pose::Pose;
 use super::ray::through_ball;
 use super::solid::{Face, SolidShape};
-use super::{SceneError, SurfacePoint};
+use super::{Body, SceneError, Surface, SurfacePoint};
 use crate::scene::error::finite;
 use crate::vector::{Vector, along, dot, minus, norm, scaled};
 
@@ -28,21 +28,97 @@ const SPREAD: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Several solids as one body.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Solids {
+pub(crate) struct Solids {
     /// At least one of them is no cut.
     pub parts: Vec<Solid>,
 }
 
-/// One solid in its place.
+impl Surface {
+    /// Solids that are joined and cut, each where its own pose puts it: what a scanner sees. Range: at least one that is no
+    /// cut.
+    ///
+    /// ```
+    /// use palpate::scene::{Solid, Surface, Sweep, World};
+    ///
+    /// // a block with a hole through it
+    /// let block = Surface::solids(vec![Solid::block([8.0, 8.0, 3.0]), Solid::bar(2.0, 4.0).cut()]);
+    /// let (points, truth) = World::new(block, Sweep::scan(0.5, None)).compile()?.simulate(1997, 0);
+    /// assert_eq!(points.len(), truth.points.len());
+    /// # Ok::<(), palpate::scene::SceneError>(())
+    /// ```
+    pub fn solids(parts: Vec<Solid>) -> Surface {
+        Surface::new(Body::Solids(Solids { parts }), 0.0)
+    }
+}
+
+/// One solid of a body of several, centred at the origin, its axis along z, until it is posed. Lengths in input units.
+///
+/// ```
+/// use palpate::scene::{Solid, Surface};
+///
+/// // a capsule, 10 from end to end and lying along x
+/// let lying = [0.0, 90.0, 0.0];
+/// let ends = [-3.0, 3.0].map(|x| Solid::ball(2.0).moved([x, 0.0, 0.0]));
+/// let bar = Solid::bar(2.0, 6.0).posed(lying, [0.0; 3]);
+/// let capsule = Surface::solids(ends.into_iter().chain([bar]).collect());
+/// assert!(capsule.check().is_ok());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Solid {
     /// What it is.
-    pub shape: SolidShape,
+    pub(crate) shape: SolidShape,
     /// Where it is.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
     /// Taken away from the others instead of added.
-    pub cut: bool,
+    pub(crate) cut: bool,
+}
+
+impl Solid {
+    /// A box with these sides along x, y, z.
+    pub fn block(size: [f64; 3]) -> Solid {
+        Solid::of(SolidShape::Block { size })
+    }
+
+    /// A ball.
+    pub fn ball(radius: f64) -> Solid {
+        Solid::of(SolidShape::Ball { radius })
+    }
+
+    /// A round bar with flat ends, `length` from end to end.
+    pub fn bar(radius: f64, length: f64) -> Solid {
+        Solid::of(SolidShape::Bar { radius, length })
+    }
+
+    /// A cone whose lower end has `radius` and whose upper end has `top`, which is less, and 0 for a whole cone; `length`
+    /// from end to end.
+    pub fn frustum(radius: f64, top: f64, length: f64) -> Solid {
+        Solid::of(SolidShape::Frustum { radius, top, length })
+    }
+
+    /// A ring lying flat: radius `major` of its centre line, `minor` of the tube, which is less.
+    pub fn ring(major: f64, minor: f64) -> Solid {
+        Solid::of(SolidShape::Ring { major, minor })
+    }
+
+    fn of(shape: SolidShape) -> Solid {
+        Solid { shape, pose: Pose::new(0.0, [0.0; 3], [0.0; 3]), cut: false }
+    }
+
+    /// The same solid rotated by `rotation_deg` about the fixed axes x, y, z in that order, degrees, then moved by `offset`.
+    pub fn posed(self, rotation_deg: [f64; 3], offset: [f64; 3]) -> Solid {
+        Solid { pose: Pose::new(0.0, rotation_deg, offset), ..self }
+    }
+
+    /// The same solid, upright, moved by `offset`.
+    pub fn moved(self, offset: [f64; 3]) -> Solid {
+        self.posed([0.0; 3], offset)
+    }
+
+    /// The same solid, taken away from the others instead of added.
+    pub fn cut(self) -> Solid {
+        Solid { cut: true, ..self }
+    }
 }
 
 impl Solid {
@@ -82,7 +158,7 @@ impl Solids {
     }
 
     /// The number of the face that a point of the body lies on, counted over all solids in their order.
-    pub fn face_at(&self, p: [f64; 3]) -> Option<usize> {
+    pub(crate) fn face_at(&self, p: [f64; 3]) -> Option<usize> {
         let whole = |(k, (solid, face)): (usize, (&Solid, Face))| {
             // a point beyond the face's rim lies on the face's continuation, not on the body
             let off = face.distance(solid.pose.to_body(p)).abs().max(solid.depth(p).abs());
@@ -93,7 +169,7 @@ impl Solids {
     }
 
     /// The kinds of all faces, in the order in which [`Solids::face_at`] numbers them.
-    pub fn face_kinds(&self) -> Vec<&'static str> {
+    pub(crate) fn face_kinds(&self) -> Vec<&'static str> {
         self.faces().iter().map(|(_, face)| face.word()).collect()
     }
 

@@ -5,15 +5,31 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::quadric::Quadric;
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, positive};
 use crate::vector::Vector;
 
 /// A ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sphere {
+pub(crate) struct Sphere {
     /// Radius, input units.
     pub radius: f64,
+}
+
+impl Surface {
+    /// A ball of this radius, its top at the origin: `x^2 + y^2 + z^2 + 2 r z = 0`, S = 1 and R = 1/r everywhere.
+    /// Range: above zero, input units.
+    ///
+    /// ```
+    /// use palpate::scene::Surface;
+    ///
+    /// assert_eq!(Surface::sphere(5.0).height(3.0, 0.0), Some(-1.0));
+    /// assert_eq!(Surface::sphere(5.0).height(5.5, 0.0), None); // beside the ball
+    /// ```
+    pub fn sphere(radius: f64) -> Surface {
+        Surface::new(Body::Sphere(Sphere { radius }), 0.0)
+    }
 }
 
 impl Sphere {

@@ -12,17 +12,27 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_ball};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, all_positive};
 use crate::vector::{Vector, along};
 
 /// A body between a ball, a pillow and a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Superquadric {
+pub(crate) struct Superquadric {
     /// Semi-axes a, b, c, input units.
     pub semi_axes: [f64; 3],
     /// Exponents e1, e2 in (0, 1].
     pub exponents: [f64; 2],
+}
+
+impl Surface {
+    /// Anything from a pillow to a box, its top at the origin: semi-axes a, b, c, input units, and exponents e1
+    /// (north-south) and e2 (east-west). Exponents of 1 make the ellipsoid, small ones a box. Range: the semi-axes above
+    /// zero, the exponents in (0, 1].
+    pub fn superquadric(semi_axes: [f64; 3], exponents: [f64; 2]) -> Surface {
+        Surface::new(Body::Superquadric(Superquadric { semi_axes, exponents }), 0.0)
+    }
 }
 
 /// Value and first two derivatives of |t|^n for n >= 2.

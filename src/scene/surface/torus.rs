@@ -10,17 +10,26 @@
 use super::geometry::Geometry;
 use super::local::Local;
 use super::ray::{first_below, through_ball};
+use super::{Body, Surface};
 use crate::scene::error::{SceneError, positive};
 use crate::vector::{Vector, along, unit};
 
 /// A ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Torus {
+pub(crate) struct Torus {
     /// Radius a of the ring's centre line, input units.
     pub major: f64,
     /// Radius b of the tube, less than a.
     pub minor: f64,
+}
+
+impl Surface {
+    /// A ring lying flat, its top circle through the origin: centre line of radius `major` about the axis (-major, 0), tube
+    /// of radius `minor`. Range: `0 < minor < major`, input units.
+    pub fn torus(major: f64, minor: f64) -> Surface {
+        Surface::new(Body::Torus(Torus { major, minor }), 0.0)
+    }
 }
 
 impl Torus {

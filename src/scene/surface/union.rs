@@ -2,17 +2,24 @@
 //!
 //! On a crease, where two parts are equally high, the earlier part is touched.
 
-use super::Surface;
 use super::geometry::Geometry;
 use super::local::Local;
+use super::{Body, Surface};
 use crate::scene::error::SceneError;
 
 /// Parts in the union's frame, each with its own pose.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Union {
+pub(crate) struct Union {
     /// At least one.
     pub parts: Vec<Surface>,
+}
+
+impl Surface {
+    /// The upper envelope of several surfaces, `z = max_i z_i(x, y)`, each where its own pose puts it. Range: at least one.
+    pub fn union(parts: Vec<Surface>) -> Surface {
+        Surface::new(Body::Union(Union { parts }), 0.0)
+    }
 }
 
 impl Union {

@@ -21,7 +21,7 @@ use crate::scene::rotation::sin_cos_deg;
 /// How the fingers of a sweep come to the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum SweepPath {
+pub(crate) enum SweepPath {
     /// Down onto it, from above.
     #[default]
     Down,
@@ -36,7 +36,7 @@ pub enum SweepPath {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sweep {
     /// Whether the fingers come down onto the surface or go round it.
-    pub path: SweepPath,
+    pub(crate) path: SweepPath,
     /// Offset of each finger across the sweep: input units, round a torus degrees.
     pub fingers: Vec<f64>,
     /// Stops along the sweep, in the order they are made; any spacing; degrees where it goes around.
@@ -103,6 +103,22 @@ impl Sweep {
             spacing: 0.0,
             eye: None,
         }
+    }
+
+    /// Point tips that go round a cylinder or a torus: `fingers` are places along the bar, input units, or round the ring,
+    /// degrees; `stations` are degrees round the bar or the tube, 0 on top.
+    pub fn around(fingers: Vec<f64>, stations: Vec<f64>) -> Sweep {
+        Sweep { path: SweepPath::Around, ..Sweep::new(fingers, stations) }
+    }
+
+    /// The same sweep with spherical tips of this radius; 0 is a point.
+    pub fn with_tip_radius(self, tip_radius: f64) -> Sweep {
+        Sweep { tip_radius, ..self }
+    }
+
+    /// The same sweep with so many touches at each stop.
+    pub fn with_repeats(self, repeats: usize) -> Sweep {
+        Sweep { repeats, ..self }
     }
 
     /// A scan with points `spacing` apart, from all sides or as seen by an eye.
@@ -267,7 +283,6 @@ pub(crate) fn contact(surface: &Surface, aim: [f64; 2], tip_radius: f64) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::surface::{Body, Sphere};
 
     fn touched(sweep: &Sweep, surface: &Surface) -> Result<Touched, SceneError> {
         let mut touched = Touched::default();
@@ -278,7 +293,7 @@ mod tests {
     fn order_is_finger_then_station_then_repeat_and_both_ends_are_met() {
         let mut sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 6));
         sweep.repeats = 2;
-        let touched = touched(&sweep, &Surface::new(Body::Plane, 0.0)).unwrap();
+        let touched = touched(&sweep, &Surface::plane()).unwrap();
         assert_eq!(touched.points.len(), 36);
         let sites: Vec<_> =
             (0..36).map(|i| sweep.site(0, touched.fingers[i], touched.stations[i], touched.points[i])).collect();
@@ -292,13 +307,13 @@ mod tests {
     #[test]
     fn a_ball_too_small_for_the_patch_is_refused_with_the_size_it_needs() {
         let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
-        let small = Surface::new(Body::Sphere(Sphere { radius: 5.5 }), 0.0);
+        let small = Surface::sphere(5.5);
         let error = touched(&sweep, &small).err().unwrap();
         assert!(matches!(error, SceneError::Unreachable { finger: 0, station: 0, reachable: 23, total: 27, .. }));
         assert!(error.to_string().contains("5.656854"), "{error}");
         let skipping = Sweep { skip_unreachable: true, ..sweep.clone() };
         assert_eq!(touched(&skipping, &small).unwrap().points.len(), 23);
-        let large = Surface::new(Body::Sphere(Sphere { radius: 5.7 }), 0.0);
+        let large = Surface::sphere(5.7);
         assert!(touched(&sweep, &large).is_ok());
     }
 }

@@ -114,12 +114,11 @@ fn change(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::surface::{Body, Cylinder, Sphere};
 
     #[test]
     fn on_a_ball_the_contact_is_where_the_centres_line_passes() {
         let (radius, tip) = (6.0, 1.5);
-        let ball = Surface::new(Body::Sphere(Sphere { radius }), 0.0);
+        let ball = Surface::sphere(radius);
         for aim in [[0.0, 0.0], [4.0, -4.0], [1.0, 5.0], [5.0, 5.0]] {
             let touch = rolled(&ball, aim, tip).unwrap();
             for (found, aim) in touch.point.iter().zip(aim) {
@@ -132,7 +131,7 @@ mod tests {
     #[test]
     fn inside_a_groove_contacts_lie_further_out() {
         let (radius, tip) = (10.0, 2.0);
-        let groove = Surface::new(Body::Cylinder(Cylinder { radius }), 90.0).concave();
+        let groove = Surface::cylinder(radius).turned(90.0).concave();
         let touch = rolled(&groove, [3.0, 1.0], tip).unwrap();
         assert!((touch.point[0] - 3.0 * radius / (radius - tip)).abs() < 1e-13);
         assert!((touch.point[1] - 1.0).abs() < 1e-14);

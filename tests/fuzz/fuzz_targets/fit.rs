@@ -6,7 +6,7 @@
 use libfuzzer_sys::fuzz_target;
 use palpate::Contacts;
 use palpate::fit::{FitOptions, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind};
-use palpate::parametric::{FittedSurface, fit_surface};
+use palpate::parametric::FittedSurface;
 
 /// Touches at most: hard enough. Loss, smoothing and noise levels iterate, so that a fit in ten takes a tenth of a second.
 const MOST: usize = 40;
@@ -24,7 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
         1 => contacts = contacts.with_slopes(column(3), column(4)),
         _ => contacts = contacts.with_normals(column(3), column(4), column(5)),
     }
-    match fit_surface(&contacts, &options(head)) {
+    match FittedSurface::of(&contacts, &options(head)) {
         Ok((FittedSurface::Height(fit), _)) => {
             assert!(fit.surface().coefficients().iter().all(|c| c.is_finite()));
             let _ = (fit.shape(), fit.certificate(), fit.rms());

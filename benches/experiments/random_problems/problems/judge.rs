@@ -110,8 +110,8 @@ pub(crate) fn outcome(problem: &RandomProblem, fit: &Result<Fit, FitError>) -> O
 }
 
 fn promised_digits(fit: &Fit) -> [f64; 3] {
-    let promise = fit.certificate().guaranteed_digits;
-    [promise.coefficients, promise.shape_index, promise.curvedness]
+    let promise = fit.certificate();
+    [promise.digits_of_coefficients, promise.digits_of_shape_index, promise.digits_of_curvedness]
 }
 
 fn knots_of(problem: &RandomProblem) -> [Knots; 2] {

@@ -1,15 +1,25 @@
-// Buttons below the turning view: what it is coloured by, what is shown, how high it is drawn.
+// Buttons below the turning view: what it is coloured by, what is shown, how high it is drawn. They stand there with the
+// still picture, so that nothing moves when the view starts, and act from then on.
 
 function buildControls(stage) {
     const home = document.getElementById("stage-controls");
     home.hidden = false;
+    home.inert = true;
     const hint = document.createElement("p");
     hint.className = "hint";
     hint.textContent =
         "Turn: drag, one finger, or the arrow keys. Zoom: wheel, two fingers, + and -. " +
         "Shift and drag moves. Home brings the first view back.";
+    if (stage.view.body) {
+        home.append(bodyControls(stage), stretchChoice(stage), hint);
+        return;
+    }
     home.append(colourChoice(stage), legendOf(stage), switches(stage), stretchChoice(stage), hint);
     showLegend(stage);
+}
+
+function enableControls() {
+    document.getElementById("stage-controls").inert = false;
 }
 
 function group(name) {
@@ -54,16 +64,18 @@ function colourChoice(stage) {
 
 function switches(stage) {
     const fieldset = group("Show");
-    const names = {
-        contacts: "Contacts",
-        normals: "Measured normals",
-        residuals: "Residuals",
-        net: "Control net",
-        lines: "Lines on the surface",
-    };
-    for (const [part, label] of Object.entries(names)) {
-        if (!stage.parts[part]) continue;
-        const row = choice("checkbox", part, label, stage.parts[part].visible, (on) => {
+    const { contacts } = stage.view;
+    // name, label, whether there is any, whether it is seen at first
+    const all = [
+        ["contacts", "Contacts", contacts, true],
+        ["normals", "Measured normals", contacts?.normals, false],
+        ["residuals", "Residuals", contacts, false],
+        ["net", "Control net", true, false],
+        ["lines", "Lines on the surface", true, true],
+    ];
+    for (const [part, label, some, seen] of all) {
+        if (!some) continue;
+        const row = choice("checkbox", part, label, seen, (on) => {
             stage.parts[part].visible = on;
             if (part === "residuals") {
                 tintContacts(stage);
@@ -117,12 +129,13 @@ function showLegend(stage) {
         const words = key === "S" ? CLASSES : [0, 0.25, 0.5, 0.75, 1].map((t) => shown(ends[0] + t * (ends[1] - ends[0]), 3));
         stage.legend.append(scale(stage.colour.name, gradientOf(stage.colour), words));
     }
-    if (stage.parts.residuals?.visible) {
+    if (stage.parts?.residuals?.visible) {
         const largest = shown(stage.largestResidual, 2);
         const gradient = gradientOf({ stops: stage.view.scales.diverging });
         const words = [`-${largest}`, "0", `+${largest}`];
+        const unit = stage.view.unit ? ` (${stage.view.unit})` : "";
         const drawn = stage.longer > 1 ? `; strokes drawn ${stage.longer} times as long` : "";
-        stage.legend.append(scale(`residual ${stage.view.contacts.measured}, of contacts${drawn}`, gradient, words));
+        stage.legend.append(scale(`residual ${stage.view.contacts.measured}${unit}, of contacts${drawn}`, gradient, words));
     }
 }
 

@@ -8,14 +8,20 @@ function numbersOf(text) {
     return new Float32Array(bytes.buffer);
 }
 
-/** The data of the turning view and of the maps, or null where the page has none. */
+/** The data of the turning view and of the maps, with its columns as text, or null where the page has none. */
 function readView() {
     const script = document.getElementById("palpate-view");
     if (!script) return null;
     const view = JSON.parse(script.textContent);
+    view.size = view.places?.map((axis) => axis.length);
+    return view;
+}
+
+/** Makes numbers of the columns. */
+function unpack(view) {
+    if (view.body) return unpackBody(view);
     view.points = numbersOf(view.points);
     view.normals = numbersOf(view.normals);
-    view.size = view.places.map((axis) => axis.length);
     for (const field of view.fields) field.values = numbersOf(field.values);
     view.net.points = numbersOf(view.net.points);
     if (view.contacts) {
@@ -26,12 +32,16 @@ function readView() {
         contacts.normals = contacts.normals ? numbersOf(contacts.normals) : null;
         contacts.leftOut = new Set(contacts.leftOut);
     }
-    return view;
 }
 
 /** The field of this key, or undefined. */
 function fieldOf(view, key) {
     return view.fields.find((field) => field.key === key);
+}
+
+/** The unit of lengths behind a number, where one was given. */
+function unitOf(view) {
+    return view.unit ? ` ${view.unit}` : "";
 }
 
 /** What is known at corner k of the mesh, a line each. */
@@ -41,7 +51,7 @@ function wordsAt(view, k) {
         ? view.fields.map((field) => `${field.name}: ${shown(field.values[k])}`)
         : ["no contacts near enough"];
     const place = [0, 1, 2].map((axis) => shown(view.points[3 * k + axis] + view.centre[axis]));
-    lines.push(`x ${place[0]}, y ${place[1]}, z ${place[2]}`);
+    lines.push(`x ${place[0]}, y ${place[1]}, z ${place[2]}${unitOf(view)}`);
     return lines;
 }
 
@@ -49,8 +59,8 @@ function wordsAt(view, k) {
 function wordsOfContact(view, k) {
     const contacts = view.contacts;
     const place = [0, 1, 2].map((axis) => shown(contacts.points[3 * k + axis] + view.centre[axis]));
-    const lines = [`contact at x ${place[0]}, y ${place[1]}, z ${place[2]}`];
-    lines.push(`residual ${shown(contacts.residuals[k], 3)} ${contacts.measured}`);
+    const lines = [`contact at x ${place[0]}, y ${place[1]}, z ${place[2]}${unitOf(view)}`];
+    lines.push(`residual ${shown(contacts.residuals[k], 3)}${unitOf(view)} ${contacts.measured}`);
     if (contacts.leftOut.has(k)) lines.push("set aside: too far off the surface");
     return lines;
 }

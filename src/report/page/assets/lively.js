@@ -8,7 +8,7 @@ const FAST = 24;
 const REST = 250;
 
 function isCrowded(view) {
-    return (view.contacts?.points.length ?? 0) / 3 > MANY;
+    return !view.body && (view.contacts?.points.length ?? 0) / 3 > MANY;
 }
 
 /** An order of the contacts of which every beginning is spread evenly over all of them. */

@@ -1,8 +1,38 @@
-// Starts what the page has: the still picture is seen first, then the turning view takes its place.
+// Starts what the page has. The still picture is painted first: until then nothing is unpacked, the library of the turning view
+// is not even read, and nothing is asked of the graphics, which the browser needs for that picture itself.
+
+/** Milliseconds after which the view starts although nothing was painted: a page in the background is not painted. */
+const LONGEST_WAIT = 3000;
+
+function afterFirstPicture(act) {
+    let waiting = true;
+    const go = () => {
+        if (waiting) setTimeout(act);
+        waiting = false;
+    };
+    if (performance.getEntriesByName("first-contentful-paint").length) return go();
+    new PerformanceObserver((list) => {
+        if (list.getEntriesByName("first-contentful-paint").length) go();
+    }).observe({ type: "paint", buffered: true });
+    setTimeout(go, LONGEST_WAIT);
+}
+
+/** Runs the library, which stands in the page as text. */
+function runLibrary() {
+    const script = document.createElement("script");
+    script.textContent = document.getElementById("palpate-library").textContent;
+    document.body.append(script);
+}
 
 watchCharts();
 const view = readView();
 if (view) {
-    watchMaps(view);
-    requestAnimationFrame(() => setTimeout(() => startStage(view)));
+    const stage = newStage(view);
+    buildControls(stage);
+    afterFirstPicture(() => {
+        unpack(view);
+        watchMaps(view);
+        runLibrary();
+        startStage(stage);
+    });
 }

@@ -7,14 +7,19 @@ const NEARER = 1.15;
 // Pixels within which a pointer finds a contact or a corner of the mesh.
 const REACH = 14;
 
+/** What the view and its switches know before it starts. */
+function newStage(view) {
+    return { view, home: document.getElementById("stage"), frames: 0, colour: view.fields?.[0], stretch: 1 };
+}
+
 /** Starts the view in its place; false where the browser has no WebGL. */
-function startStage(view) {
-    const home = document.getElementById("stage");
-    const stage = { view, home, frames: 0, dirty: true, colour: view.fields[0], stretch: 1 };
+function startStage(stage) {
+    const { view, home } = stage;
     stage.canvas = document.createElement("canvas");
     const context = stage.canvas.getContext("webgl2", { antialias: !isCrowded(view), alpha: true });
     if (!context) {
         home.querySelector(".without").textContent = "This browser shows no WebGL; this is a still picture of the surface.";
+        document.getElementById("stage-controls").hidden = true;
         return false;
     }
     stage.renderer = new THREE.WebGLRenderer({ canvas: stage.canvas, context });
@@ -31,10 +36,10 @@ function startStage(view) {
     stage.controls.addEventListener("change", ask);
     watchKeys(stage);
     watchPointer(stage);
-    buildControls(stage);
     paint(stage);
     resize(stage);
     drawNow(stage);
+    enableControls();
     // the times that the browser test reads
     home.dataset.firstPicture = performance.now().toFixed(1);
     return true;
@@ -56,6 +61,23 @@ function furnish(stage) {
         residual: new THREE.LineBasicMaterial({}),
         box: new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }),
     };
+    if (view.body) furnishBody(stage);
+    else furnishSurface(stage);
+    stage.group.add(...Object.values(stage.parts));
+    stage.labels = document.createElement("div");
+    stage.labels.className = "axis-labels";
+    stage.labels.setAttribute("aria-hidden", "true");
+    stage.labelOf = [0, 1, 2].map((axis) => {
+        const label = document.createElement("span");
+        const ends = [low, high].map((end) => shown(end[axis] + view.centre[axis], 3));
+        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}${unitOf(view)}`;
+        stage.labels.append(label);
+        return label;
+    });
+}
+
+function furnishSurface(stage) {
+    const { view } = stage;
     const parts = { surface: surfaceMesh(view), lines: surfaceLines(view, stage.ink.line) };
     parts.net = controlNet(view, stage.ink.net);
     parts.net.add(pointCloud(view.net.points, 6 * devicePixelRatio));
@@ -75,18 +97,7 @@ function furnish(stage) {
         if (view.contacts.normals) parts.normals = normalStrokes(view, 0.07 * stage.size, stage.ink.normal);
     }
     for (const name of ["net", "normals", "residuals"]) if (parts[name]) parts[name].visible = false;
-    stage.group.add(...Object.values(parts));
     stage.parts = parts;
-    stage.labels = document.createElement("div");
-    stage.labels.className = "axis-labels";
-    stage.labels.setAttribute("aria-hidden", "true");
-    stage.labelOf = view.size.concat(0).map((_, axis) => {
-        const label = document.createElement("span");
-        const ends = [low, high].map((end) => shown(end[axis] + view.centre[axis], 3));
-        label.textContent = `${"xyz"[axis]}: ${ends[0]} to ${ends[1]}`;
-        stage.labels.append(label);
-        return label;
-    });
 }
 
 function placeCamera(stage) {
@@ -97,33 +108,44 @@ function placeCamera(stage) {
     goHome(stage);
 }
 
-/** The first view: from the front left above, so near that all of the surface is just in sight. */
+/** The first view, the one of the still picture (perspective.rs): from the front left above. */
 function goHome(stage) {
-    const { low, high } = stage.box;
-    const size = Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1;
-    const { camera, controls, home } = stage;
-    camera.aspect = home.clientWidth / Math.max(home.clientHeight, 1) || 1;
-    camera.near = size / 100;
-    camera.far = size * 40;
-    camera.updateProjectionMatrix();
+    const { camera, controls } = stage;
     controls.target.set(0, 0, 0);
-    let away = 2 * size;
-    // what is seen is nearly, but not quite, in proportion to the distance
-    for (let k = 0; k < 4; k++) {
-        camera.position.set(-0.47 * away, -0.7 * away, 0.54 * away);
-        controls.update();
-        camera.updateMatrixWorld();
-        away *= widest(stage) / 0.86;
-    }
+    camera.position.copy(firstEye(stage));
+    controls.update();
+    fitWindow(stage);
     redraw(stage);
 }
 
-/** How far the box reaches from the middle of the picture towards its rim, which is 1. */
-function widest(stage) {
+function firstEye(stage) {
+    const { low, high } = stage.box;
+    const away = 2.2 * (Math.hypot(high[0] - low[0], high[1] - low[1], (high[2] - low[2]) * stage.stretch) || 1);
+    return new THREE.Vector3(-0.47 * away, -0.7 * away, 0.54 * away);
+}
+
+/** Shape of the window, and such an opening that the first view just holds the box, from wherever it is looked at now. */
+function fitWindow(stage) {
+    const { camera, home } = stage;
+    camera.aspect = home.clientWidth / Math.max(home.clientHeight, 1) || 1;
+    const first = camera.clone();
+    first.position.copy(firstEye(stage));
+    first.lookAt(0, 0, 0);
+    first.updateMatrixWorld();
+    first.zoom = 1;
+    first.updateProjectionMatrix();
+    camera.zoom = 0.86 / widest(stage, first);
+    camera.near = first.position.length() / 200;
+    camera.far = first.position.length() * 20;
+    camera.updateProjectionMatrix();
+}
+
+/** How far the box reaches from the middle of a camera's picture towards its rim, which is 1. */
+function widest(stage, camera) {
     let most = 0;
     for (let corner = 0; corner < 8; corner++) {
         const point = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? stage.box.high : stage.box.low)[axis]);
-        const place = new THREE.Vector3(point[0], point[1], point[2] * stage.stretch).project(stage.camera);
+        const place = new THREE.Vector3(point[0], point[1], point[2] * stage.stretch).project(camera);
         most = Math.max(most, Math.abs(place.x), Math.abs(place.y));
     }
     return most || 1;
@@ -134,8 +156,9 @@ function paint(stage) {
     const style = getComputedStyle(document.documentElement);
     const ink = (name) => new THREE.Color(style.getPropertyValue(name).trim());
     const { line, net, normal, residual, box } = stage.ink;
-    line.color = ink("--ink");
     box.color = ink("--faint");
+    if (stage.view.body) return redraw(stage);
+    line.color = ink("--ink");
     net.color = ink("--net");
     normal.color = ink("--normal");
     residual.color = ink("--residual");
@@ -198,8 +221,8 @@ function resize(stage) {
     if (!clientWidth || !clientHeight) return;
     stage.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     stage.renderer.setSize(clientWidth, clientHeight, false);
-    stage.camera.aspect = clientWidth / clientHeight;
-    stage.camera.updateProjectionMatrix();
+    fitWindow(stage);
+    if (stage.view.body) sizeDots(stage);
     redraw(stage);
 }
 
@@ -327,6 +350,7 @@ function watchPointer(stage) {
 
 function wordsUnder(stage, x, y) {
     const { view, parts } = stage;
+    if (view.body) return wordsOfBody(stage, x, y);
     const contact = parts.contacts?.visible ? nearest(stage, view.contacts.points, x, y, 8) : -1;
     if (contact >= 0) return wordsOfContact(view, contact);
     const corner = nearest(stage, view.points, x, y, REACH);
@@ -334,7 +358,7 @@ function wordsUnder(stage, x, y) {
 }
 
 /** Number of the point nearest to a place on the canvas within `reach` pixels, the nearer to the viewer of two; or -1. */
-function nearest(stage, points, x, y, reach) {
+function nearest(stage, points, x, y, reach, among = null) {
     const matrix = stage.camera.projectionMatrix.clone().multiply(stage.camera.matrixWorldInverse).elements;
     const { clientWidth, clientHeight } = stage.home;
     const [px, py] = [(2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight];
@@ -347,6 +371,7 @@ function nearest(stage, points, x, y, reach) {
         const u = ((matrix[0] * a + matrix[4] * b + matrix[8] * c + matrix[12]) / w - px) * sx;
         const v = ((matrix[1] * a + matrix[5] * b + matrix[9] * c + matrix[13]) / w - py) * sy;
         const away = u * u + v * v;
+        if (among && !among.has(k)) continue;
         if (w <= 0 || !(away < reach * reach)) continue;
         // a pixel farther off counts as much as a hundredth of the distance
         const cost = Math.sqrt(away) + (100 * w) / stage.size;
