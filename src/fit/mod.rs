@@ -62,6 +62,8 @@ pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
+#[cfg(feature = "cli")]
+pub(crate) use placing::axes::{STEEP, steepness};
 #[doc(hidden)]
 pub use placing::patch::Patch;
 #[doc(hidden)]
@@ -93,6 +95,22 @@ pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, Fi
     options.check()?;
     options.check_height_field()?;
     let (patch, data) = placing::place_contacts(contacts, options)?;
+    let fitted = objective::fit_rows(&patch, &data, options)?;
+    Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
+}
+
+/// The same over these axes (rows x, y, z in the input's frame) instead of those that the options choose.
+///
+/// # Errors
+/// Every [`FitError`].
+pub(crate) fn fit_contacts_over(
+    contacts: &Contacts,
+    axes: [[f64; 3]; 3],
+    options: &FitOptions,
+) -> Result<Fit, FitError> {
+    options.check()?;
+    options.check_height_field()?;
+    let (patch, data) = placing::place_contacts_over(contacts, axes, options)?;
     let fitted = objective::fit_rows(&patch, &data, options)?;
     Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
 }

@@ -64,7 +64,7 @@ impl std::fmt::Display for Note {
                      contradict; give sigma or weights as numbers"
                 )
             }
-            Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),
+            Note::Rotated => write!(f, "the patch has its own axes, with z across it"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")

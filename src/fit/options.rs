@@ -89,7 +89,8 @@ pub enum Robust {
 pub enum FrameChoice {
     /// Those of the input.
     Keep,
-    /// Those of the input when all nz > 0 or without normals, else from the mean normal and the sweep.
+    /// Those of the input, unless the patch leans by more than 45 degrees there or some nz <= 0: then from the mean normal
+    /// (without normals the direction of least spread) and the sweep.
     Auto,
 }
 
@@ -151,7 +152,8 @@ pub struct FitOptions {
     pub grid: [usize; 2],
     /// Fraction of each side cut at every edge of the shape grid, 0 to below 1/2. Default 0.
     pub inset: f64,
-    /// Axes of the patch. Default `None`: as `Auto`, but normals that all point down are refused as inward.
+    /// Axes of the patch. Default `None`: those of the input however steep, or from the mean normal where some nz <= 0;
+    /// normals that all point down are refused as inward.
     pub frame: Option<FrameChoice>,
     /// Confidence level of the intervals. Default 0.95.
     pub level: f64,

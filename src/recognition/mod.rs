@@ -38,7 +38,6 @@ mod displacement;
 mod error;
 mod estimated_normals;
 mod evidence;
-#[cfg(feature = "cli")]
 mod flexible;
 mod frame;
 mod in_place;
@@ -53,6 +52,7 @@ mod normal_noise;
 mod options;
 mod orientation;
 mod over_plane;
+mod own_axes;
 mod paraboloid;
 mod patch;
 #[cfg(feature = "cli")]
@@ -78,16 +78,16 @@ mod weights;
 pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
-// only the program asks for a fit where nothing is recognised
-#[cfg(feature = "cli")]
-pub(crate) use flexible::Flexible;
+// free-form parts are described by the same field as contacts that no simple shape explains
+pub(crate) use flexible::{Flexible, flexible};
 pub use options::RecognitionOptions;
+pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
 pub(crate) use result::Dropped;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
-pub(crate) use shown::{Shown, shown};
+pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
 pub(crate) use surface::RecognisedSurface;
 
