@@ -40,7 +40,7 @@ impl Keywords {
             }
             let key = key.cast::<PyString>()?.to_str()?.to_owned();
             degree_named |= key == "degree";
-            found.named |= !["grid", "frame", "level", "viewpoint", "bare"].contains(&key.as_str());
+            found.named |= !["grid", "frame", "level", "viewpoint", "bare", "sigma_xy"].contains(&key.as_str());
             found.take(&key, &value)?;
         }
         let options = &mut found.options;
@@ -71,6 +71,7 @@ impl Keywords {
             "sigma" => options.objective = Objective::Normals(sigma(value)?),
             "method" => options.method = word::<Method>(value, "method")?,
             "smooth" => options.smooth = smooth(value)?,
+            "sigma_xy" => options.sigma_xy = number(value, "sigma_xy")?,
             "robust" => options.robust = word::<Robust>(value, "robust")?,
             "grid" => {
                 options.grid = pair(value, "grid", MOST_GRID_POINTS)?;

@@ -12,7 +12,7 @@ use crate::contact::{Contacts, Grid, Orientation};
 use crate::fit::{FitError, FitOptions};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
-use crate::recognition::{Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown};
+use crate::recognition::{FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown};
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
 use super::named::fit_input;
@@ -32,6 +32,9 @@ const STRAYS: usize = 10;
 /// Note where every normal points down, as in a scan in camera axes, but also in a file with inward normals.
 const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
      if the normals point into the body, reverse them by --flip-normals";
+
+/// Note where nothing tells the free side of a flexible height field.
+const UPWARD: &str = "the sign of S takes +z for the free side: name a viewpoint where it is not";
 
 /// The answer to an input, with what is said beside it.
 #[derive(Debug)]
@@ -56,12 +59,15 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         Input::Contacts(contacts) => Recognition::of(contacts, options),
         Input::Grid(grid) => Recognition::of_grid(grid, options),
     };
-    match shown(found, || contacts_of(input), fit) {
+    let request = FieldRequest { fit, recognition: options, gridded: matches!(input, Input::Grid(_)) };
+    match shown(found, || contacts_of(input), &request) {
         Ok(answer) => {
             let mut found = match answer {
                 Shown::Simple(found) => simple(found),
                 Shown::Flexible(field, simple) => flexible_field(*field, simple.as_deref()),
             };
+            let flexible = matches!(found.answer, Answer::Fitted(_));
+            found.notes.extend((flexible && without_side(input, options)).then(|| UPWARD.to_string()));
             found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
             Ok(found)
         }
@@ -80,6 +86,11 @@ pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOp
         }
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
+}
+
+fn without_side(input: &Input, options: &RecognitionOptions) -> bool {
+    let positions = matches!(input, Input::Contacts(Contacts { orientation: Orientation::None, .. }));
+    positions && options.viewpoint.is_none()
 }
 
 fn all_downward(input: &Input) -> bool {
@@ -107,8 +118,8 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
     let mut tried: Vec<TriedPart> = field
         .tried
         .iter()
-        .map(|(n, error)| TriedPart {
-            name: format!("height field of {n} x {n} segments"),
+        .map(|([n, m], error)| TriedPart {
+            name: format!("height field of {n} x {m} segments"),
             rms: Some(*error),
             ..TriedPart::default()
         })

@@ -81,9 +81,9 @@ impl FitAnswer {
             Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
         } else {
             options.check().map_err(FitRefusal::Fit)?;
-            let RecognitionOptions { seed, use_normals, up, .. } = RecognitionOptions::default();
-            let (level, grid) = (options.level, options.grid);
-            automatic(&input, &RecognitionOptions { level, grid, seed, use_normals, viewpoint, up }, options)?
+            let (level, grid, sigma_xy) = (options.level, options.grid, options.sigma_xy);
+            let asked = RecognitionOptions { level, grid, viewpoint, sigma_xy, ..RecognitionOptions::default() };
+            automatic(&input, &asked, options)?
         };
         let uncertain = named && !bare;
         Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })

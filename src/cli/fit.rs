@@ -14,7 +14,7 @@ use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use super::automatic::{Found, Refusal, automatic};
 use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
-use super::named::{counting_other_kinds, fit_input};
+use super::named::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
@@ -165,7 +165,7 @@ impl One {
 
 /// The model that was named, or what the contacts show where none was.
 fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
-    let (input, fit) = (&reading.input, args.fit.over(FitOptions::default()));
+    let (input, mut fit) = (&reading.input, args.fit.over(FitOptions::default()));
     let viewpoint = args.preparation.viewpoint;
     if args.fit.names_a_model() {
         if viewpoint.is_some() && !args.preparation.estimates_normals() {
@@ -173,9 +173,10 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
                 "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
             return Err(Refusal::Shape(what.into()));
         }
+        let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
         let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
         let found = if args.bare { found } else { counting_other_kinds(found) };
-        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() });
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
     }
     if args.bare {
         let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
@@ -184,8 +185,13 @@ fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
     }
     fit.check().map_err(Refusal::Fit)?;
     let viewpoint = viewpoint.or(seen_from(reading));
-    let recognition =
-        RecognitionOptions { grid: fit.grid, level: fit.level, viewpoint, ..RecognitionOptions::default() };
+    let recognition = RecognitionOptions {
+        grid: fit.grid,
+        level: fit.level,
+        viewpoint,
+        sigma_xy: fit.sigma_xy,
+        ..RecognitionOptions::default()
+    };
     automatic(input, &recognition, &fit)
 }
 

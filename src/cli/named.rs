@@ -1,6 +1,7 @@
 //! A model that was named, fitted to contacts or to a grid.
 
-use crate::fit::{FitError, FitOptions, SurfaceKind, fit_grid};
+use crate::contact::Orientation;
+use crate::fit::{FitError, FitOptions, FrameChoice, STEEP, SurfaceKind, fit_grid, steepness};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
 use crate::report::ChosenPart;
@@ -30,4 +31,25 @@ pub(super) fn counting_other_kinds(found: FittedSurface) -> FittedSurface {
         FittedSurface::Height(fit) => FittedSurface::Height(Box::new((*fit).with_model_error())),
         other => other,
     }
+}
+
+/// A model that names no axes, over contacts that stand steep on the input's x and y: the patch's own axes are taken, and
+/// the note says so. A patch that lies upside down is left to the fit, which asks whether its normals point inward.
+pub(super) fn with_own_axes_where_steep(input: &Input, options: &mut FitOptions) -> Option<String> {
+    let Input::Contacts(contacts) = input else { return None };
+    let over_input = options.frame.is_some() || options.domain.is_some() || options.knots.is_some();
+    if over_input || options.surface != SurfaceKind::Height {
+        return None;
+    }
+    let cosine = steepness(contacts).filter(|cosine| cosine.abs() < STEEP)?;
+    options.frame = Some(FrameChoice::Auto);
+    let leans = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+    let side = match contacts.orientation {
+        Orientation::None => "; the free side is taken to be that of +z, which normals would tell",
+        _ => "",
+    };
+    Some(format!(
+        "the patch leans by {leans:.0} degrees, so it has axes of its own: --frame keep holds to the input's, over which it is \
+         steep{side}"
+    ))
 }

@@ -37,6 +37,9 @@ pub(super) struct FitFlags {
     /// Normal rows: auto, or the sd of z and of the normals in degrees, as in 0.02,5
     #[arg(long, value_name = "Z,DEG", allow_hyphen_values = true, value_parser = values::sigma)]
     sigma: Option<Objective>,
+    /// Known sd of the contacts' errors in x and in y, as of an arm; in the unit of the input, and beside any other option
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = values::sigma_xy)]
+    sigma_xy: Option<f64>,
     #[arg(long, help = help("How the least squares problem is solved", Method::WORDS))]
     method: Option<Method>,
     /// Roughness penalty: none, auto or LAMBDA
@@ -111,6 +114,7 @@ impl FitFlags {
             (parametric && self.domain.is_some(), "--domain", in_space),
             (parametric && self.smooth.is_some(), "--smooth", in_space),
             (parametric && self.frame.is_some(), "--frame", in_space),
+            (parametric && self.sigma_xy.is_some(), "--sigma-xy", in_space),
             (gridded && self.frame.is_some(), "--frame", on_grid),
         ];
         let empty = typed.iter().filter(|(is, _, _)| *is);
@@ -135,6 +139,7 @@ impl FitFlags {
         set(&mut options.method, self.method);
         set(&mut options.smooth, self.smooth);
         set(&mut options.robust, self.robust);
+        set(&mut options.sigma_xy, self.sigma_xy);
         self.grid.apply(&mut options);
         options.frame = self.frame.or(options.frame);
         options
@@ -235,7 +240,7 @@ mod tests {
     #[test]
     fn every_option_reaches_the_fit() {
         let line = "--degree 2,3 --segments 4x5 --domain -1,1,-2,2 --sigma 1,15 --method qr --smooth 1e-6 \
-                    --robust huber --grid 6x7 --inset 0.25 --frame auto";
+                    --robust huber --sigma-xy 0.3 --grid 6x7 --inset 0.25 --frame auto";
         let options = typed(&line.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = FitOptions {
             degree: [2, 3],
@@ -245,6 +250,7 @@ mod tests {
             method: Method::Qr,
             smooth: Smooth::Lambda(1e-6),
             robust: Robust::Huber,
+            sigma_xy: 0.3,
             grid: [6, 7],
             inset: 0.25,
             frame: Some(FrameChoice::Auto),

@@ -126,6 +126,14 @@ pub(super) fn inset(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length of zero or more.
+pub(super) fn sigma_xy(text: &str) -> Result<f64, String> {
+    match numbers::<1>(text) {
+        Some([sigma_xy]) if sigma_xy >= 0.0 => Ok(sigma_xy),
+        _ => Err("a length of zero or more, in the unit of the input, such as 0.3".into()),
+    }
+}
+
 /// A count of replicates, as 10000 or 1e9.
 pub(super) fn replicates(text: &str) -> Result<u64, String> {
     let wrong = || "a whole number from 1 to 2^40, such as 10000 or 1e9".to_string();

@@ -115,6 +115,21 @@ impl Covariance {
         })
     }
 
+    /// At least as much: `|A P g|^2` of S and of R, since M is at least the unit matrix.
+    #[inline]
+    pub(super) fn falls_at_most(&self, rows: &CandidateRows, k: usize) -> [f64; 2] {
+        let (local, cell) = (rows.local(), rows.cell(k));
+        let three = rows.of(k);
+        [0, 1].map(|q| {
+            let solved = &self.solved_blocks[q][cell * local..(cell + 1) * local];
+            match local {
+                9 => squares_by::<9>(three, solved),
+                16 => squares_by::<16>(three, solved),
+                _ => three.chunks_exact(local).map(|row| dot(row, solved).powi(2)).sum(),
+            }
+        })
+    }
+
     /// Variance of the height at candidate `k`, in units of a height's noise variance.
     pub(super) fn height_variance(&self, rows: &CandidateRows, k: usize) -> f64 {
         let (local, cell) = (rows.local(), rows.cell(k));
@@ -165,6 +180,13 @@ impl Covariance {
         }
         self.cut(local);
     }
+}
+
+/// Sum of the squares of every row's product with `solved`, the length known to the compiler.
+#[inline]
+fn squares_by<const LOCAL: usize>(rows: &[f64], solved: &[f64]) -> f64 {
+    let ((rows, _), (solved, _)) = (rows.as_chunks::<LOCAL>(), solved.as_chunks::<LOCAL>());
+    rows.iter().zip(solved.iter().cycle()).map(|(row, solved)| dot(row, solved).powi(2)).sum()
 }
 
 #[inline]

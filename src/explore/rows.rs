@@ -31,6 +31,8 @@ pub(super) struct CandidateRows {
     rows: Vec<f64>,
     cells: Vec<u32>,
     local: usize,
+    /// Where the basis along x was evaluated last, and its values and derivatives: candidates often share their x.
+    last: Option<(f64, usize, [f64; 2 * WIDTH])>,
 }
 
 impl CandidateRows {
@@ -40,16 +42,26 @@ impl CandidateRows {
         self.local = (knots[0].degree() + 1) * (knots[1].degree() + 1);
         self.rows.clear();
         self.cells.clear();
+        // the knots may be others than those of the last call
+        self.last = None;
         for place in places {
             self.add(surface, knots, sensor, place);
         }
     }
 
     fn add(&mut self, surface: &HeightField, knots: &[Knots; 2], sensor: Sensor, [x, y]: [f64; 2]) {
-        let segments = [knots[0].segment_of(x), knots[1].segment_of(y)];
         let [p, q] = [knots[0].degree(), knots[1].degree()];
-        let (mut along, mut across) = ([0.0; 2 * WIDTH], [0.0; 2 * WIDTH]);
-        knots[0].derivatives_on(segments[0], x, 1, &mut along[..2 * (p + 1)]);
+        let (segment_x, along) = match self.last {
+            Some((at, segment, along)) if at == x => (segment, along),
+            _ => {
+                let (segment, mut along) = (knots[0].segment_of(x), [0.0; 2 * WIDTH]);
+                knots[0].derivatives_on(segment, x, 1, &mut along[..2 * (p + 1)]);
+                self.last = Some((x, segment, along));
+                (segment, along)
+            }
+        };
+        let segments = [segment_x, knots[1].segment_of(y)];
+        let mut across = [0.0; 2 * WIDTH];
         knots[1].derivatives_on(segments[1], y, 1, &mut across[..2 * (q + 1)]);
         let first = [knots[0].first_basis(segments[0]), knots[1].first_basis(segments[1])];
         let start = self.rows.len();

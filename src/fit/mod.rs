@@ -62,6 +62,8 @@ pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
+#[cfg(feature = "cli")]
+pub(crate) use placing::axes::{STEEP, steepness};
 #[doc(hidden)]
 pub use placing::patch::Patch;
 #[doc(hidden)]
@@ -93,6 +95,22 @@ pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, Fi
     options.check()?;
     options.check_height_field()?;
     let (patch, data) = placing::place_contacts(contacts, options)?;
+    let fitted = objective::fit_rows(&patch, &data, options)?;
+    Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
+}
+
+/// The same over these axes (rows x, y, z in the input's frame) instead of those that the options choose.
+///
+/// # Errors
+/// Every [`FitError`].
+pub(crate) fn fit_contacts_over(
+    contacts: &Contacts,
+    axes: [[f64; 3]; 3],
+    options: &FitOptions,
+) -> Result<Fit, FitError> {
+    options.check()?;
+    options.check_height_field()?;
+    let (patch, data) = placing::place_contacts_over(contacts, axes, options)?;
     let fitted = objective::fit_rows(&patch, &data, options)?;
     Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
 }
@@ -259,6 +277,15 @@ impl Fit {
     /// differ from 1 for certain (p < 0.001 by chi-square) and by more than a quarter.
     pub fn declared_sigma_off(&self) -> [Option<f64>; 2] {
         noise::declared::declared_off(&self.solved)
+    }
+
+    /// Probability that touches of a finger share errors, and the correlation of neighbouring ones if they do; `None` where
+    /// contacts do not say which finger made them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn shared_along_fingers(&self) -> Option<[f64; 2]> {
+        let levels = self.solved.levels()?;
+        let probability = levels.probability_shared();
+        (probability > 0.0).then(|| [probability, levels.correlation()])
     }
 
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.

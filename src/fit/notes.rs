@@ -31,6 +31,13 @@ pub enum Note {
         /// lambda.
         lambda: f64,
     },
+    /// Errors in x and y were known, and contacts were moved to where they most likely lie.
+    Located {
+        /// Root mean square of the moves, input units.
+        moved: f64,
+        /// Fits until contacts and weights stood still, or were given up.
+        fits: usize,
+    },
     /// Contacts that lost more than half their weight to the robust loss.
     Outliers {
         /// How many.
@@ -57,11 +64,16 @@ impl std::fmt::Display for Note {
                      contradict; give sigma or weights as numbers"
                 )
             }
-            Note::Rotated => write!(f, "the patch has its own axes, z along the mean normal"),
+            Note::Rotated => write!(f, "the patch has its own axes, with z across it"),
             Note::GaussNewton { steps } => write!(f, "normal rows settled in {steps} Gauss-Newton steps"),
             Note::Unsupported { coefficients } => {
                 write!(f, "{coefficients} coefficients lack data; their part of the surface is masked")
             }
+            Note::Located { moved, fits } => write!(
+                f,
+                "errors in x and y are counted: contacts were moved by {moved:.2e} (root mean square) to where they most \
+                 likely lie ({fits} fits)"
+            ),
             Note::Outliers { sites, steps } => {
                 write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")
             }

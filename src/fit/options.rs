@@ -89,7 +89,8 @@ pub enum Robust {
 pub enum FrameChoice {
     /// Those of the input.
     Keep,
-    /// Those of the input when all nz > 0 or without normals, else from the mean normal and the sweep.
+    /// Those of the input, unless the patch leans by more than 45 degrees there or some nz <= 0: then from the mean normal
+    /// (without normals the direction of least spread) and the sweep.
     Auto,
 }
 
@@ -144,11 +145,15 @@ pub struct FitOptions {
     pub smooth: Smooth,
     /// Loss. Default: squares, so that every contact counts fully.
     pub robust: Robust,
+    /// Known sd of the contacts' errors in x and in y, input units, along the patch's own axes where those are rotated.
+    /// Default 0: contacts lie where they are said to lie.
+    pub sigma_xy: f64,
     /// Points of the shape grid per direction. Default 8 x 8.
     pub grid: [usize; 2],
     /// Fraction of each side cut at every edge of the shape grid, 0 to below 1/2. Default 0.
     pub inset: f64,
-    /// Axes of the patch. Default `None`: as `Auto`, but normals that all point down are refused as inward.
+    /// Axes of the patch. Default `None`: those of the input however steep, or from the mean normal where some nz <= 0;
+    /// normals that all point down are refused as inward.
     pub frame: Option<FrameChoice>,
     /// Confidence level of the intervals. Default 0.95.
     pub level: f64,
@@ -168,6 +173,7 @@ impl Default for FitOptions {
             method: Method::default(),
             smooth: Smooth::default(),
             robust: Robust::default(),
+            sigma_xy: 0.0,
             grid: [8, 8],
             inset: 0.0,
             frame: None,
@@ -274,6 +280,12 @@ impl FitOptions {
         self
     }
 
+    /// With this as the known sd of the contacts' errors in x and in y, input units.
+    pub fn with_sigma_xy(mut self, sigma_xy: f64) -> FitOptions {
+        self.sigma_xy = sigma_xy;
+        self
+    }
+
     /// With this as the fraction of each side cut at every edge of the shape grid.
     pub fn with_inset(mut self, inset: f64) -> FitOptions {
         self.inset = inset;
@@ -303,6 +315,9 @@ impl FitOptions {
         }
         if !(self.level > 0.0 && self.level < 1.0) {
             return fault("level", self.level.to_string(), "a probability between 0 and 1");
+        }
+        if !(self.sigma_xy >= 0.0 && self.sigma_xy.is_finite()) {
+            return fault("sigma_xy", self.sigma_xy.to_string(), "a length, 0 or above");
         }
         match self.objective {
             Objective::Normals(NormalSigma::Known { z, normal_deg }) if !is_positive(z) || !is_positive(normal_deg) => {

@@ -35,6 +35,7 @@ pub(crate) fn richer_reading(fit: &Fit) -> Option<Reading> {
         grid: options.grid.map(|n| n.min(MOST_POINTS)),
         inset: options.inset,
         robust: options.robust,
+        sigma_xy: options.sigma_xy / fit.frame().scale,
         level: options.level,
         frame: Some(FrameChoice::Keep),
         ..FitOptions::default()

@@ -4,12 +4,13 @@ use std::sync::OnceLock;
 
 use ndarray::Array2;
 
+use crate::fit::noise::fingers::Fingers;
 use crate::fit::noise::levels::Levels;
-use crate::fit::noise::sds::NoiseSds;
+use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::data::Data;
 use crate::fit::placing::patch::Patch;
-use crate::fit::{FitError, FitOptions};
+use crate::fit::{FitError, FitOptions, Robust};
 use crate::surface::HeightField;
 
 /// A solved fit before anything is asked of it.
@@ -49,9 +50,24 @@ impl Solved {
         self.noise.get_or_init(|| noise.sds(equations, solution))
     }
 
-    /// What few contacts leave open about the two noise sds; `None` of many contacts, and where [`Levels::new`] says so.
+    /// What few contacts leave open about the two noise sds, and what the touches of a finger share; `None` of many contacts
+    /// with independent errors, and where [`Levels::new`] says so.
     pub(super) fn levels(&self) -> Option<&Levels> {
-        self.levels.get_or_init(|| Levels::new(&self.fitted.equations, &self.fitted.solution)).as_ref()
+        let found = || {
+            let are_known = self.fitted.noise.source() == NoiseSource::Sigma;
+            Levels::new(&self.fitted.equations, &self.fitted.solution, self.fingers(), are_known)
+        };
+        self.levels.get_or_init(found).as_ref()
+    }
+
+    /// The order of touch, where contacts say which finger made them. Under a robust loss the rows left out break it.
+    fn fingers(&self) -> Option<Fingers> {
+        match &self.data {
+            Data::Scattered { contacts, numbers } if self.options.robust == Robust::None => {
+                Fingers::of(contacts, numbers.as_deref())
+            }
+            _ => None,
+        }
     }
 
     /// 1-norm condition estimate of the equilibrated weighted rows; computed on first access.

@@ -119,7 +119,8 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     let both = [0, 1];
     let recognised = crate::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
-        let options = RecognitionOptions { level: options.level, ..RecognitionOptions::default() };
+        let options =
+            RecognitionOptions { level: options.level, sigma_xy: options.sigma_xy, ..RecognitionOptions::default() };
         Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
     });
     let recognised: Vec<Told> = recognised.into_iter().flatten().collect();

@@ -62,6 +62,9 @@ pub(super) fn choose(simulator: &Simulator, options: &FitOptions) -> (Path, Stri
     if options.robust != Robust::None {
         return whole("a robust loss weights every replicate's contacts anew");
     }
+    if options.sigma_xy > 0.0 {
+        return whole("errors in x and y move every replicate's contacts");
+    }
     if options.smooth == Smooth::Auto {
         return whole("the smoothing is found with every fit");
     }

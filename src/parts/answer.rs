@@ -1,13 +1,16 @@
 //! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
 
 use super::cloud::Cloud;
+use super::evidence::Cells;
 use super::exact::{Exact, REJECTED, fitted};
+use super::free_form::free_form;
 use super::joints::joints;
 use super::leftover::label_leftover;
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
-use super::primitive::{PartKind, Primitive};
+use super::primitive::{MOST, PartKind, Primitive};
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
+use super::small::Square;
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::threads;
 use crate::vector::{Vector, along, scaled};
@@ -19,6 +22,7 @@ pub(super) struct Findings<'a> {
     pub(super) noise: Noise,
     pub(super) coarse: Noise,
     pub(super) tolerance: f64,
+    pub(super) cells: &'a Cells,
 }
 
 impl Findings<'_> {
@@ -30,7 +34,7 @@ impl Findings<'_> {
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
-            fitted(cloud, &inner, &partition.parts[part], &self.coarse)
+            fitted(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
         });
         let surface: Vec<Primitive> = partition
             .parts
@@ -77,23 +81,17 @@ impl Findings<'_> {
 
     fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32]) -> Part {
         let cloud = self.cloud;
-        let (mut s_sum, mut r_sum) = (0.0, 0.0);
-        for &i in members {
-            let [k1, k2] = primitive.curvatures(cloud.points[i as usize]);
-            s_sum += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
-            r_sum += curvedness(k1, k2);
-        }
-        let count = members.len() as f64;
-        let mean = (primitive.kind != PartKind::Plane).then_some(s_sum / count);
+        let [s, r] = mean_shape(cloud, primitive, members);
+        let mean = (primitive.kind != PartKind::Plane).then_some(s);
         Part {
             id: 0,
             kind: primitive.kind,
             hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
             geometry: geometry(cloud, primitive),
-            u: exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e)),
+            u: exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members)),
             class: Some(mean.map_or(ShapeClass::Plane, ShapeClass::of_shape_index)),
             shape_index: mean,
-            curvedness: r_sum / count / cloud.scale,
+            curvedness: r / cloud.scale,
             points: members.len(),
             misfit: exact.map_or(0.0, |e| e.noise.distance * cloud.scale),
             rejected: exact.and_then(|e| e.p).map(|p| p < REJECTED),
@@ -102,34 +100,60 @@ impl Findings<'_> {
         }
     }
 
+    /// By a spline of its own where one follows the region, else by the means over its contacts.
     fn patch_part(&self, members: &[u32]) -> Part {
         let cloud = self.cloud;
-        let known: Vec<&LocalShape> = members.iter().map(|&i| &self.shapes[i as usize]).collect();
-        let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
-        let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
-        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
         let middle = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
-        let mut variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
-        variances.sort_by(f64::total_cmp);
+        let point = cloud.outside(scaled(1.0 / members.len() as f64, middle));
+        let found = free_form(cloud, members);
+        let (shape_index, curvedness, misfit) = match &found {
+            Some(f) => (f.shape_index.map(|(mean, _)| mean), f.curvedness.0, f.misfit),
+            None => self.means_over(members),
+        };
+        let u = found.map_or(PartUncertainty::default(), |f| PartUncertainty {
+            shape_index: f.shape_index.and_then(|(_, u)| u),
+            curvedness: f.curvedness.1.map(|u| u / cloud.scale),
+            ..PartUncertainty::default()
+        });
         Part {
             id: 0,
             kind: PartKind::Patch,
             hollow: false,
-            geometry: PartGeometry {
-                point: cloud.outside(scaled(1.0 / members.len() as f64, middle)),
-                ..PartGeometry::default()
-            },
-            u: PartUncertainty::default(),
-            class: mean(&of_s).map(ShapeClass::of_shape_index),
-            shape_index: mean(&of_s),
-            curvedness: mean(&of_r).unwrap_or(0.0) / cloud.scale,
+            geometry: PartGeometry { point, ..PartGeometry::default() },
+            u,
+            class: shape_index.map(ShapeClass::of_shape_index),
+            shape_index,
+            curvedness: curvedness / cloud.scale,
             points: members.len(),
-            misfit: variances[variances.len() / 2].sqrt() * cloud.scale,
+            misfit: misfit * cloud.scale,
             rejected: None,
             p: None,
             departure: 0.0,
         }
     }
+
+    /// S, R and the median misfit as the surfaces through neighbours have them.
+    fn means_over(&self, members: &[u32]) -> (Option<f64>, f64, f64) {
+        let known: Vec<&LocalShape> = members.iter().map(|&i| &self.shapes[i as usize]).collect();
+        let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
+        let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
+        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        let mut variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
+        variances.sort_by(f64::total_cmp);
+        (mean(&of_s), mean(&of_r).unwrap_or(0.0), variances[variances.len() / 2].sqrt())
+    }
+}
+
+/// Mean S and R of a primitive over the places of its contacts, in the cloud's units.
+fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterator<Item = &'a u32>) -> [f64; 2] {
+    let (mut s_sum, mut r_sum, mut count) = (0.0, 0.0, 0.0);
+    for &i in members {
+        let [k1, k2] = primitive.curvatures(cloud.points[i as usize]);
+        s_sum += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
+        r_sum += curvedness(k1, k2);
+        count += 1.0;
+    }
+    [s_sum / count, r_sum / count]
 }
 
 fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {
@@ -165,8 +189,9 @@ fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
     }
 }
 
-fn uncertainty(cloud: &Cloud, exact: &Exact) -> PartUncertainty {
+fn uncertainty(cloud: &Cloud, exact: &Exact, members: &[u32]) -> PartUncertainty {
     let Some(covariance) = exact.descended.covariance() else { return PartUncertainty::default() };
+    let covariance = covariance.map(|row| row.map(|v| v * exact.shared));
     let kind = exact.descended.primitive.kind;
     let free = kind.free();
     let sd = |k: usize| free.contains(&k).then(|| covariance[k][k].max(0.0).sqrt());
@@ -176,11 +201,37 @@ fn uncertainty(cloud: &Cloud, exact: &Exact) -> PartUncertainty {
         let sds: Vec<f64> = of.iter().filter_map(|k| sd(*k)).collect();
         (!sds.is_empty()).then(|| (sds.iter().map(|s| s * s).sum::<f64>() / sds.len() as f64).sqrt())
     };
+    let [of_s, of_r] = of_shape(cloud, &exact.descended.primitive, &covariance, members);
     PartUncertainty {
         point: length(joint(&[0, 1, 2])),
         axis_deg: joint(&[3, 4]).map(f64::to_degrees),
         radius: length(sd(5)),
         minor_radius: if kind == PartKind::Torus { length(sd(6)) } else { None },
         half_angle_deg: if kind == PartKind::Cone { sd(6).map(f64::to_degrees) } else { None },
+        shape_index: (kind == PartKind::Torus).then_some(of_s),
+        curvedness: (kind != PartKind::Plane).then_some(of_r / cloud.scale),
     }
+}
+
+/// Standard uncertainties of mean S and R by the delta method, with differences over a tenth of each unknown's own.
+fn of_shape(cloud: &Cloud, primitive: &Primitive, covariance: &Square<MOST>, members: &[u32]) -> [f64; 2] {
+    /// Contacts over which the means are taken; they hardly change with more.
+    const ENOUGH: usize = 200;
+    let free = primitive.kind.free();
+    let some = || members.iter().step_by(members.len().div_ceil(ENOUGH).max(1));
+    let mut gradients = [[0.0; MOST]; 2];
+    for &k in free {
+        let step = 0.1 * covariance[k][k].max(0.0).sqrt().max(f64::MIN_POSITIVE);
+        let at = |sign: f64| {
+            let mut moved = [0.0; MOST];
+            moved[k] = sign * step;
+            mean_shape(cloud, &primitive.moved(&moved), some())
+        };
+        let (plus, minus) = (at(1.0), at(-1.0));
+        (0..2).for_each(|n| gradients[n][k] = (plus[n] - minus[n]) / (2.0 * step));
+    }
+    gradients.map(|g| {
+        let square = free.iter().flat_map(|&i| free.iter().map(move |&j| g[i] * covariance[i][j] * g[j])).sum::<f64>();
+        square.max(0.0).sqrt()
+    })
 }

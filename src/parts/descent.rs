@@ -87,6 +87,25 @@ fn distance_row(at: &At, q: Vector) -> [f64; MOST] {
     [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1]]
 }
 
+/// How many of the unknowns the distances determine; the normals determine the rest: the trace of the hat matrix over the rows
+/// of distances. `None` where the points leave an unknown open.
+pub(super) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f64> {
+    let covariance = found.covariance()?;
+    let free = found.primitive.kind.free();
+    let mut matrix = [[0.0; MOST]; MOST];
+    for p in sample.points {
+        let q = found.primitive.own(*p);
+        let row = distance_row(&found.primitive.at(q), q);
+        free.iter().for_each(|&i| free.iter().for_each(|&j| matrix[i][j] += row[i] * row[j]));
+    }
+    let trace: f64 = free
+        .iter()
+        .flat_map(|&i| free.iter().map(move |&j| (i, j)))
+        .map(|(i, j)| matrix[i][j] * covariance[j][i])
+        .sum();
+    Some((trace / sample.u_distance.powi(2)).clamp(0.0, free.len() as f64))
+}
+
 /// The sum of squares alone.
 pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
     let one = |(p, n): (&Vector, &Vector)| {

@@ -1,24 +1,33 @@
 //! Whether one primitive does for two, or a simpler kind for a richer one, when neighbours may share errors.
 //!
 //! ```text
-//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > (unknowns 2 - unknowns 1) ln(n_e) / 2
+//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > max(k ln(n_e), chi-square of k at 1 %) / 2
+//!                      k = unknowns 2 - unknowns 1
 //! s, v                 rms of distances and of normals per tangent axis, of the simpler (1) and of the richer (2) description
 //! n_e = n / max over widths of  sum_cells (sum_i d_i)^2 / sum_i d_i^2               d: distances from the simpler
 //! ```
 //!
 //! n_e is the number of independent residuals: n where they have nothing to do with each other, and n over the points of one
-//! patch where a patch errs together. So a dent a hundred times the noise is a part, and the waves of a depth camera are not, however
-//! many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461.
+//! patch where a patch errs together. So a dent a hundred times the noise is a part, and the waves of a depth camera are not,
+//! however many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461. Of few
+//! independent residuals it asks little: of twenty, one more unknown would do by chance in every twelfth case. There the
+//! likelihood ratio's own test at 1 % is asked (S. S. Wilks, *Ann. Math. Statist.* 9 (1938) 60).
 
 use std::collections::HashMap;
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cloud::Cloud;
 use super::local::Noise;
 use super::primitive::Primitive;
+use crate::shape::chi_square_upper_tail;
 use crate::vector::{dot, minus};
 
 /// Widths of cells in spacings; the widest holds some 4000 points of a surface.
 const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
+
+/// How often unknowns that mean nothing may seem to, where the residuals are few.
+const BY_CHANCE: f64 = 0.01;
 
 /// Cells of all widths, one number for each point and width.
 #[derive(Clone, Debug)]
@@ -48,13 +57,46 @@ impl Cells {
         if squares <= 0.0 {
             return count;
         }
-        let shared = self.of.iter().map(|cells| {
-            let mut sums: HashMap<u32, f64> = HashMap::new();
-            residuals.iter().for_each(|(i, d)| *sums.entry(cells[*i as usize]).or_default() += d);
-            sums.values().map(|sum| sum * sum).sum::<f64>() / squares
-        });
+        let shared =
+            self.of.iter().map(|cells| sums_of(cells, residuals).map(|(sum, _)| sum * sum).sum::<f64>() / squares);
         (count / shared.fold(1.0, f64::max)).max(3.0)
     }
+
+    /// Contacts for every independent residual, 1 where nothing says that neighbours share errors: the largest variance of a
+    /// cell's sum over that of independent residuals, of the widths at which chance does not explain it.
+    ///
+    /// ```text
+    /// sum_cells (sum_i d_i)^2 / (n_cell s^2)  ~  chi-square of as many cells
+    /// ```
+    pub(super) fn shared(&self, residuals: &[(u32, f64)]) -> f64 {
+        let squares: f64 = residuals.iter().map(|(_, d)| d * d).sum();
+        let one = squares / residuals.len().max(1) as f64;
+        if one <= 0.0 {
+            return 1.0;
+        }
+        let of_width = |cells: &Vec<u32>| {
+            let (mut statistic, mut factor, mut count) = (0.0, 0.0, 0.0);
+            for (sum, contacts) in sums_of(cells, residuals) {
+                (statistic, factor, count) =
+                    (statistic + sum * sum / (contacts * one), factor + sum * sum / squares, count + 1.0);
+            }
+            let p = chi_square_upper_tail(statistic, count);
+            if p < BY_CHANCE / WIDTHS.len() as f64 { factor } else { 1.0 }
+        };
+        self.of.iter().map(of_width).fold(1.0, f64::max)
+    }
+}
+
+/// Sums of the residuals in every cell that holds any, with how many it holds, in the order of the cells' numbers: sums that are
+/// taken in another order differ in their last bits.
+fn sums_of(cells: &[u32], residuals: &[(u32, f64)]) -> impl Iterator<Item = (f64, f64)> {
+    let most = residuals.iter().map(|(i, _)| cells[*i as usize] as usize + 1).max().unwrap_or(0);
+    let mut sums = vec![(0.0, 0.0); most];
+    for (i, d) in residuals {
+        let (sum, count) = &mut sums[cells[*i as usize] as usize];
+        (*sum, *count) = (*sum + d, *count + 1.0);
+    }
+    sums.into_iter().filter(|(_, count)| *count > 0.0)
 }
 
 /// Residuals of some points under their primitives.
@@ -90,6 +132,8 @@ impl Residuals {
         let (one, two) = (self.spread(pass), richer.spread(pass));
         let independent = cells.independent(&self.distances);
         let gain = (one.distance / two.distance).ln() + 2.0 * (one.normal / two.normal).ln();
-        independent * gain - 0.5 * unknowns as f64 * independent.ln()
+        let unknowns = unknowns as f64;
+        let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
+        independent * gain - 0.5 * (unknowns * independent.ln()).max(by_chance)
     }
 }

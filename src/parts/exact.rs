@@ -1,19 +1,23 @@
 //! Each part fitted to all its inner points, with the noise that they show, uncertainties, and whether the data reject it.
 //!
 //! ```text
-//! u_d^2, u_n^2 = residual sums / (rows - unknowns' share)      covariance = (J' W J)^-1
-//! F = (between / (cells - unknowns)) / (within / (points - cells))
+//! u_d^2 = sum d^2 / (n - t),  u_n^2 = sum |n - n_i|^2 / (2 n - unknowns + t)       t = trace of the distances' hat matrix
+//! covariance = (J' W J)^-1 n / n_e         n_e: independent residuals, n unless neighbours share errors (`evidence.rs`)
+//! F = (between / (cells - t)) / (within / (points - cells))
 //!     between = sum_c n_c mean_c(d)^2,  within = sum_c sum_i (d_i - mean_c)^2          cells of some 12 neighbouring points
 //! ```
 //!
 //! Points of one cell are near-replicates: whatever the true surface is, it hardly varies within a cell, so that the scatter
-//! there is noise and the means beyond noise are lack of fit. N. R. Draper and H. Smith, *Applied Regression Analysis*,
-//! section 2.1.
+//! there is noise and the means beyond noise are lack of fit. A scanner's error that neighbours share is lack of fit, too, and
+//! the parameters are then as uncertain as so few independent residuals leave them. N. R. Draper and H. Smith, *Applied
+//! Regression Analysis*, section 2.1.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::cloud::{Cloud, LINKED};
-use super::descent::Descended;
+use super::descent::{Descended, Sample, share_of_distances};
+use super::evidence::Cells;
+use super::hypothesis::sampled;
 use super::local::{Noise, ROUNDING};
 use super::partition::exact;
 use super::primitive::Primitive;
@@ -35,14 +39,16 @@ pub(super) struct Exact {
     pub(super) p: Option<f64>,
     /// Root mean square of what noise does not explain, along the normal.
     pub(super) departure: f64,
+    /// Contacts for every independent residual.
+    pub(super) shared: f64,
 }
 
 /// Fits until the noise has settled.
-pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise) -> Option<Exact> {
+pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise, cells: &Cells) -> Option<Exact> {
     let mut noise = *coarse;
     let mut descended = exact(cloud, inner, start, &noise)?;
     for _ in 0..4 {
-        let next = noise_of(cloud, inner, &descended);
+        let next = noise_of(cloud, inner, &descended, &noise);
         let settled = (next.distance / noise.distance - 1.0).abs().max((next.normal / noise.normal - 1.0).abs()) < 1e-4;
         noise = next;
         descended = exact(cloud, inner, &descended.primitive, &noise)?;
@@ -50,12 +56,23 @@ pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &N
             break;
         }
     }
-    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive);
-    Some(Exact { descended, noise, p, departure })
+    let share = share(cloud, inner, &descended, &noise);
+    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
+    let distance = |i: u32| descended.primitive.nearest(cloud.points[i as usize]).0;
+    let residuals: Vec<(u32, f64)> = inner.iter().map(|&i| (i, distance(i))).collect();
+    let shared = cells.shared(&residuals);
+    Some(Exact { descended, noise, p, departure, shared })
 }
 
-/// Two variance components; the unknowns are shared out as the rows determine them.
-fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended) -> Noise {
+/// The unknowns that the distances determine.
+fn share(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise) -> f64 {
+    let (points, normals) = sampled(cloud, inner, usize::MAX);
+    let sample = Sample { points: &points, normals: &normals, u_distance: noise.distance, u_normal: noise.normal };
+    share_of_distances(descended, &sample).unwrap_or(descended.primitive.kind.free().len() as f64)
+}
+
+/// Two variance components; the unknowns are shared out as the rows determine them under the noise `before`.
+fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise) -> Noise {
     let primitive = &descended.primitive;
     let (mut distances, mut normals) = (0.0, 0.0);
     for &i in inner {
@@ -66,16 +83,16 @@ fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended) -> Noise {
     }
     let unknowns = primitive.kind.free().len() as f64;
     let count = inner.len() as f64;
-    // one row of distances, two of normals: the third is along the normal itself
-    let share = unknowns / 3.0;
+    let share = share(cloud, inner, descended, before);
+    // a normal has two rows: the third is along the normal itself
     Noise {
         distance: (distances / (count - share).max(1.0)).sqrt().max(ROUNDING),
-        normal: (normals / (2.0 * count - 2.0 * share).max(1.0)).sqrt().max(ROUNDING),
+        normal: (normals / (2.0 * count - unknowns + share).max(1.0)).sqrt().max(ROUNDING),
     }
 }
 
 /// The probability of F, and the departure.
-fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> (Option<f64>, f64) {
+fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive, share: f64) -> (Option<f64>, f64) {
     let distance = |i: u32| primitive.nearest(cloud.points[i as usize]).0;
     let (mut between, mut within, mut cells, mut points) = (0.0, 0.0, 0.0, 0.0);
     for cell in cells_of(cloud, inner) {
@@ -87,8 +104,7 @@ fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> (Option<f
         cells += 1.0;
         points += count;
     }
-    let unknowns = primitive.kind.free().len() as f64;
-    let (upper, lower) = (cells - unknowns, points - cells);
+    let (upper, lower) = (cells - share, points - cells);
     if upper < 3.0 || lower < 3.0 {
         return (None, 0.0);
     }

@@ -126,15 +126,17 @@ pub(super) fn jet(touched: &Touched, i: usize, law: &Law) -> Option<Jet> {
     let sums = Sums::of(&near);
     let unit = [1.0, length, length * length, length.powi(3)];
     let prior = |bend: &[f64; 2]| [bend[0] * unit[2] * unit[2], bend[1] * unit[3] * unit[3]];
-    let start = Solved::of(&sums, &prior(&law.bend), &[0.0; 5])?;
-    let first = Solved::of(&sums, &prior(&law.bend), &start.evenly_bent())?;
-    let moments = first.moments(&start.evenly_bent());
+    // the same matrix serves both: only the mean of the fourth derivatives is another
+    let lower = factor(&sums, &prior(&law.bend))?;
+    let start = evenly_bent(&solve(&lower, right_side(&sums, &prior(&law.bend), &[0.0; 5])));
+    let first = Solved { c: solve(&lower, right_side(&sums, &prior(&law.bend), &start)), covariance: inverse(&lower) };
+    let moments = first.moments(&start);
     let own: [f64; 2] = std::array::from_fn(|k| {
         let whole = law.bend[k] * unit[k + 2] * unit[k + 2];
         let count = 4.0 + k as f64;
         (BELIEF * whole + count * moments[k]) / (BELIEF + count)
     });
-    let last = Solved::of(&sums, &own, &first.evenly_bent())?;
+    let last = Solved::of(&sums, &own, &evenly_bent(&first.c))?;
     let (variance, freedom) = last.misfit(&near, &sums, &law.noise);
     let bend = std::array::from_fn(|k| moments[k] / (unit[k + 2] * unit[k + 2]));
     Some(last.jet(axes, length, bend, (variance, freedom)))
@@ -227,30 +229,49 @@ struct Solved {
     covariance: Square<UNKNOWNS>,
 }
 
+/// Inverses of the prior's mean squares of third and fourth derivatives, over h.
+fn precision(prior: &[f64; 2]) -> [f64; 2] {
+    prior.map(|p| 1.0 / p.max(f64::MIN_POSITIVE))
+}
+
+/// Cholesky factor of the normal matrix with the prior.
+fn factor(sums: &Sums, prior: &[f64; 2]) -> Option<Square<UNKNOWNS>> {
+    let mut matrix = sums.height;
+    for (row, slopes) in matrix.iter_mut().zip(&sums.slope) {
+        row.iter_mut().zip(slopes).for_each(|(a, b)| *a += b);
+    }
+    let [third, fourth] = precision(prior);
+    for i in 0..4 {
+        (0..4).for_each(|j| matrix[6 + i][6 + j] += third * THIRD[i][j]);
+    }
+    for i in 0..5 {
+        (0..5).for_each(|j| matrix[10 + i][10 + j] += fourth * FOURTH[i][j]);
+    }
+    cholesky(&matrix)
+}
+
+/// Right side where the fourth derivatives have this mean.
+fn right_side(sums: &Sums, prior: &[f64; 2], mean: &[f64; 5]) -> [f64; UNKNOWNS] {
+    let mut right = sums.right;
+    let [_, fourth] = precision(prior);
+    for i in 0..5 {
+        right[10 + i] += fourth * (0..5).map(|j| FOURTH[i][j] * mean[j]).sum::<f64>();
+    }
+    right
+}
+
+/// Fourth derivatives of a surface of constant curvatures with the second ones of `c`: `3 Sym(H^2 H)`.
+fn evenly_bent(c: &[f64; UNKNOWNS]) -> [f64; 5] {
+    let [a, b, d] = [c[3], c[4], c[5]];
+    let [g, e, f] = [a * a + b * b, b * (a + d), b * b + d * d];
+    [3.0 * g * a, 1.5 * (g * b + e * a), 0.5 * (g * d + f * a + 4.0 * e * b), 1.5 * (f * b + e * d), 3.0 * f * d]
+}
+
 impl Solved {
     /// `prior`: mean squares of third and fourth derivatives, over h; `mean`: of the fourth.
     fn of(sums: &Sums, prior: &[f64; 2], mean: &[f64; 5]) -> Option<Solved> {
-        let (mut matrix, mut right) = (sums.height, sums.right);
-        for (i, row) in matrix.iter_mut().enumerate() {
-            row.iter_mut().zip(&sums.slope[i]).for_each(|(a, b)| *a += b);
-        }
-        let [third, fourth] = prior.map(|p| 1.0 / p.max(f64::MIN_POSITIVE));
-        for i in 0..4 {
-            (0..4).for_each(|j| matrix[6 + i][6 + j] += third * THIRD[i][j]);
-        }
-        for i in 0..5 {
-            (0..5).for_each(|j| matrix[10 + i][10 + j] += fourth * FOURTH[i][j]);
-            right[10 + i] += fourth * (0..5).map(|j| FOURTH[i][j] * mean[j]).sum::<f64>();
-        }
-        let lower = cholesky(&matrix)?;
-        Some(Solved { c: solve(&lower, right), covariance: inverse(&lower) })
-    }
-
-    /// Fourth derivatives of a surface of constant curvatures with these second ones: `3 Sym(H^2 H)`.
-    fn evenly_bent(&self) -> [f64; 5] {
-        let [a, b, d] = [self.c[3], self.c[4], self.c[5]];
-        let [g, e, f] = [a * a + b * b, b * (a + d), b * b + d * d];
-        [3.0 * g * a, 1.5 * (g * b + e * a), 0.5 * (g * d + f * a + 4.0 * e * b), 1.5 * (f * b + e * d), 3.0 * f * d]
+        let lower = factor(sums, prior)?;
+        Some(Solved { c: solve(&lower, right_side(sums, prior, mean)), covariance: inverse(&lower) })
     }
 
     /// Mean squares of third derivatives, and of fourth about `mean`, by their prior's measure.
@@ -267,20 +288,31 @@ impl Solved {
         [third / 4.0, fourth / 5.0]
     }
 
+    /// Coefficients of `x^a y^b` in the height and in the two slopes.
+    fn polynomials(&self) -> [[[f64; 5]; 5]; 3] {
+        let mut all = [[[0.0; 5]; 5]; 3];
+        for (c, [a, b]) in self.c.iter().zip(POWERS) {
+            all[0][a][b] = c / (FACTORIAL[a] * FACTORIAL[b]);
+            if a > 0 {
+                all[1][a - 1][b] = c / (FACTORIAL[a - 1] * FACTORIAL[b]);
+            }
+            if b > 0 {
+                all[2][a][b - 1] = c / (FACTORIAL[a] * FACTORIAL[b - 1]);
+            }
+        }
+        all
+    }
+
     /// Residual sums over their degrees of freedom, in the cloud's units, and these degrees.
     fn misfit(&self, near: &[Near], sums: &Sums, noise: &Noise) -> ([f64; 2], [f64; 2]) {
         let (mut squares, mut freedom) = ([0.0; 2], [0.0; 2]);
+        let surfaces = self.polynomials();
         for one in near {
-            let mut left = one.seen;
-            for (c, [a, b]) in self.c.iter().zip(POWERS) {
-                left[0] -= c * one.x[a] * one.y[b] / (FACTORIAL[a] * FACTORIAL[b]);
-                if a > 0 {
-                    left[1] -= c * one.x[a - 1] * one.y[b] / (FACTORIAL[a - 1] * FACTORIAL[b]);
-                }
-                if b > 0 {
-                    left[2] -= c * one.x[a] * one.y[b - 1] / (FACTORIAL[a] * FACTORIAL[b - 1]);
-                }
-            }
+            let left: [f64; 3] = std::array::from_fn(|k| {
+                let at: f64 =
+                    (0..5).map(|a| one.x[a] * (0..5).map(|b| surfaces[k][a][b] * one.y[b]).sum::<f64>()).sum();
+                one.seen[k] - at
+            });
             squares[0] += one.weight[0] * left[0] * left[0];
             squares[1] += one.weight[1] * (left[1] * left[1] + left[2] * left[2]);
             freedom[0] += one.share;

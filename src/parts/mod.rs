@@ -32,6 +32,7 @@ mod descent;
 mod error;
 mod evidence;
 mod exact;
+mod free_form;
 mod hypothesis;
 mod jet;
 mod joints;
@@ -46,6 +47,7 @@ mod result;
 mod sides;
 mod small;
 mod start;
+mod waves;
 mod wide_noise;
 
 #[cfg(feature = "cli")]
@@ -108,8 +110,12 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    let partition = partition(&field);
-    Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance }.parts(partition, notes))
+    let mut partition = partition(&field);
+    if waves::absorb(&mut partition, &field) {
+        partition.refit(&field);
+    }
+    let cells = &field.cells;
+    Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(partition, notes))
 }
 
 /// Unit normals on one side, from the file or from the positions.

@@ -149,7 +149,7 @@ impl Partition {
     }
 
     /// Fits every part to its inner points, its kind chosen anew.
-    fn refit(&mut self, field: &Field) {
+    pub(super) fn refit(&mut self, field: &Field) {
         let members = self.members();
         let fitted = threads::map(self.parts.len(), 1, |part| {
             let inner = self.inner(field.cloud, &members[part]);
@@ -217,7 +217,7 @@ impl Partition {
     }
 
     /// Only the parts for which `keeps` holds, numbered anew.
-    fn keep(&mut self, keeps: impl Fn(usize) -> bool) {
+    pub(super) fn keep(&mut self, keeps: impl Fn(usize) -> bool) {
         let mut number = vec![NONE; self.parts.len()];
         let mut kept = Vec::new();
         for (part, primitive) in self.parts.iter().enumerate() {

@@ -37,6 +37,12 @@ pub struct PartUncertainty {
     pub minor_radius: Option<f64>,
     /// Of the half angle, degrees.
     pub half_angle_deg: Option<f64>,
+    /// Of the mean S, where the kind leaves it open: torus and patch.
+    #[cfg_attr(feature = "serde", serde(rename = "S"))]
+    pub shape_index: Option<f64>,
+    /// Of the mean R.
+    #[cfg_attr(feature = "serde", serde(rename = "R"))]
+    pub curvedness: Option<f64>,
 }
 
 /// One part of a body.
@@ -60,7 +66,8 @@ pub struct Part {
     pub curvedness: f64,
     /// Contacts.
     pub points: usize,
-    /// Root mean square distance of the inner contacts from the primitive; of a patch, from the surfaces through neighbours.
+    /// Root mean square distance of the inner contacts from the primitive; of a patch, from its spline, or from the surfaces
+    /// through neighbours where none follows it.
     pub misfit: f64,
     /// Whether the data reject the primitive at 1 %; `None` for patches and where contacts are too few to tell.
     pub rejected: Option<bool>,

@@ -43,14 +43,30 @@ pub(super) fn solve<const N: usize>(lower: &Square<N>, mut b: [f64; N]) -> [f64;
     b
 }
 
-/// The inverse of `L L'`.
+/// The inverse of `L L'`: that of L first, then `(L^-1)' L^-1`.
 pub(super) fn inverse<const N: usize>(lower: &Square<N>) -> Square<N> {
+    // row i of L^-1 holds its columns 0 to i
+    let mut upper = [[0.0; N]; N];
+    for i in 0..N {
+        let over = 1.0 / lower[i][i];
+        let mut row = [0.0; N];
+        for k in 0..i {
+            let factor = lower[i][k];
+            (0..=k).for_each(|j| row[j] -= factor * upper[k][j]);
+        }
+        (0..i).for_each(|j| row[j] *= over);
+        row[i] = over;
+        upper[i] = row;
+    }
     let mut inverse = [[0.0; N]; N];
-    for j in 0..N {
-        let mut unit = [0.0; N];
-        unit[j] = 1.0;
-        let column = solve(lower, unit);
-        (0..N).for_each(|i| inverse[i][j] = column[i]);
+    for row in &upper {
+        for i in 0..N {
+            let factor = row[i];
+            (0..=i).for_each(|j| inverse[i][j] += factor * row[j]);
+        }
+    }
+    for i in 0..N {
+        (0..i).for_each(|j| inverse[j][i] = inverse[i][j]);
     }
     inverse
 }

@@ -72,6 +72,7 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
         level: fit.options().level,
         grid: [2, 2],
         up: Some([0.0, 0.0, 1.0]),
+        sigma_xy: fit.options().sigma_xy / fit.frame().scale,
         ..RecognitionOptions::default()
     };
     let found = Recognition::over(&contacts, &places, &options)?;

@@ -29,6 +29,9 @@ pub(super) fn check_options(options: &RecognitionOptions) -> Result<(), Recognit
     if options.grid.iter().any(|n| *n < 2) || options.grid.iter().product::<usize>() > 1 << 24 {
         return wrong("grid", format!("{:?}", options.grid), "a map has at least 2 points each way and 2^24 in all");
     }
+    if !(options.sigma_xy >= 0.0 && options.sigma_xy.is_finite()) {
+        return wrong("sigma_xy", options.sigma_xy.to_string(), "a length is 0 or above");
+    }
     for (option, direction) in [("up", options.up), ("viewpoint", options.viewpoint)] {
         if let Some(v) = direction
             && (v.iter().any(|x| !x.is_finite()) || (option == "up" && v == [0.0; 3]))

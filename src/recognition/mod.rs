@@ -38,9 +38,9 @@ mod displacement;
 mod error;
 mod estimated_normals;
 mod evidence;
-#[cfg(feature = "cli")]
 mod flexible;
 mod frame;
+mod in_place;
 mod input;
 mod linearised;
 mod misfit;
@@ -52,6 +52,7 @@ mod normal_noise;
 mod options;
 mod orientation;
 mod over_plane;
+mod own_axes;
 mod paraboloid;
 mod patch;
 #[cfg(feature = "cli")]
@@ -77,16 +78,16 @@ mod weights;
 pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
-// only the program asks for a fit where nothing is recognised
-#[cfg(feature = "cli")]
-pub(crate) use flexible::Flexible;
+// free-form parts are described by the same field as contacts that no simple shape explains
+pub(crate) use flexible::{Flexible, flexible};
 pub use options::RecognitionOptions;
+pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
 pub(crate) use result::Dropped;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
-pub(crate) use shown::{Shown, shown};
+pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
 pub(crate) use surface::RecognisedSurface;
 
@@ -138,7 +139,7 @@ fn recognise_given(
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
     let patch = Patch::new(given, options)?;
-    let cells = patch.cells();
+    let cells = in_place::weighed(patch.cells(), &patch, options.sigma_xy);
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
     let distances = noise::distances_between(&cells);

@@ -27,6 +27,67 @@ pub(crate) struct Neighbours<'a> {
 /// A neighbour: squared distance and number.
 type Near = (f64, u32);
 
+/// Up to so many neighbours are kept in order while they are found; of more, moving the rest at every find costs more than
+/// picking the nearest from a buffer now and then.
+const FEW: usize = 32;
+
+/// The nearest points that were met.
+struct Found {
+    k: usize,
+    /// The nearest `k` in order where they are few, else these and what came since they were picked.
+    near: Vec<Near>,
+    /// Length at which the nearest are picked again.
+    full: usize,
+    /// The farthest of `k` neighbours, where so many are known.
+    bound: Option<Near>,
+}
+
+impl Found {
+    fn new(k: usize) -> Found {
+        let room = if k <= FEW { k + 1 } else { k + k / 2 };
+        Found { k, near: Vec::with_capacity(room), full: k, bound: None }
+    }
+
+    fn keep(&mut self, new: Near) {
+        if self.bound.is_some_and(|bound| new >= bound) {
+            return;
+        }
+        if self.k > FEW {
+            self.near.push(new);
+            if self.near.len() >= self.full {
+                self.pick();
+            }
+            return;
+        }
+        let at = self.near.partition_point(|old| *old < new);
+        self.near.insert(at, new);
+        self.near.truncate(self.k);
+        self.bound = if self.near.len() == self.k { self.near.last().copied() } else { None };
+    }
+
+    /// Leaves the nearest `k` in the buffer.
+    fn pick(&mut self) {
+        let (_, farthest, _) = self.near.select_nth_unstable_by(self.k - 1, in_order);
+        self.bound = Some(*farthest);
+        self.near.truncate(self.k);
+        self.full = self.k + self.k / 2;
+    }
+
+    fn sorted(mut self) -> Vec<Near> {
+        if self.k > FEW {
+            if self.near.len() > self.k {
+                self.pick();
+            }
+            self.near.sort_unstable_by(in_order);
+        }
+        self.near
+    }
+}
+
+fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}
+
 impl<'a> Neighbours<'a> {
     pub(crate) fn new(points: &'a [Vector]) -> Neighbours<'a> {
         let mut items: Vec<(Vector, u32)> = points.iter().copied().zip(0..).collect();
@@ -51,9 +112,12 @@ impl<'a> Neighbours<'a> {
 
     /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
     pub(crate) fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
-        let mut found = Vec::with_capacity(k + 1);
-        self.visit(place, k, 0, 0, self.order.len(), &mut found);
-        found
+        if k == 0 {
+            return Vec::new();
+        }
+        let mut found = Found::new(k);
+        self.visit(place, 0, 0, self.order.len(), &mut found);
+        found.sorted()
     }
 
     /// Distance from point `number` to the nearest other point, and that point.
@@ -62,11 +126,11 @@ impl<'a> Neighbours<'a> {
         found.iter().find(|(_, other)| *other as usize != number).map(|(d, other)| (d.sqrt(), *other as usize))
     }
 
-    fn visit(&self, place: Vector, k: usize, node: usize, lo: usize, hi: usize, found: &mut Vec<Near>) {
+    fn visit(&self, place: Vector, node: usize, lo: usize, hi: usize, found: &mut Found) {
         if node >= self.cuts.len() {
             for &number in &self.order[lo..hi] {
                 let offset = minus(self.points[number as usize], place);
-                keep(found, k, (dot(offset, offset), number));
+                found.keep((dot(offset, offset), number));
             }
             return;
         }
@@ -75,20 +139,11 @@ impl<'a> Neighbours<'a> {
         let beyond = place[usize::from(axis)] - at;
         let halves = [(2 * node + 1, lo, middle), (2 * node + 2, middle, hi)];
         let (near, far) = if beyond <= 0.0 { (halves[0], halves[1]) } else { (halves[1], halves[0]) };
-        self.visit(place, k, near.0, near.1, near.2, found);
-        if found.len() < k || found.last().is_none_or(|last| beyond * beyond <= last.0) {
-            self.visit(place, k, far.0, far.1, far.2, found);
+        self.visit(place, near.0, near.1, near.2, found);
+        if found.bound.is_none_or(|bound| beyond * beyond <= bound.0) {
+            self.visit(place, far.0, far.1, far.2, found);
         }
     }
-}
-
-fn keep(found: &mut Vec<Near>, k: usize, new: Near) {
-    if found.len() == k && found.last().is_some_and(|last| new >= *last) {
-        return;
-    }
-    let at = found.partition_point(|old| *old < new);
-    found.insert(at, new);
-    found.truncate(k);
 }
 
 /// Points move with their numbers, so that no level jumps through memory.
@@ -129,8 +184,9 @@ mod tests {
                     .map(|i| (dot(minus(points[i as usize], *place), minus(points[i as usize], *place)), i))
                     .collect();
                 all.sort_by(|a, b| a.partial_cmp(b).unwrap());
-                all.truncate(9);
-                assert_eq!(tree.nearest(*place, 9), all);
+                for k in [1, 9, FEW, FEW + 1, 60, 300] {
+                    assert_eq!(tree.nearest(*place, k), all[..k.min(count)]);
+                }
             }
         }
     }

@@ -16,11 +16,21 @@ pub struct RecognitionOptions {
     pub viewpoint: Option<[f64; 3]>,
     /// Direction of the free side, for contacts without normals. Input axes.
     pub up: Option<[f64; 3]>,
+    /// Known sd of the contacts' errors in x and in y, input units and axes; 0 where they err alike in all directions.
+    pub sigma_xy: f64,
 }
 
 impl Default for RecognitionOptions {
     fn default() -> RecognitionOptions {
-        RecognitionOptions { level: 0.95, grid: [8, 8], seed: 1, use_normals: true, viewpoint: None, up: None }
+        RecognitionOptions {
+            level: 0.95,
+            grid: [8, 8],
+            seed: 1,
+            use_normals: true,
+            viewpoint: None,
+            up: None,
+            sigma_xy: 0.0,
+        }
     }
 }
 
@@ -53,5 +63,10 @@ impl RecognitionOptions {
     /// The same options with the direction of the free side.
     pub fn with_up(self, up: [f64; 3]) -> RecognitionOptions {
         RecognitionOptions { up: Some(up), ..self }
+    }
+
+    /// The same options with a known sd of the errors in x and in y, input units.
+    pub fn with_sigma_xy(self, sigma_xy: f64) -> RecognitionOptions {
+        RecognitionOptions { sigma_xy, ..self }
     }
 }

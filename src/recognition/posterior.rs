@@ -257,8 +257,8 @@ pub(super) fn summary(
         curvedness: estimate(|f| f.r, 1, false)?,
         k1: mean_of(0),
         k2: mean_of(1),
-        // where the contacts cannot tell shape from the sensor's error, the class is as doubtful as the interval
-        classes: classes(&found, usize::from(weights.displacement_is_error())),
+        // the class is as doubtful as the interval: a ball that needs large shared errors may be a bump
+        classes: classes(&found),
         u: pointwise(&found, points.map.len()),
     })
 }
@@ -306,8 +306,10 @@ fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: bo
     Some([at(0.5 * (1.0 - level))?, at(0.5 * (1.0 + level))?])
 }
 
-/// Shares of the classes under one of the two sets of weights.
-fn classes(found: &[Drawn], set: usize) -> Vec<(ShapeClass, f64)> {
+/// Shares of the classes under the interval's weights.
+fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
+    /// Number of the interval's weights.
+    const OF_INTERVAL: usize = 1;
     let mut out: Vec<(ShapeClass, f64)> =
         ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, 0.0)).collect();
     let mut add = |class: ShapeClass, share: f64| {
@@ -315,10 +317,10 @@ fn classes(found: &[Drawn], set: usize) -> Vec<(ShapeClass, f64)> {
     };
     for drawn in found {
         if drawn.kind == Kind::Plane {
-            add(ShapeClass::Plane, drawn.weights[set]);
+            add(ShapeClass::Plane, drawn.weights[OF_INTERVAL]);
             continue;
         }
-        let share = drawn.weights[set] / drawn.draws.len().max(1) as f64;
+        let share = drawn.weights[OF_INTERVAL] / drawn.draws.len().max(1) as f64;
         drawn.draws.iter().for_each(|field| add(ShapeClass::of_shape_index(field.s), share));
     }
     let sum: f64 = out.iter().map(|c| c.1).sum();

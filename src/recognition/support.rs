@@ -75,7 +75,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Convex hull, to the left around (A. M. Andrew, 1979).
-fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub(super) fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = near_the_outline(points);
     sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();

@@ -228,6 +228,7 @@ fn fit_part(fit: &Fit, surface: &HeightField, subject: &Subject) -> FitPart {
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
             .chain(if subject.bare { Vec::new() } else { declared_sigma(fit) })
+            .chain((!subject.bare).then(|| along_fingers(fit)).flatten())
             .chain(about_intervals.iter().cloned())
             .collect(),
         technical_notes: fit
@@ -258,6 +259,19 @@ fn declared_sigma(fit: &Fit) -> Vec<String> {
     let [heights, normals] = fit.declared_sigma_off();
     let both = [("the heights", heights), ("the normals", normals)];
     both.into_iter().filter_map(|(what, factor)| Some(words(what, factor?))).collect()
+}
+
+/// A finger's touches are said to share errors above this probability.
+const LIKELY: f64 = 0.9;
+
+/// Errors that the touches of a finger share, in words.
+fn along_fingers(fit: &Fit) -> Option<String> {
+    let [_, correlation] = fit.shared_along_fingers().filter(|[probability, _]| *probability > LIKELY)?;
+    Some(format!(
+        "neighbouring touches of a finger share errors (correlation {}): they count as fewer, in the noise part of the \
+         intervals",
+        significant(correlation, 1)
+    ))
 }
 
 /// The shape, without its uncertainties where they were declined.

@@ -279,7 +279,11 @@ fn size_words(part: &PartPart) -> String {
     {
         return format!("normal ({x:.3}, {y:.3}, {z:.3})");
     }
-    if words.is_empty() { format!("R {}", significant(part.curvedness, 3)) } else { words.join(", ") }
+    if !words.is_empty() {
+        return words.join(", ");
+    }
+    let of_shape = [with("S", part.shape_index, u.shape_index), with("R", Some(part.curvedness), u.curvedness)];
+    of_shape.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn fit_words(part: &PartPart) -> String {
@@ -333,7 +337,15 @@ pub(super) fn parts_samples() -> [PartsDocument; 2] {
                 half_angle_deg: half,
                 apex: Some([0.5; 3]),
             },
-            u: PartUncertainty { point: half, axis_deg: half, radius: half, minor_radius: half, half_angle_deg: half },
+            u: PartUncertainty {
+                point: half,
+                axis_deg: half,
+                radius: half,
+                minor_radius: half,
+                half_angle_deg: half,
+                shape_index: half,
+                curvedness: half,
+            },
             class: Some("ridge".into()),
             shape_index: half,
             curvedness: 0.5,

@@ -20,4 +20,5 @@ mod report_page;
 mod scene_file;
 mod schema;
 mod several;
+mod unplaced;
 mod words;

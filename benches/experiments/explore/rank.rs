@@ -9,6 +9,9 @@ use palpate::{Contacts, FitOptions, fit_contacts};
 
 use crate::objects::{HALF, object};
 
+/// Rankings that are timed together: the system counts a thread's time in steps of some milliseconds.
+const RANKINGS: usize = 400;
+
 /// Refits that are timed; all 10,000 would take their multiple.
 const REFITS: usize = 200;
 
@@ -28,11 +31,6 @@ fn spent() -> f64 {
     nanoseconds.expect("Linux tells the time on a processor in /proc/thread-self/schedstat") * 1e-6
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_unstable_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
 pub(crate) fn print() {
     println!(
         "\n10,000 candidates ranked by the fall of u(S), u(R); refits with each ({REFITS} timed); processor time of one thread"
@@ -47,12 +45,12 @@ pub(crate) fn print() {
     for (degree, segments) in [(2, 1), (3, 1), (3, 2)] {
         let fit = fitted(&contacts, degree, segments);
         let mut planner = TouchPlanner::new(&fit).expect("a planner");
-        let times = (0..31).map(|_| {
-            let before = spent();
+        black_box(planner.next_touches(&candidates, 1).expect("a choice"));
+        let before = spent();
+        for _ in 0..RANKINGS {
             black_box(planner.next_touches(&candidates, 1).expect("a choice"));
-            spent() - before
-        });
-        let ranked = median(times.collect());
+        }
+        let ranked = (spent() - before) / RANKINGS as f64;
         let best = planner.next_touches(&candidates, 1).expect("a choice")[0];
         let surface = fit.input_surface().expect("a surface");
         let clock = spent();

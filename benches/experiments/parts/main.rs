@@ -17,6 +17,7 @@ const UNSEEN: u64 = 1_000_001;
 /// Counts over the seeds of one family.
 #[derive(Default)]
 struct Tally {
+    family: &'static str,
     bodies: usize,
     kinds_right: usize,
     joints_right: usize,
@@ -51,7 +52,7 @@ fn main() {
         "rejected"
     );
     for family in FAMILIES {
-        let mut tally = Tally::default();
+        let mut tally = Tally { family, ..Tally::default() };
         for seed in first..first + seeds {
             one(&bodies::draw(family, seed), &mut tally, &mut confusion, seed);
         }
@@ -79,7 +80,12 @@ fn one(drawn: &Drawn, tally: &mut Tally, confusion: &mut BTreeMap<(&'static str,
     let is_right = |face: &usize| {
         agreement.part_of_face[*face].is_some_and(|part| found.parts[part].kind == drawn.faces[*face].kind)
     };
-    tally.kinds_right += usize::from(seen.iter().all(is_right) && seen.len() == found.parts.len());
+    let right = seen.iter().all(is_right) && seen.len() == found.parts.len();
+    tally.kinds_right += usize::from(right);
+    if !right {
+        let kinds: Vec<String> = found.parts.iter().map(|p| format!("{} of {}", p.kind.name(), p.points)).collect();
+        eprintln!("{}, seed {seed}: {} faces are {}", tally.family, seen.len(), kinds.join(", "));
+    }
     for (face, part) in agreement.part_of_face.iter().enumerate().filter_map(|(face, part)| Some((face, (*part)?))) {
         let part = &found.parts[part];
         if part.kind != drawn.faces[face].kind {

@@ -252,6 +252,7 @@ def fit(
     smooth: str | float | None = None,
     robust: str | None = None,
     grid: Pair | None = None,
+    sigma_xy: float | None = None,
     inset: float | None = None,
     frame: str | None = None,
     level: float | None = None,
@@ -269,7 +270,7 @@ def fit(
 
     Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
     segments, knots, domain, weights, sigma, method, smooth, robust, inset and frame="keep" names a model and gives
-    exactly that fit. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
+    exactly that fit. sigma_xy declares the sd of errors in x and in y, and names nothing. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
     every length of the printed table and of the document; nothing is converted.
 
     Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the
@@ -289,6 +290,7 @@ def fit(
     words = {
         "surface": surface, "closed": closed, "degree": degree, "segments": segments, "knots": knots, "domain": domain,
         "weights": weights, "sigma": sigma, "method": method, "smooth": smooth, "robust": robust, "grid": grid,
+        "sigma_xy": sigma_xy,
         "inset": inset, "frame": frame, "level": level, "viewpoint": viewpoint, "bare": bare or None,
     }  # fmt: skip
     unit = None if unit is None else _native.unit_name(unit)

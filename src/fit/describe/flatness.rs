@@ -7,7 +7,9 @@
 
 use crate::fit::Robust;
 use crate::fit::describe::plane::{PlaneBlocks, PlaneFit, plane_rows};
+use crate::fit::describe::robust_plane::score_probability;
 use crate::fit::linear::equations::Equations;
+use crate::fit::noise::levels::Way;
 use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSource};
 use crate::fit::solved::Solved;
 use crate::linalg::{RowWeights, SiteWeights, Sites, apply_rows};
@@ -19,6 +21,9 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 /// A p-value under preset weights that no other weights bring near a decision; such a test is not repeated over the noise
 /// sds.
 const DECIDED: f64 = 1e-40;
+
+/// A p-value under a robust loss below which the plane is not asked itself.
+const CERTAIN: f64 = 1e-9;
 
 /// p-value of the best plane against the fit; `None` where the fit has no more freedom than a plane, or no noise estimate.
 pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
@@ -37,7 +42,7 @@ pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
     }
     let rise = (plane.squares - of_fit).max(0.0);
     Some(match fitted.noise.source() {
-        NoiseSource::Sigma => chi_square_upper_tail(rise, freedom),
+        NoiseSource::Sigma => under_known_noise(solved, &plane, rise, freedom),
         NoiseSource::Weights(_) | NoiseSource::Estimated => {
             let efficiency = fitted.noise.efficiency();
             let robust = if solved.options.robust == Robust::None { 1.0 } else { MEDIAN_EFFICIENCY };
@@ -45,22 +50,51 @@ pub(super) fn plane_probability(solved: &Solved) -> Option<f64> {
             if p < DECIDED && fitted.noise.is_preset() {
                 p
             } else {
-                over_levels(solved, &plane, freedom, efficiency, robust).unwrap_or(p)
+                let p = over_levels(solved, &plane, freedom, efficiency, robust).unwrap_or(p);
+                // what contradicts a plane for certain needs no second opinion, which a surface of mostly flat ground misleads
+                if p < CERTAIN {
+                    p
+                } else {
+                    score_probability(solved, || places(equations)).map_or(p, |score| score.max(p))
+                }
             }
         }
     })
 }
 
-/// The same p-value over all ratios of the noise sds that few contacts leave open. Weights are no statement about noise,
-/// so the test does not rest on them.
+/// By chi-square, also over what the touches of a finger may share.
+fn under_known_noise(solved: &Solved, plane: &PlaneFit, rise: f64, freedom: f64) -> f64 {
+    let apart = chi_square_upper_tail(rise, freedom);
+    let Some(levels) = solved.levels() else { return apart };
+    let of_shared = levels.mean(|way| match way.shared {
+        Some(_) => Some(chi_square_upper_tail(rise_of(&solved.fitted.equations, plane, way)?, freedom)),
+        None => Some(0.0),
+    });
+    of_shared.map_or(apart, |of_shared| (1.0 - levels.probability_shared()) * apart + of_shared)
+}
+
+/// The same p-value over all ratios of the noise sds that few contacts leave open, and over what the touches of a finger may
+/// share. Weights are no statement about noise, so the test does not rest on them.
 fn over_levels(solved: &Solved, plane: &PlaneFit, freedom: f64, efficiency: f64, robust: f64) -> Option<f64> {
     let levels = solved.levels()?;
-    let blocks = PlaneBlocks::new(&solved.fitted.equations, plane);
-    levels.mean(|factors, rss| {
-        let rise = (blocks.left(factors)? - rss).max(0.0);
-        let ratio = (rise / freedom) / (rss / levels.freedom) * efficiency;
+    let mut last: Option<([f64; 2], PlaneBlocks)> = None;
+    levels.mean(|way| {
+        let correlations = way.shared.map_or([0.0; 2], |(_, correlations)| correlations);
+        let blocks = match last.filter(|(of, _)| *of == correlations) {
+            Some((_, blocks)) => blocks,
+            None => PlaneBlocks::new(&solved.fitted.equations, plane, way.shared),
+        };
+        last = Some((correlations, blocks));
+        let rise = (blocks.left(way.factors)? - way.rss).max(0.0);
+        let ratio = (rise / freedom) / (way.rss / levels.freedom) * efficiency;
         Some(f_upper_tail(ratio, freedom, levels.freedom * robust))
     })
+}
+
+/// By how much the best plane's sum of squares is above that of the fit.
+fn rise_of(equations: &Equations, plane: &PlaneFit, way: &Way) -> Option<f64> {
+    let left = PlaneBlocks::new(equations, plane, way.shared).left(way.factors)?;
+    Some((left - way.rss).max(0.0))
 }
 
 /// Whether a surface of this mean R (input units) is flat to rounding.

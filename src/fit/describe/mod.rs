@@ -7,6 +7,7 @@ mod plane;
 #[cfg(feature = "cli")]
 pub(super) mod pointwise;
 pub(super) mod residuals;
+mod robust_plane;
 pub(super) mod shape;
 mod uncertainty;
 

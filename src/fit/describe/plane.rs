@@ -6,6 +6,7 @@
 //! ```
 
 use crate::fit::linear::equations::Equations;
+use crate::fit::noise::fingers::Fingers;
 use crate::fit::placing::sites::DataSites;
 use crate::linalg::Sites;
 use crate::solve::PivotedQr;
@@ -65,7 +66,7 @@ pub(super) fn plane_rows(equations: &Equations, largest: f64) -> Option<PlaneFit
     of_few(equations, largest)
 }
 
-/// What the best plane of few sites leaves when the squares of height and of slope rows get factors of their own.
+/// What the best plane leaves when the squares of height and of slope rows get factors of their own.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PlaneBlocks {
     squares: [f64; 2],
@@ -74,17 +75,35 @@ pub(super) struct PlaneBlocks {
 }
 
 impl PlaneBlocks {
-    /// About a plane fitted to these few sites, so that its sums of squares do not cancel.
-    pub(super) fn new(equations: &Equations, plane: &PlaneFit) -> PlaneBlocks {
-        let mut blocks = PlaneBlocks::default();
-        Rows::new(equations).each(|_, row, target| {
-            // only height rows have a first entry; a height row of weight zero is zero in all of them
-            let b = usize::from(row[0] == 0.0);
+    /// About the fitted plane, so that the sums of squares do not cancel; `shared` are fingers whose touches share errors,
+    /// and the correlations of neighbouring heights and slopes.
+    pub(super) fn new(equations: &Equations, plane: &PlaneFit, shared: Option<(&Fingers, [f64; 2])>) -> PlaneBlocks {
+        let mut places = Rows::new(equations);
+        if equations.sites.len() >= MANY {
+            places.centre();
+        }
+        let mut rows: [Vec<[f64; 4]>; 3] = Default::default();
+        let mut at = 0;
+        places.each(|_, row, target| {
             let residual = target - (0..3).map(|k| row[k] * plane.coefficients[k]).sum::<f64>();
-            blocks.squares[b] += residual * residual;
-            (0..3).for_each(|i| blocks.right[b][i] += row[i] * residual);
-            (0..3).for_each(|i| (0..3).for_each(|j| blocks.gram[b][i][j] += row[i] * row[j]));
+            rows[at % 3].push([row[0], row[1], row[2], residual]);
+            at += 1;
         });
+        let mut blocks = PlaneBlocks::default();
+        for (k, rows) in rows.iter_mut().enumerate() {
+            let b = usize::from(k > 0);
+            if let Some((fingers, correlations)) = shared
+                && correlations[b] > 0.0
+            {
+                fingers.whiten(correlations[b], rows);
+            }
+            for row in rows {
+                let residual = row[3];
+                blocks.squares[b] += residual * residual;
+                (0..3).for_each(|i| blocks.right[b][i] += row[i] * residual);
+                (0..3).for_each(|i| (0..3).for_each(|j| blocks.gram[b][i][j] += row[i] * row[j]));
+            }
+        }
         blocks
     }
 
@@ -202,7 +221,7 @@ fn of_many(equations: &Equations, largest: f64) -> Option<PlaneFit> {
 }
 
 /// `v -> (E_3'E_3)^-1 v`; an empty column's unknown stays zero. `None` where a pivot is poor.
-fn equilibrated_cholesky(gram: [[f64; 3]; 3]) -> Option<impl Fn([f64; 3]) -> [f64; 3]> {
+pub(super) fn equilibrated_cholesky(gram: [[f64; 3]; 3]) -> Option<impl Fn([f64; 3]) -> [f64; 3]> {
     let scale = [0, 1, 2].map(|k: usize| if gram[k][k] > 0.0 { 1.0 / gram[k][k].sqrt() } else { 0.0 });
     let mut l = [[0.0_f64; 3]; 3];
     for i in 0..3 {

@@ -20,7 +20,7 @@ pub struct Rms {
 /// Residuals of the final surface.
 pub(crate) fn rms(solved: &Solved) -> Rms {
     let sites = &solved.fitted.equations.sites;
-    let readings = solved.data.readings();
+    let readings = solved.fitted.moved.as_ref().map_or(&solved.data, |moved| &moved.data).readings();
     let (mut sums, mut counts) = ([0.0; 4], [0usize; 4]);
     visit_values(sites, &solved.fitted.solution.coefficients, |r, [s, p, q]| {
         let measured = readings.at(r);

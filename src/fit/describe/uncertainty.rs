@@ -12,6 +12,7 @@ use crate::fit::describe::interval::NoisePart;
 use crate::fit::noise::declared::declared_off;
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::solved::Solved;
+use crate::linalg::{Targets, apply_rows};
 use crate::shape::{GridGradients, ShapeMaps, chi_square_upper_tail, f_upper_tail, mean_gradients, umbilic_gradients};
 
 /// Standard uncertainty of `g'c`.
@@ -40,8 +41,39 @@ fn degrees_of_freedom(parts: [f64; 2], dof: [f64; 2]) -> f64 {
     if spread > 0.0 { 1.0 / spread } else { f64::INFINITY }
 }
 
+/// By which factor errors in place raise the uncertainty of `g'c`, because the rows of one contact share them.
+///
+/// ```text
+/// u^2 = sum_r (E_r v)'C_r (E_r v)        beside    sum_r c_b |E_b v|^2,  c_b the mean variance of the rows of kind b
+/// ```
+fn in_place(solved: &Solved, gradient: &[f64]) -> f64 {
+    let fitted = &solved.fitted;
+    let Some(moved) = &fitted.moved else { return 1.0 };
+    let mut v = gradient.to_vec();
+    fitted.solution.clear_free(&mut v);
+    fitted.solution.factor.solve(&mut v);
+    let mut rows = Targets::new();
+    apply_rows(&fitted.equations.sites, &fitted.equations.row_weights, &v, &mut rows);
+    let counts = fitted.equations.row_weights.row_counts(rows.len()).map(|r| (r as f64).max(1.0));
+    let of = |k: &dyn Fn(&[f64; 6]) -> f64| moved.covariances.iter().map(k).sum::<f64>();
+    let means = [of(&|c| c[0]) / counts[0], of(&|c| c[3] + c[5]) / counts[1]];
+    let (mut shared, mut apart) = (0.0, 0.0);
+    for ([z, p, q], [zz, zp, zq, pp, pq, qq]) in rows.iter().zip(&moved.covariances) {
+        shared += z * z * zz + p * p * pp + q * q * qq + 2.0 * (z * p * zp + z * q * zq + p * q * pq);
+        apart += means[0] * z * z + means[1] * (p * p + q * q);
+    }
+    if apart > 0.0 { (shared / apart).max(0.0).sqrt() } else { 1.0 }
+}
+
 /// Of a mean of S or of R; `None` where the measurements leave nothing from which noise could be told.
 pub(super) fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+    let part = with_rows_apart(solved, gradient, above)?;
+    let factor = in_place(solved, gradient);
+    Some(NoisePart { u: factor * part.u, ..part })
+}
+
+/// The same where no rows of a contact share errors.
+fn with_rows_apart(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
     let fitted = &solved.fitted;
     let source = fitted.noise.source();
     if source != NoiseSource::Sigma && fitted.equations.count() <= fitted.solution.rank {
@@ -55,6 +87,14 @@ pub(super) fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Opt
         return Some(NoisePart::new(u, dof));
     }
     let part = noise_part(solved, gradient, above);
+    let part = match solved.levels().filter(|levels| levels.probability_shared() > 0.0) {
+        Some(levels) => {
+            let largest = above[0].max(above[1]);
+            let [u, dof] = levels.beside_independent(gradient, [part.u, part.dof], largest);
+            NoisePart::new(u, dof)
+        }
+        None => part,
+    };
     // beside no degree of freedom at all even Student's law has no interval
     (part.dof >= 1.0).then_some(part)
 }

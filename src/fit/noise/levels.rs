@@ -1,24 +1,28 @@
-//! What few contacts leave open about the two noise sds: everything is averaged over their ratio.
+//! What few contacts leave open about the noise, and what a finger's touches share: everything is averaged over both.
 //!
 //! ```text
-//! rows of heights and slopes   e, f with variances s^2 exp(t), s^2 exp(-t)        A(t) = exp(-t) A_z + exp(t) A_n
-//! V'(A_z + A_n)V = 1,  V'A_z V = diag(l)      d_i(t) = exp(-t) l_i + exp(t) (1 - l_i)       any t costs O(unknowns)
-//! log p(t | data) = -1/2 [ sum log d_i + (rows_z - rows_n) t + nu log rss(t) ] + log prior(t),    nu = rows - unknowns
-//! variance of g'c about the estimate = sum_t p(t) [ rss(t)/(nu - 2) sum (V'g)_i^2/d_i + (g'c(t) - estimate)^2 ]
+//! ratios.rs     the ratio of the sds of heights and of slopes or normals
+//! fingers.rs    errors that touches of one finger share: rho of neighbours, of heights alone or of normals, too
+//! P(rho | data) ~ prior(rho) integral of p(data | rho, t) dt        prior: 2/3 on rho = 0, the rest shared equally
 //! ```
 //!
-//! The likelihood is the restricted one, s integrated out under 1/s (D. A. Harville, *Biometrika* 61 (1974) 383). One set
-//! of sds is not enough below some 30 contacts: with 9 contacts and 9 unknowns the likeliest height sd is often zero,
-//! and the surface would seem to be known exactly.
+//! One set of sds is not enough below some 30 contacts: with 9 contacts and 9 unknowns the likeliest height sd is often
+//! zero, and the surface would seem to be known exactly. Errors that a finger shares are bent into the surface, so that its
+//! residuals are small where its own error is large; only the likelihood of all of them together tells.
 
 use crate::fit::linear::equations::{Equations, RowKind, data_normal_matrix, only};
 use crate::fit::linear::solution::Solution;
-use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, normal_rhs};
-use crate::solve::simultaneous;
+use crate::fit::noise::fingers::Fingers;
+use crate::fit::noise::ratios::{Known, Ratios, Sums};
+use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, normal_rhs};
 
 /// Sites up to which the ratio is averaged over. With more the sds are known to some 5 %, and their own degrees of freedom
 /// say enough.
 const FEW_SITES: usize = 200;
+/// Neighbouring residuals of more sites must correlate by this many standard deviations before errors are thought shared.
+const EVIDENT: f64 = 2.5;
+/// Sites times squared unknowns up to which that is looked into: a tenth of a second.
+const MOST_WORK: usize = 20_000_000;
 /// Unknowns up to which the matrices are diagonalised; 100 of them take a millisecond.
 const FEW_UNKNOWNS: usize = 100;
 /// Fewest degrees of freedom: a variance needs more than 4 for its own variance to exist.
@@ -26,145 +30,252 @@ const FEWEST: f64 = 5.0;
 /// Expected ratio of a height's sd, in half sides of the patch, to that of a slope or normal. The prior of its logarithm is
 /// 1/cosh: a ratio ten times larger or smaller is 5 times less likely, and no ratio is excluded.
 const USUAL_RATIO: f64 = 0.1;
-/// Range and steps of t. A step is half the posterior's sd at 200 sites.
-const RANGE: f64 = 8.0;
-const STEP: f64 = 0.05;
-/// Shares of the posterior below this are left out.
-const NEGLIGIBLE: f64 = 1e-4;
+/// Correlations of neighbouring touches that are tried, beside none.
+const CORRELATIONS: [f64; 6] = [0.3, 0.6, 0.8, 0.9, 0.95, 0.98];
+/// Prior probability that touches of a finger share errors at all. In 27 touches even a correlation of 0.9 hardly shows: with
+/// a half, intervals of independent errors hold the truth in 98 of 100, and are a fifth too wide.
+const SHARED: f64 = 1.0 / 3.0;
+/// Log evidence below the best at which stronger correlations are not tried once it falls.
+const HOPELESS: f64 = 6.0;
 
-/// One ratio of the sds.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    /// `exp(-t)` and `exp(t)`, by which squares of height and of slope rows are multiplied.
-    factors: [f64; 2],
-    /// Posterior probability.
+/// The ratios under one correlation.
+#[derive(Clone, Debug)]
+struct Set {
+    /// Of neighbouring errors of heights and of slopes or normals.
+    correlations: [f64; 2],
     share: f64,
-    /// Sum of squares that the fit at this ratio leaves.
-    rss: f64,
+    ratios: Ratios,
 }
 
-/// The posterior of the ratio.
+/// The posterior of correlation and ratio.
 #[derive(Clone, Debug)]
 pub(crate) struct Levels {
-    nodes: Vec<Node>,
-    /// `l`.
-    of_heights: Vec<f64>,
-    /// V.
-    columns: Vec<Vec<f64>>,
-    /// `V'E'r` of either kind, r the residuals of the fit.
-    right: [Vec<f64>; 2],
+    sets: Vec<Set>,
+    fingers: Option<Fingers>,
     /// Factors by which the squares of the fit's rows were multiplied first, so that `t = 0` is the usual ratio.
     units: [f64; 2],
     /// Degrees of freedom.
     pub(crate) freedom: f64,
 }
 
+/// One way in which the errors may be: a correlation along the fingers, and a ratio of the sds.
+pub(crate) struct Way<'a> {
+    /// Fingers and correlations of neighbouring errors of heights and slopes; `None` where errors are independent.
+    pub shared: Option<(&'a Fingers, [f64; 2])>,
+    /// Factors for the squares of the fit's rows.
+    pub factors: [f64; 2],
+    /// What the fit leaves.
+    pub rss: f64,
+}
+
 impl Levels {
-    /// Of a fit with heights and slopes or normals; `None` for many contacts or unknowns, for a penalised fit, for one whose
-    /// unknowns are not all determined, and where fewer than five degrees of freedom are left.
-    pub(crate) fn new(equations: &Equations, solution: &Solution) -> Option<Levels> {
+    /// Of a fit with heights and slopes or normals, or with fingers that may share errors; `are_known` says that the rows'
+    /// weights are inverse sds. `None` for many contacts or unknowns, for a penalised fit, for one whose unknowns are not all
+    /// determined, and where fewer than five degrees of freedom are left.
+    pub(crate) fn new(
+        equations: &Equations,
+        solution: &Solution,
+        fingers: Option<Fingers>,
+        are_known: bool,
+    ) -> Option<Levels> {
         let (sites, unknowns) = (equations.sites.len(), equations.unknowns());
         let rows = equations.row_weights.row_counts(sites).map(|r| r as f64);
         let freedom = rows[0] + rows[1] - unknowns as f64;
-        let is_small = sites <= FEW_SITES && unknowns <= FEW_UNKNOWNS;
         let is_whole = solution.rank == unknowns && equations.roughness.is_none();
-        if !is_small || !is_whole || rows.contains(&0.0) || freedom < FEWEST {
+        if unknowns > FEW_UNKNOWNS || !is_whole || freedom < FEWEST {
+            return None;
+        }
+        let residuals: Targets = equations.residuals(&solution.coefficients);
+        let fingers = fingers.filter(|f| {
+            let heights = || residuals.iter().map(|r| r[0]).collect::<Vec<f64>>();
+            let fits = sites.saturating_mul(unknowns * unknowns) <= MOST_WORK;
+            rows[0] > 0.0 && fits && (sites <= FEW_SITES || f.evident(&heights()) > EVIDENT)
+        });
+        let few_of_both = sites <= FEW_SITES && !rows.contains(&0.0);
+        if fingers.is_none() && (!few_of_both || are_known) {
             return None;
         }
         let units = units(&equations.row_weights, sites);
-        let residuals: Targets = equations.residuals(&solution.coefficients);
-        let kinds = [RowKind::Heights, RowKind::Slopes].map(|kind| only(&equations.row_weights, kind));
-        let [heights, slopes] = [0, 1].map(|b| {
-            let matrix = data_normal_matrix(&equations.sites, &kinds[b]);
-            lower_bands(&matrix, units[b])
-        });
-        let both: Vec<Vec<f64>> =
-            heights.iter().zip(&slopes).map(|(h, s)| h.iter().zip(s).map(|(h, s)| h + s).collect()).collect();
-        let (of_heights, columns) = simultaneous(&both, &heights).ok()?;
-        let right = [0, 1].map(|b| {
-            let mut out = vec![0.0; unknowns];
-            normal_rhs(&equations.sites, &kinds[b], &residuals, &mut out);
-            columns.iter().map(|v| units[b] * dot(v, &out)).collect::<Vec<f64>>()
-        });
-        let square = |r: &[f64; 3]| [r[0] * r[0], r[1] * r[1] + r[2] * r[2]];
-        let squares = residuals.iter().map(square).fold([0.0; 2], |s, r| [s[0] + r[0], s[1] + r[1]]);
-        let squares = [0, 1].map(|b| units[b] * squares[b]);
-        let mut levels = Levels { nodes: Vec::new(), of_heights, columns, right, units, freedom };
-        levels.nodes = levels.posterior(squares, rows);
-        (!levels.nodes.is_empty()).then_some(levels)
+        let known = match (are_known, rows.contains(&0.0)) {
+            (true, _) => Known::Both(units.map(|u| 1.0 / u)),
+            (false, true) => Known::Ratio,
+            (false, false) => Known::Nothing,
+        };
+        let white = Ratios::new(&independent(equations, &residuals, units, rows), freedom, known)?;
+        let mut levels =
+            Levels { sets: vec![Set { correlations: [0.0; 2], share: 1.0, ratios: white }], fingers, units, freedom };
+        levels.add_shared(equations, &residuals, rows, known);
+        levels.share_out();
+        Some(levels)
     }
 
-    fn posterior(&self, squares: [f64; 2], rows: [f64; 2]) -> Vec<Node> {
-        let count = (RANGE / STEP) as i32;
-        let mut found: Vec<(f64, Node)> = Vec::new();
-        for k in -count..=count {
-            let t = f64::from(k) * STEP;
-            let factors = [(-t).exp(), t.exp()];
-            let (mut log_det, mut taken) = (0.0, 0.0);
-            for i in 0..self.of_heights.len() {
-                let d = self.divisor(i, factors);
-                log_det += d.ln();
-                taken += self.right_at(i, factors).powi(2) / d;
+    fn add_shared(&mut self, equations: &Equations, residuals: &Targets, rows: [f64; 2], known: Known) {
+        let Some(fingers) = &self.fingers else { return };
+        let dense = DenseRows::new(equations, residuals);
+        let mut best = self.sets[0].ratios.log_evidence;
+        let mut found = Vec::new();
+        for has_slopes in [false, true] {
+            if has_slopes && rows[1] == 0.0 {
+                break;
             }
-            let all = factors[0] * squares[0] + factors[1] * squares[1];
-            // the fit at another ratio leaves less only by rounding
-            let rss = (all - taken).max(1e-14 * all);
-            let log = -0.5 * (log_det + (rows[0] - rows[1]) * t + self.freedom * rss.ln()) - t.cosh().ln();
-            if log.is_finite() {
-                found.push((log, Node { factors, share: 0.0, rss }));
+            let mut last = f64::NEG_INFINITY;
+            for rho in CORRELATIONS {
+                let correlations = [rho, if has_slopes { rho } else { 0.0 }];
+                let sums = dense.sums(fingers, correlations, self.units, rows);
+                let Some(ratios) = Ratios::new(&sums, self.freedom, known) else { continue };
+                let here = ratios.log_evidence;
+                found.push(Set { correlations, share: 0.0, ratios });
+                if here < best - HOPELESS && here < last {
+                    break;
+                }
+                (last, best) = (here, best.max(here));
             }
         }
-        let most = found.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
-        let total: f64 = found.iter().map(|(log, _)| (log - most).exp()).sum();
-        let shared = found.into_iter().map(|(log, node)| Node { share: (log - most).exp() / total, ..node });
-        let mut nodes: Vec<Node> = shared.filter(|node| node.share > NEGLIGIBLE).collect();
-        let kept: f64 = nodes.iter().map(|node| node.share).sum();
-        nodes.iter_mut().for_each(|node| node.share /= kept);
-        nodes
+        self.sets.extend(found);
     }
 
-    fn divisor(&self, i: usize, factors: [f64; 2]) -> f64 {
-        // rounding may leave a share of 1 + 1e-16
-        let share = self.of_heights[i].clamp(0.0, 1.0);
-        (factors[0] * share + factors[1] * (1.0 - share)).max(f64::MIN_POSITIVE)
-    }
-
-    fn right_at(&self, i: usize, factors: [f64; 2]) -> f64 {
-        factors[0] * self.right[0][i] + factors[1] * self.right[1][i]
+    fn share_out(&mut self) {
+        let each = SHARED / (2 * CORRELATIONS.len()) as f64;
+        let prior = |set: &Set| if set.correlations == [0.0; 2] { 1.0 - SHARED } else { each };
+        let most = self.sets.iter().map(|s| s.ratios.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+        let shares: Vec<f64> = self.sets.iter().map(|s| prior(s) * (s.ratios.log_evidence - most).exp()).collect();
+        let total: f64 = shares.iter().sum();
+        self.sets.iter_mut().zip(shares).for_each(|(set, share)| set.share = share / total);
     }
 
     /// Standard uncertainty of `g'c` about the fit's own value, and the degrees of freedom of Student's law with the same
     /// variance and kurtosis.
     pub(crate) fn uncertainty(&self, gradient: &[f64]) -> [f64; 2] {
-        let turned: Vec<f64> = self.columns.iter().map(|v| dot(v, gradient)).collect();
-        let nu = self.freedom;
-        let (mut second, mut fourth) = (0.0, 0.0);
-        for node in &self.nodes {
-            let (mut spread, mut off) = (0.0, 0.0);
-            for (i, g) in turned.iter().enumerate() {
-                let d = self.divisor(i, node.factors);
-                spread += g * g / d;
-                off += g * self.right_at(i, node.factors) / d;
-            }
-            // moments of Student's law with nu degrees of freedom about a centre that is `off` the fit's value
-            let (v, square) = (spread * node.rss / (nu - 2.0), off * off);
-            second += node.share * (v + square);
-            fourth += node.share * (3.0 * v * v * (nu - 2.0) / (nu - 4.0) + 6.0 * v * square + square * square);
-        }
-        let excess = fourth / (second * second) - 3.0;
-        let dof = if excess > 0.0 { 4.0 + 6.0 / excess } else { f64::INFINITY };
-        let scale = if dof.is_finite() { (dof - 2.0) / dof } else { 1.0 };
-        [(second * scale).max(0.0).sqrt(), if second > 0.0 { dof } else { f64::INFINITY }]
+        student(self.moments(gradient, |_| true))
     }
 
-    /// The mean of something over the ratios; it is given the factors for the squares of the fit's rows, and what the fit
-    /// leaves.
-    pub(crate) fn mean(&self, mut of: impl FnMut([f64; 2], f64) -> Option<f64>) -> Option<f64> {
+    /// The same where an uncertainty with its degrees of freedom is right for independent errors; `above` is a factor by
+    /// which the sds are larger than the rows' weights say.
+    pub(crate) fn beside_independent(&self, gradient: &[f64], [u, dof]: [f64; 2], above: f64) -> [f64; 2] {
+        let shared = self.probability_shared();
+        // a law of fewer than five degrees of freedom has no fourth moment
+        let dof = dof.max(FEWEST);
+        let (second, kurtosis) =
+            if dof.is_finite() { (u * u * dof / (dof - 2.0), 3.0 * (dof - 2.0) / (dof - 4.0)) } else { (u * u, 3.0) };
+        let [of_shared, fourth_of_shared] = self.moments(gradient, |set| set.correlations != [0.0; 2]);
+        let own = 1.0 - shared;
+        student([
+            own * second + above * above * of_shared,
+            own * kurtosis * second * second + above.powi(4) * fourth_of_shared,
+        ])
+    }
+
+    fn moments(&self, gradient: &[f64], counts: impl Fn(&Set) -> bool) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for set in self.sets.iter().filter(|set| counts(set)) {
+            let moments = set.ratios.moments(gradient);
+            (0..2).for_each(|k| sums[k] += set.share * moments[k]);
+        }
+        sums
+    }
+
+    /// Probability that touches of a finger share errors.
+    pub(crate) fn probability_shared(&self) -> f64 {
+        self.sets.iter().filter(|set| set.correlations != [0.0; 2]).map(|set| set.share).sum()
+    }
+
+    /// Mean correlation of neighbouring heights' errors, if they share any.
+    #[cfg(feature = "cli")]
+    pub(crate) fn correlation(&self) -> f64 {
+        let shared = self.probability_shared();
+        let sum: f64 = self.sets.iter().map(|set| set.share * set.correlations[0]).sum();
+        if shared > 0.0 { sum / shared } else { 0.0 }
+    }
+
+    /// The mean of something over all ways in which the errors may be.
+    pub(crate) fn mean(&self, mut of: impl FnMut(&Way) -> Option<f64>) -> Option<f64> {
         let mut sum = 0.0;
-        for node in &self.nodes {
-            sum += node.share * of([0, 1].map(|b| node.factors[b] * self.units[b]), node.rss)?;
+        for set in &self.sets {
+            let shared = self.fingers.as_ref().filter(|_| set.correlations != [0.0; 2]);
+            for node in &set.ratios.nodes {
+                let way = Way {
+                    shared: shared.map(|fingers| (fingers, set.correlations)),
+                    factors: [0, 1].map(|b| node.factors[b] * self.units[b]),
+                    rss: node.rss,
+                };
+                sum += set.share * node.share * of(&way)?;
+            }
         }
         Some(sum)
+    }
+}
+
+/// Scale and degrees of freedom of Student's law with this variance and fourth moment.
+fn student([second, fourth]: [f64; 2]) -> [f64; 2] {
+    let excess = fourth / (second * second) - 3.0;
+    let dof = if excess > 0.0 { 4.0 + 6.0 / excess } else { f64::INFINITY };
+    let scale = if dof.is_finite() { (dof - 2.0) / dof } else { 1.0 };
+    [(second * scale).max(0.0).sqrt(), if second > 0.0 { dof } else { f64::INFINITY }]
+}
+
+/// The sums of independent errors.
+fn independent(equations: &Equations, residuals: &Targets, units: [f64; 2], rows: [f64; 2]) -> Sums {
+    let kinds = [RowKind::Heights, RowKind::Slopes].map(|kind| only(&equations.row_weights, kind));
+    let matrices = [0, 1].map(|b| lower_bands(&data_normal_matrix(&equations.sites, &kinds[b]), units[b]));
+    let right = [0, 1].map(|b| {
+        let mut out = vec![0.0; equations.unknowns()];
+        normal_rhs(&equations.sites, &kinds[b], residuals, &mut out);
+        out.iter().map(|v| units[b] * v).collect::<Vec<f64>>()
+    });
+    let square = |r: &[f64; 3]| [r[0] * r[0], r[1] * r[1] + r[2] * r[2]];
+    let squares = residuals.iter().map(square).fold([0.0; 2], |s, r| [s[0] + r[0], s[1] + r[1]]);
+    Sums { matrices, right, squares: [0, 1].map(|b| units[b] * squares[b]), rows, log_det: 0.0 }
+}
+
+/// All rows written out, with the residual behind the unknowns.
+struct DenseRows {
+    columns: usize,
+    /// Heights, first and second rows of slopes.
+    blocks: [Vec<f64>; 3],
+}
+
+impl DenseRows {
+    fn new(equations: &Equations, residuals: &Targets) -> DenseRows {
+        let (sites, unknowns) = (equations.sites.len(), equations.unknowns());
+        let columns = unknowns + 1;
+        let mut blocks = [0, 1, 2].map(|_| vec![0.0; sites * columns]);
+        let (mut unit, mut rows) = (vec![0.0; unknowns], Targets::new());
+        for j in 0..columns {
+            if j < unknowns {
+                unit[j] = 1.0;
+                apply_rows(&equations.sites, &equations.row_weights, &unit, &mut rows);
+                unit[j] = 0.0;
+            }
+            let column = if j < unknowns { &rows } else { residuals };
+            column.iter().enumerate().for_each(|(r, row)| (0..3).for_each(|b| blocks[b][r * columns + j] = row[b]));
+        }
+        DenseRows { columns, blocks }
+    }
+
+    /// The sums of rows whose errors neighbours share.
+    fn sums(&self, fingers: &Fingers, correlations: [f64; 2], units: [f64; 2], rows: [f64; 2]) -> Sums {
+        let unknowns = self.columns - 1;
+        let mut matrices = [0, 1].map(|_| (0..unknowns).map(|i| vec![0.0; i + 1]).collect::<Vec<Vec<f64>>>());
+        let mut right = [0, 1].map(|_| vec![0.0; unknowns]);
+        let mut squares = [0.0; 2];
+        for (k, block) in self.blocks.iter().enumerate() {
+            let b = usize::from(k > 0);
+            let mut white = block.clone();
+            if correlations[b] > 0.0 {
+                fingers.whiten_rows(correlations[b], self.columns, &mut white);
+            }
+            for row in white.chunks_exact(self.columns) {
+                let residual = units[b] * row[unknowns];
+                squares[b] += residual * row[unknowns];
+                for i in (0..unknowns).filter(|&i| row[i] != 0.0) {
+                    right[b][i] += residual * row[i];
+                    let scaled = units[b] * row[i];
+                    (0..=i).for_each(|j| matrices[b][i][i - j] += scaled * row[j]);
+                }
+            }
+        }
+        let log_det = fingers.log_det(correlations[0]) + 2.0 * fingers.log_det(correlations[1]);
+        Sums { matrices, right, squares, rows, log_det }
     }
 }
 
@@ -178,7 +289,8 @@ fn units(row_weights: &RowWeights, sites: usize) -> [f64; 2] {
             counts[k] += f64::from(u8::from(square > 0.0));
         }
     }
-    let [heights, slopes] = [0, 1].map(|k| counts[k] / sums[k]);
+    // a kind without rows keeps the weights it does not have
+    let [heights, slopes] = [0, 1].map(|k| if sums[k] > 0.0 { counts[k] / sums[k] } else { 1.0 });
     [heights / (USUAL_RATIO * USUAL_RATIO), slopes]
 }
 
@@ -189,10 +301,6 @@ fn lower_bands(matrix: &StencilMatrix, factor: f64) -> Vec<Vec<f64>> {
     bands
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,10 +308,17 @@ mod tests {
     use crate::draws::EffectDraws;
     use crate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
 
+    fn drawn(seed: u64, replicate: u64, errors: &mut [f64]) {
+        let draws = EffectDraws::new(seed, "levels");
+        for (block, part) in errors.chunks_mut(48).enumerate() {
+            draws.gaussians(replicate, block as u64, part.len(), part);
+        }
+    }
+
     /// A saddle touched at `n` x `n` places of [-1, 1]^2, with errors of heights and slopes.
     fn saddle(n: usize, sds: [f64; 2], replicate: u64) -> Contacts {
         let mut errors = vec![0.0; 3 * n * n];
-        EffectDraws::new(7, "levels").gaussians(replicate, 0, 3 * n * n, &mut errors);
+        drawn(7, replicate, &mut errors);
         let place = |k: usize| 2.0 * k as f64 / (n as f64 - 1.0) - 1.0;
         let (x, y): (Vec<f64>, Vec<f64>) = (0..n * n).map(|r| (place(r % n), place(r / n))).unzip();
         let with = |value: f64, k: usize, sd: f64| value + sd * errors[k];
@@ -221,10 +336,10 @@ mod tests {
     fn what_a_ratio_leaves_is_what_a_fit_at_that_ratio_leaves() {
         let contacts = saddle(4, [0.01, 0.03], 0);
         let fit = fitted(&contacts, SlopeWeights::Tangent);
-        let levels = Levels::new(fit.equations(), fit.solution()).unwrap();
+        let levels = Levels::new(fit.equations(), fit.solution(), None, false).unwrap();
         let mut checked = 0;
         levels
-            .mean(|factors, rss| {
+            .mean(|Way { factors, rss, .. }| {
                 let [z, slope] = [factors[0].sqrt(), 10.0 * factors[1].sqrt()];
                 let again = fitted(&contacts, SlopeWeights::Explicit([z, slope, slope]));
                 let squares: f64 = again.equations().residual_squares(&again.solution().coefficients).iter().sum();
@@ -234,7 +349,7 @@ mod tests {
             })
             .unwrap();
         assert!(checked > 10, "{checked}");
-        let total: f64 = levels.nodes.iter().map(|node| node.share).sum();
+        let total: f64 = levels.sets[0].ratios.nodes.iter().map(|node| node.share).sum();
         assert!((total - 1.0).abs() < 1e-12);
     }
 
@@ -253,5 +368,33 @@ mod tests {
         }
         assert!(collapsed * 5 > count, "{collapsed}");
         assert!(held * 100 >= 89 * count, "{held} of {count}");
+    }
+
+    /// Errors that correlate by 0.9 from touch to touch are bent into the surface: the residuals alone promise several
+    /// times too much.
+    #[test]
+    fn errors_shared_along_fingers_widen_the_intervals() {
+        let truth = fitted(&saddle(5, [0.0, 0.0], 0), SlopeWeights::Equal).shape().curvedness.mean.unwrap();
+        let drifting = |replicate: u64| {
+            let mut contacts = saddle(5, [0.0, 0.035], replicate);
+            let mut draws = vec![0.0; 25];
+            drawn(8, replicate, &mut draws);
+            let mut error = 0.0;
+            for r in 0..25 {
+                error = if r % 5 == 0 { draws[r] } else { 0.9 * error + 0.19_f64.sqrt() * draws[r] };
+                contacts.z[r] += 0.005 * error;
+            }
+            contacts
+        };
+        let mut held = [0, 0];
+        for replicate in 0..100 {
+            let contacts = drifting(replicate);
+            let named = Contacts { finger: Some((0..25).map(|r| r / 5).collect()), ..contacts.clone() };
+            for (held, contacts) in held.iter_mut().zip([contacts, named]) {
+                let interval = fitted(&contacts, SlopeWeights::Auto).shape().curvedness.interval.unwrap();
+                *held += u64::from(interval.lo <= truth && truth <= interval.hi);
+            }
+        }
+        assert!(held[1] >= held[0] + 15 && held[1] >= 60, "{held:?}");
     }
 }

@@ -4,12 +4,15 @@
 //! sds.rs          noise sds and where they come from            components.rs    both estimated with the fit
 //! record.rs       told by the residuals of weighted rows        traces.rs        degrees of freedom of either kind of rows
 //! declared.rs     declared sds checked against the residuals    levels.rs        what few contacts leave open about them
+//! ratios.rs       the same of the ratio of both                 fingers.rs       errors that touches of a finger share
 //! ```
 
 pub(super) mod components;
 pub(super) mod declared;
+pub(super) mod fingers;
 pub(super) mod levels;
 pub(super) mod probes;
+mod ratios;
 pub(super) mod record;
 pub(super) mod sds;
 pub(super) mod traces;

@@ -4,6 +4,7 @@ use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::record::NoiseRecord;
 use crate::fit::notes::Note;
+use crate::fit::placing::data::Data;
 
 /// Rows formed and solved.
 #[derive(Clone, Debug)]
@@ -18,4 +19,15 @@ pub(crate) struct Fitted {
     pub notes: Vec<Note>,
     /// What the Gauss-Newton steps not taken would have moved, relative to the largest coefficient; zero for slope rows.
     pub last_move: f64,
+    /// The contacts where they were fitted, if errors in x and y moved them.
+    pub moved: Option<Moved>,
+}
+
+/// Contacts that were moved to where they most likely lie.
+#[derive(Clone, Debug)]
+pub(crate) struct Moved {
+    /// The contacts there, with their readings carried along.
+    pub data: Data,
+    /// Covariance of every site's rows, upper triangle: an error in place shows in its height and in its slopes at once.
+    pub covariances: Vec<[f64; 6]>,
 }

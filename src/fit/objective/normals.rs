@@ -65,7 +65,7 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         dof,
         efficiency: 1.0,
     };
-    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move })
+    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move, moved: None })
 }
 
 fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {

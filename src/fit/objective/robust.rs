@@ -41,7 +41,7 @@ struct Distances {
 
 /// Which loss the weights are of.
 #[derive(Clone, Copy)]
-enum Loss {
+pub(in crate::fit) enum Loss {
     Huber,
     Tukey,
 }
@@ -94,7 +94,7 @@ fn reweight(
     let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0, moved: 0.0 };
     for step in 1..=MAX_STEPS {
         let distances = distances(data, options, &found.fitted);
-        let scales = [scale(&distances.z, OF_HEIGHTS), scale(&distances.slope, OF_NORMALS)];
+        let scales = [scale(&distances.z, 0), scale(&distances.slope, 1)];
         let next = [weigh(&distances.z, scales[0], loss), weigh(&distances.slope, scales[1], loss)];
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
@@ -128,7 +128,7 @@ fn too_few_left(fault: FitError, loss: Loss) -> FitError {
 
 impl Loss {
     /// Weight and derivative of psi = weight t at the residual t, in scales.
-    fn weight_and_slope(self, t: f64) -> [f64; 2] {
+    pub(in crate::fit) fn weight_and_slope(self, t: f64) -> [f64; 2] {
         match self {
             Loss::Huber if t <= HUBER => [1.0, 1.0],
             Loss::Huber => [HUBER / t, 0.0],
@@ -177,7 +177,7 @@ fn loss_sums(distances: &[Option<f64>], scale: f64, loss: Loss, components: f64,
     let variance = correction.powi(2) * sums[3] / dof * weight / (slope * slope);
     LossSums {
         variance,
-        efficiency: (sums[4] / dof) / (correction * sums[3] / dof / slope),
+        efficiency: sums[4] / dof / variance,
         dof: (dof * weight * MEDIAN_EFFICIENCY).max(1.0),
         freedom: (rows / dof).sqrt(),
     }
@@ -234,13 +234,15 @@ fn weigh(distances: &[Option<f64>], scale: Option<f64>, loss: Loss) -> Vec<f64> 
     distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
 }
 
-/// Robust scale of one kind of rows; `None` without rows, or where residuals are rounding.
-fn scale(distances: &[Option<f64>], factor: f64) -> Option<f64> {
+/// Robust scale of one kind of rows, 0 for heights and 1 for slopes or normals; `None` without rows, or where residuals are
+/// rounding.
+pub(in crate::fit) fn scale(distances: &[Option<f64>], kind: usize) -> Option<f64> {
     let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
     if sizes.is_empty() {
         return None;
     }
     let middle = sizes.len() / 2;
+    let factor = if kind == 0 { OF_HEIGHTS } else { OF_NORMALS };
     Some(factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|s| *s > NO_NOISE)
 }
 
@@ -266,10 +268,13 @@ fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
     let by_angle = data.has_normals() && !matches!(options.objective, Objective::Slopes(_));
     let mut found = Distances { z: vec![None; sites.len()], slope: vec![None; sites.len()] };
     let is_grid = sites.grid_axes().is_some();
+    // where errors in x and y make some rows worse than others, each counts in its own sd
+    let unequal = options.sigma_xy > 0.0;
+    let in_units = |distance: f64, weight: f64| if unequal { distance * weight } else { distance };
     visit_values(sites, &fitted.solution.coefficients, |r, [s, p, q]| {
         let (z, z_weight) = readings.height(r);
         if z_weight != 0.0 {
-            found.z[r] = Some((z - s).abs());
+            found.z[r] = Some(in_units((z - s).abs(), z_weight));
         }
         if is_grid {
             found.slope[r] = readings.slopes(r).map(|[zx, zy]| ((zx - p).powi(2) + (zy - q).powi(2)).sqrt());
@@ -278,11 +283,12 @@ fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
         let measured = readings.at(r);
         if measured.normal_weight != 0.0 {
             let n = measured.normal;
-            found.slope[r] = Some(if by_angle {
+            let distance = if by_angle {
                 angular_residual_squared(n, p, q).sqrt()
             } else {
                 (-n[0] / n[2] - p).hypot(-n[1] / n[2] - q)
-            });
+            };
+            found.slope[r] = Some(in_units(distance, measured.normal_weight));
         }
     });
     found

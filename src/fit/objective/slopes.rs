@@ -35,7 +35,7 @@ pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fit
     if heights == 0 {
         notes.push(Note::SlopesOnly);
     }
-    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes, last_move: 0.0 })
+    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes, last_move: 0.0, moved: None })
 }
 
 /// `--weights auto`: the inverse noise sds, estimated with the fit.

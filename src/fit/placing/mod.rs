@@ -1,6 +1,6 @@
 //! Step 2 of the paper: the data in the patch frame, `p = A (P - origin)/scale`, with the knots over them.
 
-mod axes;
+pub(super) mod axes;
 mod checks;
 pub(super) mod data;
 pub(super) mod patch;
@@ -18,7 +18,19 @@ use patch::{Patch, mid_range};
 /// What the contacts' places and normals can have wrong, and the options' knots and domain.
 pub(super) fn place_contacts(contacts: &Contacts, options: &FitOptions) -> Result<(Patch, Data), FitError> {
     contacts.check()?;
-    let axes = choose_axes(contacts, options)?;
+    place_contacts_over(contacts, choose_axes(contacts, options)?, options)
+}
+
+/// The same over axes that are given.
+///
+/// # Errors
+/// Those of [`place_contacts`].
+pub(super) fn place_contacts_over(
+    contacts: &Contacts,
+    axes: [[f64; 3]; 3],
+    options: &FitOptions,
+) -> Result<(Patch, Data), FitError> {
+    contacts.check()?;
     let rotated = rotate(contacts, &axes);
     // without height rows the mean height is set to zero, and that has to be the zero of the user's z
     let origin_z = if has_height_rows(contacts, options) { mid_range(&rotated.z) } else { 0.0 };
@@ -58,12 +70,18 @@ fn has_height_rows(contacts: &Contacts, options: &FitOptions) -> bool {
     weighted && contacts.weights.z.as_ref().is_none_or(|weights| weights.iter().any(|w| *w != 0.0))
 }
 
+/// The input's axes, or the patch's own where they are asked for and a height field over the input's would be steep or
+/// would fold. A domain or knots that are given lie along the input's axes, which are then kept however steep.
 fn choose_axes(contacts: &Contacts, options: &FitOptions) -> Result<[[f64; 3]; 3], FitError> {
-    let Orientation::Normals { nz, .. } = &contacts.orientation else { return Ok(Frame::IDENTITY.axes) };
+    let asked = options.frame == Some(FrameChoice::Auto) && options.domain.is_none() && options.knots.is_none();
+    let steep = || asked && axes::steepness(contacts).is_some_and(|cosine| cosine < axes::STEEP);
+    let Orientation::Normals { nz, .. } = &contacts.orientation else {
+        return Ok(if steep() { axes::local_axes(contacts) } else { Frame::IDENTITY.axes });
+    };
     if nz.iter().all(|n| *n < 0.0) && options.frame.is_none() {
         return Err(FitError::Inward { contacts: nz.len() });
     }
-    if options.frame == Some(FrameChoice::Keep) || nz.iter().all(|n| *n > 0.0) {
+    if options.frame == Some(FrameChoice::Keep) || (nz.iter().all(|n| *n > 0.0) && !steep()) {
         return Ok(Frame::IDENTITY.axes);
     }
     Ok(axes::local_axes(contacts))

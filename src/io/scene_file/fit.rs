@@ -33,6 +33,7 @@ pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileErro
     fit.smooth = read_smooth(&section)?;
     fit.method = choice(&section, "method", Method::WORDS)?.unwrap_or_default();
     fit.robust = choice(&section, "robust", Robust::WORDS)?.unwrap_or_default();
+    fit.sigma_xy = read_sigma_xy(&section)?;
     fit.frame = choice(&section, "frame", FrameChoice::WORDS)?;
     if let Some(level) = read_level(&section)? {
         fit.level = level;
@@ -118,6 +119,16 @@ fn read_inset(section: &Section) -> Result<f64, SceneFileError> {
             Err(section.value_error("inset", value, "a fraction from 0 to below 0.5 is needed"))
         }
         _ => Ok(inset),
+    }
+}
+
+fn read_sigma_xy(section: &Section) -> Result<f64, SceneFileError> {
+    let sigma_xy = section.number_or("sigma_xy", 0.0)?;
+    match section.get("sigma_xy") {
+        Some(value) if !(sigma_xy >= 0.0 && sigma_xy.is_finite()) => {
+            Err(section.value_error("sigma_xy", value, "a length of zero or more is needed"))
+        }
+        _ => Ok(sigma_xy),
     }
 }
 

@@ -62,6 +62,7 @@ pub(super) const FIT: &[Entry] = &[
                 "how much heights and slopes count; not together with sigma";
             "sigma" = "[0.02, 3.0]", Words("weights"), Other("auto, or [Z, DEG], both above 0", "[0.0, 1.0]"),
                 "noise of heights (units of length) and of normals (degrees)";
+            "sigma_xy" = "0.3", Value("0.0"), NotNegative, "known noise of the contacts in x and in y, units of length";
             "inset" = "0.1", Value("0.0"), Other("0 to below 0.5", "0.5"), "margin of the grid that is left out, a fraction of each side";
             "smooth" = "\"auto\"", Value("\"none\""), Other("none, auto, or lambda, 0 or above", "-1.0"), "how much bending costs";
             "method" = "\"qr\"", Value("\"auto\""), Range::Words(&["auto", "cholesky", "qr", "kronecker", "pcg"]), "how the equations are solved";
