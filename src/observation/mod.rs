@@ -22,7 +22,7 @@ pub use csr::{stacked_csr, to_csr};
 pub(crate) use gridded::GridSites;
 pub(crate) use kronecker::kronecker_normal_matrix;
 pub(crate) use normal_rows::{angular_residual_squared, linearise_normals};
-pub(crate) use roughness::{roughness_matrix, roughness_row_count, roughness_rows};
+pub(crate) use roughness::{roughness_matrix, roughness_row_count, roughness_rows, roundings};
 pub(crate) use scattered::CellNumbers;
 pub use scattered::ScatteredSites;
 pub(crate) use slope_rows::{grid_slope_rows, slope_rows};

@@ -21,6 +21,12 @@ pub(crate) fn roughness_matrix(knots: &[Knots; 2]) -> StencilMatrix {
     matrix
 }
 
+/// Roundings that an entry `P_uv` carries at most, each of the size of `sqrt(P_uu P_vv)`: three a level of both recursions, in
+/// both factors of its products.
+pub(crate) fn roundings(degree: [usize; 2]) -> f64 {
+    6.0 * (degree[0] + degree[1]) as f64
+}
+
 /// Rows of L for [`roughness_rows`].
 pub(crate) fn roughness_row_count(knots: &[Knots; 2]) -> usize {
     3 * knots.iter().map(|k| k.n_segments() * (k.degree() + 1)).product::<usize>()

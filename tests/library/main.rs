@@ -1,5 +1,6 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
+mod differential;
 mod explore;
 mod guide;
 mod hard_cases;

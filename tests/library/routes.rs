@@ -143,3 +143,14 @@ fn a_large_roughness_leaves_the_best_plane() {
     assert!(gap(&factored, &matrix_free) < 1e-11, "{:e}", gap(&factored, &matrix_free));
     assert_eq!(fit.equations().sites.len(), 60 * 45);
 }
+
+/// The penalty's rows count in the residual: an answer that solves its equations to rounding is told so.
+#[test]
+fn a_smoothed_answer_has_a_backward_error_of_rounding() {
+    for method in [Method::Cholesky, Method::Qr] {
+        let smooth = options(method).with_smooth(Smooth::Lambda(1e-3));
+        let fit = fit_contacts(&flattened(&grid(true)), &smooth).unwrap();
+        let error = fit.certificate().backward_error;
+        assert!(error < 1e-13, "{method:?}: {error:e}");
+    }
+}

@@ -122,12 +122,13 @@ def table(arguments):
     print("| room | mutants | tried | unviable | caught | timed out | missed | score | interval of 95 % |\n|---|---|---|---|---|---|---|---|---|")
     for room in list(ROOMS) + ["all"]:
         of = [line for line in lines if room in (line["room"], "all")]
-        count = {word: sum(line["outcome"] == word for line in of) for word in ("caught", "missed", "timeout", "unviable")}
-        caught, viable = count["caught"] + count["timeout"], len(of) - count["unviable"]
+        count = {word: sum(line["outcome"] == word for line in of) for word in ("caught", "missed", "timeout", "unviable", "constant")}
+        caught = count["caught"] + count["timeout"]
+        viable = caught + count["missed"]
         whole = sum({line["room"]: line["of"] for line in of}.values())
         lo, hi = wilson(caught, viable)
         score = f"{100 * caught / viable:.0f} %" if viable else "-"
-        print(f"| {room} | {whole} | {len(of)} | {count['unviable']} | {count['caught']} | {count['timeout']} | {count['missed']} "
+        print(f"| {room} | {whole} | {len(of)} | {count['unviable'] + count['constant']} | {count['caught']} | {count['timeout']} | {count['missed']} "
               f"| {score} | {lo:.0f} to {hi:.0f} % |")
     print("\nSurvivors:\n")
     for line in lines:

@@ -3,18 +3,21 @@
 //!     cargo bench --bench random_problems -- 10000                      problems 0 to 9,999 of seed 1
 //!     cargo bench --bench random_problems -- 300000 --state FILE        goes on where FILE ends, and writes it after every block
 //!     cargo bench --bench random_problems -- --only 4711                one problem, word by word
+//!     cargo bench --bench random_problems -- 10000 --portable           by this processor's kernels and by plain Rust
 //!
-//! Further: `--seed N` (1), `--threads N` (1), `--seconds S` (stops after the block that passes them). A problem is a function
-//! of the seed and its number, so threads, blocks and interruptions change nothing.
+//! Further: `--seed N` (1), `--threads N` (1), `--seconds S` (stops after the block that passes them), `--contacts N` at least
+//! with `--portable`. A problem is a function of the seed and its number, so threads, blocks and interruptions change nothing.
 
+mod builds;
 mod problems;
 mod state;
 mod tally;
 
 use std::time::{Duration, Instant};
 
+use palpate::fit::{Method, fit_contacts};
 use problems::draw::draw;
-use problems::judge::judge;
+use problems::judge::{judge, outcome};
 use state::State;
 use tally::{Tally, table};
 
@@ -29,10 +32,15 @@ struct Wishes {
     seconds: f64,
     only: Option<u64>,
     state: Option<std::path::PathBuf>,
+    portable: bool,
+    contacts: usize,
 }
 
 fn main() {
     let wishes = wishes();
+    if wishes.portable {
+        return builds::compare(wishes.seed, wishes.count, wishes.contacts);
+    }
     if let Some(number) = wishes.only {
         return show(wishes.seed, number);
     }
@@ -69,14 +77,30 @@ fn show(seed: u64, number: u64) {
     let Some(judged) = judge(seed, number) else { return println!("no problem of full rank") };
     let problem = draw(seed, number, judged.redrawn);
     println!("{:#?}\n{:?}\n{:#?}", problem.options, problem.contacts.weights, judged);
-    match palpate::fit::fit_contacts(&problem.contacts, &problem.options) {
-        Ok(fit) => println!("{:#?}\n{:?}", fit.certificate(), fit.notes()),
+    match fit_contacts(&problem.contacts, &problem.options) {
+        Ok(fit) => {
+            println!("{:#?}\n{:?}", fit.certificate(), fit.notes());
+            // where the fit has found its weights and its smoothing, the other methods must find the same
+            for method in [Method::Cholesky, Method::Qr] {
+                let fit = fit_contacts(&problem.contacts, &problem.options.clone().with_method(method));
+                println!("{method:?}: {:?}", outcome(&problem, &fit));
+            }
+        }
         Err(error) => println!("{error}"),
     }
 }
 
 fn wishes() -> Wishes {
-    let mut wishes = Wishes { count: 10_000, seed: 1, threads: 1, seconds: f64::INFINITY, only: None, state: None };
+    let mut wishes = Wishes {
+        count: 10_000,
+        seed: 1,
+        threads: 1,
+        seconds: f64::INFINITY,
+        only: None,
+        state: None,
+        portable: false,
+        contacts: 0,
+    };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number = || words.next().and_then(|v| v.parse::<f64>().ok());
@@ -85,6 +109,8 @@ fn wishes() -> Wishes {
             "--threads" => wishes.threads = number().map_or(1, |v| v.max(1.0) as u64),
             "--seconds" => wishes.seconds = number().unwrap_or(f64::INFINITY),
             "--only" => wishes.only = number().map(|v| v as u64),
+            "--portable" => wishes.portable = true,
+            "--contacts" => wishes.contacts = number().map_or(0, |v| v as usize),
             "--state" => wishes.state = words.next().map(Into::into),
             word => wishes.count = word.parse().unwrap_or(wishes.count),
         }

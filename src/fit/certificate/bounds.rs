@@ -7,13 +7,16 @@
 //!                                                                                     v = w / (1 - 10 w kappa)
 //! ```
 //!
-//! Under a roughness penalty the first line has `10 u kappa^2 |D^-1 c|` beside it. The factor 10 allows for the condition estimator's underestimate. The third line is the same perturbation of the
-//! augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
+//! Under a roughness penalty the first line has `10 k u kappa^2 |D^-1 c|` beside it, k the roundings of an entry of P, and with gaps `10 kappa |E_F dc_F|`
+//! (`src/fit/linear/gaps.rs`). The factor 10 allows for the condition estimator's underestimate. The third line is the same
+//! perturbation of the augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
 //! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
 
 use crate::fit::certificate::backward::Backward;
+use crate::fit::linear::solution::BEYOND_CHOLESKY;
 use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
+use crate::observation::roundings;
 use crate::simd::{BoundTerms, DirectedTerms};
 
 /// Hager's and Higham's estimate is a lower bound, nearly always within a factor 3; two of them are multiplied.
@@ -47,7 +50,7 @@ struct Directed {
 }
 
 impl Bound {
-    /// `None` when no coefficient is held by data.
+    /// `None` when no coefficient is held by data, or nothing is known of the condition.
     pub(super) fn new(solved: &Solved, backward: &Backward) -> Option<Bound> {
         let (solution, condition) = (&solved.fitted.solution, solved.condition());
         let c = &solution.coefficients;
@@ -55,7 +58,9 @@ impl Bound {
         let mut inverse: Vec<f64> = backward.columns.iter().map(|column| inverse(column.norm)).collect();
         solution.unsupported.iter().for_each(|&u| inverse[u] = 0.0);
         let largest = inverse.iter().fold(0.0_f64, |m, d| m.max(*d));
-        if largest == 0.0 {
+        // a factor made of rounding has no condition that could be estimated
+        let is_rounding = solution.method == MethodUsed::Cholesky && condition > BEYOND_CHOLESKY;
+        if largest == 0.0 || is_rounding {
             return None;
         }
         let scaled = c.iter().zip(&inverse).filter(|(_, d)| **d > 0.0).map(|(c, d)| c / d * largest);
@@ -73,8 +78,9 @@ impl Bound {
             ESTIMATOR * solution.enlarged * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
         // P is rounded itself, and no residual shows it: unlike the rows' rounding it counts with the condition of P
-        let rough = ESTIMATOR * PLACING * backward.rough_share * condition * condition;
-        let moved = moved + (remaining + rough) * size;
+        let roundings = roundings(solved.options.degree);
+        let rough = ESTIMATOR * PLACING * roundings * backward.rough_share * condition * condition;
+        let moved = moved + (remaining + rough) * size + ESTIMATOR * condition * largest * solution.filled;
         let directed = Directed::new(solved, backward, remaining);
         // a NaN compares as false, which keeps the plain bound
         let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);

@@ -75,6 +75,7 @@ impl NormalFactor {
             refinement_gain: 1.0,
             unsettled: 0.0,
             enlarged: 1.0,
+            filled: 0.0,
         };
         solve_with_gaps(equations, &mut solution, free)
             .map_err(|source| UnfilledGap { coefficients: free.count(), source })?;

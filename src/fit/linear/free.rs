@@ -21,6 +21,8 @@ pub(crate) struct Free {
     flags: Vec<bool>,
     count: usize,
     pinned: Option<usize>,
+    /// Norm of the free columns together: by how much the rows see free coefficients that are all off by one.
+    seen: f64,
 }
 
 impl Free {
@@ -39,7 +41,8 @@ impl Free {
         let flags: Vec<bool> = diagonal.iter().map(|d| *d < NEARLY_FREE * NEARLY_FREE * median).collect();
         let flags = with_rim(flags, &diagonal, median, matrix.shape().basis);
         let count = flags.iter().filter(|f| **f).count();
-        if count == 0 { Free::default() } else { Free { flags, count, pinned: None } }
+        let squares = diagonal.iter().zip(&flags).filter(|(_, free)| **free).map(|(d, _)| d).sum::<f64>();
+        if count == 0 { Free::default() } else { Free { flags, count, pinned: None, seen: squares.sqrt() } }
     }
 
     /// The same with the constant held still: the best determined coefficient that is not free is pinned to zero.
@@ -64,6 +67,11 @@ impl Free {
     /// Number of free unknowns, without the pinned one.
     pub(crate) fn count(&self) -> usize {
         self.count
+    }
+
+    /// Norm of the free unknowns' columns of E together.
+    pub(crate) fn seen(&self) -> f64 {
+        self.seen
     }
 
     /// Whether unknown `u` is free; the pinned one is not.

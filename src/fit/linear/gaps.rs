@@ -7,6 +7,12 @@
 //!
 //! The two are solved alternately. Mostly so few data reach F that a handful of alternations settles both; where they reach
 //! farther, alternation is slow or diverges, and its fixed point is solved for.
+//!
+//! Rounding in the first system moves the free coefficients, and by their rows the others:
+//!
+//! ```text
+//! |dc_F|  <=  k u | |P_FF^-1| |P||c| |,     |D^-1 dc_D|  <=  |(E_D D)^+| |E_F dc_F|        k the roundings of an entry of P
+//! ```
 
 use faer::linalg::solvers::Solve;
 
@@ -14,8 +20,8 @@ use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
-use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows};
-use crate::observation::roughness_matrix;
+use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows, inverse_norm1_estimate};
+use crate::observation::{roughness_matrix, roundings};
 use crate::solve::{Cholesky, Factor, SolveError};
 
 /// Alternations of the two solves at most; nearly free columns couple by less than 0.05^2, so 12 reach rounding.
@@ -56,24 +62,43 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     let gap = Gap { equations, factor: &*solution.factor, free, penalty, smooth };
     let mut c = vec![0.0; solution.coefficients.len()];
     let mut moved = f64::INFINITY;
+    let mut contraction = 1.0;
     let mut first = Vec::new();
     for alternation in 0..MAX_ALTERNATIONS {
+        let before = moved;
         moved = gap.alternate(&mut c);
+        contraction = moved / before;
         if alternation == 0 {
             first = c.clone();
         } else if moved <= STILL {
+            solution.filled = free.seen() * gap.rounding(&c);
             solution.coefficients = c;
             return Ok(());
         }
     }
+    // what all alternations that are not made would move
+    let mut amplified = if contraction < 1.0 { 1.0 / (1.0 - contraction) } else { f64::INFINITY };
+    solution.unsettled = moved * amplified;
     if free.count() <= MAX_DENSE
         && let Some(settled) = gap.settle(first)
     {
-        (c, moved, solution.enlarged) = settled;
+        (c, solution.unsettled) = (settled.coefficients, settled.off);
+        (amplified, solution.enlarged) = (settled.amplified, settled.enlarged);
     }
+    solution.filled = amplified * free.seen() * gap.rounding(&c);
     solution.coefficients = c;
-    solution.unsettled = moved;
     Ok(())
+}
+
+/// The fixed point of the alternation.
+struct Settled {
+    coefficients: Vec<f64>,
+    /// What the free ones can be off by, over the largest coefficient.
+    off: f64,
+    /// `|(I - M)^-1|`.
+    amplified: f64,
+    /// `|(I - M)^-1| (1 + |M|)`.
+    enlarged: f64,
 }
 
 impl Gap<'_> {
@@ -84,24 +109,22 @@ impl Gap<'_> {
         self.free.clear(&mut step);
         self.factor.solve(&mut step);
         c.iter_mut().zip(&step).for_each(|(c, d)| *c += d);
-        let mut held = c.to_vec();
-        self.free.clear(&mut held);
+        // as a correction, so that the turns refine what the factor of P_FF has rounded
         let mut bent = vec![0.0; c.len()];
-        self.penalty.multiply(&held, &mut bent);
+        self.penalty.multiply(c, &mut bent);
         for (u, b) in bent.iter_mut().enumerate() {
             *b = if self.free.has(u) { -*b } else { 0.0 };
         }
         self.smooth.solve(&mut bent);
-        (0..c.len()).filter(|&u| self.free.has(u)).for_each(|u| c[u] = bent[u]);
+        (0..c.len()).filter(|&u| self.free.has(u)).for_each(|u| c[u] += bent[u]);
         let largest = c.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let moved = before.iter().zip(&*c).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
         if largest > 0.0 { moved / largest } else { 0.0 }
     }
 
     /// Where one alternation takes the free coefficients `x` to `t + M x`, those with `(I - M) x = t`, by a dense factor of
-    /// I - M; what they can be off by, `|(I - M)^-1|` times the next alternation's move; and `|(I - M)^-1| (1 + |M|)`. `None`
-    /// where not finite.
-    fn settle(&self, mut c: Vec<f64>) -> Option<(Vec<f64>, f64, f64)> {
+    /// I - M. They can be off by `|(I - M)^-1|` times the next alternation's move. `None` where not finite.
+    fn settle(&self, mut c: Vec<f64>) -> Option<Settled> {
         let list = self.free.list();
         let size = c.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
         let of_free = |c: &[f64]| list.iter().map(|&u| c[u]).collect::<Vec<f64>>();
@@ -142,7 +165,26 @@ impl Gap<'_> {
             }
         }
         let off = amplified * moved.max(STILL);
-        (off.is_finite() && enlarged.is_finite()).then_some((c, off, enlarged))
+        (off.is_finite() && enlarged.is_finite()).then_some(Settled { coefficients: c, off, amplified, enlarged })
+    }
+
+    /// What rounding in P can move a free coefficient by: `k u | |P_FF^-1| |P||c| |`, the norm estimated as LAPACK does for its
+    /// forward errors.
+    fn rounding(&self, c: &[f64]) -> f64 {
+        let (mut sizes, magnitudes) = (vec![0.0; c.len()], c.iter().map(|v| v.abs()).collect::<Vec<f64>>());
+        let mut penalty = self.penalty.clone();
+        penalty.values_mut().iter_mut().for_each(|v| *v = v.abs());
+        penalty.multiply(&magnitudes, &mut sizes);
+        let scale = |v: &mut [f64]| (0..v.len()).for_each(|u| v[u] *= if self.free.has(u) { sizes[u] } else { 0.0 });
+        let after = |v: &mut [f64]| {
+            self.smooth.solve(v);
+            scale(v);
+        };
+        let before = |v: &mut [f64]| {
+            scale(v);
+            self.smooth.solve(v);
+        };
+        0.5 * f64::EPSILON * roundings(self.penalty.shape().degree) * inverse_norm1_estimate(c.len(), after, before)
     }
 }
 

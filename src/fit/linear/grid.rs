@@ -76,6 +76,7 @@ pub(super) fn solve(
         refinement_gain: 1.0,
         unsettled: 0.0,
         enlarged: 1.0,
+        filled: 0.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)

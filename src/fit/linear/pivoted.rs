@@ -52,6 +52,7 @@ pub(super) fn by_pivoted_qr(
         refinement_gain: 1.0,
         unsettled: 0.0,
         enlarged: 1.0,
+        filled: 0.0,
     })
 }
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use crate::fit::FitError;
-use crate::fit::linear::cholesky;
+use crate::fit::linear::cholesky::{self, NormalFactor};
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::pivoted::by_pivoted_qr;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};
-use crate::fit::linear::solution::Solution;
+use crate::fit::linear::solution::{BEYOND_CHOLESKY, Solution};
 use crate::fit::options::method::MethodUsed;
 use crate::linalg::{Sites, StencilMatrix};
 use crate::observation::roughness_row_count;
@@ -62,6 +62,7 @@ pub(super) fn by_qr(
         refinement_gain: 1.0,
         unsettled: 0.0,
         enlarged: 1.0,
+        filled: 0.0,
     };
     refine(equations, &mut solution, free);
     Ok(solution)
@@ -74,7 +75,7 @@ fn dense_rows(equations: &Equations) -> usize {
 }
 
 /// With gaps or roughness the normal matrix is factored whatever its condition, and refinement from the rows regains the
-/// digits; where there is no such answer, small problems take the rank-revealing QR, with rows for the roughness.
+/// digits; where there is no such answer, or the factor may be rounding, small problems take the rank-revealing QR, with rows for the roughness.
 fn by_masked_cholesky(
     equations: &Equations,
     matrix: &StencilMatrix,
@@ -82,7 +83,9 @@ fn by_masked_cholesky(
     reasons: Vec<Reason>,
     dense: bool,
 ) -> Result<Solution, FitError> {
+    let is_rounding = |f: &NormalFactor| f.doubtful_condition.is_some_and(|condition| condition > BEYOND_CHOLESKY);
     let fault = match cholesky::factor(matrix, free) {
+        Ok(factor) if dense && is_rounding(&factor) => return by_pivoted_qr(equations, reasons, free),
         Ok(factor) => match factor.solve(equations, free, reasons.clone(), Refinement::UntilStill) {
             Ok(solution) => return Ok(solution),
             Err(gap) => FitError::from(gap),

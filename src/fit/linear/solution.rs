@@ -7,6 +7,10 @@ use crate::fit::linear::reasons::Reason;
 use crate::fit::options::method::MethodUsed;
 use crate::solve::Factor;
 
+/// Condition of the rows beyond which a Cholesky factor, of whose matrix it is the root of the condition, may be rounding: the
+/// estimate can then be too small by any factor.
+pub(crate) const BEYOND_CHOLESKY: f64 = 1e7;
+
 /// Coefficients with the factor and the record of how they came about.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -32,6 +36,8 @@ pub struct Solution {
     pub unsettled: f64,
     /// By how much the coefficients without data enlarge what the others are off by; 1 where the two settle by turns.
     pub enlarged: f64,
+    /// What rounding in the coefficients without data can move the rows by, `|E_F dc_F|_2`.
+    pub filled: f64,
 }
 
 impl Solution {

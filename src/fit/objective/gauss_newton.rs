@@ -19,6 +19,11 @@ use crate::observation::{angular_residual_squared, linearise_normals};
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
 /// nearby.
 const MAX_STEPS: usize = 200;
+/// Steps that do not halve the least move so far, after which moves below [`AT_ROUNDING`] are taken for rounding: badly
+/// conditioned rows never come to rest at 1e-10. Slowly shrinking steps, a third and more of the last one, halve sooner.
+const AT_REST: usize = 20;
+/// Moves above this are no rounding.
+const AT_ROUNDING: f64 = 1e-6;
 /// Halvings of one step at most: where 2^-30 of it does not lower the objective, the point is stationary to rounding.
 const MAX_HALVINGS: usize = 30;
 /// Polishing steps at most: each, with the extrapolation between them, gains one to four of the last six digits.
@@ -85,6 +90,7 @@ impl NormalProblem<'_> {
         };
         let mut value = self.objective(&current);
         let mut moved = f64::INFINITY;
+        let (mut least, mut least_at) = (f64::INFINITY, 0);
         for steps in 1..=MAX_STEPS {
             let equations = self.linearised(&current);
             let mut solution = linear::solve_intermediate(&equations, self.method)?;
@@ -95,7 +101,11 @@ impl NormalProblem<'_> {
             moved /= largest.max(f64::MIN_POSITIVE);
             let contraction = moved / before;
             (current, value) = (next, next_value);
-            if moved <= tolerance {
+            if moved < 0.5 * least {
+                (least, least_at) = (moved, steps);
+            }
+            let is_at_rest = steps - least_at >= AT_REST && least <= AT_ROUNDING;
+            if moved <= tolerance || is_at_rest {
                 solution.coefficients = current;
                 return Ok(Minimum { equations, solution, steps, moved, contraction });
             }

@@ -99,7 +99,8 @@ fn reweight(
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
         let declared = with_scales(patch, data, options, scales);
-        let mut fitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared)?;
+        let refitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared);
+        let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
         let is_last = moved < CONVERGED || step == MAX_STEPS;
         if is_last {
             let estimated = declared.objective != options.objective;
@@ -111,6 +112,18 @@ fn reweight(
         }
     }
     Ok(found)
+}
+
+/// More contacts would not help where it is the loss that has taken their weight.
+fn too_few_left(fault: FitError, loss: Loss) -> FitError {
+    match (fault, loss) {
+        (FitError::TooFew { equations, unknowns, .. }, Loss::Tukey) => FitError::Option {
+            option: "robust",
+            value: format!("tukey, which leaves {equations} equations of some weight for {unknowns} unknowns"),
+            expected: "take huber, under which every contact keeps some weight, or lower degree or segments",
+        },
+        (fault, _) => fault,
+    }
 }
 
 impl Loss {

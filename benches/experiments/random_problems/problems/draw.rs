@@ -68,6 +68,11 @@ pub(crate) struct RandomProblem {
 
 /// The problem of this seed and number; problems without full rank are drawn again, under the next `attempt`.
 pub(crate) fn draw(seed: u64, number: u64, attempt: u64) -> RandomProblem {
+    draw_with(seed, number, attempt, 0)
+}
+
+/// The same with at least so many contacts.
+pub(crate) fn draw_with(seed: u64, number: u64, attempt: u64, least: usize) -> RandomProblem {
     let lcg = &mut Lcg::new(mixed(mixed(mixed(seed) ^ number) ^ attempt));
     let family = pick(lcg, &FAMILIES);
     let [degree, segments] = orders(lcg, family);
@@ -75,6 +80,7 @@ pub(crate) fn draw(seed: u64, number: u64, attempt: u64) -> RandomProblem {
     let feels = feels(lcg, family);
     let rows_each = if feels == Feels::Heights { 1.0 } else { 3.0 };
     let count = ((1.1 + 3.0 * lcg.uniform()) * unknowns as f64 / rows_each) as usize + 3;
+    let count = count.max(least);
     let place = Place::draw(lcg);
     let noise = match family {
         Family::Normals | Family::Robust | Family::Estimated => pick(lcg, &[1e-4, 1e-3, 1e-2, 0.1]),

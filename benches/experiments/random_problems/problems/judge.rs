@@ -123,16 +123,18 @@ fn knots_of(problem: &RandomProblem) -> [Knots; 2] {
 /// The problem as it is written: weights as given, or as the fit found them.
 fn written<'a>(problem: &'a RandomProblem, knots: &'a [Knots; 2], fit: Option<&Fit>) -> Written<'a> {
     let found = fit.filter(|_| is_weighted_by_fit(problem));
-    let (weights, lambda) = match found {
-        Some(fit) => found_weights(problem, fit),
+    let (weights, mut lambda) = match found {
+        Some(fit) => (found_weights(problem, fit), Dd::ZERO),
         None => given_weights(problem),
     };
+    if let (Some(fit), Smooth::Auto) = (fit, problem.options.smooth) {
+        lambda = Dd::new(fit.smoothing());
+    }
     Written { contacts: &problem.contacts, degree: problem.options.degree, knots, weights, lambda }
 }
 
 fn is_weighted_by_fit(problem: &RandomProblem) -> bool {
-    let found = matches!(problem.family, Family::Robust | Family::Estimated);
-    found || problem.options.smooth == Smooth::Auto
+    matches!(problem.family, Family::Robust | Family::Estimated)
 }
 
 fn given_weights(problem: &RandomProblem) -> (Vec<[Dd; 3]>, Dd) {
@@ -149,15 +151,16 @@ fn given_weights(problem: &RandomProblem) -> (Vec<[Dd; 3]>, Dd) {
     ((0..problem.contacts.len()).map(at).collect(), Dd::new(lambda))
 }
 
-/// Those of the last equations, whose heights are in units of the patch.
-fn found_weights(problem: &RandomProblem, fit: &Fit) -> (Vec<[Dd; 3]>, Dd) {
+/// Those of the last equations, whose heights are in units of the patch. A hundred contacts and more stand there in the order of
+/// the knot cells; families whose weights are found have fewer.
+fn found_weights(problem: &RandomProblem, fit: &Fit) -> Vec<[Dd; 3]> {
+    assert!(problem.contacts.len() < 100, "{} contacts may be in another order", problem.contacts.len());
     let (equations, scale) = (fit.equations(), Dd::new(fit.frame().scale));
     let at = |r: usize| {
         let m = equations.row_weights.at(r);
         [Dd::new(m.z) / scale, Dd::new(m.a), Dd::new(m.d)]
     };
-    let lambda = equations.roughness.as_ref().map_or(0.0, |(lambda, _)| *lambda);
-    ((0..problem.contacts.len()).map(at).collect(), Dd::new(lambda))
+    (0..problem.contacts.len()).map(at).collect()
 }
 
 fn normal_rows<'a>(written: &'a Written<'a>, fit: &Fit) -> Option<NormalRows<'a>> {
