@@ -8,8 +8,6 @@
 //! The process of G. E. Uhlenbeck and L. S. Ornstein, *Phys. Rev.* 36 (1930) 823, which forgets everything but the last
 //! touch, so that whitening takes one subtraction.
 
-use std::collections::HashMap;
-
 use crate::contact::Contacts;
 
 /// Fewest steps along fingers from which a correlation could be told.
@@ -35,14 +33,12 @@ impl Fingers {
         let station = |r: usize| contacts.station.as_ref().map_or(0, |s| s[r]);
         let mut order: Vec<usize> = (0..contacts.len()).filter(|&r| counts(r)).collect();
         order.sort_unstable_by_key(|&r| (finger[r], station(r), number(r)));
-        let mut last: HashMap<u32, usize> = HashMap::new();
         let mut links = Vec::new();
-        for r in order {
-            if let Some(before) = last.insert(finger[r], r) {
-                let along = |column: &[f64]| column[r] - column[before];
-                let distance = along(&contacts.x).hypot(along(&contacts.y)).hypot(along(&contacts.z));
-                links.push((r as u32, before as u32, distance));
-            }
+        for (before, r) in order.iter().zip(order.iter().skip(1)).filter(|(before, r)| finger[**before] == finger[**r])
+        {
+            let along = |column: &[f64]| column[*r] - column[*before];
+            let distance = along(&contacts.x).hypot(along(&contacts.y)).hypot(along(&contacts.z));
+            links.push((*r as u32, *before as u32, distance));
         }
         let mut steps: Vec<f64> = links.iter().map(|l| l.2).filter(|d| *d > 0.0).collect();
         if steps.len() < FEWEST {

@@ -146,7 +146,7 @@ impl Levels {
     /// Standard uncertainty of `g'c` about the fit's own value, and the degrees of freedom of Student's law with the same
     /// variance and kurtosis.
     pub(crate) fn uncertainty(&self, gradient: &[f64]) -> [f64; 2] {
-        student(self.moments(gradient, |_| true))
+        student(self.moments(gradient, |_| true), self.freedom)
     }
 
     /// The same where an uncertainty with its degrees of freedom is right for independent errors; `above` is a factor by
@@ -159,10 +159,13 @@ impl Levels {
             if dof.is_finite() { (u * u * dof / (dof - 2.0), 3.0 * (dof - 2.0) / (dof - 4.0)) } else { (u * u, 3.0) };
         let [of_shared, fourth_of_shared] = self.moments(gradient, |set| set.correlations != [0.0; 2]);
         let own = 1.0 - shared;
-        student([
-            own * second + above * above * of_shared,
-            own * kurtosis * second * second + above.powi(4) * fourth_of_shared,
-        ])
+        student(
+            [
+                own * second + above * above * of_shared,
+                own * kurtosis * second * second + above.powi(4) * fourth_of_shared,
+            ],
+            if dof.is_finite() { self.freedom } else { f64::INFINITY },
+        )
     }
 
     fn moments(&self, gradient: &[f64], counts: impl Fn(&Set) -> bool) -> [f64; 2] {
@@ -205,10 +208,10 @@ impl Levels {
     }
 }
 
-/// Scale and degrees of freedom of Student's law with this variance and fourth moment.
-fn student([second, fourth]: [f64; 2]) -> [f64; 2] {
+/// Scale and degrees of freedom, as many as the data have at most, of Student's law with this variance and fourth moment.
+fn student([second, fourth]: [f64; 2], most: f64) -> [f64; 2] {
     let excess = fourth / (second * second) - 3.0;
-    let dof = if excess > 0.0 { 4.0 + 6.0 / excess } else { f64::INFINITY };
+    let dof = if excess > 0.0 { (4.0 + 6.0 / excess).min(most) } else { most };
     let scale = if dof.is_finite() { (dof - 2.0) / dof } else { 1.0 };
     [(second * scale).max(0.0).sqrt(), if second > 0.0 { dof } else { f64::INFINITY }]
 }
