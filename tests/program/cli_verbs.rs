@@ -35,8 +35,7 @@ fn run_without_anything_tells_the_shape_of_the_cylinder() {
     let directory = tempfile::tempdir().unwrap();
     let table = text(directory.path(), &["run"]);
     assert!(
-        table.contains("shape      ridge: like the outside of a pipe")
-            && table.contains("0.5000   0.49999"),
+        table.contains("shape      ridge: like the outside of a pipe") && table.contains("0.5000   0.49999"),
         "{table}"
     );
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
