@@ -2,7 +2,9 @@
 
 use super::attribution::{Attribution, attribute};
 use super::control::{ControlTally, LinearControl};
-use super::engine::{Engine, Values};
+use super::engine::Engine;
+#[cfg(feature = "cli")]
+use super::engine::Values;
 use super::error::StudyError;
 use super::linear_law::{LinearLaw, linear_law};
 use super::options::{StudyOptions, Tolerance};
@@ -45,6 +47,7 @@ pub struct Progress<'a> {
     /// One past the last replicate there will be, as far as is known.
     pub end: u64,
     /// The replicates just done, with their numbers and failures.
+    #[cfg(feature = "cli")]
     pub(crate) values: &'a Values,
 }
 
@@ -159,7 +162,14 @@ impl Study {
                 state.look(&values, self.options.level);
             }
             state.take(&values, self.options.level);
-            if !watch(&Progress { state: &state, columns: &values.columns, end, values: &values }) {
+            let progress = Progress {
+                state: &state,
+                columns: &values.columns,
+                end,
+                #[cfg(feature = "cli")]
+                values: &values,
+            };
+            if !watch(&progress) {
                 return Ok((state, Stopped::Budget));
             }
         }

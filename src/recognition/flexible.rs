@@ -52,6 +52,7 @@ pub(crate) struct Flexible {
     /// The fit to all contacts.
     pub(crate) fit: Fit,
     /// Segments tried, with the root mean square error of contacts left out.
+    #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "only the program says what was tried"))]
     pub(crate) tried: Vec<([usize; 2], f64)>,
     /// That error of the number taken.
     pub(crate) error: f64,

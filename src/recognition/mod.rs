@@ -79,7 +79,9 @@ pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
 pub(crate) use neighbours::Neighbours;
 // free-form parts are described by the same field as contacts that no simple shape explains
-pub(crate) use flexible::{Flexible, flexible};
+#[cfg(feature = "cli")]
+pub(crate) use flexible::Flexible;
+pub(crate) use flexible::flexible;
 pub use options::RecognitionOptions;
 pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]

@@ -219,7 +219,7 @@ pub struct MapPoint {
     pub u_curvedness: f64,
 }
 
-/// The answer of [`recognise`](super::recognise).
+/// The answer of [`Recognition::of`].
 #[derive(Clone, Debug)]
 pub struct Recognition {
     /// The hypothesis of largest weight.

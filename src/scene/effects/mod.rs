@@ -31,6 +31,7 @@ mod row_noise;
 mod slip;
 mod tip_radius_error;
 
+#[cfg(feature = "cli")]
 pub(crate) use arm::{Arm, Link};
 pub(crate) use dropout::Dropout;
 pub(crate) use encoder::Encoder;

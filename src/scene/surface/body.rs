@@ -21,6 +21,7 @@ macro_rules! bodies {
 
         impl Body {
             /// The words for bodies in scene files.
+            #[cfg(feature = "cli")]
             pub(crate) const KINDS: &'static [&'static str] = &["plane", $($name,)* "imported"];
 
             /// The word for this body in scene files.

@@ -42,6 +42,7 @@ pub(crate) use paraboloid::Paraboloid;
 pub(crate) use pose::Pose;
 pub(crate) use saddle::Saddle;
 pub(crate) use sinusoid::Sinusoid;
+#[cfg(feature = "cli")]
 pub(crate) use solid::SolidShape;
 pub use solids::Solid;
 pub(crate) use solids::Solids;

@@ -85,6 +85,7 @@ pub(super) enum Face {
 
 impl SolidShape {
     /// The words of scene files.
+    #[cfg(feature = "cli")]
     pub(crate) const KINDS: [&'static str; 5] = ["block", "ball", "bar", "frustum", "ring"];
 
     pub(super) fn faces(&self) -> Vec<Face> {
@@ -163,6 +164,7 @@ impl SolidShape {
 }
 
 impl Face {
+    #[cfg(feature = "cli")]
     pub(super) fn word(&self) -> &'static str {
         match self {
             Face::Rectangle { .. } | Face::Disc { .. } => "plane",

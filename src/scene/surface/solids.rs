@@ -169,6 +169,7 @@ impl Solids {
     }
 
     /// The kinds of all faces, in the order in which [`Solids::face_at`] numbers them.
+    #[cfg(feature = "cli")]
     pub(crate) fn face_kinds(&self) -> Vec<&'static str> {
         self.faces().iter().map(|(_, face)| face.word()).collect()
     }
