@@ -228,13 +228,17 @@ fn what_is_not_understood_is_told_what_it_looks_like() {
         archive.finish().unwrap().into_inner()
     };
     let no_x = String::from_utf8_lossy(&pcd("ascii", 0, b"")).replace("FIELDS x", "FIELDS q");
+    let counted = |x: usize| String::from_utf8_lossy(&pcd("ascii", 0, b"")).replace("COUNT 1", &format!("COUNT {x}"));
+    let (without, twice) = (counted(0), counted(2));
     let cut = pcd_binary();
-    let cases: [(&str, &[u8], &[&str]); 13] = [
+    let cases: [(&str, &[u8], &[&str]); 15] = [
         ("a.csv", b"\xff\xd8\xff\xe0", &["a JPEG image", "CSV", "PCD"]),
         ("a.csv", b"<!doctype html>", &["HTML"]),
         ("a.csv", b"{\"x\": [1]}", &["JSON"]),
         ("a.xlsx", &workbook, &["an Excel workbook"]),
         ("a.pcd", no_x.as_bytes(), &["no column x", "q,y,z"]),
+        ("a.pcd", without.as_bytes(), &["the COUNT of x is 0; it must be 1"]),
+        ("a.pcd", twice.as_bytes(), &["the COUNT of x is 2; it must be 1"]),
         ("a.pcd", &cut[..cut.len() - 1], &["3 points of 27 bytes", "cut short"]),
         ("a.pcd", b"x,y,z\n", &["PCD", "DATA"]),
         ("a.stl", b"x,y,z\n", &["STL", "solid"]),

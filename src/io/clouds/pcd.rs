@@ -54,6 +54,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     let mut columns = Columns::named(file, &names, Need::Contacts)?;
     let wanted: Vec<Option<Column>> =
         ours.iter().map(|name| Column::of(name).filter(|column| columns.has(*column))).collect();
+    one_number_each(&header, &wanted).map_err(wrong)?;
     let (numbers, unit) = match header.data.as_str() {
         "ascii" => (read_ascii(file, &header, body, &wanted, &mut columns, options)?, Unit::Line),
         "binary" => {
@@ -73,6 +74,14 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
         reading.notes.push(format!("{missing} points without a measurement (x, y, z all NaN) left out"));
     }
     Ok(reading)
+}
+
+/// Refuses a coordinate with more or fewer numbers than one a point: which of them would be the coordinate is not said.
+fn one_number_each(header: &Header, wanted: &[Option<Column>]) -> Result<(), String> {
+    match header.fields.iter().zip(wanted).find(|(field, column)| column.is_some() && field.count != 1) {
+        Some((field, _)) => Err(format!("the COUNT of {} is {}; it must be 1", field.name, field.count)),
+        None => Ok(()),
+    }
 }
 
 /// The rows that hold a measurement, and the number of the others.
@@ -197,7 +206,7 @@ fn read_binary(header: &Header, body: &[u8], wanted: &[Option<Column>], columns:
     let (row_bytes, all) = header.body_bytes(body.len())?;
     let mut start = 0;
     for (field, column) in header.fields.iter().zip(wanted) {
-        if let Some(column) = column.filter(|_| field.count == 1) {
+        if let Some(column) = *column {
             let value = |row: &[u8]| field.decode(&row[start..start + field.size]);
             columns.set(column, body[..all].chunks_exact(row_bytes).map(value).collect());
         }
@@ -222,7 +231,7 @@ fn read_compressed(
     let mut start = 0;
     for (field, column) in header.fields.iter().zip(wanted) {
         let bytes = field.size * field.count * header.points;
-        if let Some(column) = column.filter(|_| field.count == 1) {
+        if let Some(column) = *column {
             let values = content[..all][start..start + bytes].chunks_exact(field.size);
             columns.set(column, values.map(|value| field.decode(value)).collect());
         }
