@@ -14,10 +14,10 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::cloud::{Cloud, LINKED};
+use super::cloud::{Cloud, FEWEST, LINKED};
 use super::descent::{Descended, Sample, share_of_distances};
 use super::evidence::Cells;
-use super::hypothesis::sampled;
+use super::hypothesis::{CAP, cost, sampled};
 use super::local::{Noise, ROUNDING};
 use super::partition::exact;
 use super::primitive::Primitive;
@@ -43,25 +43,36 @@ pub(super) struct Exact {
     pub(super) shared: f64,
 }
 
-/// Fits until the noise has settled.
+/// Fits until the noise has settled, to the points that the primitive explains.
 pub(super) fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise, cells: &Cells) -> Option<Exact> {
     let mut noise = *coarse;
-    let mut descended = exact(cloud, inner, start, &noise)?;
+    let mut kept = explained(cloud, inner, start, coarse);
+    let mut descended = exact(cloud, &kept, start, &noise)?;
     for _ in 0..4 {
-        let next = noise_of(cloud, inner, &descended, &noise);
+        kept = explained(cloud, inner, &descended.primitive, coarse);
+        let next = noise_of(cloud, &kept, &descended, &noise);
         let settled = (next.distance / noise.distance - 1.0).abs().max((next.normal / noise.normal - 1.0).abs()) < 1e-4;
         noise = next;
-        descended = exact(cloud, inner, &descended.primitive, &noise)?;
+        descended = exact(cloud, &kept, &descended.primitive, &noise)?;
         if settled {
             break;
         }
     }
+    let inner = &kept;
     let share = share(cloud, inner, &descended, &noise);
     let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
     let distance = |i: u32| descended.primitive.nearest(cloud.points[i as usize]).0;
     let residuals: Vec<(u32, f64)> = inner.iter().map(|&i| (i, distance(i))).collect();
     let shared = cells.shared(&residuals);
     Some(Exact { descended, noise, p, departure, shared })
+}
+
+/// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
+/// cone's top turn its half angle by five uncertainties.
+fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
+    let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
+    let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
+    if kept.len() >= FEWEST { kept } else { inner.to_vec() }
 }
 
 /// The unknowns that the distances determine.

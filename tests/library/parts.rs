@@ -84,3 +84,24 @@ fn the_order_of_the_contacts_does_not_matter() {
         assert!((a - b).abs() < 1e-3 * a, "{a} {b}");
     }
 }
+
+/// A dozen contacts of the top, too few to be a part, have the cone's label and must not turn its half angle.
+#[test]
+fn a_face_too_small_to_be_a_part_leaves_the_cone_as_it_is() {
+    const BODIES: u64 = 8;
+    let half_angle = (6.0_f64 - 1.2).atan2(10.0).to_degrees();
+    let cone = || Solid::frustum(6.0, 1.2, 10.0).moved([0.0, 0.0, 10.0]);
+    let mut squares = 0.0;
+    for seed in 1..=BODIES {
+        let world = World::new(Surface::solids(vec![Solid::bar(6.0, 10.0), cone()]), Sweep::scan(0.6, None))
+            .with(Effect::position_noise([0.02; 3]))
+            .with(Effect::normal_noise(2.0));
+        let parts = found(&world.compile().unwrap().simulate(seed, 0).0);
+        let part = parts.parts.iter().find(|part| part.kind == PartKind::Cone).unwrap();
+        let error = part.geometry.half_angle_deg.unwrap() - half_angle;
+        assert_ne!(part.rejected, Some(true), "seed {seed}: p = {:?}", part.p);
+        squares += (error / part.u.half_angle_deg.unwrap()).powi(2);
+    }
+    // chi-square of 8 exceeds 26.1 once in a thousand
+    assert!(squares < 26.1, "{squares}");
+}
