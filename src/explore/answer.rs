@@ -11,6 +11,7 @@ use crate::recognition::{Estimate, Recognition, RecognitionOptions};
 use crate::scene::Truth;
 use crate::shape::compare_with_truth;
 
+use super::departure::{Departure, departure};
 use super::model::{fit_of, planning_fit};
 use super::richer::richer_p;
 
@@ -112,6 +113,11 @@ impl Answer {
     /// Probability of so good an explanation by a richer spline, if what was recognised were all there is.
     pub(super) fn richer_p(&self, contacts: &Contacts) -> Option<f64> {
         if let Answer::Recognised(found) = self { richer_p(contacts, found) } else { None }
+    }
+
+    /// How the contacts depart from what was recognised.
+    pub(super) fn departure(&self, contacts: &Contacts) -> Option<Departure> {
+        if let Answer::Recognised(found) = self { departure(contacts, found) } else { None }
     }
 
     /// The fit whose covariance touches are planned by; `None` where the contacts are too few for one.

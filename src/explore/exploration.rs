@@ -89,6 +89,7 @@ pub fn explore(
         let left = options.contacts - hand.swept - hand.touches.len();
         if options.goal.is_some() {
             look.richer_p = answer.richer_p(&contacts);
+            look.departure = answer.departure(&contacts);
             let shares = situation.attainable(left);
             look.attainable = look.noises().zip(shares).map(|(now, share)| [0, 1].map(|q| now[q] * share[q]));
         }

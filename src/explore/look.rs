@@ -4,6 +4,7 @@ use crate::recognition::Estimate;
 use crate::scene::Truth;
 
 use super::answer::Answer;
+use super::departure::Departure;
 
 /// Why it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +59,8 @@ pub struct Look {
     /// Probability of so good an explanation by a richer spline, if what was recognised were all there is; `None` without
     /// a goal, under a named model, and where contacts are too few to ask.
     pub richer_p: Option<f64>,
+    /// How the contacts depart from what was recognised; `None` as `richer_p` is.
+    pub(super) departure: Option<Departure>,
     /// Whether a named model answered.
     pub named: bool,
     /// Why there is no answer.
@@ -78,6 +81,7 @@ impl Look {
             support: answer.support(),
             attainable: None,
             richer_p: None,
+            departure: None,
             named: answer.is_named(),
             refused: answer.refused(),
         }

@@ -31,6 +31,7 @@
 mod answer;
 mod choice;
 mod covariance;
+mod departure;
 mod error;
 mod exploration;
 mod hand;

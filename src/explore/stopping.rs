@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! goal          u(S) <= u_s and u(R) <= u_r R, the total uncertainties, and no richer spline explains the contacts better
-//!               (p >= 0.1, asked from 15 contacts on), at two successive looks
+//!               (p >= 0.1, asked from 15 contacts on), nor does a likely departure move S or R by more than the goal, at two
+//!               successive looks
 //! noise         u_noise x (u after the whole budget / u now, both planned) > goal: no touch left can bring it down
-//! model         u_model > goal and no longer falling, or a richer spline better at every look for long: doubt about the kind
-//!               of surface, or errors that contacts share
+//! model         u_model > goal and no longer falling, or a richer spline or such a departure at every look for long: doubt
+//!               about the kind of surface, or errors that contacts share
 //! ```
 //!
 //! Whoever looks often and stops when an interval happens to be narrow stops too often where it is too narrow. The second
@@ -33,6 +34,11 @@ const OUT_OF_REACH: f64 = 1.3;
 /// falls below it, which costs a round; a smaller level overlooks more bumps that were taken for balls.
 const RICHER: f64 = 0.1;
 
+/// Below this p a departure of the lowest orders is thought likely. It counts only where S or R would move by more than the
+/// goal, so that a ball or a bar pays little for it. With 0.3 a third fewer balls come to the finer goal, and four bumps in five
+/// fewer to the coarser one (`benches/runs/explore.md`).
+const DEPARTS: f64 = 0.1;
+
 /// Looks over which u_model must have stood still, and the share by which it may fall while it stands still.
 const STILL: usize = 5;
 const STANDS: f64 = 0.9;
@@ -46,7 +52,16 @@ impl Goal {
 
     /// Whether the goal holds.
     pub(super) fn holds(&self, look: &Look) -> bool {
-        is_doubted_in_vain(look) && self.shares(look).is_some_and(|shares| shares.iter().all(|share| *share <= 1.0))
+        is_doubted_in_vain(look)
+            && !self.is_departed_from(look)
+            && self.shares(look).is_some_and(|shares| shares.iter().all(|share| *share <= 1.0))
+    }
+
+    /// Whether the contacts depart from what was recognised, and that moves S or R by more than the goal.
+    fn is_departed_from(&self, look: &Look) -> bool {
+        let (Some(departure), Some(r)) = (look.departure, look.curvedness) else { return false };
+        let moves = departure.shape_index.abs() > self.u_s || departure.curvedness.abs() > self.u_r * r.mean;
+        departure.p < DEPARTS && moves
     }
 
     /// Whether the looks so far end the exploration.
@@ -71,7 +86,8 @@ impl Goal {
                 })
             })
         };
-        let hopeless = |looks: &[Look]| stuck(looks) || looks.iter().all(is_refuted);
+        let hopeless =
+            |looks: &[Look]| stuck(looks) || looks.iter().all(|look| is_refuted(look) || self.is_departed_from(look));
         last(STILL).filter(|looks| hopeless(looks)).map(|_| Stopped::Model)
     }
 }

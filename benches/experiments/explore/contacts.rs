@@ -72,11 +72,38 @@ pub(crate) fn print(first: u64, objects: u64, noises: u64, model: Option<&FitOpt
     let mut strategies: Vec<(String, Strategy, bool)> =
         Strategy::WORDS.iter().map(|(word, strategy)| (word.to_string(), *strategy, false)).collect();
     strategies.push(("shape, lines of 5".into(), Strategy::Shape, true));
+    let mut all: Vec<(String, Vec<(u64, usize)>)> = Vec::new();
     for (name, strategy, lines) in strategies {
         let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();
         let found: Vec<(u64, usize)> =
             runs.par_iter().map(|&(o, n)| (o, until(o, n, strategy, lines, model).unwrap_or(usize::MAX))).collect();
         tell(&name, &found);
+        all.push((name, found));
+    }
+    tell_settled(&all);
+}
+
+/// Every strategy beside the first over the runs that both settle: those that neither does say nothing of planning.
+fn tell_settled(all: &[(String, Vec<(u64, usize)>)]) {
+    let Some(((first, of_first), others)) = all.split_first() else { return };
+    println!("over the runs that {first} settles, too:");
+    for (name, found) in others {
+        let both: Vec<(f64, f64)> = of_first
+            .iter()
+            .zip(found)
+            .filter(|(a, b)| a.1 != usize::MAX && b.1 != usize::MAX)
+            .map(|(a, b)| (a.1 as f64, b.1 as f64))
+            .collect();
+        let sums = both.iter().fold((0.0, 0.0), |sums, (a, b)| (sums.0 + a, sums.1 + b));
+        let mut ratios: Vec<f64> = both.iter().map(|(a, b)| b / a).collect();
+        ratios.sort_by(f64::total_cmp);
+        println!(
+            "{name:<22} {:>4} of {:>4} runs, contacts {:>5.2} of those of {first} in all, {:>5.2} in the median",
+            both.len(),
+            found.len(),
+            sums.1 / sums.0,
+            ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN),
+        );
     }
 }
 

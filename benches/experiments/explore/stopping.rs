@@ -2,7 +2,10 @@
 //!
 //! ```text
 //! share of stops at the goal whose 95 % interval holds the truth, for S and for R
+//! share of all looks after so many contacts whose interval does: what looking once would give
 //! ```
+//!
+//! Every stop whose interval does not hold the truth gets a line of its own.
 
 use palpate::FitOptions;
 use palpate::internals::explore::{Exploration, ExploreOptions, Goal, Look, Stopped, Strategy, explore};
@@ -40,19 +43,61 @@ fn one(first: u64, objects: u64, noises: u64, goal: Goal, model: Option<&FitOpti
         model.map_or("recognised".into(), |m| format!("named, degree {}", m.degree[0]))
     );
     let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();
-    let found: Vec<(u64, Exploration)> = runs
+    let found: Vec<(u64, u64, Exploration)> = runs
         .par_iter()
         .filter_map(|&(o, n)| {
             let options =
                 ExploreOptions { goal: Some(goal), model: model.cloned(), ..options(Strategy::Shape, n, BUDGET) };
-            Some((o, explore(&object(o), &options, |_| true).ok()?))
+            Some((o, n, explore(&object(o), &options, |_| true).ok()?))
         })
         .collect();
     println!("{:<14} {:>6} {:>9} {:>16} {:>16}   ended by", "kind", "stops", "contacts", "S held", "R held");
     for kind in KINDS.iter().map(Some).chain([None]) {
-        let own = found.iter().filter(|(o, _)| kind.is_none_or(|k| KINDS[(o % 6) as usize] == *k));
-        tell(kind.map_or("all", |k| k), &own.map(|(_, e)| e).collect::<Vec<_>>());
+        let own = found.iter().filter(|(o, _, _)| kind.is_none_or(|k| KINDS[(o % 6) as usize] == *k));
+        tell(kind.map_or("all", |k| k), &own.map(|(_, _, e)| e).collect::<Vec<_>>());
     }
+    found.iter().filter(|(_, _, e)| e.stopped == Stopped::Goal).for_each(|(o, n, e)| tell_miss(*o, *n, e));
+    tell_looks(&found);
+}
+
+/// A line for a stop of which an interval does not hold the truth.
+fn tell_miss(object: u64, noise: u64, exploration: &Exploration) {
+    let Some(look) = exploration.looks.last() else { return };
+    let [s, r] = held(look);
+    if s != Some(false) && r != Some(false) {
+        return;
+    }
+    let told = |name: &str, e: Option<palpate::recognition::Estimate>, truth: Option<f64>| {
+        let (Some(e), Some(truth)) = (e, truth) else { return format!("{name} -") };
+        format!("{name} {:.4} in {:.4} .. {:.4}, truth {truth:.4}", e.mean, e.interval[0], e.interval[1])
+    };
+    println!(
+        "  outside: {} {object}, noise {noise}, {} contacts, recognised as {}, p of a richer spline {}: {}; {}",
+        KINDS[(object % 6) as usize],
+        look.contacts,
+        look.kind.as_deref().unwrap_or("-"),
+        look.richer_p.map_or("-".into(), |p| format!("{p:.2}")),
+        told("S", look.shape_index, look.truth[0]),
+        told("R", look.curvedness, look.truth[1]),
+    );
+}
+
+/// Intervals of all looks by the number of contacts, whether the goal was met or not.
+fn tell_looks(found: &[(u64, u64, Exploration)]) {
+    print!("  all looks, S and R held, %:");
+    for contacts in [9, 15, 21, 30, 45, 60, 90] {
+        let looks: Vec<[Option<bool>; 2]> = found
+            .iter()
+            .filter_map(|(_, _, e)| e.looks.iter().find(|look| look.contacts == contacts))
+            .map(held)
+            .collect();
+        let share = |q: usize| {
+            let asked: Vec<bool> = looks.iter().filter_map(|h| h[q]).collect();
+            100.0 * asked.iter().filter(|h| **h).count() as f64 / asked.len().max(1) as f64
+        };
+        print!("  {contacts}: {:.0}, {:.0} ({})", share(0), share(1), looks.len());
+    }
+    println!();
 }
 
 fn tell(name: &str, found: &[&Exploration]) {
