@@ -83,21 +83,37 @@ impl Findings<'_> {
         let cloud = self.cloud;
         let [s, r] = mean_shape(cloud, primitive, members);
         let mean = (primitive.kind != PartKind::Plane).then_some(s);
+        let rejected = exact.and_then(|e| e.p).map(|p| p < REJECTED);
+        let mut u = exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members));
+        if rejected == Some(true) {
+            self.reach_the_spline(&mut u, mean, r, members);
+        }
         Part {
             id: 0,
             kind: primitive.kind,
             hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
             geometry: geometry(cloud, primitive),
-            u: exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members)),
+            u,
             class: Some(mean.map_or(ShapeClass::Plane, ShapeClass::of_shape_index)),
             shape_index: mean,
             curvedness: r / cloud.scale,
             points: members.len(),
             misfit: exact.map_or(0.0, |e| e.noise.distance * cloud.scale),
-            rejected: exact.and_then(|e| e.p).map(|p| p < REJECTED),
+            rejected,
             p: exact.and_then(|e| e.p),
             departure: exact.map_or(0.0, |e| e.departure * cloud.scale),
         }
+    }
+
+    /// A primitive that the data reject says nothing of S and R beyond what a spline through the same contacts leaves open:
+    /// their uncertainties reach to its S and R. (To take the spline's own would read a scanner's waves as shape.)
+    fn reach_the_spline(&self, u: &mut PartUncertainty, s: Option<f64>, r: f64, members: &[u32]) {
+        let Some(spline) = free_form(self.cloud, members) else { return };
+        let wider = |u: Option<f64>, off: f64| Some(u.unwrap_or(0.0).hypot(off));
+        if let (Some(s), Some((of_spline, _))) = (s, spline.shape_index) {
+            u.shape_index = wider(u.shape_index, of_spline - s);
+        }
+        u.curvedness = wider(u.curvedness, (spline.curvedness.0 - r) / self.cloud.scale);
     }
 
     /// By a spline of its own where one follows the region, else by the means over its contacts.

@@ -24,10 +24,11 @@ pub(crate) struct Drawn {
 }
 
 /// SplitMix64, which needs no state but a counter.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
+    /// The next number, even between the two.
+    pub(crate) fn between(&mut self, lo: f64, hi: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
