@@ -4,6 +4,7 @@ use super::chart::{precise, shown};
 use super::lengths::Lengths;
 use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::percent::percent;
+use crate::report::radius::radius_bounds;
 use crate::report::table::significant;
 use crate::report::words::like;
 
@@ -31,11 +32,12 @@ pub(super) fn finding(document: &FitDocument) -> String {
     };
     let mut words = format!("The patch is a {class}: {}.", like(class));
     if let Some(radius) = shape.radius {
-        let between = match (shape.radius_interval, shape.curvedness.level) {
-            (Some([lo, hi]), level) => {
-                let sure = level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
+        let sure = shape.curvedness.level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
+        let between = match radius_bounds(shape) {
+            [Some(lo), Some(hi)] => {
                 format!(" (between {} and {}{sure})", precise(lo, hi - lo), lengths.of_size(precise(hi, hi - lo)))
             }
+            [Some(lo), None] => format!(" (above {}{sure})", lengths.of_size(shown(lo))),
             _ => String::new(),
         };
         words.push_str(&format!(" Its radius is {}{between}.", lengths.of_size(shown(radius))));
