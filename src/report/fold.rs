@@ -22,9 +22,8 @@ fn fold(line: &str, hang: Option<usize>) -> String {
     let hang = " ".repeat(hang.unwrap_or(own));
     let (mut folded, mut columns) = (String::new(), 0);
     // the blanks before a word stay as they are where the line does not break there, so that columns keep their places
-    let mut words = line.split(' ');
     let mut gap = 0;
-    while let Some(word) = words.next() {
+    for word in line.split(' ') {
         if word.is_empty() {
             gap += 1;
             continue;

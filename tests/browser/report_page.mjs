@@ -214,6 +214,8 @@ async function body(kind) {
 /** Maps and charts: the values under the pointer, and by keys. */
 async function reads(kind, selector, wanted, number = 0) {
     const { page, name } = await open(kind);
+    // maps answer from the moment on at which the view starts
+    if (await page.locator("#stage").count()) await started(page);
     const mark = page.locator(selector).nth(number);
     await mark.scrollIntoViewIfNeeded();
     await mark.hover({ force: true });
@@ -225,6 +227,7 @@ async function reads(kind, selector, wanted, number = 0) {
 
 async function readsByKeys(kind) {
     const { page, name } = await open(kind);
+    await started(page);
     const map = page.locator("figure.map svg").first();
     await map.focus();
     await map.press("ArrowRight");

@@ -11,7 +11,7 @@ use super::lengths::Lengths;
 use super::perspective::picture;
 use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
-use super::words::{certificate, interval_of, named_level, noise};
+use super::words::{apart, certificate, interval_of, named_level, noise};
 use crate::report::document::{FitDocument, MeasurePart, ShapePart, SpreadPart};
 use crate::report::radius::radius_bounds;
 use crate::report::surface_view::{ContactsView, SurfaceView};
@@ -70,9 +70,7 @@ pub(super) fn cards(document: &FitDocument) -> String {
     if let Some(radius) = shape.radius {
         let level = named_level(shape.curvedness.level);
         let between = match radius_bounds(shape) {
-            [Some(lo), Some(hi)] => {
-                Some(format!("{level} interval {} to {}", precise(lo, hi - lo), precise(hi, hi - lo)))
-            }
+            [Some(lo), Some(hi)] => apart([lo, hi]).map(|[lo, hi]| format!("{level} interval {lo} to {hi}")),
             [Some(lo), None] => Some(format!("{level} sure to be above {}", shown(lo))),
             _ => None,
         };
@@ -91,9 +89,10 @@ fn axis_card(shape: &ShapePart) -> Option<String> {
     let known = |words: &dyn Fn(f64) -> String| within.map(|w| if w > OPEN { open() } else { words(w) });
     if let Some(degrees) = shape.axis_deg {
         let between = known(&|w| {
-            let [lo, hi] = [degrees - w, degrees + w];
-            format!("{level} interval {} to {}", precise(lo, hi - lo), precise(hi, hi - lo))
+            let ends = apart([degrees - w, degrees + w]);
+            ends.map_or(String::new(), |[lo, hi]| format!("{level} interval {lo} to {hi}"))
         });
+        let between = between.filter(|words| !words.is_empty());
         let lines: Vec<String> = between.into_iter().chain(["from x towards y".into()]).collect();
         return Some(card("Axis, degrees", &format!("{degrees:.1}"), &lines));
     }
