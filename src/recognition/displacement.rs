@@ -22,16 +22,15 @@ use super::cells::Cells;
 use super::constant_curvature::{ConstantCurvature, Jet};
 
 const DEGREE: usize = 4;
-/// Segments each way. With three, sums of bumps touched with little noise were bent too little, and their intervals held R in
-/// 89 of 100; with five they hold it in 97 and are narrower, at twice the time.
+/// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
+/// then taken for shared errors. Five take twice the time.
 const SEGMENTS: usize = 5;
 const WIDTH: usize = DEGREE + 1;
 
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
 
-/// Cells needed. Below 16 the prior alone decides what f is, which is right where an interval asks what else the surface may
-/// be: without it 15 touches held S in 77 of 100.
+/// Cells needed. Below 16 the prior decides most of f, which is right where an interval asks what else the surface may be.
 const FEWEST: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
