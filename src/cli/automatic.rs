@@ -4,6 +4,7 @@
 //! ```text
 //! a simple shape                 S, R, class and radius, with intervals that count doubt about the kind of surface
 //! too few to recognise           the height field of degree 2, with a note
+//! directions without heights     likewise, since what is recognised is a surface through points
 //! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
 //! a closed body, several sheets  an error that says what can be done
 //! ```
@@ -16,6 +17,7 @@ use crate::recognition::{FieldRequest, Flexible, Recognition, RecognitionError, 
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 
 use super::named::fit_input;
+use super::weighed::with_heights;
 
 /// What a user can do with contacts that are not one patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
@@ -36,6 +38,10 @@ const DOWNWARD: &str = "every normal points towards -z, and that side is taken f
 /// Note where nothing tells the free side of a flexible height field.
 const UPWARD: &str = "the sign of S takes +z for the free side: name a viewpoint where it is not";
 
+/// Note where the contacts are places and directions alone.
+const DIRECTIONS: &str = "the input has no heights (a column z), so that the shape is told from the directions alone, by a \
+     height field of degree 2";
+
 /// The answer to an input, with what is said beside it.
 #[derive(Debug)]
 pub(super) struct Found {
@@ -55,6 +61,18 @@ pub(super) enum Refusal {
 
 /// Recognises the input, or fits it where it cannot be recognised.
 pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
+    let Some((input, weighed)) = with_heights(input) else {
+        let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+        let notes = vec![DIRECTIONS.to_string()];
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
+    };
+    let mut found = recognised(&input, options, fit)?;
+    found.notes.extend(weighed);
+    Ok(found)
+}
+
+/// The same of an input whose heights all count.
+fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
     let found = match input {
         Input::Contacts(contacts) => Recognition::of(contacts, options),
         Input::Grid(grid) => Recognition::of_grid(grid, options),

@@ -36,5 +36,7 @@ pub(super) fn man() -> Result<(), Failure> {
         part.render_description_section(&mut page)?;
         part.render_options_section(&mut page)?;
     }
-    print(&mut |out| out.write_all(&page))
+    // every command stands on this page, and has none of its own
+    let page = String::from_utf8_lossy(&page).replace("palpate\\-", "palpate ").replace("(1)\n", "\n");
+    print(&mut |out| out.write_all(page.as_bytes()))
 }

@@ -133,7 +133,7 @@ impl Judged {
     }
 
     fn of_source(source: &Source) -> Result<Judged, Failure> {
-        let scene = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
+        let scene = source.scene()?;
         let surface = scene.world.surface.clone();
         Ok(Judged::new(scene, Family::of(&surface)))
     }

@@ -3,7 +3,7 @@
 pub(super) const ALL: &str = "\
 Examples:
   palpate run                        # a first answer, from a built-in scene
-  palpate fit contacts.csv           # your own contacts: a table with x, y, z and perhaps nx, ny, nz
+  palpate fit contacts.csv           # your own contacts: columns x, y, z, perhaps nx, ny, nz
   palpate explain S                  # what a word of the answer means
   palpate fit --help                 # every option of a command";
 

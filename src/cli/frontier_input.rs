@@ -1,6 +1,7 @@
 //! The frontier of measured contacts, judged by contacts that were left out.
 
 use std::path::Path;
+use std::time::Instant;
 
 use crate::contact::Contacts;
 use crate::fit::FitOptions;
@@ -10,7 +11,7 @@ use crate::report::{FrontierDocument, FrontierRecord};
 
 use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
-use super::frontier_scene::{empty_document, pick_part};
+use super::frontier_scene::{done_share, empty_document, pick_part};
 
 /// The document of a file of contacts.
 pub(super) fn measure(
@@ -29,7 +30,12 @@ pub(super) fn measure(
             "{file}: a grid cannot be judged by pixels that were left out, which its neighbours nearly repeat; a frontier needs contacts or a scene"
         )));
     };
-    let measured = judged(args, &reading.file, contacts, watch)?;
+    let began = Instant::now();
+    let told = |done: usize, all: usize| {
+        spinner.part((100.0 * done_share(began, args.seconds, [done, all])) as usize, 100);
+        watch(done, all)
+    };
+    let measured = judged(args, &reading.file, contacts, &told)?;
     drop(spinner);
     document(&reading.file, &measured, request)
 }

@@ -1,5 +1,7 @@
 //! The frontiers of a scene, whose truth is known.
 
+use std::time::Instant;
+
 use crate::frontier::{
     Choice, Frontier, FrontierError, IntervalSubject, Measured, Point, REPLICATES, Request, SolverSubject, Stage,
     Subject, Watch, check_truth, cholesky_ends, choose, mark, mark_solvers, of_fit, of_replicate,
@@ -65,6 +67,12 @@ impl<'a> Frontiers<'a> {
 /// Steps that a watch is told of each frontier.
 const STEPS: usize = 100;
 
+/// How much is done of rounds that end after so many seconds or so many rounds, whichever comes first.
+pub(super) fn done_share(began: Instant, seconds: f64, [round, most]: [usize; 2]) -> f64 {
+    let by_time = began.elapsed().as_secs_f64() / seconds;
+    (round as f64 / most.max(1) as f64).max(by_time).clamp(0.0, 0.99)
+}
+
 /// What was measured of all three frontiers.
 struct Found {
     ways: Vec<Measured>,
@@ -78,8 +86,11 @@ impl Found {
         let steps = STEPS * (1 + usize::from(frontiers.solvers.is_some()) + usize::from(frontiers.intervals.is_some()));
         let part = |number: usize| move |round: usize, most: usize| watch(STEPS * number + STEPS * round / most, steps);
         let (ways, solvers, intervals) = (&frontiers.ways, &frontiers.solvers, &frontiers.intervals);
+        let began = Instant::now();
         let found = Found {
-            ways: ways.measure(seconds, &part(0)),
+            ways: ways.measure(seconds, &|round, most| {
+                watch((STEPS as f64 * done_share(began, seconds, [round, most])) as usize, steps)
+            }),
             solvers: solvers.as_ref().map_or(Vec::new(), |solvers| solvers.measure(&part(1))),
             intervals: intervals.as_ref().map_or(Vec::new(), |intervals| intervals.measure(&part(2))),
         };
@@ -95,7 +106,7 @@ pub(super) fn measure(
     request: Option<&Request>,
     watch: Watch<'_>,
 ) -> Result<Option<FrontierDocument>, Failure> {
-    let scene = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
+    let scene = source.scene()?;
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let seed = args.seed.unwrap_or(scene.seed);
     if args.counted {
@@ -108,7 +119,11 @@ pub(super) fn measure(
     if let Some(request) = request {
         check_truth(&frontiers.ways, request).map_err(wrong)?;
     }
-    let Some(mut found) = Found::measure(&frontiers, args.seconds, watch) else { return Ok(None) };
+    let told = |done: usize, all: usize| {
+        spinner.part(done, all);
+        watch(done, all)
+    };
+    let Some(mut found) = Found::measure(&frontiers, args.seconds, &told) else { return Ok(None) };
     let stages = if args.bare { Vec::new() } else { stages(&scene, seed).map_err(wrong)? };
     drop(spinner);
     let spinner = args.output.spinner("counting instructions");

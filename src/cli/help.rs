@@ -4,6 +4,7 @@ use clap::{Args, CommandFactory};
 
 use crate::io::scene_file::{scene_manual, scene_topics};
 use crate::io::visible;
+use crate::report::folded;
 
 use super::Line;
 use super::failure::Failure;
@@ -23,7 +24,7 @@ pub(super) fn help(args: &HelpArgs) -> Result<(), Failure> {
     command.build();
     let (topic, about) = (args.topic.as_deref(), args.about.as_deref());
     if topic == Some("scene") {
-        let text = scene_manual(about).map_err(Failure::Input)?;
+        let text = folded(&scene_manual(about).map_err(Failure::Input)?, None);
         return print(&mut |out| out.write_all(text.as_bytes()));
     }
     let verb = match topic {

@@ -48,6 +48,7 @@ mod study;
 mod study_plan;
 mod sweep;
 mod values;
+mod weighed;
 
 use std::process::ExitCode;
 
@@ -60,7 +61,7 @@ use failure::Failure;
 #[command(name = "palpate", version, max_term_width = 110, disable_help_subcommand = true)]
 #[command(after_help = examples::ALL)]
 struct Line {
-    /// The kernels' plain path on every machine, for the same bits; results by QR keep their library's instruction set
+    /// Compute so that every machine gives the same bits, more slowly (but for results by QR)
     #[arg(long, global = true)]
     portable: bool,
     #[command(subcommand)]
@@ -69,25 +70,25 @@ struct Line {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Sweep, fit and describe one scene
+    /// Touch a simulated world (a scene), fit the contacts and compare with the truth
     #[command(after_help = examples::RUN)]
     Run(Box<run::RunArgs>),
-    /// Write the contacts of a scene and nothing else
+    /// Touch a simulated world and write the contacts into a file
     #[command(after_help = examples::SIMULATE)]
     Simulate(simulate::SimulateArgs),
-    /// Fit a surface to contacts or a grid and describe its shape
+    /// Tell the shape of your own contacts, or of a grid of heights
     #[command(after_help = examples::FIT)]
     Fit(Box<fit::FitArgs>),
-    /// Repeat a scene's fit for noise: intervals of S and R, and which effect is to blame
+    /// Repeat a simulated measurement thousands of times: how S and R scatter, and which error is to blame
     #[command(after_help = examples::STUDY)]
     Study(Box<study_plan::StudyArgs>),
     /// What accuracy costs in time: ways of fitting a scene or a file, each timed and judged, and the one that meets a request
     #[command(after_help = examples::FRONTIER)]
     Frontier(frontier_args::FrontierArgs),
-    /// Join parts of a study made with --range to the bits of one run
+    /// Join parts of a study that were made with --range, as if they had been one run
     #[command(after_help = examples::MERGE)]
     Merge(merge::MergeArgs),
-    /// Sweep a scene, then touch where it tells most, until S and R are known well enough
+    /// Touch a simulated world where it tells most, until S and R are known well enough
     #[command(after_help = examples::EXPLORE)]
     Explore(Box<explore::ExploreArgs>),
     /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin

@@ -13,6 +13,9 @@ use crate::io::{ReadPhase, ReadProgress, Together, same_file, visible, watched, 
 use super::failure::Failure;
 use super::options::OutputFlags;
 
+/// Columns of words beside a bar: with the bar they fit a narrow terminal.
+const BRIEF: usize = 42;
+
 /// Fills one output.
 pub(super) type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>;
 
@@ -113,7 +116,7 @@ impl OutputFlags {
         if self.quiet {
             return Spinner(ProgressBar::hidden());
         }
-        let bar = ProgressBar::new_spinner().with_message(visible(&what.into())).with_style(waiting());
+        let bar = ProgressBar::new_spinner().with_message(brief(&what.into())).with_style(waiting());
         // short work ends before the first tick and shows nothing
         bar.enable_steady_tick(Duration::from_millis(250));
         Spinner(bar)
@@ -131,6 +134,19 @@ fn has_place(output: &Path) -> Result<(), Failure> {
     Err(Failure::Input(format!("{}: cannot be written: {why}", output.display())))
 }
 
+/// What is said beside a bar, at most [`BRIEF`] columns of it: the end of a path says more than its beginning.
+pub(super) fn brief(what: &str) -> String {
+    let shown = visible(what);
+    let columns = shown.chars().count();
+    if columns <= BRIEF {
+        return shown;
+    }
+    let (begin, end) = (BRIEF / 3, BRIEF - BRIEF / 3 - 3);
+    let head: String = shown.chars().take(begin).collect();
+    let tail: String = shown.chars().skip(columns - end).collect();
+    format!("{head}...{tail}")
+}
+
 /// The look of work whose end is not known.
 fn waiting() -> ProgressStyle {
     styled("{spinner} {msg}, {elapsed}")
@@ -141,11 +157,11 @@ fn reading(progress: &ReadProgress) -> ProgressStyle {
     let phase = match progress.phase {
         ReadPhase::Fetching => "",
         ReadPhase::Unpacking => " (unpacking)",
-        ReadPhase::Parsing => " (numbers)",
+        ReadPhase::Parsing => " (its numbers)",
     };
     match progress.total {
         Some(_) => {
-            styled(&format!("{{msg}}{phase} {{bar:24}} {{bytes}}/{{total_bytes}} {{bytes_per_sec}} {{eta}} left"))
+            styled(&format!("{{msg}}{phase} {{bar:20}} {{bytes}}/{{total_bytes}} {{bytes_per_sec}} {{eta}} left"))
         }
         None => styled(&format!("{{spinner}} {{msg}}{phase} {{bytes}} {{bytes_per_sec}}, {{elapsed}}")),
     }
@@ -162,7 +178,20 @@ impl Spinner {
     /// What is done from now on.
     pub(super) fn phase(&self, what: &str) {
         self.0.set_style(waiting());
-        self.0.set_message(visible(what));
+        self.0.set_message(brief(what));
+    }
+
+    /// A part of the work is done: from the first one on a bar shows how much, and how long the rest takes.
+    pub(super) fn part(&self, done: usize, all: usize) {
+        // asked far more often than anything changes
+        if done == 0 || done as u64 == self.0.position() {
+            return;
+        }
+        if self.0.position() == 0 {
+            self.0.set_style(styled("{msg} {bar:20} {percent} %, {eta} left"));
+        }
+        self.0.set_length(all as u64);
+        self.0.set_position(done as u64);
     }
 
     /// What reads a file while a bar shows how far it has come.
@@ -208,4 +237,18 @@ pub(super) fn with_bold_labels(text: &str) -> String {
 /// Writes to standard output, whole.
 pub(super) fn print(fill: Fill) -> Result<(), Failure> {
     Ok(write_atomically(Path::new("-"), fill)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_paths_are_cut_in_the_middle() {
+        assert_eq!(brief("reading a.csv"), "reading a.csv");
+        let cut = brief(&format!("reading /{}/the-last-scan.csv", "folder/".repeat(40)));
+        assert!(cut.starts_with("reading /") && cut.ends_with("the-last-scan.csv"), "{cut}");
+        assert_eq!(cut.chars().count(), BRIEF);
+        assert!(!brief("\u{1b}[31m").contains('\u{1b}'));
+    }
 }

@@ -22,6 +22,7 @@ use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 use super::scene;
+use super::weighed::is_without_heights;
 
 /// Arguments of `palpate parts`.
 #[derive(Args)]
@@ -168,6 +169,13 @@ fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
         Input::Contacts(contacts) => contacts,
         Input::Grid(grid) => contacts_of(&grid),
     };
+    if is_without_heights(&contacts) {
+        let what = "no column z: parts are cut from places in space, which need x, y and z";
+        return Err(Failure::Input(format!("{}: {what}", reading.file)));
+    }
+    if !reading.ignored.is_empty() {
+        notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
+    }
     Ok(Taken { name: reading.file, contacts, faces: None, viewpoint, scene: None, seed: None, notes })
 }
 

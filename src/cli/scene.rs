@@ -32,6 +32,11 @@ impl Source {
         Source { name: self.name.clone(), text, folder: self.folder.clone() }
     }
 
+    /// The scene it describes, or what to say to whoever named another kind of file.
+    pub(super) fn scene(&self) -> Result<SceneFile, Failure> {
+        self.read().map_err(|e| Failure::Input(format!("{}: {e}{}", self.name, for_contacts(&self.name))))
+    }
+
     /// The scene it describes.
     pub(super) fn read(&self) -> Result<SceneFile, SceneFileError> {
         let mut read = read_scene_with(&self.text, &|name| import_surface(&self.folder, name))?;
@@ -49,11 +54,14 @@ pub(super) fn source(scene: &str) -> Result<Source, Failure> {
         return Ok(Source { name: scene.into(), text: known.into_owned(), folder: PathBuf::new() });
     }
     if scene != "-" && !Path::new(scene).exists() {
+        let beside = format!("{scene}.toml");
+        let beside = if Path::new(&beside).exists() { format!(", but there is {beside}") } else { String::new() };
         let nearest = builtin(scene).err().map_or(String::new(), |e| e.to_string());
-        return Err(Failure::Input(format!("{scene}: there is no such file; {nearest}")));
+        return Err(Failure::Input(format!("{scene}: there is no such file{beside}; {nearest}")));
     }
     let (file, bytes) = read_bytes(Path::new(scene))?;
-    let text = String::from_utf8(bytes).map_err(|_| Failure::Input(format!("{file}: not UTF-8 text, so no TOML")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| Failure::Input(format!("{file}: not UTF-8 text, so no TOML{}", for_contacts(scene))))?;
     Ok(Source { name: file, ..Source::of_text(scene, text) })
 }
 
@@ -65,6 +73,19 @@ pub(super) fn load(scene: &str) -> Result<SceneFile, Failure> {
 /// The same with its TOML.
 pub(super) fn load_with_text(scene: &str) -> Result<(SceneFile, String), Failure> {
     let source = source(scene)?;
-    let read = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
-    Ok((read, source.text))
+    Ok((source.scene()?, source.text))
+}
+
+/// What to do with a file that may hold contacts and no scene, by its name.
+fn for_contacts(scene: &str) -> String {
+    let ending = Path::new(scene).extension().map(|ending| ending.to_ascii_lowercase());
+    match ending {
+        Some(ending) if ending != "toml" => {
+            format!(
+                "; a scene is a TOML file (palpate help scene), and contacts are fitted by palpate fit {}",
+                visible(scene)
+            )
+        }
+        _ => String::new(),
+    }
 }

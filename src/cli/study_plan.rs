@@ -156,7 +156,7 @@ pub(super) struct Plan {
 impl Plan {
     /// From the arguments and the scene's text.
     pub(super) fn new(args: &StudyArgs, source: &Source) -> Result<Plan, Failure> {
-        let scene = source.read().map_err(|e| Failure::Input(format!("{}: {e}", source.name)))?;
+        let scene = source.scene()?;
         Plan::of_scene(args, &scene)
     }
 

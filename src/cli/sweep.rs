@@ -8,8 +8,8 @@ use toml::{Table, Value};
 use crate::io::scene_file::SceneFileError;
 use crate::io::write_parquet;
 use crate::report::{
-    SweepPage, SweepPoint, sweep_columns, write_json, write_sweep_csv, write_sweep_page, write_sweep_picture,
-    write_sweep_table,
+    SweepPage, SweepPoint, significant, sweep_columns, write_json, write_sweep_csv, write_sweep_page,
+    write_sweep_picture, write_sweep_table,
 };
 
 use super::failure::Failure;
@@ -171,7 +171,9 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
         level = document.level;
         head = (plan.name.clone(), plan.study.seed(), document.replicates);
         points.push(SweepPoint::new(at.clone(), &document));
-        bar.step(at.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "));
+        let keys = axes.iter().map(|axis| axis.key.rsplit('.').next().unwrap_or_default());
+        let reached = keys.zip(&at).map(|(key, value)| format!("{key} {}", significant(*value, 4)));
+        bar.step(reached.collect::<Vec<_>>().join(", "));
     }
     drop(bar);
     let keys: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();

@@ -62,10 +62,10 @@ pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
+#[doc(hidden)]
+pub use placing::Patch;
 #[cfg(feature = "cli")]
 pub(crate) use placing::axes::{STEEP, steepness};
-#[doc(hidden)]
-pub use placing::patch::Patch;
 #[doc(hidden)]
 pub use placing::sites::DataSites;
 pub(crate) use reading::{ModelReading, Reading};

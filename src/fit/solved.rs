@@ -8,8 +8,8 @@ use crate::fit::noise::fingers::Fingers;
 use crate::fit::noise::levels::Levels;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::objective::fitted::Fitted;
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
 use crate::fit::{FitError, FitOptions, Robust};
 use crate::surface::HeightField;
 

@@ -7,8 +7,9 @@ use std::collections::HashSet;
 
 use crate::contact::{ContactWeights, Contacts, Orientation};
 
+use super::place::{Place, Places, Runs, Unit};
 use super::visible::visible;
-use super::{IoError, Place, Points, ReadOptions};
+use super::{Input, IoError, Points, ReadOptions, Reading};
 
 /// A column that palpate knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -189,15 +190,44 @@ impl Columns {
         zero.then(|| IoError::ZeroNormal { file: file.into(), place: place(row) })
     }
 
-    /// Checks every row and makes contacts of those that hold.
+    /// Checks every row and makes contacts of those that hold: the last step of every reader of contacts. `numbers` are the
+    /// lines (entries, vertices) of the rows, called `unit`.
     ///
-    /// Returns the contacts, the number of rows counted out and, in `kept`, the row of each contact where some were.
-    pub(super) fn into_contacts(
+    /// # Errors
+    /// The first fault of a row, unless such rows are counted out; no row that holds.
+    pub(super) fn into_reading(
         mut self,
+        file: &str,
+        (numbers, unit): (Runs, Unit),
+        options: &ReadOptions,
+    ) -> Result<Reading, IoError> {
+        let kept = self.sound_rows(file, options, &|row| unit.place(numbers.get(row)))?;
+        let left = kept.as_ref().map_or(self.len(), Vec::len);
+        let skipped = self.len() - left;
+        if left == 0 {
+            return Err(IoError::NoRows { file: file.into(), skipped });
+        }
+        if let Some(kept) = &kept {
+            self.keep(kept);
+        }
+        Ok(Reading {
+            input: Input::Contacts(self.contacts(left)),
+            file: file.into(),
+            skipped,
+            ignored: self.ignored,
+            places: Some(Places::new(unit, numbers, kept.as_deref())),
+            notes: Vec::new(),
+            viewpoint: None,
+        })
+    }
+
+    /// The rows without a fault, `None` where that is every row.
+    fn sound_rows(
+        &self,
         file: &str,
         options: &ReadOptions,
         place: &dyn Fn(usize) -> Place,
-    ) -> Result<Assembled, IoError> {
+    ) -> Result<Option<Vec<usize>>, IoError> {
         let rows = self.len();
         let mut kept: Option<Vec<usize>> = None;
         // column by column first: nearly every file is sound, and a pass along memory costs next to nothing
@@ -215,15 +245,7 @@ impl Columns {
                 }
             }
         }
-        let left = kept.as_ref().map_or(rows, Vec::len);
-        let skipped = rows - left;
-        if left == 0 {
-            return Err(IoError::NoRows { file: file.into(), skipped });
-        }
-        if let Some(kept) = &kept {
-            self.keep(kept);
-        }
-        Ok(Assembled { contacts: self.contacts(left), skipped, kept, ignored: self.ignored })
+        Ok(kept)
     }
 
     /// Checks every row and gives x and y back.
@@ -263,14 +285,6 @@ impl Columns {
 /// A finger or a station: a whole number that fits 32 bits.
 fn is_label(value: f64) -> bool {
     value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value)
-}
-
-/// Contacts, and what became of the rows.
-pub(super) struct Assembled {
-    pub(super) contacts: Contacts,
-    pub(super) skipped: usize,
-    pub(super) kept: Option<Vec<usize>>,
-    pub(super) ignored: Vec<String>,
 }
 
 /// The columns of contacts as they are written: names and values, in the order of [`COLUMNS`].

@@ -6,7 +6,6 @@ use std::io::Write;
 use crate::contact::Contacts;
 
 use super::columns::{Column, Columns, Need, columns_of};
-use super::gather::reading_of;
 use super::place::{Place, Runs, Unit};
 use super::table_form::{Separator, is_aside, table_form};
 use super::watch::tell_line;
@@ -24,7 +23,7 @@ pub(super) struct Table {
 /// Contacts from the bytes of a CSV file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let table = read_columns(file, bytes, Need::Contacts, options)?;
-    let reading = reading_of(file, table.columns, (table.lines, Unit::Line), options)?;
+    let reading = table.columns.into_reading(file, (table.lines, Unit::Line), options)?;
     Ok(Reading { notes: table.note.into_iter().collect(), ..reading })
 }
 

@@ -16,8 +16,10 @@ const ALIKE: f64 = 0.85;
 
 /// Why a file cannot be read; of one that is not there, the file beside its place whose name is most alike.
 fn why_unread(file: &str, source: &std::io::Error) -> String {
-    if source.kind() != std::io::ErrorKind::NotFound {
-        return source.to_string();
+    match source.kind() {
+        std::io::ErrorKind::NotFound => {}
+        std::io::ErrorKind::IsADirectory => return format!("it is a folder; name the files in it, as in {file}/*.csv"),
+        _ => return source.to_string(),
     }
     let path = Path::new(file);
     let name = path.file_name().unwrap_or_default().to_string_lossy();

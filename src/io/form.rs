@@ -147,13 +147,25 @@ fn strange_text(text: &str) -> Option<&'static str> {
         ("<html", "HTML: a web page, perhaps an error page of the server it was fetched from"),
         ("<?xml", "XML"),
         ("<svg", "an SVG picture"),
-        ("{", "JSON"),
+        ("iso-10303-21", "a STEP file (palpate show and palpate diff take surfaces)"),
+        ("{", "JSON (palpate show and palpate diff take saved surfaces)"),
         ("[{", "JSON"),
         ("[[", "JSON"),
         ("version https://git-lfs", "a Git LFS pointer: the data themselves were not fetched"),
         ("%yaml", "YAML"),
     ];
-    starts.into_iter().find(|(known, _)| lower.starts_with(known)).map(|(_, name)| name)
+    let known = starts.into_iter().find(|(known, _)| lower.starts_with(known)).map(|(_, name)| name);
+    known.or_else(|| is_toml(start).then_some("TOML: a scene, perhaps, which palpate run and palpate simulate take"))
+}
+
+/// The first line that says something is a table's name in brackets, or a name, an equals sign and a value.
+fn is_toml(text: &str) -> bool {
+    let Some(line) = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')) else {
+        return false;
+    };
+    let name = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+    let table = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+    table.is_some_and(name) || line.split_once('=').is_some_and(|(key, value)| name(key.trim()) && !value.is_empty())
 }
 
 #[cfg(test)]
@@ -162,7 +174,7 @@ mod tests {
 
     #[test]
     fn formats_are_known_by_their_first_bytes() {
-        let cases: [(&[u8], Form); 13] = [
+        let cases: [(&[u8], Form); 14] = [
             (b"BM,x,y,z\n1,2,3,4\n", Form::Table),
             (b"x,y,z\n", Form::Table),
             (b"", Form::Table),
@@ -176,6 +188,7 @@ mod tests {
             (b"v 1 2 3\n", Form::Obj),
             (b"\x93NUMPY\x01\0", Form::Npy),
             (b"off,on,x\n", Form::Table),
+            (b"[x],[y],[z]\n", Form::Table),
         ];
         for (bytes, form) in cases {
             assert_eq!(form_of(bytes, ""), Ok(form), "{:?}", String::from_utf8_lossy(bytes));
@@ -186,7 +199,10 @@ mod tests {
 
     #[test]
     fn strangers_are_named() {
-        let cases: [(&[u8], &str); 6] = [
+        let cases: [(&[u8], &str); 9] = [
+            (b"# mine\n\n[surface]\nkind = \"sphere\"\n", "TOML"),
+            (b"name = \"a bar\"\n", "palpate run"),
+            (b"ISO-10303-21;\n", "STEP"),
             (b"\xff\xd8\xff\xe0", "JPEG"),
             (b"\n<!DOCTYPE HTML>", "HTML"),
             (b"{\"x\": 1}", "JSON"),

@@ -19,7 +19,6 @@ mod csv;
 mod depth;
 mod error;
 mod form;
-mod gather;
 mod imported;
 mod limits;
 mod names;

@@ -11,7 +11,6 @@ use crate::contact::{Contacts, Grid};
 
 use super::columns::{Column, Columns, Need, columns_of};
 use super::depth::{self, DepthImage, Intrinsics};
-use super::gather::reading_of;
 use super::names::in_our_words;
 use super::npy::Header;
 use super::npz_writer::NpzWriter;
@@ -47,7 +46,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
         return read_grid(file, arrays, &names, options);
     }
     let (columns, rows) = into_columns(file, arrays, &names, Need::Contacts)?;
-    reading_of(file, columns, ((0..rows).collect(), Unit::Entry), options)
+    columns.into_reading(file, ((0..rows).collect(), Unit::Entry), options)
 }
 
 /// Contacts of a depth image; the intrinsics are those of the options, or arrays beside it.

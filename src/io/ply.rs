@@ -15,7 +15,6 @@ use ply_rs_bw::writer::Writer;
 use crate::contact::Contacts;
 
 use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
-use super::gather::reading_of;
 use super::names::in_our_words;
 use super::place::{Place, Runs, Unit};
 use super::watch::{Counted, ReadPhase, tell_line};
@@ -83,7 +82,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
             (columns, (0..count).collect::<Runs>(), Unit::Vertex)
         }
     };
-    reading_of(file, columns, (numbers, unit), options)
+    columns.into_reading(file, (numbers, unit), options)
 }
 
 /// The parser takes seconds over tens of thousands of elements: such headers are refused by their length.

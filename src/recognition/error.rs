@@ -31,7 +31,7 @@ pub enum RecognitionError {
     },
     /// All contacts lie on one line, or at one place.
     #[error(
-        "the contacts lie on one line (their spread across it is {across:e}, along it {along:e}): a shape needs contacts beside the line"
+        "the contacts lie {}: a shape needs contacts beside the line", narrow(*across, *along)
     )]
     Collinear {
         /// Root mean square spread across the line, input units.
@@ -67,4 +67,13 @@ pub enum RecognitionError {
         /// What went wrong.
         what: &'static str,
     },
+}
+
+/// How near to one line the contacts lie.
+fn narrow(across: f64, along: f64) -> String {
+    match across / along {
+        share if share > 0.0 => format!("on one line (their spread across it is {share:.1e} of that along it)"),
+        _ if along > 0.0 => "on one line".into(),
+        _ => "at one place".into(),
+    }
 }

@@ -6,6 +6,12 @@
 //! interval = quantiles of the draws under v      u = half of it / z      u_noise^2 = variance without shared errors
 //! ```
 //!
+//! The directions of k1 and k2 in the middle are drawn with the rest:
+//!
+//! ```text
+//! within = quantile of arccos |d . d^| under v        d of the draws, d^ of the reported surface; 90 degrees where d is undefined
+//! ```
+//!
 //! Curvatures are drawn as a Hessian, so |S| never exceeds 1, and the interval reaches +-1 when a sphere is possible.
 //!
 //! Where a displacement was read as the sensor's error, it is only the part of that error that no simple shape can
@@ -23,6 +29,7 @@ use crate::curvature::{ShapeClass, shape_index};
 use crate::draws::EffectDraws;
 use crate::shape::spread;
 use crate::threads;
+use crate::vector::{Vector, cross, dot};
 
 use super::dense;
 use super::evidence::{Evidence, Node};
@@ -58,13 +65,15 @@ pub(super) struct Summary {
     pub(super) classes: Vec<(ShapeClass, f64)>,
     /// Standard uncertainty of S and of R at every point asked for.
     pub(super) u: Vec<[f64; 2]>,
+    /// Within how many degrees of the reported ones the directions of k1 and k2 lie, at the level of the intervals.
+    pub(super) directions_within_deg: Option<[f64; 2]>,
 }
 
 impl Summary {
     /// Moves means and intervals from the points that they were taken over to others, by what one surface shows of the
     /// difference.
     pub(super) fn move_to(&mut self, state: &State, from: &[ChartPoint], to: &[ChartPoint]) {
-        let mean = |points: &[ChartPoint]| Points { all: points, map: &[], within: None }.field(state);
+        let mean = |points: &[ChartPoint]| Points { all: points, map: &[], within: None, middle: None }.field(state);
         let (from, to) = (mean(from), mean(to));
         if let Some(s) = &mut self.shape_index {
             s.moved(to.s - from.s, [-1.0, 1.0]);
@@ -81,6 +90,8 @@ struct Field {
     r: f64,
     k: [f64; 2],
     at: Vec<[f64; 2]>,
+    /// Directions of k1 and k2 in the middle, where they are defined and asked for.
+    directions: Option<[Vector; 2]>,
 }
 
 /// Points at which surfaces are evaluated.
@@ -91,13 +102,15 @@ pub(super) struct Points<'a> {
     pub(super) map: &'a [ChartPoint],
     /// Numbers within the map of those that means are taken over, where they are a part of it.
     pub(super) within: Option<&'a [usize]>,
+    /// Where the directions of k1 and k2 are asked for.
+    pub(super) middle: Option<ChartPoint>,
 }
 
 impl Points<'_> {
     fn field(&self, state: &State) -> Field {
         if let Some(k) = state.constant_curvatures() {
             let [s, r] = shape(k);
-            return Field { s, r, k, at: vec![[s, r]; self.map.len()] };
+            return Field { s, r, k, at: vec![[s, r]; self.map.len()], directions: self.directions(state) };
         }
         let over_map: Vec<Option<[f64; 2]>> = self.map.iter().map(|p| state.curvatures(p)).collect();
         let at: Vec<[f64; 2]> = over_map.iter().map(|k| shape(k.unwrap_or([0.0; 2]))).collect();
@@ -111,7 +124,13 @@ impl Points<'_> {
         }
         let count = f64::max(sums[4], 1.0);
         let [s, r, k1, k2, _] = sums.map(|sum| sum / count);
-        Field { s, r, k: [k1, k2], at }
+        Field { s, r, k: [k1, k2], at, directions: self.directions(state) }
+    }
+
+    fn directions(&self, state: &State) -> Option<[Vector; 2]> {
+        let bent = state.at(self.middle.as_ref()?);
+        let k1 = bent.direction?;
+        Some([k1, cross(bent.normal, k1)])
     }
 
     /// Standard deviations of S and of R over the region.
@@ -259,8 +278,33 @@ pub(super) fn summary(
         k2: mean_of(1),
         // the class is as doubtful as the interval: a ball that needs large shared errors may be a bump
         classes: classes(&found),
+        directions_within_deg: own.directions.and_then(|own| {
+            let [first, second] = [0, 1].map(|k| within_deg(&found, own[k], k, level));
+            first.zip(second).map(|(first, second)| [first, second])
+        }),
         u: pointwise(&found, points.map.len()),
     })
+}
+
+/// The angle from this direction, degrees, that a part `level` of the draws does not exceed.
+fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64) -> Option<f64> {
+    let angle = |field: &Field| {
+        let along = field.directions.map_or(0.0, |of| dot(of[which], own).abs());
+        along.min(1.0).acos().to_degrees()
+    };
+    let mut angles: Vec<(f64, f64)> = Vec::new();
+    for drawn in found.iter().filter(|drawn| !drawn.draws.is_empty()) {
+        let share = drawn.weights[1] / drawn.draws.len() as f64;
+        angles.extend(drawn.draws.iter().map(|field| (angle(field), share)));
+    }
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let sum: f64 = angles.iter().map(|(_, share)| share).sum();
+    let mut below = 0.0;
+    let reached = angles.iter().find(|(_, share)| {
+        below += share;
+        below >= level * sum
+    });
+    reached.map(|(angle, _)| *angle)
 }
 
 /// Standard deviations of mean S and mean R of the reported hypothesis were errors independent.

@@ -58,6 +58,11 @@ fn hypothesis_of(node: &Node) -> Hypothesis {
     }
 }
 
+/// The middle of the chart.
+fn middle_of(surface: &RecognisedSurface) -> [f64; 2] {
+    [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]))
+}
+
 fn failed(step: &'static str) -> RecognitionError {
     RecognitionError::Arithmetic { step, what: "no hypothesis could be computed" }
 }
@@ -77,7 +82,13 @@ impl Findings<'_> {
         let Region { surface, map: points, supported, lattice, within_map, over: level_over } =
             Region::new(self.patch, self.evidence, base, state, self.places, options);
         let map = &points[..points.len().min(MAPPED)];
-        let over = Points { all: &lattice, map, within: within_map.as_deref().filter(|_| map.len() == points.len()) };
+        let [u, v] = middle_of(&surface);
+        let over = Points {
+            all: &lattice,
+            map,
+            within: within_map.as_deref().filter(|_| map.len() == points.len()),
+            middle: Some(surface.chart_point(u, v)),
+        };
         let mut found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
         if self.places.is_none() && within_map.is_none() {
@@ -93,6 +104,9 @@ impl Findings<'_> {
         let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
         let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
         let directions = if directed { self.directions(&surface) } else { None };
+        // along a ridge or rut runs the direction of the smaller of the two in size
+        let lengthwise = usize::from(found.k1.abs() > found.k2.abs());
+        let axis = directions.map(|both| both[lengthwise]).filter(|_| class.has_axis());
         let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
             self.patch.dropped;
         Ok(Recognition {
@@ -107,9 +121,8 @@ impl Findings<'_> {
             radii: radii(class, k1, k2),
             radius_interval: bounds[0].zip(bounds[1]).map(|(lo, hi)| [lo, hi]),
             direction: directions.map(|[k1, _]| k1),
-            axis: directions
-                .map(|[k1, k2]| if found.k1.abs() <= found.k2.abs() { k1 } else { k2 })
-                .filter(|_| class.has_axis()),
+            axis,
+            axis_within_deg: axis.and(found.directions_within_deg).map(|both| both[lengthwise]),
             plane_probability,
             frame: self.patch.frame,
             support: (supported.iter().filter(|s| **s).count(), points.len()),
@@ -225,7 +238,7 @@ impl Findings<'_> {
 
     /// Directions of k1 and of k2 in the middle of the cells, input axes.
     fn directions(&self, surface: &RecognisedSurface) -> Option<[[f64; 3]; 2]> {
-        let [u, v] = [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]));
+        let [u, v] = middle_of(surface);
         let middle = surface.state.at(&surface.chart_point(u, v));
         let k1 = middle.direction?;
         Some([k1, cross(middle.normal, k1)].map(|direction| self.patch.frame.rotate_back(direction)))

@@ -246,6 +246,8 @@ pub struct Recognition {
     pub direction: Option<[f64; 3]>,
     /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
     pub axis: Option<[f64; 3]>,
+    /// Within how many degrees of `axis` the true one lies, at the level of the estimates.
+    pub axis_within_deg: Option<f64>,
     /// Posterior probability of the plane.
     pub plane_probability: f64,
     /// Frame of the patch: its third axis points to the free side.

@@ -52,6 +52,26 @@ fn recognised(points: &[Vector]) -> Recognition {
     Recognition::of(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap()
 }
 
+/// The bounds of the axis hold it about nineteen times in twenty, and narrow with the noise.
+#[test]
+fn the_axis_lies_within_its_bounds() {
+    let bounds = |sd: f64| -> (usize, f64) {
+        let (mut held, mut sum) = (0, 0.0);
+        for seed in 0..40 {
+            let found = recognised(&patch(cylinder, 60, sd, 100 + seed));
+            let (axis, within) = (found.axis.unwrap(), found.axis_within_deg.unwrap());
+            let off = dot(axis, [0.6, 0.8, 0.0]).abs().min(1.0).acos().to_degrees();
+            held += usize::from(off <= within);
+            sum += within / 40.0;
+        }
+        (held, sum)
+    };
+    let ((held, wide), (also_held, narrow)) = (bounds(0.02), bounds(0.005));
+    assert!(held >= 34 && also_held >= 34, "{held} and {also_held} of 40");
+    assert!(narrow < 0.5 * wide && wide < 5.0, "{narrow} and {wide} degrees");
+    assert_eq!(recognised(&patch(sphere, 60, 0.02, 1)).axis_within_deg, None);
+}
+
 #[test]
 fn sphere_cylinder_saddle_and_plane_are_named_right() {
     let found = recognised(&patch(sphere, 60, 0.02, 1));

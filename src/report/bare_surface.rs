@@ -56,6 +56,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             direction: None,
             axis_deg: None,
             axis: None,
+            axis_within_deg: None,
             centre: None,
             support: 1.0,
             plane_p: None,

@@ -295,6 +295,7 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         direction: None,
         axis_deg: shape.axis_deg,
         axis: None,
+        axis_within_deg: None,
         centre: None,
         support: shape.support,
         plane_p: shape.plane_p,

@@ -256,6 +256,7 @@ fn shape_part(fit: &ParametricFit) -> ShapePart {
         direction: shape.direction,
         axis_deg: None,
         axis: shape.axis,
+        axis_within_deg: None,
         centre: None,
         support: shape.support,
         plane_p: shape.plane_p,

@@ -368,6 +368,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         direction: found.direction.filter(|_| !level),
         axis_deg: found.axis.filter(|_| level).map(projected),
         axis: found.axis.filter(|_| !level),
+        axis_within_deg: found.axis_within_deg,
         centre: centre(found),
         support: found.support.0 as f64 / found.support.1.max(1) as f64,
         plane_p: None,

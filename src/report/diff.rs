@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::comparison::{Comparison, QUANTITIES, QuantitySummary};
 
+use super::fold::folded;
 use super::table::significant;
 
 /// Schema name.
@@ -222,7 +223,7 @@ pub(crate) fn write_diff_table(document: &DiffDocument, out: &mut dyn Write) -> 
         }
     }
     for note in &document.notes {
-        let _ = writeln!(text, "note       {note}");
+        text.push_str(&folded(&format!("note       {note}"), Some(11)));
     }
     out.write_all(text.as_bytes())
 }

@@ -260,6 +260,9 @@ pub(crate) struct ShapePart {
     /// The same in space (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) axis: Option<[f64; 3]>,
+    /// Within how many degrees of it the true axis lies, at the level of R's interval, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) axis_within_deg: Option<f64>,
     /// Of a recognised ball its centre, of a pipe or bar the point of its axis next to the middle of the patch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) centre: Option<[f64; 3]>,

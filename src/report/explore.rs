@@ -10,6 +10,7 @@ use std::io::Write;
 use serde::Serialize;
 
 use super::document::ShapePart;
+use super::fold::folded;
 use super::table::significant;
 use crate::explore::{Exploration, ExploreOptions, Goal, Look, Stopped};
 use crate::fit::FitOptions;
@@ -237,7 +238,7 @@ pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Writ
         let _ = writeln!(text, "class      {class}");
     }
     for note in &document.notes {
-        let _ = writeln!(text, "note       {note}");
+        text.push_str(&folded(&format!("note       {note}"), Some(11)));
     }
     out.write_all(text.as_bytes())
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use super::fold::folded;
 use super::frontier::{FrontierDocument, FrontierRecord};
 use super::table::significant;
 use crate::frontier::Clocked;
@@ -26,7 +27,7 @@ pub(crate) fn write_frontier_table(document: &FrontierDocument, out: &mut dyn Wr
     stage_lines(document, &mut text);
     pick_lines(document, &mut text);
     for note in &document.notes {
-        let _ = writeln!(text, "note: {note}");
+        text.push_str(&folded(&format!("note: {note}"), Some(6)));
     }
     out.write_all(text.as_bytes())
 }

@@ -9,6 +9,7 @@ use std::io::Write;
 
 use serde::Serialize;
 
+use super::fold::folded;
 use super::table::significant;
 use crate::contact::Contacts;
 use crate::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts};
@@ -233,7 +234,7 @@ pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -
     }
     truth_lines(document, &mut text);
     for note in &document.notes {
-        let _ = writeln!(text, "note       {note}");
+        text.push_str(&folded(&format!("note       {note}"), Some(11)));
     }
     out.write_all(text.as_bytes())
 }

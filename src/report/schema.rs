@@ -245,6 +245,7 @@ pub(super) fn full() -> FitDocument {
             direction: Some([0.5; 3]),
             axis_deg: Some(0.5),
             axis: Some([0.5; 3]),
+            axis_within_deg: Some(0.5),
             centre: Some([0.5; 3]),
             support: 0.5,
             plane_p: Some(0.5),
@@ -342,7 +343,7 @@ fn bare() -> FitDocument {
     document.fit.lack_of_fit = None;
     document.fit.rms = RmsPart::default();
     document.fit.technical_notes = Vec::new();
-    (document.shape.direction, document.shape.axis) = (None, None);
+    (document.shape.direction, document.shape.axis, document.shape.axis_within_deg) = (None, None, None);
     (document.shape.axis_deg, document.unit) = (None, None);
     document.shape.centre = None;
     document.shape.shape_index = MeasurePart::default();

@@ -3,10 +3,14 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use super::fold::folded;
 use super::percent::percent;
 use super::study::{EffectPart, LinearQuantity, QuantityPart, StudyDocument};
 use super::table::significant;
 use crate::montecarlo::Stopped;
+
+/// Columns of a label.
+const LABEL: usize = 11;
 
 /// The word for why a study ended.
 pub(crate) fn stopped_words(stopped: Stopped) -> &'static str {
@@ -67,7 +71,7 @@ pub(crate) fn write_study_table(document: &StudyDocument, out: &mut dyn Write) -
     for note in &document.notes {
         line("note", note.clone());
     }
-    out.write_all(text.as_bytes())
+    out.write_all(folded(&text, Some(LABEL)).as_bytes())
 }
 
 fn quantity_lines(name: &str, part: &QuantityPart, level: f64, line: &mut dyn FnMut(&str, String)) {

@@ -4,10 +4,14 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use super::document::{FitDocument, FitPart, MeasurePart, ParametricPart};
+use super::fold::folded;
 use super::percent::percent;
 
 /// Significant digits of means; the spread is cut at the same decimal.
 const DIGITS: i32 = 4;
+
+/// Columns of a label.
+const LABEL: usize = 11;
 
 /// Magnitudes that are shown in fixed form.
 const SMALLEST: f64 = 1e-6;
@@ -28,7 +32,7 @@ pub(crate) fn write_table(document: &FitDocument, out: &mut dyn Write) -> std::i
     for note in &document.fit.notes {
         lines.add("note", note.clone());
     }
-    out.write_all(lines.0.as_bytes())
+    out.write_all(folded(&lines.0, Some(LABEL)).as_bytes())
 }
 
 #[derive(Default)]

@@ -169,9 +169,53 @@ async function touched(kind) {
     await page.context().close();
 }
 
+/** A body: turned by mouse, its parts on switches, their names under the pointer. */
+async function body(kind) {
+    const { page, name } = await open(kind);
+    await started(page);
+    const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+    const first = await page.$eval("#stage", (stage) => stage.dataset.firstPicture);
+    console.log(`${kind}: first picture after ${Math.round(paint)} ms, turning view after ${Math.round(first)} ms`);
+    check(await page.evaluate(() => window.seen), `${name}: the first picture shows no body`);
+    const shifts = await page.evaluate(() => window.shifts);
+    check(shifts < 0.001, `${name}: what stands on the page moves by ${shifts} when the view starts`);
+    const box = await page.locator("#stage canvas").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.waitForSelector(".tooltip:not([hidden])", { timeout: 5000 }).catch(() => {});
+    const words = await page.locator(".tooltip").innerText();
+    check(/^part \d+ [a-z]+/.test(words), `${name}: the pointer reads "${words}"`);
+    const before = await picture(page);
+    await page.mouse.down();
+    await page.mouse.move(x + 160, y - 60, { steps: 5 });
+    await page.mouse.up();
+    check(await changes(page, before), `${name}: the mouse does not turn it`);
+    await page.mouse.move(2, 2);
+    await save(page, `${kind}-turned`);
+    const drawn = () => page.$eval("#stage", (stage) => Number(stage.dataset.points));
+    await settled(page);
+    const all = await drawn();
+    let hidden = 0;
+    for (const row of await page.locator("#stage-controls [data-part]").all()) {
+        await row.click();
+        await settled(page);
+        const without = await drawn();
+        check(without < all, `${name}: the switch "${await row.innerText()}" takes no contact away`);
+        hidden += all - without;
+        if (hidden === all - without) await save(page, `${kind}-without-a-part`);
+        await row.click();
+        await settled(page);
+        check((await drawn()) === all, `${name}: the switch "${await row.innerText()}" does not bring its contacts back`);
+    }
+    check(hidden === all, `${name}: the switches hold ${hidden} of ${all} contacts`);
+    await page.context().close();
+}
+
 /** Maps and charts: the values under the pointer, and by keys. */
 async function reads(kind, selector, wanted, number = 0) {
     const { page, name } = await open(kind);
+    // maps answer from the moment on at which the view starts
+    if (await page.locator("#stage").count()) await started(page);
     const mark = page.locator(selector).nth(number);
     await mark.scrollIntoViewIfNeeded();
     await mark.hover({ force: true });
@@ -183,6 +227,7 @@ async function reads(kind, selector, wanted, number = 0) {
 
 async function readsByKeys(kind) {
     const { page, name } = await open(kind);
+    await started(page);
     const map = page.locator("figure.map svg").first();
     await map.focus();
     await map.press("ArrowRight");
@@ -211,6 +256,8 @@ async function bare(kind) {
 async function many(kind) {
     const { page, name } = await open(kind);
     await started(page);
+    const shifts = await page.evaluate(() => window.shifts);
+    check(shifts < 0.001, `${name}: what stands on the page moves by ${shifts} when the view starts`);
     // while it moves, a slow processor draws a part of them; at rest all stand there
     await page.waitForFunction(() => Number(document.querySelector("#stage").dataset.points) >= 300000, null, { timeout: 15000 }).catch(() => {});
     const drawn = Number(await page.$eval("#stage", (stage) => stage.dataset.points));
@@ -242,10 +289,11 @@ async function many(kind) {
     await page.context().close();
 }
 
-for (const kind of ["run", "fit", "hostile", "explore"]) await looks(kind, true);
+for (const kind of ["run", "fit", "hostile", "explore", "parts"]) await looks(kind, true);
 for (const kind of ["study", "sweep", "frontier"]) await looks(kind, false);
 await turns("run");
 await turns("fit");
+await body("parts");
 await touched("run");
 await reads("run", "figure.map svg", /curvedness R \(1\/length\): /);
 await readsByKeys("run");

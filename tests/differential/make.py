@@ -1,12 +1,16 @@
-"""SciPy's own tests of spline fitting and NIST's polynomials, put as problems for palpate: writes cases.json beside itself.
+"""SciPy's own tests of spline fitting, G+Smo's fits and NIST's polynomials, as problems for palpate: writes cases.json beside itself.
 
-    python -m venv venv && venv/bin/pip install scipy==1.17.1
+    python -m venv venv && venv/bin/pip install scipy==1.17.1 pygismo==26.9.0
     venv/bin/python tests/differential/make.py
 
 Every case names the test that it was taken from (scipy/interpolate/tests, BSD licence) or the data set of NIST (public domain,
 https://www.itl.nist.gov/div898/strd/lls/lls.shtml). Knots are those that SciPy took or chose; `values` is what SciPy finds at `at`.
 A problem of one variable stands twice, at y = 0 and y = 1, of degree 1 in y. NIST's data are recognised by their certified values:
-the exact solution of the decimals below has to have 13 digits of them, or nothing is written.
+the exact solution of the decimals below has to have 13 digits of them, or nothing is written. G+Smo's cases are fits by its class
+`gsFitting`, which its examples read parametrised points with (filedata/fitting): scattered heights, without and with lambda times the
+integral of the squared second derivatives, which is palpate's roughness, too. G+Smo takes that integral by as many Gauss nodes
+a side of a cell as the degree says, one too few to be exact: with its nodes the equations below have to give its answer to 1e-11,
+or nothing is written, and `values` is what they give with the exact integral.
 """
 
 import fractions
@@ -15,8 +19,9 @@ import pathlib
 import warnings
 
 import numpy as np
+import pygismo
 import scipy
-from scipy.interpolate import LSQBivariateSpline, RectBivariateSpline, SmoothBivariateSpline, bisplev, bisplrep, make_lsq_spline
+from scipy.interpolate import BSpline, LSQBivariateSpline, RectBivariateSpline, SmoothBivariateSpline, bisplev, bisplrep, make_lsq_spline
 
 HERE = pathlib.Path(__file__).parent
 NINE = ([1, 1, 1, 2, 2, 2, 3, 3, 3], [1, 2, 3, 1, 2, 3, 1, 2, 3])
@@ -120,6 +125,66 @@ def of_bsplines():
                    spline(at), **more)
 
 
+def franke(x, y):
+    """R. Franke, Math. Comp. 38 (1982) 181: the test function of scattered heights."""
+    x, y = 9 * x, 9 * y
+    return (0.75 * np.exp(-((x - 2) ** 2 + (y - 2) ** 2) / 4) + 0.75 * np.exp(-((x + 1) ** 2) / 49 - (y + 1) / 10)
+            + 0.5 * np.exp(-((x - 7) ** 2 + (y - 3) ** 2) / 4) - 0.2 * np.exp(-((x - 4) ** 2) - (y - 7) ** 2))
+
+
+def basis_at(knots, degree, at, derivative):
+    unit = np.eye(len(knots) - degree - 1)
+    return BSpline(knots, unit, degree)(at, nu=derivative)
+
+
+def gram(knots, degree, derivative, nodes):
+    """Products of the basis functions' derivatives, integrated by so many Gauss nodes a cell."""
+    places, weights = np.polynomial.legendre.leggauss(nodes)
+    total = 0.0
+    for a, b in zip(np.unique(knots)[:-1], np.unique(knots)[1:]):
+        rows = basis_at(knots, degree, (a + b) / 2 + (b - a) / 2 * places, derivative)
+        total = total + rows.T @ (rows * (weights * (b - a) / 2)[:, None])
+    return total
+
+
+def smoothed(points, degree, knots, weight, at, nodes):
+    """Heights at `at` of the least squares surface with `weight` times its roughness."""
+    rows = lambda u, v: np.einsum("ri,rj->rij", basis_at(knots[0], degree[0], u, 0), basis_at(knots[1], degree[1], v, 0)).reshape(len(u), -1)
+    kinds = [[gram(k, p, d, n) for d in range(3)] for k, p, n in zip(knots, degree, nodes)]
+    rough = np.kron(kinds[0][2], kinds[1][0]) + 2 * np.kron(kinds[0][1], kinds[1][1]) + np.kron(kinds[0][0], kinds[1][2])
+    data = rows(points[0], points[1])
+    return rows(*at) @ np.linalg.solve(data.T @ data + weight * rough, data.T @ points[2])
+
+
+def of_gismo():
+    random = np.random.default_rng(26)
+    everywhere = random.uniform(0, 1, (2, 300))
+    # an L: nothing was measured over one quarter, where the roughness alone says what the surface does
+    bent = everywhere[:, ~((everywhere[0] > 0.5) & (everywhere[1] > 0.5))]
+    for name, places, degree, segments, weight in [
+        ("gismo_biquadratic", everywhere, (2, 2), (6, 6), 0.0),
+        ("gismo_bicubic", everywhere, (3, 3), (8, 5), 0.0),
+        ("gismo_unequal", everywhere, (4, 2), (3, 7), 0.0),
+        ("gismo_smoothed", everywhere, (3, 3), (10, 10), 1e-6),
+        ("gismo_smoothed_over_a_gap", bent, (3, 3), (6, 6), 1e-5),
+    ]:
+        knots = [np.r_[[0.0] * p, np.linspace(0, 1, n + 1), [1.0] * p] for p, n in zip(degree, segments)]
+        basis = pygismo.nurbs.gsTensorBSplineBasis2(*(pygismo.nurbs.gsKnotVector(k.tolist(), p) for k, p in zip(knots, degree)))
+        z = franke(*places)
+        fit = pygismo.modelling.gsFitting(places, z[None, :], basis)
+        fit.compute(weight)
+        at = np.stack([a.ravel() for a in np.meshgrid(np.linspace(0, 1, 8), np.linspace(0, 1, 8), indexing="ij")])
+        values, origin = np.ravel(fit.result().eval(at)), f"G+Smo {pygismo.__version__} gsFitting::compute({weight:g})"
+        if weight:
+            again, exact = (smoothed((*places, z), degree, knots, weight, at, nodes) for nodes in (degree, [p + 1 for p in degree]))
+            off = np.abs([again - values, exact - values]).max(axis=1) / np.abs(exact).max()
+            assert off[0] < 1e-11, (name, off)
+            print(f"{name}: {off[0]:.1e} from G+Smo with its nodes, {off[1]:.1e} with the exact integral")
+            yield case(name, origin + ", the integral exact", (*places, z), degree, knots, at, exact, **{"lambda": weight})
+        else:
+            yield case(name, origin, (*places, z), degree, knots, at, values)
+
+
 NORRIS = """0.1 0.2 338.8 337.4 118.1 118.2 888.0 884.6 9.2 10.1 228.1 226.5 668.5 666.3 998.5 996.3 449.1 448.6 778.9 777.0
 559.2 558.2 0.3 0.4 0.1 0.6 778.1 775.5 668.8 666.9 339.3 338.0 448.9 447.5 10.8 11.6 557.7 556.0 228.3 228.1 998.0 995.8
 888.8 887.6 119.6 120.2 0.3 0.3 0.6 0.3 557.6 556.8 339.3 339.1 888.0 887.2 998.5 999.0 778.9 779.0 10.2 11.1 117.6 118.3
@@ -176,7 +241,7 @@ def of_nist():
 
 
 def main():
-    groups = {"scipy": [*of_fitpack2(), *of_fitpack(), *of_bsplines()], "nist": list(of_nist())}
+    groups = {"scipy": [*of_fitpack2(), *of_fitpack(), *of_bsplines()], "gismo": list(of_gismo()), "nist": list(of_nist())}
     cases = [c for group in groups.values() for c in group]
     with (HERE / "cases.json").open("w") as file:
         file.write('{"scipy": "%s", "cases": [\n' % scipy.__version__)

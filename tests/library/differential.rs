@@ -1,13 +1,13 @@
-//! Problems of others with their answers: SciPy's own tests of spline fitting, and NIST's polynomials.
+//! Problems of others with their answers: SciPy's own tests of spline fitting, fits by G+Smo, and NIST's polynomials.
 //!
 //! ```text
-//! heights on SciPy's knots -> palpate's surface      difference = largest |S - SciPy's values| / largest |value|
+//! heights on their knots -> palpate's surface      difference = largest |S - their values| / largest |value|
 //! ```
 //!
 //! `cargo test --test library differential -- --nocapture` prints the table of `benches/runs/differential.md`; the cases are written by
 //! `tests/differential/make.py`.
 
-use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+use palpate::fit::{FitOptions, Objective, SlopeWeights, Smooth, fit_contacts};
 use palpate::{Contacts, Fit};
 use serde_json::Value;
 
@@ -54,6 +54,10 @@ fn case(value: &Value) -> Case {
         .with_degrees(p, q)
         .with_knots(tx, ty)
         .with_objective(Objective::Slopes(SlopeWeights::Explicit([1.0; 3])));
+    let options = match value.get("lambda").and_then(Value::as_f64) {
+        Some(lambda) => options.with_smooth(Smooth::Lambda(lambda)),
+        None => options,
+    };
     let slopes = value.get("slopes").map(|slopes| [0, 1].map(|k| numbers(&slopes[k])));
     let [ax, ay] = [at[0].clone(), at[1].clone()];
     let name = value["name"].as_str().unwrap().to_string();
@@ -83,7 +87,7 @@ fn difference(case: &Case, fit: &Fit) -> f64 {
 }
 
 #[test]
-fn the_answers_are_those_of_scipy_and_nist() {
+fn the_answers_are_those_of_scipy_gismo_and_nist() {
     let cases = cases();
     assert!(cases.len() >= 20, "{}", cases.len());
     println!("| case | origin | heights | unknowns | digits promised | difference |\n|---|---|---|---|---|---|");

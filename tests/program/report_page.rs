@@ -77,6 +77,7 @@ fn every_verb_writes_a_page_that_stands_alone() {
     let sweep = ["--sweep", "surface.radius=5:20:lin3", "--out", "sweep"];
     text(at, &[&study[..], &sweep].concat());
     text(at, &["explore", "paper-table2", "--contacts", "40", "--out", "explore"]);
+    text(at, &["parts", "parts-box", "--out", "parts"]);
     for (folder, words) in [
         ("run", "like the outside of a pipe"),
         ("fit", "Standard uncertainty"),
@@ -86,6 +87,7 @@ fn every_verb_writes_a_page_that_stands_alone() {
         ("study", "How the measurements scatter"),
         ("sweep", "surface.radius"),
         ("explore", "How the uncertainty fell"),
+        ("parts", "Where they lie and how large they are"),
     ] {
         let page = page(at, folder);
         assert!(page.contains(words), "{folder}");
@@ -93,6 +95,19 @@ fn every_verb_writes_a_page_that_stands_alone() {
     }
     // the library for drawing in space is there only where something stands in space
     assert!(page(at, "run").contains("three.js") && !page(at, "study").contains("three.js"));
+    // what stands below it waits for its buttons, and for nothing where there is no script
+    for folder in ["run", "parts", "study"] {
+        let page = page(at, folder);
+        let waits = page.contains("<body class=\"waiting\">");
+        assert!(waits == (folder != "study") && page.contains("<noscript><style>.waiting #space ~ *"), "{folder}");
+    }
+    // a part that is known to 1e-4 shows no digits beyond, and no switch for contacts in no part where there are none
+    let parts = page(at, "parts");
+    assert!(!without_scripts(&parts).contains("e-5,") && parts.contains("\"left\":false"));
+    // the axis stands beside the radius, with its bounds where the surface was recognised
+    assert!(page(at, "fit").contains("Axis, degrees") && page(at, "fit").contains("from x towards y"));
+    // the radius of a named fit has the bounds that R gives it
+    assert!(page(at, "run").contains("Its radius is 6.948 (between 6.60 and 6.95, 95 % sure)"));
 }
 
 #[test]

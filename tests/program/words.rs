@@ -57,6 +57,9 @@ fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
         plate.contains("plane: flat, as far as these contacts can tell") && plate.contains("would look as flat"),
         "{plate}"
     );
+    // one number says how sure it is, and the bound of R has its level
+    assert_eq!(plate.matches(" %").count(), 2, "{plate}");
+    assert!(plate.contains("95 % sure; per unit of length"), "{plate}");
     assert!(told(here, "fit bar.csv --verbose").contains("support"));
 }
 
@@ -92,6 +95,79 @@ fn three_contacts_are_no_result_and_a_slip_of_the_pen_is_understood() {
     assert!(few.contains("NO RESULT") && few.contains("touch more places") && !few.contains("flat"), "{few}");
     let (_, wrong, code) = output(here, "fit bar.cvs");
     assert!(wrong.contains("did you mean bar.csv?") && code == Some(2), "{wrong}");
+}
+
+/// The wrong file is told what it is, and what takes it.
+#[test]
+fn the_wrong_file_is_told_which_command_takes_it() {
+    let directory = bench();
+    let here = directory.path();
+    std::fs::create_dir(here.join("scans")).unwrap();
+    let line: String = (0..20).map(|k| format!("{k},{},{k}\n", 2 * k)).collect();
+    std::fs::write(here.join("line.csv"), format!("x,y,z\n{line}")).unwrap();
+    for (line, words) in [
+        ("fit scans", &["scans/*.csv"][..]),
+        ("fit bar.toml", &["bar.toml: this looks like TOML", "palpate run"]),
+        ("study bar.csv", &["bar.csv: line 1", "a scene is a TOML file", "palpate fit bar.csv"]),
+        ("run bar", &["there is no such file, but there is bar.toml"]),
+        ("explain qwxyz", &["is explained; palpate explain lists all words"]),
+        ("fit line.csv", &["line.csv: the contacts lie on one line", "beside the line"]),
+    ] {
+        let (_, err, code) = output(here, line);
+        assert!(code == Some(2) && words.iter().all(|words| err.contains(words)), "{line}: {err}");
+        assert!(!err.contains("e0") && err.lines().count() == 1, "{line}: {err}");
+    }
+}
+
+/// A table without heights, as by a slip in the name of their column, is no plane of height 0.
+#[test]
+fn contacts_without_heights_are_told_from_their_directions() {
+    let directory = bench();
+    let here = directory.path();
+    let bar = std::fs::read_to_string(here.join("bar.csv")).unwrap();
+    std::fs::write(here.join("slip.csv"), bar.replacen("x,y,z,", "x,y,zz,", 1)).unwrap();
+    let slip = told(here, "fit slip.csv");
+    assert!(slip.contains("ridge") && slip.contains("no heights (a column z)") && slip.contains("zz"), "{slip}");
+    let (_, err, code) = output(here, "parts slip.csv");
+    assert!(err.contains("no column z") && code == Some(2), "{err}");
+    // heights of weight zero change nothing, and other weights are said
+    let weighed = |weight: &dyn Fn(usize) -> &'static str, spoil: bool| -> String {
+        let row = |(k, line): (usize, &str)| match (k, weight(k)) {
+            (0, _) => format!("{line},wz\n"),
+            (_, "0") if spoil => {
+                let mut fields: Vec<&str> = line.split(',').collect();
+                fields[2] = "1000";
+                format!("{},0\n", fields.join(","))
+            }
+            (_, weight) => format!("{line},{weight}\n"),
+        };
+        bar.lines().enumerate().map(row).collect()
+    };
+    let some = |k: usize| if k % 7 == 3 { "0" } else { "1" };
+    std::fs::write(here.join("zero.csv"), weighed(&some, true)).unwrap();
+    let zero = told(here, "fit zero.csv");
+    assert!(zero.contains("ridge") && zero.contains("9 heights of weight 0 (wz) are left out"), "{zero}");
+    std::fs::write(here.join("half.csv"), weighed(&|k| if k % 2 == 0 { "0.5" } else { "1" }, false)).unwrap();
+    assert!(told(here, "fit half.csv").contains("count only for a model that is named"));
+}
+
+#[test]
+fn no_line_for_people_is_wider_than_a_terminal() {
+    let directory = bench();
+    let here = directory.path();
+    told(here, "fit bar.csv --save a.json --quiet");
+    for line in [
+        "study paper-table2 --replicates 2000 --attribution 0",
+        "run --verbose",
+        "explain",
+        "help scene",
+        "diff a.json a.json",
+    ] {
+        let text = told(here, line);
+        // the rows of the first table of a fit are wider where there is a truth
+        let wide = text.lines().filter(|line| line.chars().count() > 125).collect::<Vec<_>>();
+        assert!(wide.is_empty(), "{line}: {wide:?}");
+    }
 }
 
 #[test]
@@ -134,7 +210,9 @@ fn help_knows_scenes_and_commands_and_shells_get_their_completions() {
     for shell in ["bash", "zsh", "fish"] {
         assert!(told(here, &format!("completions {shell}")).contains("palpate"));
     }
-    assert!(told(here, "man").contains(".TH palpate"));
+    // the page names no other page, since all commands stand on it
+    let page = told(here, "man");
+    assert!(page.contains(".TH palpate") && page.contains("palpate fit") && !page.contains("fit(1)"), "{page}");
 }
 
 /// Nothing is coloured where nobody looks.

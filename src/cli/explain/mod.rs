@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::io::visible;
-use crate::report::write_json;
+use crate::report::{folded, write_json};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -100,7 +100,7 @@ fn find(entries: Vec<Entry>, asked: &str) -> Result<Vec<Entry>, Failure> {
     let words = entries.iter().flat_map(|entry| entry.also.iter().chain([&entry.word]));
     let close = words.map(|word| (strsim::jaro_winkler(&lower, &word.to_lowercase()), *word));
     let close = close.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(score, _)| *score >= CLOSE);
-    let close = close.map_or(String::new(), |(_, word)| format!("; did you mean {word:?}?"));
+    let close = close.map_or(";".into(), |(_, word)| format!("; did you mean {word:?}?"));
     let asked = visible(asked);
     Err(Failure::Input(format!("no word {asked:?} is explained{close} palpate explain lists all words")))
 }
@@ -113,7 +113,8 @@ fn list(entries: &[Entry], out: &mut dyn Write) -> std::io::Result<()> {
             writeln!(out, "{}{group}", if entry == &entries[0] { "" } else { "\n" })?;
         }
         let first = entry.text.split_inclusive(['.', ':']).next().unwrap_or(entry.text);
-        writeln!(out, "  {:<16}{}", entry.word, first.trim_end_matches(['.', ':']))?;
+        let line = format!("  {:<16}{}", entry.word, first.trim_end_matches(['.', ':']));
+        out.write_all(folded(&line, Some(18)).as_bytes())?;
     }
     writeln!(out, "\npalpate explain WORD says more")
 }

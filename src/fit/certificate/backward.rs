@@ -136,3 +136,38 @@ fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f
     }
     worst
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Contacts;
+    use crate::fit::{FitOptions, Objective, SlopeWeights, Smooth, fit_contacts};
+
+    /// The sizes of the columns are those of data and penalty together, and the penalty's largest share is what it is in the
+    /// normal matrix, which is assembled another way.
+    #[test]
+    fn a_penalty_counts_as_rows_of_its_own() {
+        let at = |r: usize, step: f64| (r as f64 * step).fract();
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..60).map(|r| (at(r, 0.754_877_666), at(r, 0.569_840_291))).unzip();
+        let z = x.iter().zip(&y).map(|(x, y)| x * x - 0.3 * y).collect();
+        let lambda = 0.037;
+        let options = FitOptions {
+            degree: [3, 3],
+            segments: [2, 2],
+            objective: Objective::Slopes(SlopeWeights::Equal),
+            smooth: Smooth::Lambda(lambda),
+            ..FitOptions::default()
+        };
+        let fit = fit_contacts(&Contacts::from_positions(x, y, z), &options).unwrap();
+        let found = backward(&fit.solved);
+        let (whole, data) = (fit.equations().normal_matrix().diagonal(), fit.equations().with_roughness(None));
+        let mut share = 0.0_f64;
+        for ((column, whole), data) in found.columns.iter().zip(&whole).zip(data.normal_matrix().diagonal()) {
+            assert!((column.norm - whole).abs() <= 1e-12 * whole, "{} for {whole}", column.norm);
+            share = share.max((whole - data) / whole);
+        }
+        assert!(share > 0.01, "the penalty is felt: {share}");
+        assert!((found.rough_share - share).abs() <= 1e-10, "{} for {share}", found.rough_share);
+        assert!(found.error < 1e-14, "{:e}", found.error);
+    }
+}

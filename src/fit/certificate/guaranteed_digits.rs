@@ -25,7 +25,9 @@ pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backw
     let c = &solved.fitted.solution.coefficients;
     let Some(bound) = Bound::new(solved, backward) else { return [0.0; 3] };
     let (origin, scale) = (solved.origin_height(), solved.patch.frame.scale);
-    let largest = c.iter().fold(0.0_f64, |m, v| m.max((origin / scale + v).abs()));
+    // of those that data hold, which the bound is of: others may be far larger and wrong, and would make the share small
+    let held = c.iter().zip(&bound.inverse).filter(|(_, d)| **d > 0.0);
+    let largest = held.fold(0.0_f64, |m, (v, _)| m.max((origin / scale + v).abs()));
     let coefficients = bound.of_coefficients();
     let [shape_index, curvedness] = at_points(solved, shape, &bound);
     [if largest > 0.0 { coefficients / largest } else { 0.0 }, shape_index, curvedness].map(digits)

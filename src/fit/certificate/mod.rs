@@ -36,7 +36,7 @@ pub struct Certificate {
     /// Componentwise backward error of the augmented system.
     pub backward_error: f64,
     /// Decimal digits in which the coefficients agree at least with the exact solution of the written problem: in the input's
-    /// frame, relative to the largest.
+    /// frame, relative to the largest. Coefficients that the data leave free are left out of both.
     pub digits_of_coefficients: f64,
     /// The same of S at the worst supported grid point, absolute.
     pub digits_of_shape_index: f64,

@@ -20,8 +20,8 @@ use crate::fit::FitError;
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::{Fitted, Moved};
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
 use crate::linalg::SiteWeights;
 use crate::surface::{HeightField, SurfacePoint};
 

@@ -1,10 +1,10 @@
-//! Step 3a: which rows with which weights; each driver calls the next, and none calls back.
+//! Step 3a: which rows with which weights. A plain fit chooses between two kinds of rows; what is asked for beyond it repeats
+//! plain fits, which it is handed as a function.
 //!
 //! ```text
-//! located.rs (errors in x and y)
-//!     |
-//! smoothing.rs  ->  robust.rs  ->  least_squares.rs  ->  slopes.rs, linear        (Objective::Slopes)
-//!                                                    ->  normals.rs, Gauss-Newton (Objective::Normals)
+//! fit_plain:  slopes.rs, linear         (Objective::Slopes)
+//!             normals.rs, Gauss-Newton  (Objective::Normals)
+//! repeated by:  located.rs (errors in x and y)  ->  smoothing.rs (lambda)  ->  robust.rs (weights)  ->  fit_plain
 //! ```
 //!
 //! Preset weights hold in patch units, where the height residual is in units of half the domain's larger side; explicit
@@ -12,7 +12,6 @@
 
 pub(super) mod fitted;
 mod gauss_newton;
-mod least_squares;
 mod located;
 mod normals;
 pub(super) mod robust;
@@ -20,10 +19,17 @@ mod setting;
 mod slopes;
 mod smoothing;
 
+use crate::fit::notes::Note;
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
-use crate::fit::{FitError, FitOptions, Robust, Smooth};
+use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 use fitted::Fitted;
+use normals::fit_normals;
+use setting::Setting;
+use slopes::fit_slopes;
+
+/// A plain least squares fit, as smoothing and losses repeat it.
+type PlainFit = fn(&Patch, &Data, &FitOptions) -> Result<Fitted, FitError>;
 
 /// Forms and solves the rows, with the smoothing and the loss that the options ask for.
 ///
@@ -37,10 +43,51 @@ pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Resu
 /// The same for contacts that lie where they are said to lie.
 fn fit_in_place(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     match (options.smooth, options.robust) {
-        (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options),
-        (Smooth::None | Smooth::Lambda(_), Robust::None) => least_squares::fit_plain(patch, data, options),
+        (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options, fit_plain),
+        (Smooth::None | Smooth::Lambda(_), Robust::None) => fit_plain(patch, data, options),
         (Smooth::None | Smooth::Lambda(_), Robust::Huber | Robust::Tukey) => {
-            robust::fit_with_loss(patch, data, options)
+            robust::fit_with_loss(patch, data, options, fit_plain)
         }
     }
+}
+
+/// The rows that the data and the options call for.
+enum Rows {
+    Slopes(SlopeWeights),
+    Normals(NormalSigma),
+}
+
+/// One plain least squares fit.
+///
+/// # Errors
+/// Where the data do not suit the objective or the method, or determine no surface.
+fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+    let setting = Setting::new(patch, data, options)?;
+    let mut fitted = match choose_rows(data, options)? {
+        Rows::Normals(sigma) => fit_normals(&setting, sigma)?,
+        Rows::Slopes(weights) => {
+            data.check_slopes()?;
+            fit_slopes(&setting, weights)?
+        }
+    };
+    if !patch.frame.keeps_axes() {
+        fitted.notes.push(Note::Rotated);
+    }
+    if !fitted.solution.unsupported.is_empty() {
+        fitted.notes.push(Note::Unsupported { coefficients: fitted.solution.unsupported.len() });
+    }
+    Ok(fitted)
+}
+
+fn choose_rows(data: &Data, options: &FitOptions) -> Result<Rows, FitError> {
+    let rows = match options.objective {
+        Objective::Auto if data.has_normals() => Rows::Normals(NormalSigma::Auto),
+        Objective::Auto => Rows::Slopes(SlopeWeights::Auto),
+        Objective::Slopes(weights) => Rows::Slopes(weights),
+        Objective::Normals(sigma) => Rows::Normals(sigma),
+    };
+    if matches!(rows, Rows::Normals(_)) && !data.has_orientation() {
+        return Err(FitError::Objective { objective: "sigma", needed: "normals or slopes" });
+    }
+    Ok(rows)
 }

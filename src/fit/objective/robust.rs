@@ -13,10 +13,10 @@ use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
+use crate::fit::objective::PlainFit;
 use crate::fit::objective::fitted::Fitted;
-use crate::fit::objective::least_squares::fit_plain;
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
 use crate::linalg::{Sites, visit_values};
 use crate::observation::angular_residual_squared;
@@ -60,15 +60,20 @@ struct Reweighted {
 ///
 /// # Errors
 /// Those of the plain fit.
-pub(super) fn fit_with_loss(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
-    let plain = fit_plain(patch, data, options)?;
+pub(super) fn fit_with_loss(
+    patch: &Patch,
+    data: &Data,
+    options: &FitOptions,
+    plain: PlainFit,
+) -> Result<Fitted, FitError> {
+    let start = plain(patch, data, options)?;
     if options.robust == Robust::None {
-        return Ok(plain);
+        return Ok(start);
     }
-    let mut found = reweight(patch, data, options, Loss::Huber, plain)?;
+    let mut found = reweight(patch, data, options, (Loss::Huber, plain), start)?;
     if options.robust == Robust::Tukey {
         let steps = found.steps;
-        found = reweight(patch, data, options, Loss::Tukey, found.fitted)?;
+        found = reweight(patch, data, options, (Loss::Tukey, plain), found.fitted)?;
         found.steps += steps;
     }
     let Reweighted { mut fitted, weights, steps, moved } = found;
@@ -87,7 +92,7 @@ fn reweight(
     patch: &Patch,
     data: &Data,
     options: &FitOptions,
-    loss: Loss,
+    (loss, plain): (Loss, PlainFit),
     start: Fitted,
 ) -> Result<Reweighted, FitError> {
     let sites = start.equations.sites.len();
@@ -99,7 +104,7 @@ fn reweight(
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
         let declared = with_scales(patch, data, options, scales);
-        let refitted = fit_plain(patch, &data.reweighted(&next[0], &next[1]), &declared);
+        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared);
         let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
         let is_last = moved < CONVERGED || step == MAX_STEPS;
         if is_last {

@@ -1,8 +1,8 @@
 //! What every least squares fit of one call starts from.
 
 use crate::fit::linear::equations::Equations;
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
 use crate::linalg::{Sites, StencilMatrix};

@@ -11,10 +11,11 @@
 use crate::fit::linear;
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
+use crate::fit::objective::PlainFit;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::robust::fit_with_loss;
+use crate::fit::placing::Patch;
 use crate::fit::placing::data::Data;
-use crate::fit::placing::patch::Patch;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
 
 /// The search covers this many decades below and above the ratio of traces, where data and roughness weigh the same.
@@ -26,10 +27,15 @@ const GOLDEN_STEPS: usize = 20;
 ///
 /// # Errors
 /// Those of a fit with a given lambda.
-pub(super) fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+pub(super) fn fit_smoothed(
+    patch: &Patch,
+    data: &Data,
+    options: &FitOptions,
+    plain: PlainFit,
+) -> Result<Fitted, FitError> {
     let with = |lambda: f64| FitOptions { smooth: Smooth::Lambda(lambda), ..options.clone() };
     // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
-    let start = fit_with_loss(patch, data, &with(1e-9))?;
+    let start = fit_with_loss(patch, data, &with(1e-9), plain)?;
     let Some((_, penalty)) = start.equations.roughness.clone() else { return Ok(start) };
     let bare = start.equations.with_roughness(None);
     let sum = |diagonal: Vec<f64>| diagonal.iter().sum::<f64>();
@@ -47,7 +53,7 @@ pub(super) fn fit_smoothed(patch: &Patch, data: &Data, options: &FitOptions) -> 
         .map(|e| (f64::from(e), score(f64::from(e))))
         .fold((f64::from(DECADES[1]), f64::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
     let lambda = balance * 10_f64.powf(golden(best.0 - 1.0, best.0 + 1.0, score));
-    let mut fitted = fit_with_loss(patch, data, &with(lambda))?;
+    let mut fitted = fit_with_loss(patch, data, &with(lambda), plain)?;
     fitted.notes.push(Note::Smoothed { lambda });
     Ok(fitted)
 }

@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::contact::{ContactWeights, Contacts, Grid, Orientation};
 use crate::fit::FitError;
-use crate::fit::placing::patch::Patch;
+use crate::fit::placing::Patch;
 use crate::fit::placing::sites::DataSites;
 use crate::linalg::{RowWeights, SiteWeights, Targets};
 use crate::observation::{CellNumbers, GridSites, ScatteredSites, grid_slope_rows, slope_rows};

@@ -1,7 +1,6 @@
 //! NPY: one array of n x 3 or n x 6 numbers, a contact in every row.
 
 use crate::io::columns::{Column, Columns, Need};
-use crate::io::gather::reading_of;
 use crate::io::npy::Header;
 use crate::io::place::Unit;
 use crate::io::{IoError, ReadOptions, Reading};
@@ -27,5 +26,5 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
         let at = |row: usize| if header.fortran_order { k * rows + row } else { row * fields + k };
         columns.set(*column, (0..rows).map(|row| values[at(row)]).collect());
     }
-    reading_of(file, columns, ((0..rows).collect(), Unit::Entry), options)
+    columns.into_reading(file, ((0..rows).collect(), Unit::Entry), options)
 }

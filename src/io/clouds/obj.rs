@@ -4,7 +4,6 @@
 //! vertex, where there are as many of both. Wavefront Technologies, "Object Files (.obj)".
 
 use crate::io::columns::{Column, Columns, Need};
-use crate::io::gather::reading_of;
 use crate::io::place::{Runs, Unit};
 use crate::io::watch::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
@@ -43,7 +42,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
         }
     }
     let lines: Runs = kept.iter().map(|&v| model.lines[v]).collect();
-    let mut reading = reading_of(file, columns, (lines, Unit::Line), options)?;
+    let mut reading = columns.into_reading(file, (lines, Unit::Line), options)?;
     match model.places.len() - kept.len() {
         0 if normals.is_none() && model.faces > 0 => {
             reading.notes.push("OBJ without vertex normals: its faces are not used".into());

@@ -4,7 +4,6 @@
 //! Geomview, "OFF Files".
 
 use crate::io::columns::{Column, Columns, Need};
-use crate::io::gather::reading_of;
 use crate::io::place::{Place, Runs, Unit};
 use crate::io::watch::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
@@ -55,7 +54,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     if numbers.len() < count {
         return Err(wrong(format!("it ends after {} of {count} vertices; it may be cut short", numbers.len())));
     }
-    let mut reading = reading_of(file, columns, (numbers, Unit::Line), options)?;
+    let mut reading = columns.into_reading(file, (numbers, Unit::Line), options)?;
     if fields == 3 {
         reading.notes.push("OFF without normals: its faces are not used".into());
     }

@@ -9,7 +9,6 @@
 //! each other (all x, then all y, ...), under [`super::lzf`]. Point Cloud Library, "The PCD file format", 0.7.
 
 use crate::io::columns::{Column, Columns, Need};
-use crate::io::gather::reading_of;
 use crate::io::names::in_our_words;
 use crate::io::place::{Place, Runs, Unit};
 use crate::io::watch::tell_line;
@@ -68,7 +67,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
         other => return Err(wrong(format!("its DATA is {other:?}; ascii, binary and binary_compressed are read"))),
     };
     let (numbers, missing) = leave_out_missing(&mut columns, numbers);
-    let mut reading = reading_of(file, columns, (numbers, unit), options)?;
+    let mut reading = columns.into_reading(file, (numbers, unit), options)?;
     reading.viewpoint = header.viewpoint;
     if missing > 0 {
         reading.notes.push(format!("{missing} points without a measurement (x, y, z all NaN) left out"));

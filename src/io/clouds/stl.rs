@@ -3,7 +3,6 @@
 //! often zero. [`super::soup`] joins the corners and finds normals.
 
 use crate::io::form::is_binary_stl;
-use crate::io::gather::reading_of;
 use crate::io::place::Unit;
 use crate::io::{IoError, ReadOptions, Reading};
 
@@ -29,7 +28,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     }
     let (columns, bare) = soup.into_columns(file)?;
     let rows = columns.len();
-    let mut reading = reading_of(file, columns, ((0..rows).collect(), Unit::Vertex), options)?;
+    let mut reading = columns.into_reading(file, ((0..rows).collect(), Unit::Vertex), options)?;
     reading.notes.push("STL: corners at one place are joined; normals are those of the triangles around each".into());
     if bare > 0 {
         reading.notes.push(format!("{bare} vertices whose triangles have no area left out"));

@@ -11,7 +11,6 @@ mod intrinsics;
 mod png;
 
 use crate::io::columns::{Column, Columns, Need};
-use crate::io::gather::reading_of;
 use crate::io::place::{Runs, Unit};
 use crate::io::{IoError, ReadOptions, Reading};
 
@@ -59,7 +58,7 @@ pub(super) fn read(
     for (column, values) in [(Column::X, x), (Column::Y, y), (Column::Z, z)] {
         columns.set(column, values);
     }
-    let mut reading = reading_of(file, columns, (pixels, Unit::Pixel), options)?;
+    let mut reading = columns.into_reading(file, (pixels, Unit::Pixel), options)?;
     reading.viewpoint = Some([0.0; 3]);
     reading.notes.push("depth image: x to the right, y down, z forward, the camera at the origin".into());
     if missing > 0 {

@@ -22,7 +22,7 @@ const DOTS: usize = 6_000;
 /// Layers of the still picture from the farthest to the nearest.
 const LAYERS: usize = 16;
 /// Width of a dot in distances between neighbours, as in the turning view: so wide that nothing shows between them.
-const COVER: f64 = 2.8;
+const COVER: f64 = 3.2;
 /// Label of a contact in no part.
 const NONE: f64 = 65_535.0;
 
@@ -63,8 +63,10 @@ impl PartsBody<'_> {
         let label = |r: usize| self.found.labels[r].map_or(NONE, f64::from);
         let colours: Vec<_> = (0..names.len()).map(|k| part_colour(Some(k as u32))).collect();
         let normals: Option<Vec<Vector>> = all.iter().map(|r| self.normal(*r)).collect();
+        let left = all.iter().any(|r| self.found.labels[*r].is_none());
+        let (none, spacing) = (part_colour(None), self.found.spacing);
         json!({
-            "body": {"names": names, "colours": colours, "none": part_colour(None), "spacing": self.found.spacing},
+            "body": {"names": names, "colours": colours, "none": none, "left": left, "spacing": spacing},
             "centre": centre,
             "points": singles(all.iter().flat_map(|r| [0, 1, 2].map(|k| self.place(*r)[k] - centre[k]))),
             "normals": normals.map(|normals| singles(normals.iter().flatten().copied())),

@@ -12,6 +12,7 @@ use crate::report::description::Description;
 use crate::report::explore::{ExploreDocument, KnownPart, StepPart, write_explore_table};
 use crate::report::json::write_json;
 use crate::report::table::significant;
+use crate::report::words::like;
 
 /// Writes the page of an exploration; `found` describes the surface that all contacts show, where they show one.
 ///
@@ -55,8 +56,11 @@ pub(crate) fn write_explore_page(
 }
 
 fn lead(document: &ExploreDocument) -> String {
-    let last = document.steps.last();
-    let kind = last.and_then(|step| step.kind.as_deref()).map_or(String::new(), |kind| format!(" They show: {kind}."));
+    let class = document.shape.as_ref().and_then(|shape| shape.class.as_deref());
+    let kind = class.map_or(String::new(), |class| match like(class) {
+        "" => format!(" They show a {class}."),
+        like => format!(" They show a {class}: {like}."),
+    });
     format!(
         "{} contacts were taken by the strategy \"{}\"; it ended because {}.{kind}",
         document.contacts, document.strategy, document.reason

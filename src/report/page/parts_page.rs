@@ -146,30 +146,30 @@ fn sizes(document: &PartsDocument) -> String {
                 let [lo, hi] = [value - FACTOR * u, value + FACTOR * u];
                 (significant(u, 2), format!("{} to {}", precise(lo, hi - lo), precise(hi, hi - lo)))
             });
-            rows.push(vec![name.clone(), what.into(), shown(value), sd, interval]);
+            let value = u.map_or_else(|| shown(value), |u| precise(value, 2.0 * FACTOR * u));
+            rows.push(vec![name.clone(), what.into(), value, sd, interval]);
         };
         number(if g.minor_radius.is_some() { "radius of the ring" } else { "radius" }, g.radius, u.radius);
         number("radius of the tube", g.minor_radius, u.minor_radius);
         number("half angle, degrees", g.half_angle_deg, u.half_angle_deg);
-        let mut place = |what: &str, at: Option<[f64; 3]>, u: Option<f64>, unit: &str| {
+        // what is known of the coordinates, in their own unit, and how that is said
+        let mut place = |what: &str, at: Option<[f64; 3]>, known: Option<f64>, said: Option<String>| {
             let Some(at) = at else { return };
-            let at = at.map(shown).join(", ");
-            rows.push(vec![
-                name.clone(),
-                what.into(),
-                at,
-                u.map_or("-".into(), |u| significant(u, 2) + unit),
-                "-".into(),
-            ]);
+            let places = known.filter(|u| *u > 0.0).map(|u| (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize);
+            let at = at.map(|v| places.map_or_else(|| shown(v), |places| rounded(v, places))).join(", ");
+            rows.push(vec![name.clone(), what.into(), at, said.unwrap_or("-".into()), "-".into()]);
         };
-        place(if part.kind == "plane" { "normal" } else { "direction of the axis" }, g.axis, u.axis_deg, " degrees");
+        let length = |u: Option<f64>| u.map(|u| significant(u, 2));
+        let turned = u.axis_deg.map(|u| significant(u, 2) + " degrees");
+        let direction = if part.kind == "plane" { "normal" } else { "direction of the axis" };
+        place(direction, g.axis, u.axis_deg.map(f64::to_radians), turned);
         let point = match part.kind.as_str() {
             "sphere" | "torus" => "centre",
             "cylinder" | "cone" => "a point on the axis",
             _ => "a point on it",
         };
-        place(point, Some(g.point), u.point, "");
-        place("apex", g.apex, None, "");
+        place(point, Some(g.point), u.point, length(u.point));
+        place("apex", g.apex, None, None);
     }
     let head = ["Part", "", "Value", "Standard uncertainty", "95 % interval"];
     let words = "Places and directions are x, y, z in the input's coordinates. The uncertainties count noise alone, also of parts \
@@ -178,6 +178,12 @@ fn sizes(document: &PartsDocument) -> String {
         "<section id=\"sizes\"><h2>Where they lie and how large they are</h2>\n{}<p class=\"hint\">{words}</p></section>\n",
         table(&head, &rows)
     )
+}
+
+/// A number with so many decimals; without a minus before a row of zeros.
+fn rounded(value: f64, places: usize) -> String {
+    let words = format!("{value:.places$}");
+    if words.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) { words } else { words.replace('-', "") }
 }
 
 fn joints(document: &PartsDocument) -> String {
@@ -229,4 +235,14 @@ fn trust(document: &PartsDocument) -> String {
         said.push(words + ".");
     }
     format!("<section id=\"certificate\"><h2>How far to trust it</h2>\n{}</section>\n", list(&said))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_have_no_sign() {
+        assert_eq!([rounded(-3.4e-6, 4), rounded(-0.25, 1), rounded(12.345, 0)], ["0.0000", "-0.2", "12"]);
+    }
 }

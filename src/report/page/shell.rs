@@ -58,6 +58,8 @@ impl Page<'_> {
     /// What the system says.
     pub(super) fn write(&self, provenance: &Provenance, out: &mut dyn Write) -> std::io::Result<()> {
         let (title, version) = (text(&self.title), env!("CARGO_PKG_VERSION"));
+        // what stands below the turning view waits for its buttons, lest it move when they come
+        let waits = if self.view.is_some() { " class=\"waiting\"" } else { "" };
         write!(
             out,
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -65,7 +67,9 @@ impl Page<'_> {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"generator\" content=\"palpate {version}\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n\
-             <title>{title} - palpate</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+             <title>{title} - palpate</title>\n<style>\n{}</style>\n\
+             <noscript><style>.waiting #space ~ *, .waiting footer {{ display: revert; }}</style></noscript>\n\
+             </head>\n<body{waits}>\n\
              <header><p class=\"kind\">{}</p><h1>{title}</h1></header>\n<main>\n",
             STYLES.concat(),
             text(self.kind)

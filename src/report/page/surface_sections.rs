@@ -11,10 +11,12 @@ use super::lengths::Lengths;
 use super::perspective::picture;
 use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
-use super::words::{certificate, interval_of, named_level, noise};
-use crate::report::document::{FitDocument, MeasurePart, SpreadPart};
+use super::words::{apart, certificate, interval_of, named_level, noise};
+use crate::report::document::{FitDocument, MeasurePart, ShapePart, SpreadPart};
+use crate::report::radius::radius_bounds;
 use crate::report::surface_view::{ContactsView, SurfaceView};
 use crate::report::table::significant;
+use crate::report::words::{OPEN, chance};
 
 /// What a surface can be coloured by: S where it has one, R, and their uncertainties where they are known.
 pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<Field<'a>> {
@@ -55,7 +57,7 @@ pub(super) fn cards(document: &FitDocument) -> String {
     let class = shape.class.as_deref().unwrap_or("none");
     let sure = shape.class_probability.as_ref().and_then(|shares| {
         let share = shares.0.iter().find(|(name, _)| name == class)?.1;
-        Some(format!("probability {}", probability(share)))
+        Some(format!("{} sure", chance(share)))
     });
     let mut out = String::from("<div class=\"cards\">\n");
     out.push_str(&card("Class", class, &sure.into_iter().collect::<Vec<_>>()));
@@ -66,18 +68,37 @@ pub(super) fn cards(document: &FitDocument) -> String {
         &lines(&shape.curvedness),
     ));
     if let Some(radius) = shape.radius {
-        let between = shape.radius_interval.map(|[lo, hi]| {
-            format!(
-                "{} interval {} to {}",
-                named_level(shape.curvedness.level),
-                precise(lo, hi - lo),
-                precise(hi, hi - lo)
-            )
-        });
+        let level = named_level(shape.curvedness.level);
+        let between = match radius_bounds(shape) {
+            [Some(lo), Some(hi)] => apart([lo, hi]).map(|[lo, hi]| format!("{level} interval {lo} to {hi}")),
+            [Some(lo), None] => Some(format!("{level} sure to be above {}", shown(lo))),
+            _ => None,
+        };
         out.push_str(&card(&lengths.along("Radius"), &shown(radius), &between.into_iter().collect::<Vec<_>>()));
     }
+    out.push_str(&axis_card(shape).unwrap_or_default());
     out.push_str("</div>\n");
     out
+}
+
+/// The way along a ridge or rut, and how well it is known.
+fn axis_card(shape: &ShapePart) -> Option<String> {
+    let level = named_level(shape.curvedness.level);
+    let within = shape.axis_within_deg;
+    let open = || "may run any way".to_string();
+    let known = |words: &dyn Fn(f64) -> String| within.map(|w| if w > OPEN { open() } else { words(w) });
+    if let Some(degrees) = shape.axis_deg {
+        let between = known(&|w| {
+            let ends = apart([degrees - w, degrees + w]);
+            ends.map_or(String::new(), |[lo, hi]| format!("{level} interval {lo} to {hi}"))
+        });
+        let between = between.filter(|words| !words.is_empty());
+        let lines: Vec<String> = between.into_iter().chain(["from x towards y".into()]).collect();
+        return Some(card("Axis, degrees", &format!("{degrees:.1}"), &lines));
+    }
+    let [x, y, z] = shape.axis?;
+    let between = known(&|w| format!("{level} sure within {} degrees", significant(w, 2)));
+    Some(card("Axis, along x, y, z", &format!("{x:.2}, {y:.2}, {z:.2}"), &between.into_iter().collect::<Vec<_>>()))
 }
 
 /// How much a quantity differs from place to place; rounding is no variation.

@@ -4,6 +4,7 @@ use super::chart::{precise, shown};
 use super::lengths::Lengths;
 use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::percent::percent;
+use crate::report::radius::radius_bounds;
 use crate::report::table::significant;
 use crate::report::words::like;
 
@@ -14,8 +15,13 @@ pub(super) fn named_level(level: Option<f64>) -> String {
 
 /// The interval of a mean, as `95 % interval 0.48 to 0.52`.
 pub(super) fn interval_of(part: &MeasurePart) -> Option<String> {
-    let [lo, hi] = part.interval?;
-    Some(format!("{} interval {} to {}", named_level(part.level), precise(lo, hi - lo), precise(hi, hi - lo)))
+    let [lo, hi] = apart(part.interval?)?;
+    Some(format!("{} interval {lo} to {hi}", named_level(part.level)))
+}
+
+/// Both ends of an interval in words; nothing where they cannot be told apart, as of contacts without noise.
+pub(super) fn apart([lo, hi]: [f64; 2]) -> Option<[String; 2]> {
+    Some([precise(lo, hi - lo), precise(hi, hi - lo)]).filter(|[lo, hi]| lo != hi)
 }
 
 /// What was found, in one or two sentences.
@@ -31,11 +37,11 @@ pub(super) fn finding(document: &FitDocument) -> String {
     };
     let mut words = format!("The patch is a {class}: {}.", like(class));
     if let Some(radius) = shape.radius {
-        let between = match (shape.radius_interval, shape.curvedness.level) {
-            (Some([lo, hi]), level) => {
-                let sure = level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
-                format!(" (between {} and {}{sure})", precise(lo, hi - lo), lengths.of_size(precise(hi, hi - lo)))
-            }
+        let sure = shape.curvedness.level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
+        let between = match radius_bounds(shape) {
+            [Some(lo), Some(hi)] => apart([lo, hi])
+                .map_or(String::new(), |[lo, hi]| format!(" (between {lo} and {}{sure})", lengths.of_size(hi))),
+            [Some(lo), None] => format!(" (above {}{sure})", lengths.of_size(shown(lo))),
             _ => String::new(),
         };
         words.push_str(&format!(" Its radius is {}{between}.", lengths.of_size(shown(radius))));
@@ -138,4 +144,17 @@ pub(super) fn noise(document: &FitDocument) -> Option<String> {
         });
     }
     (!parts.is_empty()).then(|| format!("Noise of one contact (standard deviation): {}.", parts.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_that_are_one_number_are_no_interval() {
+        assert_eq!(apart([24.2, 26.5]), Some(["24.2".to_string(), "26.5".to_string()]));
+        assert_eq!(apart([6.6, 6.6 + 1e-13]), None);
+        let part = MeasurePart { interval: Some([0.5, 0.5 + 1e-15]), ..MeasurePart::default() };
+        assert_eq!(interval_of(&part), None);
+    }
 }

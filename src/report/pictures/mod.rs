@@ -7,6 +7,7 @@
 //! They draw what the report page draws, so that both show the same numbers.
 
 mod contour;
+mod dots;
 mod perspective;
 mod scale;
 mod section;

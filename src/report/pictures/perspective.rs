@@ -12,7 +12,8 @@ use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::surface_view::{SurfaceView, Vector};
 use crate::report::table::significant;
 
-use super::scale::{BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, foot, picture, shape_bar, short, thinned, with_unit};
+use super::dots::{evenly, radius};
+use super::scale::{BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, foot, picture, shape_bar, short, with_unit};
 
 /// Edges of the scene: left, right, above, below.
 const ROOM: [f64; 4] = [52.0, 376.0, 44.0, 310.0];
@@ -26,6 +27,8 @@ const MOST_DOTS: usize = 1_000;
 const LAYERS: f64 = 24.0;
 /// Pieces that the lines of a net are cut into, so that each stands at its own depth: of every line, and of all together.
 const PIECES: [usize; 2] = [8, 480];
+/// Pixels of an edge beside which its name and the numbers of its ends would touch.
+const CRAMPED: f64 = 75.0;
 const AZIMUTH: f64 = -60.0;
 const ELEVATION: f64 = 28.0;
 /// Distance of the camera, in sizes of the scene.
@@ -101,7 +104,8 @@ fn upon(net: &[(f64, [Vector; 2])], contacts: &[Vector], camera: &Camera) -> Vec
     }
     let knots = layers(net.iter().flat_map(|(_, ends)| ends).copied(), camera);
     pieces.extend(knots.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Knots(dots))));
-    let radius = if contacts.len() > 400 { 0.9 } else { 1.8 };
+    let seen: Vec<[f64; 2]> = contacts.iter().map(|p| camera.at(*p)).collect();
+    let radius = radius(&seen, 1.8);
     let touched = layers(contacts.iter().copied(), camera);
     pieces.extend(touched.into_iter().map(|(depth, dots)| (nearer(depth), Piece::Contacts(dots, radius))));
     pieces
@@ -190,10 +194,8 @@ fn net(view: &SurfaceView, bounds: &[[f64; 2]; 3], words: &mut Vec<String>) -> V
 /// Contacts that belong to the surface, thinned.
 fn contacts(view: &SurfaceView, words: &mut Vec<String>) -> Vec<Vector> {
     let Some(contacts) = &view.contacts else { return Vec::new() };
-    let (step, _) = thinned(contacts.points.len(), MOST_DOTS);
-    let both = contacts.points.iter().zip(&contacts.left_out);
-    let some = both.filter(|(p, out)| !**out && p.iter().all(|v| v.is_finite()));
-    let some: Vec<Vector> = some.map(|(p, _)| *p).step_by(step).collect();
+    let chosen = evenly(&contacts.places, MOST_DOTS).into_iter().filter(|k| !contacts.left_out[*k]);
+    let some: Vec<Vector> = chosen.map(|k| contacts.points[k]).filter(|p| p.iter().all(|v| v.is_finite())).collect();
     words.push(if some.len() == contacts.all {
         format!("dots: all {} contacts", some.len())
     } else {
@@ -302,11 +304,21 @@ fn base(drawing: &mut Drawing, camera: &Camera, bounds: [[f64; 2]; 3], unit: Opt
         let [a, b] = [camera.at(a), camera.at(b)];
         drawing.line(&[a, b], 0.8, GREY);
         let beside = |t: f64| [a[0] + t * (b[0] - a[0]) + right, a[1] + t * (b[1] - a[1]) + down];
-        // the ends of two edges meet in one corner: their numbers keep off it
-        for (t, value) in [(0.08, ends[0]), (0.92, ends[1])] {
-            drawing.word(beside(t), short(value), SMALL, anchor);
-        }
+        // the middle of a patch without noise is 0 but for rounding
+        let span = ends[1] - ends[0];
+        let ends = ends.map(|value| short(if value.abs() < 1e-9 * span { 0.0 } else { value }));
         let [mx, my] = beside(0.5);
+        // an edge that runs towards the eye has no room for three words side by side
+        if name == "y" && (b[0] - a[0]).hypot(b[1] - a[1]) < CRAMPED {
+            let [x, y] = beside(0.0);
+            drawing.word([x, y], format!("{}:", with_unit(name, unit, 1)), MIDDLE, Anchor::Start);
+            drawing.word([x, y + 14.0], ends.join(" to "), SMALL, Anchor::Start);
+            continue;
+        }
+        // the ends of two edges meet in one corner: their numbers keep off it
+        for (t, word) in [0.08, 0.92].into_iter().zip(ends) {
+            drawing.word(beside(t), word, SMALL, anchor);
+        }
         if name == "z" {
             drawing.word([b[0], b[1] - 14.0], with_unit(name, unit, 1), MIDDLE, Anchor::Middle);
         } else {

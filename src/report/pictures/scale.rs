@@ -2,7 +2,7 @@
 
 use crate::curvature::ShapeClass;
 use crate::report::colour::{DIVERGING, along};
-use crate::report::drawing::{Anchor, Colour, Drawing};
+use crate::report::drawing::{Anchor, Colour, Drawing, width_of};
 use crate::report::png::Raster;
 
 /// Width of every picture: one column of a paper (85 mm), so that a pixel is 0.48 points.
@@ -15,6 +15,10 @@ pub(super) const MIDDLE: f64 = 12.0;
 pub(super) const SMALL: f64 = 11.0;
 pub(super) const BLACK: Colour = [0; 3];
 pub(super) const GREY: Colour = [120; 3];
+/// Columns that a name takes which runs upwards beside the numbers.
+const UPWARD: f64 = 17.0;
+/// Least distance between two numbers below an axis.
+const GAP: f64 = 5.0;
 /// Width of a colour scale's bar.
 const BAR: f64 = 10.0;
 
@@ -91,22 +95,39 @@ pub(super) fn with_unit(name: &str, unit: Option<&str>, power: i32) -> String {
 pub(super) fn frame(drawing: &mut Drawing, x: &Axis, y: &Axis, names: [&str; 2], most: [usize; 2], numbers: bool) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
     drawing.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK);
-    for (value, word) in x.ticks(most[0]) {
+    for (value, word) in side_by_side(x, most[0]) {
         let at = x.at(value);
         drawing.line(&[[at, bottom], [at, bottom + 4.0]], 1.0, BLACK);
         drawing.word([at, bottom + 12.0], word, SMALL, Anchor::Middle);
     }
+    let mut widest = 0.0_f64;
     for (value, word) in y.ticks(most[1]) {
         let at = y.at(value);
+        widest = widest.max(width_of(&word, SMALL));
         drawing.line(&[[left - 4.0, at], [left, at]], 1.0, BLACK);
         if numbers {
             drawing.word([left - 6.0, at], word, SMALL, Anchor::End);
         }
     }
     drawing.word([0.5 * (left + right), bottom + 26.0], names[0], MIDDLE, Anchor::Middle);
-    if !names[1].is_empty() {
+    let room = left - 6.0;
+    if names[1].is_empty() {
+    } else if numbers && widest > room - UPWARD && width_of(names[1], MIDDLE) < room {
+        drawing.word([room, top - 10.0], names[1], MIDDLE, Anchor::End);
+    } else {
         drawing.upward_word([9.0, 0.5 * (top + bottom)], names[1], MIDDLE);
     }
+}
+
+/// The most ticks up to `most` whose words do not touch.
+fn side_by_side(axis: &Axis, most: usize) -> Vec<(f64, String)> {
+    let apart = |ticks: &[(f64, String)]| {
+        ticks.windows(2).all(|pair| {
+            let away = (axis.at(pair[1].0) - axis.at(pair[0].0)).abs();
+            away > 0.5 * (width_of(&pair[0].1, SMALL) + width_of(&pair[1].1, SMALL)) + GAP
+        })
+    };
+    (1..=most).rev().map(|most| axis.ticks(most)).find(|ticks| apart(ticks)).unwrap_or_default()
 }
 
 /// A bar of colours from the least (below) to the largest.
@@ -174,13 +195,25 @@ pub(super) fn foot(drawing: &mut Drawing, remarks: &[String]) {
     for remark in remarks {
         match lines.last_mut().filter(|line| line.chars().count() + remark.chars().count() + 2 <= FOOT_LETTERS) {
             Some(line) => *line = format!("{line}; {remark}"),
-            None => lines.push(fitting(remark, FOOT_LETTERS)),
+            None => lines.extend(wrapped(remark)),
         }
     }
     for line in lines {
         drawing.word([8.0, drawing.size[1] + 4.0], line, SMALL, Anchor::Start);
         drawing.size[1] += 15.0;
     }
+}
+
+/// A remark in lines of at most [`FOOT_LETTERS`].
+fn wrapped(remark: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in remark.split_whitespace() {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= FOOT_LETTERS) {
+            Some(line) => *line = format!("{line} {word}"),
+            None => lines.push(fitting(word, FOOT_LETTERS)),
+        }
+    }
+    lines
 }
 
 /// A number without the zeros behind its last digit.
@@ -217,6 +250,30 @@ mod tests {
         assert_eq!(words(0.0, 0.0712, 5), ["0.00", "0.02", "0.04", "0.06"]);
         assert_eq!(words(-6.0, 6.0, 4), ["-5", "0", "5"]);
         assert!(words(1.0, 1.0, 5).is_empty() && words(f64::NAN, 1.0, 5).is_empty());
+    }
+
+    #[test]
+    fn numbers_below_an_axis_do_not_touch() {
+        let narrow = Axis { lo: -0.021, hi: 0.024, from: 0.0, to: 90.0 };
+        assert_eq!(narrow.ticks(5).len(), 5);
+        let words: Vec<String> = side_by_side(&narrow, 5).into_iter().map(|(_, word)| word).collect();
+        assert_eq!(words, ["-0.02", "0.00", "0.02"]);
+        assert_eq!(side_by_side(&Axis { to: 400.0, ..narrow }, 5).len(), 5);
+    }
+
+    #[test]
+    fn long_remarks_at_the_foot_go_on_in_the_next_line() {
+        let mut drawing = picture(100.0);
+        foot(&mut drawing, &["short".into(), "many words of a remark ".repeat(6), "last".into()]);
+        let words: Vec<&str> = drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                crate::report::drawing::Shape::Word { text, .. } => Some(text.as_str()),
+                _ => None,
+            })
+            .collect();
+        assert!(words.len() == 3 && words.iter().all(|line| !line.contains("...") && line.len() <= 82), "{words:?}");
     }
 
     #[test]

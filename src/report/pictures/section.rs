@@ -107,7 +107,11 @@ fn spread(values: impl Iterator<Item = f64>) -> Axis {
 /// How much more the ordinate is stretched than the abscissa, in words.
 fn stretched(x: &Axis, y: &Axis) -> String {
     let scale = |axis: &Axis| ((axis.to - axis.from) / (axis.hi - axis.lo)).abs();
-    format!("heights drawn {} times as large as lengths", significant(scale(y) / scale(x), 2))
+    let times = scale(y) / scale(x);
+    if (times - 1.0).abs() < 0.005 {
+        return "heights and lengths to one scale".into();
+    }
+    format!("heights drawn {} times as large as lengths", significant(times, 2))
 }
 
 /// The line: blue where contacts support it, grey elsewhere.

@@ -14,9 +14,8 @@ use crate::report::png::Raster;
 use crate::report::surface_view::{ContactsView, SurfaceView};
 
 use super::contour::contours;
-use super::scale::{
-    Axis, BLACK, GREY, LARGE, MIDDLE, fitting, foot, frame, number_bar, picture, shape_bar, thinned, with_unit,
-};
+use super::dots::{evenly, radius};
+use super::scale::{Axis, BLACK, GREY, LARGE, MIDDLE, fitting, foot, frame, number_bar, picture, shape_bar, with_unit};
 
 /// Sides of a map: its width, and the most that its height may be.
 const SIDE: f64 = 142.0;
@@ -33,6 +32,9 @@ const COLOURS: f64 = 100.0;
 const MOST_DOTS: usize = 1_000;
 /// Pieces of lines of one map: where S is rounding its lines would cover the map.
 const MOST_PIECES: usize = 3_000;
+/// Radius of a dot that has room, pixels, and how many dots get a pale rim, which doubles them.
+const LARGEST_DOT: f64 = 1.7;
+const RIMMED: usize = 400;
 /// Part of a map's side up to which contacts beyond its edge are drawn.
 const MARGIN: f64 = 0.05;
 /// Where nothing is known.
@@ -81,8 +83,11 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
     if view.curvedness.iter().any(|r| r.is_nan()) {
         words.push("grey: not surrounded by contacts".into());
     }
+    if view.axes == ["u", "v"] {
+        words.push("u, v: the patch's own two directions".into());
+    }
     if rows > 1 {
-        words.push(format!("u: {}", view.uncertainty_words));
+        words.push(format!("u(S), u(R): {}", view.uncertainty_words));
     }
     foot(&mut drawing, &words);
     drawing
@@ -209,32 +214,28 @@ impl<'a> Panel<'a> {
 
     /// Dots at the contacts, and what the foot says of them.
     fn contacts(&self, drawing: &mut Drawing, contacts: &ContactsView) -> Vec<String> {
-        let held = contacts.places.len();
-        let (step, mut words) = thinned(contacts.all, MOST_DOTS);
-        // of very many contacts the view holds every so many-th already
-        let step = (step * held).div_ceil(contacts.all.max(1)).max(1);
-        if step > 1 || held < contacts.all {
-            words = format!("{} of {} contacts, evenly chosen", held.div_ceil(step), contacts.all);
-        }
+        let chosen = evenly(&contacts.places, MOST_DOTS);
+        let mut words = match chosen.len() {
+            held if held < contacts.all => format!("{held} of {} contacts, evenly chosen", contacts.all),
+            all => format!("all {all} contacts"),
+        };
         // feet of contacts at the rim lie a little beyond it; the margins of the panel have room for them
         let near = |axis: &Axis, v: f64| (-MARGIN..=1.0 + MARGIN).contains(&((v - axis.lo) / (axis.hi - axis.lo)));
         let inside = |[x, y]: &[f64; 2]| near(&self.x, *x) && near(&self.y, *y);
         let pixels = |out: bool| -> Vec<[f64; 2]> {
-            let both = contacts.places.iter().zip(&contacts.left_out).step_by(step);
-            let some = both.filter(|(place, left_out)| **left_out == out && inside(place));
-            some.map(|([x, y], _)| [self.x.at(*x), self.y.at(*y)]).collect()
+            let some = chosen.iter().filter(|k| contacts.left_out[**k] == out).map(|k| contacts.places[*k]);
+            some.filter(inside).map(|[x, y]| [self.x.at(x), self.y.at(y)]).collect()
         };
         let (dots, crosses) = (pixels(false), pixels(true));
-        if step == 1 && dots.len() + crosses.len() < contacts.all {
+        if chosen.len() == contacts.all && dots.len() + crosses.len() < contacts.all {
             words =
                 format!("{} of {} contacts, the others lie beyond the map", dots.len() + crosses.len(), contacts.all);
         }
-        if dots.len() <= 400 {
-            drawing.dots(dots.clone(), 2.6, [255; 3]);
-            drawing.dots(dots, 1.7, BLACK);
-        } else {
-            drawing.dots(dots, 0.7, BLACK);
+        let size = radius(&dots, LARGEST_DOT);
+        if size == LARGEST_DOT && dots.len() <= RIMMED {
+            drawing.dots(dots.clone(), size + 0.9, [255; 3]);
         }
+        drawing.dots(dots, size, BLACK);
         for [x, y] in &crosses {
             drawing.line(&[[x - 2.5, y - 2.5], [x + 2.5, y + 2.5]], 1.0, [200, 0, 120]);
             drawing.line(&[[x - 2.5, y + 2.5], [x + 2.5, y - 2.5]], 1.0, [200, 0, 120]);

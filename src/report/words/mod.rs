@@ -23,6 +23,8 @@ use super::document::FitDocument;
 
 pub(super) use class::like;
 pub(super) use map::small_maps;
+pub(super) use numbers::chance;
+pub(super) use table::OPEN;
 use wrap::Labelled;
 
 /// Writes the first output; `name` is the scene or the file.

@@ -18,6 +18,9 @@ const WIDE: f64 = 0.1;
 /// Below this p-value residuals hold a pattern.
 const PATTERN: f64 = 0.05;
 
+/// A pattern of less than so many per cent of the patch's rise is rounding, as in contacts without noise.
+const UNSEEN: f64 = 1e-6;
+
 /// Less of the grid among the contacts than this is said.
 const THIN: f64 = 0.2;
 
@@ -75,7 +78,10 @@ fn place(document: &FitDocument) -> Option<String> {
 fn found_as(document: &FitDocument) -> Option<String> {
     let chosen = document.fit.chosen.as_ref()?;
     let hypothesis = chosen.hypothesis.as_deref()?;
-    let sure = |name: &str| chosen.tried.iter().find(|tried| tried.name == name).and_then(|tried| tried.probability);
+    // whether it is flat, or bent so little that nobody can tell, is another question, which the first line answers
+    let flat = document.shape.class.as_deref() == Some("plane");
+    let known = |name: &str| chosen.tried.iter().find(|tried| tried.name == name).and_then(|tried| tried.probability);
+    let sure = |name: &str| known(name).filter(|_| !flat);
     let said =
         |name: &str| format!("{}{}", in_words(name), sure(name).map_or(String::new(), |p| format!(" ({})", chance(p))));
     let count = chosen.tried.len();
@@ -127,8 +133,8 @@ fn noise(document: &FitDocument) -> Option<String> {
         let points = sigma.z.map(|z| format!("measured points scatter by about {}", length(z)));
         let normals = sigma.normal_deg.map(|v| format!("normals by about {} degrees", significant(v, 2)));
         let both: Vec<String> = points.into_iter().chain(normals).collect();
-        return (!both.is_empty())
-            .then(|| format!("{} (standard deviations, found from the contacts)", both.join(", ")));
+        let sds = if both.len() == 1 { "standard deviation" } else { "standard deviations" };
+        return (!both.is_empty()).then(|| format!("{} ({sds}, found from the contacts)", both.join(", ")));
     }
     fit.rms.z.map(|rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms)))
 }
@@ -136,6 +142,9 @@ fn noise(document: &FitDocument) -> Option<String> {
 /// Errors that neighbouring contacts share.
 fn pattern(document: &FitDocument) -> Option<String> {
     let lack = document.fit.lack_of_fit.as_ref().filter(|lack| lack.p.is_some_and(|p| p < PATTERN))?;
+    if lack.percent_of_relief.is_some_and(|percent| percent < UNSEEN) {
+        return None;
+    }
     let size =
         lack.percent_of_relief.map_or(String::new(), |p| format!(", by {} % of the patch's rise", significant(p, 2)));
     Some(format!("neighbouring contacts are wrong the same way{size}; the bounds above allow for that"))

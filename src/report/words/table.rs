@@ -2,11 +2,15 @@
 
 use super::super::document::{FitDocument, MeasurePart};
 use super::super::percent::percent;
+use super::super::radius::radius_bounds;
 use super::super::table::{decimals, significant};
 use super::numbers::{DIGITS, like};
 
 /// Most decimals beyond those of the value that are spent on telling the ends of an interval apart.
 const MOST_MORE: usize = 4;
+
+/// An axis that is known to so many degrees only may run any way.
+pub(in crate::report) const OPEN: f64 = 60.0;
 
 /// What S stands for, in one line.
 const SCALE: &str = "-1 cup, -0.5 rut, 0 saddle, 0.5 ridge, 1 cap";
@@ -92,7 +96,8 @@ fn curvedness(document: &FitDocument) -> Row {
     // a plane's R is zero within its bounds: the upper one says all
     if let (Some("plane"), Some([_, hi])) = (shape.class.as_deref(), shape.curvedness.interval) {
         let value = if hi > 0.0 { format!("below {}", significant(hi, 2)) } else { "0".into() };
-        return Row { label, value, meaning, ..Row::default() };
+        let level = shape.curvedness.level.map_or(String::new(), |level| format!("{} sure; ", percent(level)));
+        return Row { label, value, meaning: level + &meaning, ..Row::default() };
     }
     Row { meaning, ..measure(label, &shape.curvedness, None) }
 }
@@ -127,16 +132,8 @@ fn radius(document: &FitDocument) -> Option<Row> {
         });
     }
     let radius = shape.radius?;
-    let [lo, hi] = match shape.radius_interval {
-        Some([lo, hi]) => [Some(lo), Some(hi)],
-        // R's interval, turned round
-        None => shape.curvedness.interval.map_or([None; 2], |[lo, hi]| {
-            let factor = radius * shape.curvedness.mean.unwrap_or(f64::NAN);
-            [hi, lo].map(|end| Some(factor / end).filter(|radius| radius.is_finite()))
-        }),
-    };
-    let between = match [lo, hi] {
-        [Some(lo), Some(hi)] => format!("{} and {}", significant(lo, DIGITS), significant(hi, DIGITS)),
+    let between = match radius_bounds(shape) {
+        [Some(lo), Some(hi)] => bounds(radius, None, [lo, hi]),
         [Some(lo), None] => format!("above {}", significant(lo, DIGITS)),
         _ => String::new(),
     };
@@ -157,10 +154,23 @@ fn axis(document: &FitDocument) -> Option<Row> {
     let class = shape.class.as_deref().unwrap_or("surface");
     let along =
         if saddle { "the direction in which it is hollow".into() } else { format!("the way along the {class}") };
-    let row = |value, meaning| Row { label, value, meaning, ..Row::default() };
+    let within = shape.axis_within_deg.filter(|_| !saddle);
     if let Some(degrees) = degrees {
-        return Some(row(format!("{degrees:.1} deg"), format!("from x towards y: {along}")));
+        // ends beyond 0 and 180 are said as they come: -2 and 3 is nearer to what is meant than 178 and 3
+        let between = match within {
+            Some(within) if within > OPEN => "any direction".into(),
+            Some(within) => bounds(degrees, Some(1), [degrees - within, degrees + within]),
+            None => String::new(),
+        };
+        let (value, meaning) = (format!("{degrees:.1} deg"), format!("from x towards y: {along}"));
+        return Some(Row { label, value, between, meaning, ..Row::default() });
     }
     let [x, y, z] = vector?;
-    Some(row(format!("{x:.2}, {y:.2}, {z:.2}"), format!("along x, y, z: {along}")))
+    let between = match within {
+        Some(within) if within > OPEN => "any direction".into(),
+        Some(within) => format!("within {} deg of it", significant(within, 2)),
+        None => String::new(),
+    };
+    let (value, meaning) = (format!("{x:.2}, {y:.2}, {z:.2}"), format!("along x, y, z: {along}"));
+    Some(Row { label, value, between, meaning, ..Row::default() })
 }

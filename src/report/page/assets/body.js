@@ -4,11 +4,14 @@ const BODY_VERTEX = `
     attribute vec4 tint;
     attribute vec3 outward;
     uniform float size;
+    uniform float least;
+    uniform float most;
     varying vec4 colour;
     void main() {
         colour = tint;
-        gl_PointSize = size;
         vec4 place = modelViewMatrix * vec4(position, 1.0);
+        // the nearer, the farther apart: dots grow as what lies between them does
+        gl_PointSize = clamp(size / -place.z, least, most);
         gl_Position = projectionMatrix * place;
         // what turns its back on the eye is not seen; a contact without a normal is
         if (dot(normalMatrix * outward, place.xyz) > 0.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -22,7 +25,10 @@ const BODY_FRAGMENT = `
     }`;
 
 // Width of a dot in distances between neighbours: so wide that nothing shows between them.
-const COVER = 2.8;
+const COVER = 3.2;
+// Pixels of the narrowest dot, which is still seen, and of the widest, which is no lump yet.
+const NARROWEST = 2;
+const WIDEST = 48;
 
 /** Label of a contact in no part. */
 const NO_PART = 65535;
@@ -38,6 +44,7 @@ function furnishBody(stage) {
     const cloud = pointCloud(view.points, 6);
     cloud.geometry.setAttribute("outward", new THREE.BufferAttribute(view.normals ?? new Float32Array(view.points.length), 3));
     Object.assign(cloud.material, { vertexShader: BODY_VERTEX, fragmentShader: BODY_FRAGMENT });
+    Object.assign(cloud.material.uniforms, { least: { value: NARROWEST }, most: { value: WIDEST } });
     stage.parts = { contacts: cloud, box: boxEdges(stage.box, stage.ink.box) };
     const { colours, none } = view.body;
     const light = new THREE.Vector3(-0.25, -0.45, 1).normalize();
@@ -61,18 +68,20 @@ function showParts(stage) {
     stage.chosen = new Set(chosen);
 }
 
-/** Dots so wide that they cover what lies between them, and neither invisible nor lumps. */
+/** Dots so wide that they cover what lies between them: their pixels at a distance of one. */
 function sizeDots(stage) {
-    const distance = firstEye(stage).length();
-    const pixels = (stage.home.clientHeight * stage.camera.zoom * stage.view.body.spacing) / (2 * Math.tan(Math.PI / 12) * distance);
-    stage.parts.contacts.material.uniforms.size.value = Math.min(Math.max(COVER * pixels, 2), 24) * devicePixelRatio;
+    const pixels = (stage.home.clientHeight * stage.camera.zoom * stage.view.body.spacing) / (2 * Math.tan(Math.PI / 12));
+    const ratio = stage.renderer.getPixelRatio();
+    const { size, least, most } = stage.parts.contacts.material.uniforms;
+    [size.value, least.value, most.value] = [COVER * pixels, NARROWEST, WIDEST].map((width) => width * ratio);
 }
 
 function bodyControls(stage) {
     const fieldset = group("Parts");
     const { names, colours, none } = stage.view.body;
     stage.hidden = new Set();
-    [...names, "in no part"].forEach((name, k) => {
+    const left = stage.view.body.left ? ["in no part"] : [];
+    [...names, ...left].forEach((name, k) => {
         const row = choice("checkbox", `part${k}`, name, true, (on) => {
             if (on) stage.hidden.delete(k);
             else stage.hidden.add(k);

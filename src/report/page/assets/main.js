@@ -25,10 +25,19 @@ function runLibrary() {
 }
 
 watchCharts();
-const view = readView();
-if (view) {
-    const stage = newStage(view);
-    buildControls(stage);
+let stage = null;
+try {
+    const view = readView();
+    if (view) {
+        stage = newStage(view);
+        buildControls(stage);
+    }
+} finally {
+    // what stands below the buttons keeps its place from now on
+    document.body.classList.remove("waiting");
+}
+if (stage) {
+    const { view } = stage;
     afterFirstPicture(() => {
         unpack(view);
         watchMaps(view);

@@ -138,6 +138,7 @@ function fitWindow(stage) {
     camera.near = first.position.length() / 200;
     camera.far = first.position.length() * 20;
     camera.updateProjectionMatrix();
+    if (stage.view.body) sizeDots(stage);
 }
 
 /** How far the box reaches from the middle of a camera's picture towards its rim, which is 1. */
@@ -222,7 +223,6 @@ function resize(stage) {
     stage.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     stage.renderer.setSize(clientWidth, clientHeight, false);
     fitWindow(stage);
-    if (stage.view.body) sizeDots(stage);
     redraw(stage);
 }
 
