@@ -41,6 +41,8 @@ pub(super) struct Cells {
     /// Two tangents of the robust surface.
     pub(super) tangents: [Vec<Vector>; 2],
     pub(super) normals: Option<CellNormals>,
+    /// Cell of every contact.
+    pub(super) of: Vec<usize>,
 }
 
 /// Averages contacts; `errors` are measured minus model normals, `None` where a normal is not used.
@@ -72,6 +74,7 @@ pub(super) fn cells(points: &[Vector], surface: &Model, errors: Option<&[Option<
         weights: counts.iter().map(|c| c.min(4.0 * middle) / middle).collect(),
         tangents: [first, second],
         points: centres,
+        of,
     }
 }
 

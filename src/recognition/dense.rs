@@ -50,25 +50,18 @@ pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
     }
 }
 
-/// Eliminates the leading `count` unknowns of a symmetric matrix given by the upper triangle of `a`, `size` numbers a row:
-/// their rows become those of the upper factor, the rest what is left. `false` unless positive definite.
-pub(super) fn eliminate(a: &mut [f64], size: usize, count: usize) -> bool {
-    for k in 0..count {
-        let (above, below) = a.split_at_mut((k + 1) * size);
-        let row = &mut above[k * size + k..];
-        let pivot = row[0];
-        if pivot.is_nan() || pivot <= 0.0 {
-            return false;
-        }
-        let inverse = 1.0 / pivot.sqrt();
-        row.iter_mut().for_each(|v| *v *= inverse);
-        for i in k + 1..size {
-            let by = row[i - k];
-            let target = &mut below[(i - k - 1) * size + i..(i - k) * size];
-            target.iter_mut().zip(&row[i - k..]).for_each(|(t, r)| *t -= by * r);
+/// `L^-1 b` by columns, which stand together in memory.
+pub(super) fn forward_in_columns(lower: &Mat<f64>, b: &mut [f64]) {
+    for j in 0..b.len() {
+        let (done, rest) = b.split_at_mut(j + 1);
+        let column = lower.col(j).try_as_col_major();
+        done[j] /= lower[(j, j)];
+        let by = done[j];
+        match column {
+            Some(column) => rest.iter_mut().zip(&column.as_slice()[j + 1..]).for_each(|(b, l)| *b -= by * l),
+            None => rest.iter_mut().enumerate().for_each(|(i, b)| *b -= by * lower[(j + 1 + i, j)]),
         }
     }
-    true
 }
 
 /// Solves the leading `p` equations of a symmetric system given by its lower triangle; `None` unless positive definite.

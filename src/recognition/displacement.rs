@@ -1,13 +1,17 @@
 //! A smooth displacement f along the normal of the general surface: how the shape departs from two constant curvatures.
 //!
 //! ```text
-//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 3 x 3 segments over the chart, 49 coefficients
+//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 5 x 5 segments over the chart, 81 coefficients
 //! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
 //! ```
 //!
 //! A displacement of second degree has no penalty. The general surface's own parameters represent it already, so it is
 //! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
 //! of prior size has mean square 1.
+//!
+//! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
+//! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
+//! place.
 
 use faer::{Mat, Side};
 
@@ -18,19 +22,16 @@ use super::cells::Cells;
 use super::constant_curvature::{ConstantCurvature, Jet};
 
 const DEGREE: usize = 4;
-const SEGMENTS: usize = 3;
+/// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
+/// then taken for shared errors. Five take twice the time.
+const SEGMENTS: usize = 5;
 const WIDTH: usize = DEGREE + 1;
 
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
 
-/// Cells needed. With fewer, the prior alone would decide what f is.
-const FEWEST: usize = 16;
-
-/// Columns that are kept for fewer cells than this: the smoothest, which carry nearly all of the prior's variance. The
-/// work grows with the cube of their number. S. N. Wood, *J. R. Stat. Soc. B* 65 (2003) 95.
-const COLUMNS: usize = 24;
-const MANY: usize = 64;
+/// Cells needed. Below 16 the prior decides most of f, which is right where an interval asks what else the surface may be.
+const FEWEST: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
@@ -43,7 +44,7 @@ const MARGIN: f64 = 0.02;
 #[derive(Clone, Debug)]
 pub(super) struct Displacement {
     knots: [Knots; 2],
-    /// 49 x columns.
+    /// 81 x columns.
     to_coefficients: Mat<f64>,
     /// Rows of the distances.
     pub(super) positions: Mat<f64>,
@@ -61,9 +62,12 @@ impl Displacement {
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
         let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
-        let most = if charts.len() < MANY { COLUMNS } else { usize::MAX };
-        let mut to_coefficients = penalised_columns(&knots, most)?;
-        let mut positions = product(&knots, &charts, &to_coefficients, |row| row[0]);
+        let mut to_coefficients = penalised_columns(&knots)?;
+        let means = CellCharts::new(&outline, cells);
+        let mut positions = product(&knots, &means.places, &to_coefficients, |i, row| {
+            let [uu, uv, vv] = means.spreads[i];
+            row[0] + 0.5 * (uu * row[3] + vv * row[5]) + uv * row[4]
+        });
         let size = (square_sum(&positions) / charts.len() as f64).sqrt();
         scale(&mut to_coefficients, 1.0 / size);
         scale(&mut positions, -1.0 / size);
@@ -80,7 +84,7 @@ impl Displacement {
     /// Derivatives of f along both tangents of every cell.
     fn normal_rows(&self, surface: &ConstantCurvature, cells: &Cells, charts: &[[f64; 2]]) -> Mat<f64> {
         let step = 1e-4;
-        let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |row| row[k]));
+        let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |_, row| row[k]));
         let n = charts.len();
         let mut rows = Mat::<f64>::zeros(2 * n, self.columns());
         for side in 0..2 {
@@ -107,6 +111,34 @@ impl Displacement {
     /// The basis functions at a chart point, with which many displacements can be evaluated there.
     pub(super) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])
+    }
+}
+
+/// Where the contacts of every cell lie in the chart: a cell's mean distance is the mean of f over them, and f bends within
+/// a cell.
+struct CellCharts {
+    /// Mean places.
+    places: Vec<[f64; 2]>,
+    /// Mean squares and products about them: uu, uv, vv.
+    spreads: Vec<[f64; 3]>,
+}
+
+impl CellCharts {
+    /// Of the chart positions of all contacts.
+    fn new(charts: &[[f64; 2]], cells: &Cells) -> CellCharts {
+        let count = cells.points.len();
+        let (mut counts, mut places, mut spreads) = (vec![0.0; count], vec![[0.0; 2]; count], vec![[0.0; 3]; count]);
+        for (&cell, chart) in cells.of.iter().zip(charts) {
+            counts[cell] += 1.0;
+            (0..2).for_each(|k| places[cell][k] += chart[k]);
+        }
+        places.iter_mut().zip(&counts).for_each(|(place, n)| place.iter_mut().for_each(|v| *v /= n));
+        for (&cell, chart) in cells.of.iter().zip(charts) {
+            let [u, v] = [0, 1].map(|k| chart[k] - places[cell][k]);
+            spreads[cell].iter_mut().zip([u * u, u * v, v * v]).for_each(|(sum, product)| *sum += product);
+        }
+        spreads.iter_mut().zip(&counts).for_each(|(spread, n)| spread.iter_mut().for_each(|v| *v /= n));
+        CellCharts { places, spreads }
     }
 }
 
@@ -178,7 +210,7 @@ fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
 }
 
 /// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
-fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(Jet) -> f64) -> Mat<f64> {
+fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(usize, Jet) -> f64) -> Mat<f64> {
     let count = columns.nrows();
     let mut basis = Mat::<f64>::zeros(charts.len(), count);
     let mut unit = vec![0.0; count];
@@ -188,7 +220,7 @@ fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: im
             for b in 0..WIDTH {
                 let at = (row.first[0] + a) * row.across + row.first[1] + b;
                 unit[at] = 1.0;
-                basis[(i, at)] = pick(row.jet(&unit));
+                basis[(i, at)] = pick(i, row.jet(&unit));
                 unit[at] = 0.0;
             }
         }
@@ -196,8 +228,8 @@ fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: im
     basis * columns
 }
 
-/// Eigenvectors of the penalty with the smallest positive eigenvalues, at most `most`, divided by the roots of those.
-fn penalised_columns(knots: &[Knots; 2], most: usize) -> Option<Mat<f64>> {
+/// Eigenvectors of the penalty with positive eigenvalues, divided by the roots of those.
+fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
     let [nu, nv] = [0, 1].map(|side| knots[side].n_basis());
     let full = |side: usize, order: usize| {
         let bands = gram(&knots[side], order);
@@ -218,7 +250,7 @@ fn penalised_columns(knots: &[Knots; 2], most: usize) -> Option<Mat<f64>> {
     let eigen = penalty.self_adjoint_eigen(Side::Lower).ok()?;
     let count = nu * nv;
     let largest = eigen.S()[count - 1];
-    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).take(most).collect();
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).collect();
     Some(Mat::from_fn(count, kept.len(), |i, j| eigen.U()[(i, kept[j])] / eigen.S()[kept[j]].sqrt()))
 }
 

@@ -60,7 +60,11 @@ impl Linearised {
             Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts),
             _ => None,
         };
-        let rows = Rows::new(cells, &models, displacement.as_ref());
+        let mut rows = Rows::new(cells, &models, displacement.as_ref());
+        if let Some(moved) = moved {
+            moved.average(&mut rows, cells, contacts);
+            moved.lengthen(&mut rows, cells);
+        }
         let normal_noise = match moved {
             Some(moved) => NormalNoise::find(&moved.without_displacement(&rows), factors.normals(), moved.spent),
             None => NormalNoise::find(&rows, factors.normals(), 0.0),

@@ -35,7 +35,7 @@ pub(super) struct Columns {
     pub(super) root: f64,
 }
 
-/// Eliminates the displacement and then the parameters; `at` is the Gram matrix. `None` unless positive definite.
+/// Eliminates the displacement and then the parameters by one factor; `at` is the Gram matrix. `None` unless positive definite.
 pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Option<Reduced> {
     let Columns { y, unknowns: p, z: (first, count), root } = columns;
     let size = count + p + 1;
@@ -49,21 +49,18 @@ pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Opt
         }
     };
     let factor = |i: usize| if i < count { root } else { 1.0 };
-    let mut a = vec![0.0; size * size];
-    for i in 0..size {
-        let (from, scale) = (source(i), factor(i));
-        (i..size).for_each(|j| a[i * size + j] = scale * factor(j) * at(source(j), from));
-        if i < count {
-            a[i * size + i] += 1.0;
-        }
-    }
-    if !dense::eliminate(&mut a, size, count + p) {
-        return None;
-    }
-    let pivot = |i: usize| a[i * size + i];
-    let lower = Mat::from_fn(p, p, |i, j| if j <= i { a[(count + j) * size + count + i] } else { 0.0 });
-    let mut x: Vec<f64> = (0..p).map(|i| -a[(count + i) * size + size - 1]).collect();
+    let (m, last) = (count + p, size - 1);
+    let entry = |i: usize, j: usize| {
+        let unit = if i == j && i < count { 1.0 } else { 0.0 };
+        factor(i) * factor(j) * at(source(i), source(j)) + unit
+    };
+    let joint = dense::cholesky(&Mat::from_fn(m, m, |i, j| if j <= i { entry(i, j) } else { 0.0 }))?;
+    let mut right: Vec<f64> = (0..m).map(|i| entry(i, last)).collect();
+    dense::forward_in_columns(&joint, &mut right);
+    let rss = entry(last, last) - right.iter().map(|v| v * v).sum::<f64>();
+    let lower = Mat::from_fn(p, p, |i, j| if j <= i { joint[(count + i, count + j)] } else { 0.0 });
+    let mut x: Vec<f64> = right[count..].iter().map(|u| -u).collect();
     dense::backward(&lower, &mut x);
-    let log_det = 2.0 * (0..count).map(|i| pivot(i).ln()).sum::<f64>();
-    Some(Reduced { lower, x, rss: pivot(size - 1), log_det })
+    let log_det = 2.0 * (0..count).map(|i| joint[(i, i)].ln()).sum::<f64>();
+    Some(Reduced { lower, x, rss, log_det })
 }

@@ -70,8 +70,8 @@ pub(super) struct Ratios {
 }
 
 impl Ratios {
-    /// `None` where the rows do not determine all unknowns.
-    pub(super) fn new(sums: &Sums, freedom: f64, known: Known) -> Option<Ratios> {
+    /// At every `stride`-th step of the ratio. `None` where the rows do not determine all unknowns.
+    pub(super) fn new(sums: &Sums, freedom: f64, known: Known, stride: i32) -> Option<Ratios> {
         let [heights, slopes] = &sums.matrices;
         let both: Vec<Vec<f64>> =
             heights.iter().zip(slopes).map(|(h, s)| h.iter().zip(s).map(|(h, s)| h + s).collect()).collect();
@@ -80,15 +80,16 @@ impl Ratios {
         let constant = -0.5 * (sums.log_det + log_det(&both)?);
         let mut ratios =
             Ratios { nodes: Vec::new(), log_evidence: constant, of_heights, columns, right, freedom, known };
-        ratios.find_nodes(sums);
+        ratios.find_nodes(sums, stride);
         (!ratios.nodes.is_empty() && ratios.log_evidence.is_finite()).then_some(ratios)
     }
 
-    fn find_nodes(&mut self, sums: &Sums) {
-        let count = (RANGE / STEP) as i32;
+    fn find_nodes(&mut self, sums: &Sums, stride: i32) {
+        let taken = STEP * f64::from(stride);
+        let count = (RANGE / taken) as i32;
         let tried: Vec<(f64, [f64; 2])> = match self.known {
             Known::Nothing => {
-                (-count..=count).map(|k| f64::from(k) * STEP).map(|t| (t, [(-t).exp(), t.exp()])).collect()
+                (-count..=count).map(|k| f64::from(k) * taken).map(|t| (t, [(-t).exp(), t.exp()])).collect()
             }
             Known::Ratio => vec![(0.0, [1.0; 2])],
             Known::Both(factors) => vec![(0.0, factors)],
@@ -97,7 +98,7 @@ impl Ratios {
         let found: Vec<(f64, Node)> = found.filter(|(log, _)| log.is_finite()).collect();
         let most = found.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
         let total: f64 = found.iter().map(|(log, _)| (log - most).exp()).sum();
-        let step = if self.known == Known::Nothing { STEP } else { 1.0 };
+        let step = if self.known == Known::Nothing { taken } else { 1.0 };
         self.log_evidence += most + (total * step).ln();
         let shared = found.into_iter().map(|(log, node)| Node { share: (log - most).exp() / total, ..node });
         self.nodes = shared.filter(|node| node.share > NEGLIGIBLE).collect();
