@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import signal
 from collections import Counter
 
 import numpy as np
 import pytest
 
 Columns = dict[str, np.ndarray]
+
+# a shell starts what it puts into the background deaf to Ctrl-C, which Python then leaves as it is; these tests are about it
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # what test_fuzz.py has called, and how that ended
 FUZZED: Counter[str] = Counter()
