@@ -39,12 +39,13 @@ fn full(bands: &[Vec<f64>]) -> Mat<f64> {
     out
 }
 
-/// `slopes u = lambda values u` with `U' values U = 1`.
-fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Mat<f64>), SolveError> {
+/// `slopes u = lambda values u` with `U' values U = 1`; numbers, vectors, and the log determinant of `values`.
+fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Mat<f64>, f64), SolveError> {
     let broken = SolveError::NotPositiveDefinite { unknown: 0 };
     let gram = full(values);
     let factor = gram.llt(Side::Lower).map_err(|_| broken.clone())?;
     let lower = factor.L();
+    let log_det = 2.0 * (0..gram.nrows()).map(|i| lower[(i, i)].ln()).sum::<f64>();
     let mut reduced = full(slopes);
     lower.solve_lower_triangular_in_place(reduced.as_mut());
     let mut reduced = reduced.transpose().to_owned();
@@ -54,17 +55,27 @@ fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Ma
     lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
     // the matrix is positive semidefinite, but rounding may make an eigenvalue -1e-17
     let values = eigen.S().column_vector().iter().map(|l| l.max(0.0)).collect();
-    Ok((values, vectors))
+    Ok((values, vectors, log_det))
 }
 
-/// Columns v and numbers lambda with `V'(A + B)V = 1`, `V'A V = diag(lambda)`, from the lower bands of A + B and of A.
+/// Two symmetric matrices A and B in one basis: `V'(A + B)V = 1`, `V'A V = diag(lambda)`.
+pub(crate) struct Simultaneous {
+    /// How much of each direction belongs to A, 0 to 1.
+    pub(crate) lambda: Vec<f64>,
+    /// The columns of V.
+    pub(crate) columns: Vec<Vec<f64>>,
+    /// `log det (A + B)`, which the factor of A + B gives for nothing.
+    pub(crate) log_det: f64,
+}
+
+/// The common basis of A and B, from the lower bands of A + B and of A.
 ///
 /// # Errors
 /// [`SolveError::NotPositiveDefinite`] where A + B is not.
-pub(crate) fn simultaneous(both: &[Vec<f64>], one: &[Vec<f64>]) -> Result<(Vec<f64>, Vec<Vec<f64>>), SolveError> {
-    let (values, vectors) = generalised(both, one)?;
-    let columns = (0..vectors.ncols()).map(|k| vectors.col(k).iter().copied().collect());
-    Ok((values, columns.collect()))
+pub(crate) fn simultaneous(both: &[Vec<f64>], one: &[Vec<f64>]) -> Result<Simultaneous, SolveError> {
+    let (lambda, vectors, log_det) = generalised(both, one)?;
+    let columns = (0..vectors.ncols()).map(|k| vectors.col(k).iter().copied().collect()).collect();
+    Ok(Simultaneous { lambda, columns, log_det })
 }
 
 impl FastDiagonalisation {
@@ -77,8 +88,8 @@ impl FastDiagonalisation {
         y: [&[Vec<f64>]; 2],
         weights: [f64; 3],
     ) -> Result<FastDiagonalisation, SolveError> {
-        let (lambda, u) = generalised(x[0], x[1])?;
-        let (mu, v) = generalised(y[0], y[1])?;
+        let (lambda, u, _) = generalised(x[0], x[1])?;
+        let (mu, v, _) = generalised(y[0], y[1])?;
         let [z, a, b] = weights.map(|w| w * w);
         let mut inverse = Vec::with_capacity(lambda.len() * mu.len());
         for l in &lambda {

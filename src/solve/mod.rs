@@ -30,7 +30,7 @@ pub(crate) use blocks::BlockCholesky;
 pub use cholesky::Cholesky;
 pub use dense::{DenseMethod, DenseSolution, solve_dense};
 pub use factor::Factor;
-pub(crate) use fast_diagonalisation::{FastDiagonalisation, simultaneous};
+pub(crate) use fast_diagonalisation::{FastDiagonalisation, Simultaneous, simultaneous};
 pub(crate) use kronecker::GridSolver;
 pub(crate) use pivoted::PivotedQr;
 pub use triangular::TriangularFactor;

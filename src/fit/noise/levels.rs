@@ -108,7 +108,7 @@ impl Levels {
             (false, true) => Known::Ratio,
             (false, false) => Known::Nothing,
         };
-        let white = Ratios::new(&independent(equations, &residuals, units, rows), freedom, known, 1)?;
+        let white = Ratios::new(&independent(equations, &residuals, units, rows), freedom, known, stride(sites))?;
         let mut levels =
             Levels { sets: vec![Set { correlations: [0.0; 2], share: 1.0, ratios: white }], fingers, units, freedom };
         levels.add_shared(equations, &residuals, rows, known);
@@ -121,7 +121,7 @@ impl Levels {
         let dense = DenseRows::new(equations, residuals);
         let white = self.sets[0].ratios.log_evidence;
         let mut best = white;
-        let stride = stride(dense.sites());
+        let stride = stride(equations.sites.len());
         let mut found = Vec::new();
         for has_slopes in [false, true] {
             if has_slopes && rows[1] == 0.0 {
@@ -236,8 +236,8 @@ fn student([second, fourth]: [f64; 2], most: f64) -> [f64; 2] {
     [(second * scale).max(0.0).sqrt(), if second > 0.0 { dof } else { f64::INFINITY }]
 }
 
-/// Steps of the ratio's grid that are taken at once where errors are shared: three quarters of the posterior's sd, at which
-/// a sum over a bell is exact to eight digits.
+/// Steps of the ratio's grid that are taken at once: three quarters of the posterior's sd, at which a sum over a bell is exact to
+/// eight digits. The longest are a quarter of pi/2, within which no posterior of the ratio has a singularity.
 fn stride(sites: usize) -> i32 {
     let steps = 1.5 * (FEW_SITES as f64 / sites.max(1) as f64).sqrt();
     (steps as i32).clamp(1, 8)
@@ -280,10 +280,6 @@ impl DenseRows {
             column.iter().enumerate().for_each(|(r, row)| (0..3).for_each(|b| blocks[b][r * columns + j] = row[b]));
         }
         DenseRows { columns, blocks }
-    }
-
-    fn sites(&self) -> usize {
-        self.blocks[0].len() / self.columns
     }
 
     /// The sums of rows whose errors neighbours share.
@@ -382,9 +378,32 @@ mod tests {
                 Some(1.0)
             })
             .unwrap();
-        assert!(checked > 10, "{checked}");
+        assert!(checked > 5, "{checked}");
         let total: f64 = levels.sets[0].ratios.nodes.iter().map(|node| node.share).sum();
         assert!((total - 1.0).abs() < 1e-12);
+    }
+
+    /// Sums at the longer steps agree with those at every step, but for the shares that are left out as negligible and, with
+    /// nine contacts, for the end of the range, where one level has vanished.
+    #[test]
+    fn longer_steps_of_the_ratio_give_the_same_moments() {
+        for (n, replicate) in [(3, 0), (3, 1), (4, 2), (6, 3), (10, 4)] {
+            let contacts = saddle(n, [0.01, 0.03], replicate);
+            let fit = fitted(&contacts, SlopeWeights::Auto);
+            let (equations, solution) = (fit.equations(), fit.solution());
+            let (sites, residuals) = (n * n, equations.residuals(&solution.coefficients));
+            let rows = equations.row_weights.row_counts(sites).map(|r| r as f64);
+            let freedom = rows[0] + rows[1] - equations.unknowns() as f64;
+            let sums = independent(equations, &residuals, units(&equations.row_weights, sites), rows);
+            let at = |stride| Ratios::new(&sums, freedom, Known::Nothing, stride).unwrap();
+            let (short, long) = (at(1), at(stride(sites)));
+            let apart = (short.log_evidence - long.log_evidence).abs();
+            assert!(apart < if n == 3 { 1e-4 } else { 1e-6 }, "{n}: {apart}");
+            let gradient = vec![1.0; equations.unknowns()];
+            for (a, b) in short.moments(&gradient).into_iter().zip(long.moments(&gradient)) {
+                assert!((a / b - 1.0).abs() < if n == 3 { 5e-2 } else { 1e-2 }, "{n}: {a} {b}");
+            }
+        }
     }
 
     /// With 9 contacts the likeliest height sd vanishes in a third of the fits, and an interval at that sd alone holds the

@@ -9,7 +9,7 @@
 //!
 //! The likelihood is the restricted one, s integrated out under 1/s (D. A. Harville, *Biometrika* 61 (1974) 383).
 
-use crate::solve::simultaneous;
+use crate::solve::{Simultaneous, simultaneous};
 
 /// Range and steps of t. A step is half the posterior's sd at 200 sites.
 const RANGE: f64 = 8.0;
@@ -75,9 +75,9 @@ impl Ratios {
         let [heights, slopes] = &sums.matrices;
         let both: Vec<Vec<f64>> =
             heights.iter().zip(slopes).map(|(h, s)| h.iter().zip(s).map(|(h, s)| h + s).collect()).collect();
-        let (of_heights, columns) = simultaneous(&both, heights).ok()?;
+        let Simultaneous { lambda: of_heights, columns, log_det } = simultaneous(&both, heights).ok()?;
         let right = [0, 1].map(|b| columns.iter().map(|v| dot(v, &sums.right[b])).collect::<Vec<f64>>());
-        let constant = -0.5 * (sums.log_det + log_det(&both)?);
+        let constant = -0.5 * (sums.log_det + log_det);
         let mut ratios =
             Ratios { nodes: Vec::new(), log_evidence: constant, of_heights, columns, right, freedom, known };
         ratios.find_nodes(sums, stride);
@@ -158,24 +158,6 @@ impl Ratios {
         }
         [second, fourth]
     }
-}
-
-/// Log determinant of a symmetric matrix by its lower half, row i as `[a_ii, a_i,i-1, ..]`; `None` unless positive definite.
-fn log_det(bands: &[Vec<f64>]) -> Option<f64> {
-    let n = bands.len();
-    let mut l = vec![0.0; n * n];
-    let mut sum = 0.0;
-    for i in 0..n {
-        for j in 0..=i {
-            let rest = bands[i][i - j] - (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum::<f64>();
-            if i == j && (rest.is_nan() || rest <= 0.0) {
-                return None;
-            }
-            l[i * n + j] = if i == j { rest.sqrt() } else { rest / l[j * n + j] };
-        }
-        sum += 2.0 * l[i * n + i].ln();
-    }
-    Some(sum)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
