@@ -4,9 +4,11 @@
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but displaced never below max(0.1, e^-(gap - 2)/8 / 2)        gap: log evidence by which it is behind
-//! displaced nodes of the interval: those of w with a prior ten times as loose, unless f may be the sensor's error
+//! displaced nodes of the interval: natural departures; others with a prior ten times as loose, unless f may be an error
+//! torus of the interval: its share goes to natural departures, where no simple shape is far ahead
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
-//! and P(neighbours share errors > rms f / 10) > 0.1:      f is read as the sensor's systematic error, not as shape
+//! P(neighbours share errors > rms f / 10) > 0.1,
+//! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
 //! ```
 //!
 //! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
