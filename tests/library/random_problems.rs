@@ -39,8 +39,9 @@ fn no_promise_is_broken_and_no_note_is_missing() {
 
 /// Problems of the bench's seed that were answered wrongly or not at all, each kind by some: gaps whose two solves do not
 /// settle by turns, smoothing of badly scaled rows, and normal rows whose steps shrink slowly. Of seed 7: free coefficients that
-/// are wrong and far larger than all others.
-const ONCE_BROKEN: [(u64, u64); 16] = [
+/// are wrong and far larger than all others. Of seed 8: normal rows in which some directions shrink more slowly than the step
+/// as a whole, and one in which that enlarges the rounding of a step.
+const ONCE_BROKEN: [(u64, u64); 20] = [
     (1, 58),
     (1, 200),
     (1, 443),
@@ -57,6 +58,10 @@ const ONCE_BROKEN: [(u64, u64); 16] = [
     (1, 817),
     (1, 9225),
     (7, 245_501),
+    (8, 101_126),
+    (8, 111_830),
+    (8, 211_525),
+    (8, 52_464),
 ];
 
 #[test]

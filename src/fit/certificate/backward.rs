@@ -13,6 +13,7 @@ use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::solved::Solved;
+use crate::linalg::StencilMatrix;
 use crate::simd::{RowSums, add_lanes};
 
 /// A ratio above this is computed again with the rows' norms: only rows of rounding have one so large.
@@ -33,7 +34,10 @@ pub(crate) struct Backward {
     pub residual: f64,
     /// Largest share of the roughness in a diagonal entry of the normal matrix.
     pub rough_share: f64,
-    /// `|E|'|r|`, by which it moves the normal equations, and the squared norms of E's columns.
+    /// `lambda |P||c|`, which the rounding of P is a share of; empty without roughness.
+    pub roughness: Vec<f64>,
+    /// `|E|'|r| + |lambda P c|`, by which it moves the normal equations, and the squared norms of the columns of E and of the
+    /// penalty's rows.
     pub columns: Vec<ColumnTotals>,
 }
 
@@ -59,6 +63,7 @@ pub(super) fn backward(solved: &Solved) -> Backward {
     let (bent, rough_share) = add_roughness(equations, c, penalty.as_deref(), &mut columns);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
     let of_columns = orthogonality(solution, &columns, penalty.as_deref());
+    let roughness = equations.roughness.as_ref().map_or_else(Vec::new, |(lambda, p)| sizes(*lambda, p, c));
     let of_rows = if worst <= SUSPICIOUS {
         worst
     } else {
@@ -69,12 +74,26 @@ pub(super) fn backward(solved: &Solved) -> Backward {
         rows: add_lanes(&rows.sizes).sqrt(),
         residual: (add_lanes(&rows.residual) + bent).sqrt(),
         rough_share,
+        roughness,
         columns,
     }
 }
 
+/// `lambda |P||c|`.
+fn sizes(lambda: f64, p: &StencilMatrix, c: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; c.len()];
+    p.for_each_lower(|row, column, position| {
+        let entry = lambda * p.values()[position].abs();
+        out[row] += entry * c[column].abs();
+        if row != column {
+            out[column] += entry * c[row].abs();
+        }
+    });
+    out
+}
+
 /// `lambda c'Pc`, the squares of the penalty's rows, and the largest share that they have in a column's squares; the squared
-/// norms of their columns are added to `columns`.
+/// norms of their columns and the sizes of their products are added to `columns`.
 fn add_roughness(
     equations: &Equations,
     c: &[f64],
@@ -83,8 +102,9 @@ fn add_roughness(
 ) -> (f64, f64) {
     let (Some((lambda, p)), Some(bent)) = (&equations.roughness, penalty) else { return (0.0, 0.0) };
     let mut share = 0.0_f64;
-    for (column, d) in columns.iter_mut().zip(p.diagonal()) {
+    for ((column, d), bent) in columns.iter_mut().zip(p.diagonal()).zip(bent) {
         column.norm += lambda * d;
+        column.size += bent.abs();
         share = share.max(lambda * d / column.norm);
     }
     (c.iter().zip(bent).map(|(c, b)| c * b).sum::<f64>().max(0.0), share)
@@ -125,13 +145,12 @@ fn product(sums: &[ColumnTotals], penalty: Option<&[f64]>, u: usize) -> f64 {
     sums[u].product - penalty.map_or(0.0, |bent| bent[u])
 }
 
-/// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns.
+/// `max_j |E'r - lambda P c|_j / (|E|'|r| + |lambda P c|)_j` over the determined columns, whose sizes hold the penalty's.
 fn orthogonality(solution: &Solution, sums: &[ColumnTotals], penalty: Option<&[f64]>) -> f64 {
     let mut worst = 0.0_f64;
     for (u, sum) in sums.iter().enumerate() {
-        let size = sum.size + penalty.map_or(0.0, |bent| bent[u].abs());
-        if size > 0.0 && !solution.is_free(u) {
-            worst = worst.max(product(sums, penalty, u).abs() / size);
+        if sum.size > 0.0 && !solution.is_free(u) {
+            worst = worst.max(product(sums, penalty, u).abs() / sum.size);
         }
     }
     worst

@@ -46,9 +46,10 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         }
         NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
     };
-    let Trial { equations, solution, contraction, .. } = trial;
-    let polished = at(sds).polish(Minimum { equations, solution, steps, moved: 0.0, contraction })?;
-    let last_move = polished.remaining();
+    let Trial { equations, solution, .. } = trial;
+    let problem = at(sds);
+    let polished = problem.polish(Minimum { equations, solution, steps, moved: 0.0, step: Vec::new() })?;
+    let iteration = problem.iteration(&polished);
     let Minimum { equations, solution, steps, .. } = polished;
     let mut notes = Vec::from_iter(note);
     if measured.z_weight.iter().all(|w| *w == 0.0) {
@@ -65,12 +66,11 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         dof,
         efficiency: 1.0,
     };
-    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move, moved: None })
+    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, iteration, moved: None })
 }
 
 fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {
-    let Minimum { equations, solution, steps, moved, contraction } =
-        problem.minimise(request.start, request.tolerance)?;
+    let Minimum { equations, solution, steps, moved, .. } = problem.minimise(request.start, request.tolerance)?;
     let squares = problem.squares(&solution.coefficients);
-    Ok(Trial { equations, solution, squares, moved, steps, contraction })
+    Ok(Trial { equations, solution, squares, moved, steps })
 }
