@@ -15,9 +15,9 @@
 //! e | |E||c| + |r| + |b| |_2 + f (t'|A^-1|t)^(1/2) + l / v       t = |E|'|r|,  l the steps not taken, |g'x| <= sqrt(g'A^-1 g) |E x|
 //! ```
 //!
-//! Under a roughness penalty E holds its rows, too, and t `|lambda P c|`. P is rounded itself, `|dP| <= k u |P|`, k the roundings of
-//! an entry: the first line has the smaller of `10 k u kappa^2 |D^-1 c|` and `10 k u n^(1/2) | |D^-1 A^-1| lambda |P||c| |` beside it, and in the third
-//! one t has `k u lambda |P||c| / v`. With gaps the first has `10 kappa |E_F dc_F|` (`src/fit/linear/gaps.rs`). The factor 10 allows
+//! Under a roughness penalty `A = E'E + lambda P`, and t has `lambda |P||c|`. P is rounded itself, `|dP| <= k u |P|`, k the roundings of
+//! an entry: with `h = k u + w` the first line has the smaller of `10 h kappa^2 |D^-1 c|` and `10 h n^(1/2) | |D^-1 A^-1| lambda |P||c| |`
+//! beside it, and in the third one t has `k u lambda |P||c| / v`, too. With gaps the first has `10 kappa |E_F dc_F|` (`src/fit/linear/gaps.rs`). The factor 10 allows
 //! for the condition estimator's underestimate. The third line is the same perturbation of the augmented system,
 //! `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small problems it guarantees about
 //! two digits more; the factor v allows for the second order. The smaller bound is used.
@@ -96,7 +96,8 @@ impl Bound {
         inverse.iter_mut().for_each(|d| *d /= largest);
         // P is rounded itself, and no residual shows it: unlike the rows' rounding it counts with the condition of P
         let whole = backward.rough_share * condition * condition * size;
-        let rough = ESTIMATOR * rounding_of_roughness(solved) * whole.min(largest * by_entries(solved, backward));
+        let rough =
+            ESTIMATOR * (rounding_of_roughness(solved) + error) * whole.min(largest * by_entries(solved, backward));
         let moved = moved + remaining * size + rough + ESTIMATOR * condition * largest * solution.filled;
         let moved = enlarged * moved + ESTIMATOR * condition * largest * left;
         let directed = Directed::new(solved, backward, remaining);
