@@ -38,53 +38,48 @@ impl NormalProblem<'_> {
     /// What the repetition makes of errors of one linearised problem, its rounding or a step not taken. Coefficients without
     /// data are held still.
     pub(super) fn iteration(&self, minimum: &Minimum) -> Iteration {
-        let curvings = self.curvings(&minimum.solution.coefficients);
-        let most = curvings.iter().fold(0.0_f64, |most, site| most.max(site.values[0]));
-        let least = curvings.iter().fold(0.0_f64, |least, site| least.min(site.values[1]));
+        let (mut most, mut least) = (0.0_f64, 0.0_f64);
+        self.each_curving(&minimum.solution.coefficients, |site| {
+            (most, least) = (most.max(site.values[0]), least.min(site.values[1]));
+        });
         let rho = if most <= 0.5 {
             Some(most)
         } else {
             let shares = (1..=TRIALS).map(|k| 1.0 - 0.5_f64.powi(k));
-            shares.into_iter().find(|&rho| rho >= most || self.is_above(minimum, &curvings, rho))
+            shares.into_iter().find(|&rho| rho >= most || self.is_above(minimum, rho))
         };
         let enlarged = rho.map_or(f64::INFINITY, |rho| 1.0 / (1.0 - rho));
         let turned = (enlarged - 1.0).max(least / (least - 1.0));
         Iteration { enlarged, turned, left: enlarged * minimum.last_step() }
     }
 
-    /// Normals that count, with the curving of their rows at these coefficients.
-    fn curvings(&self, c: &[f64]) -> Vec<Curving> {
-        let mut all = Vec::new();
+    /// Calls `visit` for all normals that count, with the curving of their rows at these coefficients.
+    fn each_curving(&self, c: &[f64], mut visit: impl FnMut(Curving)) {
         self.each_site(c, |index, [_, p, q]| {
             let w = self.measured.normal_weight[index] / self.sds.slope;
             if w != 0.0 {
                 let normal = self.measured.normals[index];
                 let (u, _) = linearise_normals(normal, p, q);
                 let (values, vector) = eigen(normal_curving(normal, p, q, &u));
-                all.push(Curving {
-                    index,
-                    weights: SiteWeights { z: 0.0, a: w * u.a, b: w * u.b, d: w * u.d },
-                    values,
-                    vector,
-                });
+                let weights = SiteWeights { z: 0.0, a: w * u.a, b: w * u.b, d: w * u.d };
+                visit(Curving { index, weights, values, vector });
             }
         });
-        all
     }
 
     /// Whether `rho E'E - D` has a Cholesky factor with room for rounding.
-    fn is_above(&self, minimum: &Minimum, curvings: &[Curving], rho: f64) -> bool {
+    fn is_above(&self, minimum: &Minimum, rho: f64) -> bool {
         let Minimum { equations, solution, .. } = minimum;
         let root = rho.sqrt();
         let mut above: Vec<SiteWeights> = (0..self.sites.len())
             .map(|r| SiteWeights { z: root * equations.row_weights.at(r).z, ..SiteWeights::default() })
             .collect();
         let mut below = vec![SiteWeights::default(); above.len()];
-        for site in curvings {
+        self.each_curving(&solution.coefficients, |site| {
             let z = above[site.index].z;
             above[site.index] = SiteWeights { z, ..site.part(site.values.map(|k| (rho - k).max(0.0))) };
             below[site.index] = site.part(site.values.map(|k| (k - rho).max(0.0)));
-        }
+        });
         let mut matrix = data_normal_matrix(&self.sites, &RowWeights::PerSite(above));
         if let Some((lambda, penalty)) = &self.roughness {
             matrix.add_scaled(rho * lambda, penalty);
