@@ -192,6 +192,7 @@ mod tests {
     use super::*;
     use crate::contact::Contacts;
     use crate::fit::{FitOptions, Objective, SlopeWeights, Smooth, fit_contacts};
+    use crate::observation::to_csr;
 
     /// The sizes of the columns are those of data and penalty together, and the penalty's largest share is what it is in the
     /// normal matrix, which is assembled another way.
@@ -232,10 +233,36 @@ mod tests {
         let found = backward(&fit.solved).error;
         assert!(found < 1e-15, "{found:e}");
         assert!(fit.certificate().digits_of_coefficients > 13.0);
-        // a coefficient that is off is an error of its size
+        // a coefficient that is off is an error of its size, over the terms of the rows as they are written down elsewhere
         fit.solved.fitted.solution.coefficients[4] += 1e-6;
-        let off = backward(&fit.solved).error;
-        assert!(off > 1e-8 && off < 1e-5, "{off:e}");
+        let (equations, c) = (fit.equations(), &fit.solution().coefficients);
+        let (rows, residuals) = (to_csr(&equations.sites, &equations.row_weights), equations.residuals(c));
+        let ratio = |r: usize| {
+            let row = rows.row(r);
+            let terms = row.col_indices().iter().zip(row.values()).map(|(&u, e)| (e * c[u]).abs()).sum::<f64>();
+            let (residual, target) = (residuals[r / 3][r % 3], equations.targets[r / 3][r % 3]);
+            if row.nnz() > 0 { residual.abs() / (terms + target.abs()) } else { 0.0 }
+        };
+        let expected = (0..rows.nrows()).map(ratio).fold(0.0, f64::max);
+        let off = without_residual(equations, c);
+        assert!(expected > 1e-8 && (off - expected).abs() <= 1e-9 * expected, "{off:e} for {expected:e}");
+    }
+
+    /// A contact on the rim sees one coefficient alone; where that is rounding, so are all terms of the row.
+    #[test]
+    fn a_row_of_nothing_is_measured_by_its_norm() {
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..9).map(|r| ((r / 3) as f64, (r % 3) as f64)).unzip();
+        let z = vec![0.3, 7.1, 8.2, 3.0, 4.4, 7.0, 1.9, 3.0, 4.7];
+        let objective = Objective::Slopes(SlopeWeights::Explicit([1.0, 0.0, 0.0]));
+        let options = FitOptions { objective, ..FitOptions::default() };
+        let fit = fit_contacts(&Contacts::from_positions(x, y, z), &options).unwrap();
+        let (mut equations, mut c) = (fit.equations().clone(), fit.solution().coefficients.clone());
+        c[0] = 1e-18;
+        let left = equations.residuals(&c);
+        equations.targets.iter_mut().zip(&left).for_each(|(target, left)| target[0] -= left[0]);
+        equations.targets[0][0] = 0.0;
+        let found = without_residual(&equations, &c);
+        assert!(found < 1e-15, "{found:e}");
     }
 
     /// Without data near it a coefficient has a sum of the penalty that cancels: its rounding is no backward error of one.

@@ -23,7 +23,7 @@ const MAX_STEPS: usize = 200;
 /// conditioned rows never come to rest at 1e-10. Slowly shrinking steps, a third and more of the last one, halve sooner.
 const AT_REST: usize = 20;
 /// Moves above this are no rounding.
-const AT_ROUNDING: f64 = 1e-6;
+pub(super) const AT_ROUNDING: f64 = 1e-6;
 /// Halvings of one step at most: where 2^-30 of it does not lower the objective, the point is stationary to rounding.
 const MAX_HALVINGS: usize = 30;
 /// Polishing steps at most: each, with the extrapolation between them, gains one to four of the last six digits.

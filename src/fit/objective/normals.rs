@@ -11,7 +11,7 @@ use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource, RowSds};
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::Fitted;
-use crate::fit::objective::gauss_newton::{Minimum, NormalProblem};
+use crate::fit::objective::gauss_newton::{AT_ROUNDING, Minimum, NormalProblem};
 use crate::fit::objective::setting::{Setting, check_count};
 use crate::fit::{FitError, NormalSigma};
 use crate::linalg::Sites;
@@ -50,12 +50,15 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
     let problem = at(sds);
     let polished = problem.polish(Minimum { equations, solution, steps, moved: 0.0, step: Vec::new() })?;
     let iteration = problem.iteration(&polished);
-    let Minimum { equations, solution, steps, .. } = polished;
+    let Minimum { equations, solution, steps, moved, .. } = polished;
     let mut notes = Vec::from_iter(note);
     if measured.z_weight.iter().all(|w| *w == 0.0) {
         notes.push(Note::SlopesOnly);
     }
     notes.push(Note::GaussNewton { steps });
+    if moved > AT_ROUNDING {
+        notes.push(Note::NotAtRest { moved });
+    }
     let noise = NoiseSds {
         source,
         weights: None,
