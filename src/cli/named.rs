@@ -1,28 +1,34 @@
 //! A model that was named, fitted to contacts or to a grid.
 
 use crate::contact::Orientation;
-use crate::fit::{FitError, FitOptions, FrameChoice, STEEP, SurfaceKind, fit_grid, steepness};
+use crate::fit::{Fit, FitError, FitOptions, FrameChoice, STEEP, SurfaceKind, fit_contacts, fit_grid, steepness};
 use crate::io::Input;
 use crate::parametric::FittedSurface;
 use crate::report::ChosenPart;
 
 /// Fits whichever kind of data it is; the kind of surface and why, where that was asked.
 pub(super) fn fit_input(input: &Input, options: &FitOptions) -> Result<(FittedSurface, Option<ChosenPart>), FitError> {
-    let (found, reason) = match input {
-        Input::Contacts(contacts) => FittedSurface::of(contacts, options)?,
-        Input::Grid(_) if options.surface == SurfaceKind::Parametric => {
-            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
+    let over_plane = |fit: Fit| FittedSurface::Height(Box::new(fit));
+    let (found, reason) = match (input, options.surface) {
+        (Input::Contacts(contacts), SurfaceKind::Height) => {
+            return Ok((over_plane(fit_contacts(contacts, options)?), None));
         }
-        Input::Grid(grid) => {
-            (FittedSurface::Height(Box::new(fit_grid(grid, options)?)), "a grid of heights is one".into())
+        (Input::Grid(grid), SurfaceKind::Height) => return Ok((over_plane(fit_grid(grid, options)?), None)),
+        (Input::Contacts(contacts), SurfaceKind::Auto | SurfaceKind::Parametric) => {
+            FittedSurface::of(contacts, options)?
+        }
+        (Input::Grid(grid), SurfaceKind::Auto) => {
+            (over_plane(fit_grid(grid, options)?), "a grid of heights is one".into())
+        }
+        (Input::Grid(_), SurfaceKind::Parametric) => {
+            return Err(FitError::Objective { objective: "a parametric surface", needed: "contacts, not a grid" });
         }
     };
     let surface = match &found {
         FittedSurface::Height(_) => SurfaceKind::Height,
         FittedSurface::Parametric(_) => SurfaceKind::Parametric,
     };
-    let asked = options.surface != SurfaceKind::Height;
-    Ok((found, asked.then(|| ChosenPart::new(surface.name(), reason))))
+    Ok((found, Some(ChosenPart::new(surface.name(), reason))))
 }
 
 /// The same answer whose intervals count that the surface may be of another kind than a height field of these knots.

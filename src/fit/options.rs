@@ -3,8 +3,10 @@
 #[macro_use]
 mod words;
 pub(super) mod method;
+mod surface_kind;
 
 pub use method::Method;
+pub use surface_kind::SurfaceKind;
 
 use super::FitError;
 
@@ -91,19 +93,6 @@ pub enum FrameChoice {
     Keep,
     /// Those of the input, unless the patch leans by more than 45 degrees there or some nz <= 0: then from the mean normal
     /// (without normals the direction of least spread) and the sweep.
-    Auto,
-}
-
-/// Which kind of surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum SurfaceKind {
-    /// `z = S(x, y)`.
-    #[default]
-    Height,
-    /// `Q(u, v)`.
-    Parametric,
-    /// Whichever the contacts call for.
     Auto,
 }
 

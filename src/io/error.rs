@@ -5,11 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::contact::ContactError;
 
 use super::Place;
+use super::form::READ;
 use super::visible::visible;
-
-/// Every format of contacts, for whoever came with another one.
-const READ: &str = "tables of text with a header such as x,y,z,nx,ny,nz (CSV, XYZ, PTS), NPZ, NPY, PLY, PCD, OBJ, OFF, STL, \
-                    depth images (PNG, NPZ), each also as .gz";
 
 /// Names less alike than this, of 1, are not proposed.
 const ALIKE: f64 = 0.85;

@@ -18,6 +18,10 @@ pub(super) enum Form {
     Table,
 }
 
+/// Every format of contacts, for whoever came with another one.
+pub(super) const READ: &str = "tables of text with a header such as x,y,z,nx,ny,nz (CSV, XYZ, PTS), NPZ, NPY, PLY, PCD, OBJ, OFF, STL, \
+                    depth images (PNG, NPZ), each also as .gz";
+
 /// First bytes of formats that are not read, and their names.
 const STRANGERS: [(&[u8], &str); 28] = [
     (b"\xff\xd8\xff", "a JPEG image"),

@@ -1,6 +1,7 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
 mod differential;
+mod effects_together;
 mod explore;
 mod guide;
 mod hard_cases;

@@ -25,6 +25,7 @@ pub(super) struct NormalFactor {
 }
 
 /// Least roughness does not determine the coefficients without data.
+#[derive(Debug)]
 pub struct UnfilledGap {
     coefficients: usize,
     source: SolveError,

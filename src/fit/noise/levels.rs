@@ -10,11 +10,12 @@
 //! zero, and the surface would seem to be known exactly. Errors that a finger shares are bent into the surface, so that its
 //! residuals are small where its own error is large; only the likelihood of all of them together tells.
 
-use crate::fit::linear::equations::{Equations, RowKind, data_normal_matrix, only};
+use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::fingers::Fingers;
-use crate::fit::noise::ratios::{Known, Ratios, Sums};
-use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, normal_rhs};
+use crate::fit::noise::ratios::{Known, Ratios};
+use crate::fit::noise::row_sums::{DenseRows, independent};
+use crate::linalg::{RowWeights, SiteWeights, Sites, Targets};
 
 /// Sites up to which the ratio is averaged over. With more the sds are known to some 5 %, and their own degrees of freedom
 /// say enough.
@@ -243,72 +244,6 @@ fn stride(sites: usize) -> i32 {
     (steps as i32).clamp(1, 8)
 }
 
-/// The sums of independent errors.
-fn independent(equations: &Equations, residuals: &Targets, units: [f64; 2], rows: [f64; 2]) -> Sums {
-    let kinds = [RowKind::Heights, RowKind::Slopes].map(|kind| only(&equations.row_weights, kind));
-    let matrices = [0, 1].map(|b| lower_bands(&data_normal_matrix(&equations.sites, &kinds[b]), units[b]));
-    let right = [0, 1].map(|b| {
-        let mut out = vec![0.0; equations.unknowns()];
-        normal_rhs(&equations.sites, &kinds[b], residuals, &mut out);
-        out.iter().map(|v| units[b] * v).collect::<Vec<f64>>()
-    });
-    let square = |r: &[f64; 3]| [r[0] * r[0], r[1] * r[1] + r[2] * r[2]];
-    let squares = residuals.iter().map(square).fold([0.0; 2], |s, r| [s[0] + r[0], s[1] + r[1]]);
-    Sums { matrices, right, squares: [0, 1].map(|b| units[b] * squares[b]), rows, log_det: 0.0 }
-}
-
-/// All rows written out, with the residual behind the unknowns.
-struct DenseRows {
-    columns: usize,
-    /// Heights, first and second rows of slopes.
-    blocks: [Vec<f64>; 3],
-}
-
-impl DenseRows {
-    fn new(equations: &Equations, residuals: &Targets) -> DenseRows {
-        let (sites, unknowns) = (equations.sites.len(), equations.unknowns());
-        let columns = unknowns + 1;
-        let mut blocks = [0, 1, 2].map(|_| vec![0.0; sites * columns]);
-        let (mut unit, mut rows) = (vec![0.0; unknowns], Targets::new());
-        for j in 0..columns {
-            if j < unknowns {
-                unit[j] = 1.0;
-                apply_rows(&equations.sites, &equations.row_weights, &unit, &mut rows);
-                unit[j] = 0.0;
-            }
-            let column = if j < unknowns { &rows } else { residuals };
-            column.iter().enumerate().for_each(|(r, row)| (0..3).for_each(|b| blocks[b][r * columns + j] = row[b]));
-        }
-        DenseRows { columns, blocks }
-    }
-
-    /// The sums of rows whose errors neighbours share.
-    fn sums(&self, fingers: &Fingers, correlations: [f64; 2], units: [f64; 2], rows: [f64; 2]) -> Sums {
-        let unknowns = self.columns - 1;
-        let mut matrices = [0, 1].map(|_| (0..unknowns).map(|i| vec![0.0; i + 1]).collect::<Vec<Vec<f64>>>());
-        let mut right = [0, 1].map(|_| vec![0.0; unknowns]);
-        let mut squares = [0.0; 2];
-        for (k, block) in self.blocks.iter().enumerate() {
-            let b = usize::from(k > 0);
-            let mut white = block.clone();
-            if correlations[b] > 0.0 {
-                fingers.whiten_rows(correlations[b], self.columns, &mut white);
-            }
-            for row in white.chunks_exact(self.columns) {
-                let residual = units[b] * row[unknowns];
-                squares[b] += residual * row[unknowns];
-                for i in (0..unknowns).filter(|&i| row[i] != 0.0) {
-                    right[b][i] += residual * row[i];
-                    let scaled = units[b] * row[i];
-                    (0..=i).for_each(|j| matrices[b][i][i - j] += scaled * row[j]);
-                }
-            }
-        }
-        let log_det = fingers.log_det(correlations[0]) + 2.0 * fingers.log_det(correlations[1]);
-        Sums { matrices, right, squares, rows, log_det }
-    }
-}
-
 /// Factors for the squares of the rows of either kind that make their weights those of the usual ratio.
 fn units(row_weights: &RowWeights, sites: usize) -> [f64; 2] {
     let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
@@ -322,13 +257,6 @@ fn units(row_weights: &RowWeights, sites: usize) -> [f64; 2] {
     // a kind without rows keeps the weights it does not have
     let [heights, slopes] = [0, 1].map(|k| if sums[k] > 0.0 { counts[k] / sums[k] } else { 1.0 });
     [heights / (USUAL_RATIO * USUAL_RATIO), slopes]
-}
-
-/// Row i of the lower half as `[a_ii, a_i,i-1, ..]`, times `factor`.
-fn lower_bands(matrix: &StencilMatrix, factor: f64) -> Vec<Vec<f64>> {
-    let mut bands: Vec<Vec<f64>> = (0..matrix.order()).map(|i| vec![0.0; i + 1]).collect();
-    matrix.for_each_lower(|row, column, at| bands[row][row - column] = factor * matrix.values()[at]);
-    bands
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! sds.rs          noise sds and where they come from            components.rs    both estimated with the fit
 //! record.rs       told by the residuals of weighted rows        traces.rs        degrees of freedom of either kind of rows
 //! declared.rs     declared sds checked against the residuals    levels.rs        what few contacts leave open about them
-//! ratios.rs       the same of the ratio of both                 fingers.rs       errors that touches of a finger share
+//! ratios.rs       the same of the ratio of both                 row_sums.rs      what that needs of the rows
+//! fingers.rs      errors that touches of a finger share
 //! ```
 
 pub(super) mod components;
@@ -14,5 +15,6 @@ pub(super) mod levels;
 pub(super) mod probes;
 mod ratios;
 pub(super) mod record;
+mod row_sums;
 pub(super) mod sds;
 pub(super) mod traces;

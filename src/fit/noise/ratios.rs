@@ -9,6 +9,7 @@
 //!
 //! The likelihood is the restricted one, s integrated out under 1/s (D. A. Harville, *Biometrika* 61 (1974) 383).
 
+use crate::fit::noise::row_sums::Sums;
 use crate::solve::{Simultaneous, simultaneous};
 
 /// Range and steps of t. A step is half the posterior's sd at 200 sites.
@@ -26,20 +27,6 @@ pub(super) enum Known {
     Ratio,
     /// Both, by weights that are inverse sds; these are their factors.
     Both([f64; 2]),
-}
-
-/// Sums over the rows of heights and of slopes, with independent errors of equal variance in each kind.
-pub(super) struct Sums {
-    /// Lower halves of the normal matrices.
-    pub matrices: [Vec<Vec<f64>>; 2],
-    /// `E'r` for the residuals r of the fit.
-    pub right: [Vec<f64>; 2],
-    /// `r'r`.
-    pub squares: [f64; 2],
-    /// Number of rows.
-    pub rows: [f64; 2],
-    /// Log of the determinant of the errors' correlations.
-    pub log_det: f64,
 }
 
 /// One ratio of the sds.

@@ -8,7 +8,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::super::error::FitError;
-use super::{FrameChoice, NormalSigma, Robust, SlopeWeights, Smooth, SurfaceKind};
+use super::{FrameChoice, NormalSigma, Robust, SlopeWeights, Smooth};
 
 /// A text that is no value of an option, where this would be right.
 fn unknown(expected: impl Into<String>) -> FitError {
@@ -56,7 +56,6 @@ macro_rules! words {
 words! {
     Robust { "none" => None, "huber" => Huber, "tukey" => Tukey }
     FrameChoice { "keep" => Keep, "auto" => Auto }
-    SurfaceKind { "height" => Height, "parametric" => Parametric, "auto" => Auto }
 }
 
 /// Finite numbers between commas, exactly `N` of them.
