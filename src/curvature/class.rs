@@ -87,6 +87,15 @@ impl std::fmt::Display for ShapeClass {
 mod tests {
     use super::ShapeClass as C;
 
+    /// The words that documents hold, from S = -1 to S = 1.
+    #[test]
+    fn names_are_those_of_the_literature() {
+        let names =
+            ["cup", "trough", "rut", "saddle rut", "saddle", "saddle ridge", "ridge", "dome", "cap"].map(String::from);
+        assert_eq!(C::CURVED.map(|class| class.to_string()), names);
+        assert_eq!(C::Plane.name(), "plane");
+    }
+
     #[test]
     fn bins_are_centred_at_quarters_and_ties_go_towards_zero() {
         for (k, class) in C::CURVED.iter().enumerate() {

@@ -38,6 +38,11 @@ pub enum Note {
         /// Fits until contacts and weights stood still, or were given up.
         fits: usize,
     },
+    /// A full step of Gauss-Newton on the normals still moves the surface where it was given up: nothing is guaranteed of it.
+    NotAtRest {
+        /// By how much it moves a coefficient, over the largest one.
+        moved: f64,
+    },
     /// Contacts that lost more than half their weight to the robust loss.
     Outliers {
         /// How many.
@@ -73,6 +78,11 @@ impl std::fmt::Display for Note {
                 f,
                 "errors in x and y are counted: contacts were moved by {moved:.2e} (root mean square) to where they most \
                  likely lie ({fits} fits)"
+            ),
+            Note::NotAtRest { moved } => write!(
+                f,
+                "Gauss-Newton on the normals did not come to rest: a full step still moves a coefficient by {moved:.1e} of the \
+                 largest one, and two surfaces explain the normals nearly as well; lower degree or segments, or add contacts"
             ),
             Note::Outliers { sites, steps } => {
                 write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")

@@ -21,7 +21,7 @@ pub(crate) use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
 pub use csr::{stacked_csr, to_csr};
 pub(crate) use gridded::GridSites;
 pub(crate) use kronecker::kronecker_normal_matrix;
-pub(crate) use normal_rows::{angular_residual_squared, linearise_normals};
+pub(crate) use normal_rows::{angular_residual_squared, linearise_normals, normal_curving};
 pub(crate) use roughness::{roughness_matrix, roughness_row_count, roughness_rows, roundings};
 pub(crate) use scattered::CellNumbers;
 pub use scattered::ScatteredSites;

@@ -39,8 +39,10 @@ fn no_promise_is_broken_and_no_note_is_missing() {
 
 /// Problems of the bench's seed that were answered wrongly or not at all, each kind by some: gaps whose two solves do not
 /// settle by turns, smoothing of badly scaled rows, and normal rows whose steps shrink slowly. Of seed 7: free coefficients that
-/// are wrong and far larger than all others.
-const ONCE_BROKEN: [(u64, u64); 16] = [
+/// are wrong and far larger than all others. Of seed 8: normal rows in which some directions shrink more slowly than the step
+/// as a whole, and one in which that enlarges the rounding of a step. Of seed 10: a gap in which a tilted plane has no roughness,
+/// and normal rows whose full steps go to and fro.
+const ONCE_BROKEN: [(u64, u64); 23] = [
     (1, 58),
     (1, 200),
     (1, 443),
@@ -57,6 +59,13 @@ const ONCE_BROKEN: [(u64, u64); 16] = [
     (1, 817),
     (1, 9225),
     (7, 245_501),
+    (8, 101_126),
+    (8, 111_830),
+    (8, 211_525),
+    (8, 52_464),
+    (10, 89_391),
+    (10, 90_261),
+    (10, 297_823),
 ];
 
 #[test]
@@ -75,6 +84,15 @@ fn a_loss_that_does_not_stand_still_says_so() {
     assert_eq!((problem.family, problem.options.robust), (Family::Robust, Robust::Huber));
     let fit = fit_contacts(&problem.contacts, &problem.options).unwrap();
     assert!(fit.notes().iter().any(|n| matches!(n, Note::Unsettled { .. })), "{:?}", fit.notes());
+}
+
+/// Full steps of these normal rows go from one surface to another and back, which the answer says.
+#[test]
+fn normals_that_do_not_come_to_rest_say_so() {
+    let problem = draw(10, 90_261, 0);
+    let fit = fit_contacts(&problem.contacts, &problem.options).unwrap();
+    assert!(fit.notes().iter().any(|n| matches!(n, Note::NotAtRest { .. })), "{:?}", fit.notes());
+    assert_eq!(fit.certificate().digits_of_coefficients, 0.0);
 }
 
 /// The judge sees an answer that is not the best one: the same rows, another smoothing.

@@ -1,6 +1,6 @@
 """The same sample of mutants as sample.py, all of them in one build, each behind a switch.
 
-    python tests/mutants/switches.py --out FILE [--seed 1] [--each 40] [--room NAME] [--minutes M]
+    python tests/mutants/switches.py --out FILE [--seed 1] [--each 40] [--room NAME]... [--minutes M]
     python tests/mutants/sample.py table FILE
 
 A build for every mutant takes minutes, its tests take seconds. So all mutants of the sample are written into one copy of the
@@ -248,7 +248,7 @@ def baseline(root, binaries, rooms):
 def run(arguments):
     path, end = pathlib.Path(arguments.out), time.monotonic() + 60 * arguments.minutes
     done = {json.loads(line)["name"] for line in path.read_text().splitlines()} if path.exists() else set()
-    rooms = [arguments.room] if arguments.room else list(sample.ROOMS)
+    rooms = arguments.room or list(sample.ROOMS)
     samples = {room: sample.sample(room, arguments.each, arguments.seed) for room in rooms}
     # a mutant of every room in turn, so that a run that is cut short has tried as many of each
     order = [(room, samples[room][0][turn]) for turn in range(arguments.each) for room in rooms if turn < len(samples[room][0])]
@@ -287,7 +287,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", required=True)
     parser.add_argument("--each", type=int, default=40)
-    parser.add_argument("--room", choices=list(sample.ROOMS))
+    parser.add_argument("--room", choices=list(sample.ROOMS), action="append")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60.0)
     run(parser.parse_args())

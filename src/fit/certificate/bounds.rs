@@ -7,15 +7,27 @@
 //!                                                                                     v = w / (1 - 10 w kappa)
 //! ```
 //!
-//! Under a roughness penalty the first line has `10 k u kappa^2 |D^-1 c|` beside it, k the roundings of an entry of P, and with gaps `10 kappa |E_F dc_F|`
-//! (`src/fit/linear/gaps.rs`). The factor 10 allows for the condition estimator's underestimate. The third line is the same
-//! perturbation of the augmented system, `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small
-//! problems it guarantees about two digits more; the factor v allows for the second order. The smaller bound is used.
+//! Normal rows are solved by repetition, which makes `x = (I - M)^-1 dc` of what one linear problem is off by. With
+//! `|E x| <= e |E dc|` and `|E (x - dc)| <= f |E dc|` from `src/fit/objective/contraction.rs` the first bound is e times as
+//! large, and the third has, in place of that norm,
+//!
+//! ```text
+//! e | |E||c| + |r| + |b| |_2 + f (t'|A^-1|t)^(1/2) + l / v       t = |E|'|r|,  l the steps not taken, |g'x| <= sqrt(g'A^-1 g) |E x|
+//! ```
+//!
+//! Under a roughness penalty `A = E'E + lambda P`, and t has `lambda |P||c|`. P is rounded itself, `|dP| <= k u |P|`, k the roundings of
+//! an entry: with `h = k u + w` the first line has the smaller of `10 h kappa^2 |D^-1 c|` and `10 h n^(1/2) | |D^-1 A^-1| lambda |P||c| |`
+//! beside it, and in the third one t has `k u lambda |P||c| / v`, too. With gaps the first has `10 kappa |E_F dc_F|` (`src/fit/linear/gaps.rs`). The factor 10 allows
+//! for the condition estimator's underestimate. The third line is the same perturbation of the augmented system,
+//! `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small problems it guarantees about
+//! two digits more; the factor v allows for the second order. The smaller bound is used.
 
 use crate::fit::certificate::backward::Backward;
 use crate::fit::linear::solution::BEYOND_CHOLESKY;
+use crate::fit::objective::fitted::Iteration;
 use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
+use crate::linalg::inverse_norm1_estimate;
 use crate::observation::roundings;
 use crate::simd::{BoundTerms, DirectedTerms};
 
@@ -32,7 +44,7 @@ const INVERTIBLE: [f64; 2] = [1e6, 1e12];
 pub(super) struct Bound {
     /// D over its largest entry; zero for unsupported coefficients.
     pub inverse: Vec<f64>,
-    /// The bound on `|D^-1 dc|` times D's largest entry.
+    /// The bound on `|D^-1 dc|` times D's largest entry, or another with which `moved |D g|` bounds every functional g.
     pub moved: f64,
     /// Whether the bound by `moved` can be the smaller one.
     is_plain: bool,
@@ -44,6 +56,7 @@ struct Directed {
     /// A^-1, row by row, and `|E|'|r|` after it.
     inverse: Vec<f64>,
     order: usize,
+    /// The norm in the bound, with what an iteration adds to it.
     rows: f64,
     backward: f64,
     remaining: f64,
@@ -68,9 +81,13 @@ impl Bound {
         let held = inverse.iter().filter(|d| **d > 0.0).count() as f64;
         let error = backward.error.max(PLACING);
         let residual = largest * backward.residual;
-        // what the iterations for normal rows and for gaps have left
-        let last_move = solved.fitted.last_move + solved.fitted.solution.unsettled;
-        let remaining = if last_move > 0.0 { last_move.max(PLACING) } else { 0.0 };
+        let Iteration { enlarged, left, .. } = solved.fitted.iteration;
+        if !enlarged.is_finite() || !left.is_finite() {
+            return None;
+        }
+        // what the iteration for gaps has left
+        let unsettled = solution.unsettled;
+        let remaining = if unsettled > 0.0 { unsettled.max(PLACING) } else { 0.0 };
         // the rows of free coefficients are rounded too, and these may be far larger than the others
         let rows = if solution.unsupported.is_empty() { 0.0 } else { largest * backward.rows };
         let size = size.max(rows);
@@ -78,13 +95,17 @@ impl Bound {
             ESTIMATOR * solution.enlarged * error * (condition * size + condition * condition * residual / held.sqrt());
         inverse.iter_mut().for_each(|d| *d /= largest);
         // P is rounded itself, and no residual shows it: unlike the rows' rounding it counts with the condition of P
-        let roundings = roundings(solved.options.degree);
-        let rough = ESTIMATOR * PLACING * roundings * backward.rough_share * condition * condition;
-        let moved = moved + (remaining + rough) * size + ESTIMATOR * condition * largest * solution.filled;
+        let whole = backward.rough_share * condition * condition * size;
+        let rough =
+            ESTIMATOR * (rounding_of_roughness(solved) + error) * whole.min(largest * by_entries(solved, backward));
+        let moved = moved + remaining * size + rough + ESTIMATOR * condition * largest * solution.filled;
+        let moved = enlarged * moved + ESTIMATOR * condition * largest * left;
         let directed = Directed::new(solved, backward, remaining);
-        // a NaN compares as false, which keeps the plain bound
-        let is_plain = !directed.as_ref().is_some_and(|directed| directed.most(&inverse) <= moved);
-        Some(Bound { inverse, moved, is_plain, directed })
+        // no functional is off by more than this; a NaN compares as false, which keeps the plain bound
+        let most = directed.as_ref().map_or(f64::INFINITY, |directed| directed.most(&inverse));
+        let is_lower = most <= moved;
+        let moved = if is_lower { most } else { moved };
+        Some(Bound { inverse, moved, is_plain: !is_lower, directed })
     }
 }
 
@@ -94,7 +115,7 @@ impl Directed {
         let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
         let condition = solved.condition();
         let order = equations.unknowns();
-        let whole = solution.unsupported.is_empty() && solution.pinned.is_none() && equations.roughness.is_none();
+        let whole = solution.unsupported.is_empty() && solution.pinned.is_none();
         let invertible = INVERTIBLE[usize::from(solution.method != MethodUsed::Cholesky)];
         if order > INVERTED || !whole || solution.rank < order || condition > invertible {
             return None;
@@ -102,15 +123,20 @@ impl Directed {
         let mut inverse = vec![0.0; order * order + order];
         let (matrix, sizes) = inverse.split_at_mut(order * order);
         solution.factor.write_inverse(matrix);
-        sizes.iter_mut().zip(&backward.columns).for_each(|(size, column)| *size = column.size);
         let largest = solution.coefficients.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let error = backward.error.max(PLACING);
         let second_order = 1.0 - ESTIMATOR * error * condition;
+        let weight = error / second_order;
+        sizes.iter_mut().zip(&backward.columns).for_each(|(size, column)| *size = column.size);
+        let of_roughness = rounding_of_roughness(solved) / weight;
+        sizes.iter_mut().zip(&backward.roughness).for_each(|(size, rough)| *size += of_roughness * rough);
+        let Iteration { enlarged, turned, left } = solved.fitted.iteration;
+        let beside = if turned > 0.0 { turned * length(matrix, sizes) } else { 0.0 };
         (second_order > 0.5).then_some(Directed {
             inverse,
             order,
-            rows: backward.rows,
-            backward: error / second_order,
+            rows: enlarged * backward.rows + beside + left / weight,
+            backward: weight,
             remaining: remaining * largest,
         })
     }
@@ -158,6 +184,38 @@ impl Bound {
         });
         plain.zip(along).map(|(plain, along)| plain.min(along)).fold(0.0, maximum)
     }
+}
+
+/// What an entry of P is rounded by, as a share of it.
+fn rounding_of_roughness(solved: &Solved) -> f64 {
+    PLACING * roundings(solved.options.degree)
+}
+
+/// `n^(1/2) | |D^-1 A^-1| lambda |P||c| |`, the largest row: no less than what `|D^-1 dc|_2` is for changes of P by a share of its
+/// entries, over that share. The norm is estimated as that of the condition is. 0 without roughness.
+fn by_entries(solved: &Solved, backward: &Backward) -> f64 {
+    let Backward { columns, roughness, .. } = backward;
+    if roughness.is_empty() {
+        return 0.0;
+    }
+    let solution = &solved.fitted.solution;
+    let norms: Vec<f64> = columns.iter().map(|column| column.norm.sqrt()).collect();
+    let through = |first: &[f64], last: &[f64], v: &mut [f64]| {
+        v.iter_mut().zip(first).for_each(|(v, s)| *v *= s);
+        solution.clear_free(v);
+        solution.factor.solve(v);
+        solution.clear_free(v);
+        v.iter_mut().zip(last).for_each(|(v, s)| *v *= s);
+    };
+    let estimate =
+        inverse_norm1_estimate(norms.len(), |v| through(&norms, roughness, v), |v| through(roughness, &norms, v));
+    (norms.len() as f64).sqrt() * estimate
+}
+
+/// `(t'|A^-1|t)^(1/2)`: no less than `|E A^-1 w|` for any `|w| <= t`.
+fn length(inverse: &[f64], t: &[f64]) -> f64 {
+    let rows = inverse.chunks_exact(t.len().max(1)).zip(t);
+    rows.map(|(row, t_u)| t_u * row.iter().zip(t).map(|(a, t)| a.abs() * t).sum::<f64>()).sum::<f64>().sqrt()
 }
 
 /// The larger one, or NaN if there is one.

@@ -19,7 +19,7 @@ use faer::linalg::solvers::Solve;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free::Free;
 use crate::fit::linear::reasons::Reason;
-use crate::fit::linear::solution::Solution;
+use crate::fit::linear::solution::{BEYOND_CHOLESKY, Solution};
 use crate::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows, inverse_norm1_estimate};
 use crate::observation::{roughness_matrix, roundings};
 use crate::solve::{Cholesky, Factor, SolveError};
@@ -59,6 +59,11 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     let penalty = roughness_matrix(&equations.sites.knots());
     let mut smooth = Cholesky::plan(penalty.shape())?;
     smooth.factor(&free.keep(&penalty))?;
+    if smooth.condition() > BEYOND_CHOLESKY {
+        // planes have no roughness: where one fits into the gap, the factor is made of rounding
+        let unknown = (0..solution.coefficients.len()).find(|&u| free.has(u)).unwrap_or(0);
+        return Err(SolveError::NotPositiveDefinite { unknown });
+    }
     let gap = Gap { equations, factor: &*solution.factor, free, penalty, smooth };
     let mut c = vec![0.0; solution.coefficients.len()];
     let mut moved = f64::INFINITY;

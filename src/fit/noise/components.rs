@@ -53,8 +53,6 @@ pub(crate) struct Trial {
     pub squares: [f64; 2],
     /// What the last step moved, relative to the largest coefficient; 0 where the problem is linear.
     pub moved: f64,
-    /// By which share of itself the last step shrank; 0 where the problem is linear.
-    pub contraction: f64,
     /// Gauss-Newton steps taken; 0 where the problem is linear.
     pub steps: usize,
 }

@@ -104,6 +104,17 @@ mod tests {
         Contacts { finger: Some(vec![0, 0, 0, 0, 0, 7, 7, 7, 7, 7]), ..Contacts::from_positions(x, y, vec![0.0; 10]) }
     }
 
+    /// Values that change sign from touch to touch correlate by minus one, 8 links of them by sqrt(8) standard deviations; a
+    /// single value correlates with nothing.
+    #[test]
+    fn neighbours_of_opposite_sign_are_evidence_of_their_number() {
+        let fingers = Fingers::of(&two_fingers(), None).unwrap();
+        let values: Vec<f64> = (0..10).map(|r| if r % 2 == 0 { 0.3 } else { -0.3 }).collect();
+        assert!((fingers.evident(&values) + 8.0_f64.sqrt()).abs() < 1e-14);
+        let lone: Vec<f64> = (0..10).map(|r| if r == 4 { 2.0 } else { 0.0 }).collect();
+        assert_eq!(fingers.evident(&lone), 0.0);
+    }
+
     /// Whitening is the inverse of a factor of the covariance exp(-distance/l).
     #[test]
     fn whitened_errors_have_the_covariance_of_the_kernel() {

@@ -17,10 +17,26 @@ pub(crate) struct Fitted {
     pub noise: NoiseRecord,
     /// Remarks.
     pub notes: Vec<Note>,
-    /// What the Gauss-Newton steps not taken would have moved, relative to the largest coefficient; zero for slope rows.
-    pub last_move: f64,
+    /// What Gauss-Newton makes of the rounding of one step and of its last one.
+    pub iteration: Iteration,
     /// The contacts where they were fitted, if errors in x and y moved them.
     pub moved: Option<Moved>,
+}
+
+/// How far a repeated linear problem may be from its fixed point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Iteration {
+    /// By how much an error of one linear problem is enlarged at most in `|E .|`; infinity where no bound is known.
+    pub enlarged: f64,
+    /// How far the enlarged error is from the error itself at most, as a multiple of that.
+    pub turned: f64,
+    /// What all steps not taken would move the rows by at most, `|E (c* - c)|_2`.
+    pub left: f64,
+}
+
+impl Iteration {
+    /// Of a problem that is linear.
+    pub(crate) const NONE: Iteration = Iteration { enlarged: 1.0, turned: 0.0, left: 0.0 };
 }
 
 /// Contacts that were moved to where they most likely lie.

@@ -23,7 +23,7 @@ const MAX_STEPS: usize = 200;
 /// conditioned rows never come to rest at 1e-10. Slowly shrinking steps, a third and more of the last one, halve sooner.
 const AT_REST: usize = 20;
 /// Moves above this are no rounding.
-const AT_ROUNDING: f64 = 1e-6;
+pub(super) const AT_ROUNDING: f64 = 1e-6;
 /// Halvings of one step at most: where 2^-30 of it does not lower the objective, the point is stationary to rounding.
 const MAX_HALVINGS: usize = 30;
 /// Polishing steps at most: each, with the extrapolation between them, gains one to four of the last six digits.
@@ -44,20 +44,27 @@ pub(super) struct Minimum {
     pub steps: usize,
     /// Move of the last step, relative to the largest coefficient.
     pub moved: f64,
-    /// By which share of itself a step shrank lately.
-    pub contraction: f64,
+    /// The last full step; empty before the first.
+    pub step: Vec<f64>,
 }
 
-/// Contractions above this are taken for it: what is left after a step would be more than 19 times the step.
-const SLOWEST: f64 = 0.95;
-
 impl Minimum {
-    /// What all steps that were not taken would have moved: `moved (rho + rho^2 + ...)`, one step at least, and three times
-    /// that, because some directions shrink more slowly than the step as a whole.
-    pub(super) fn remaining(&self) -> f64 {
-        let rho = self.contraction.clamp(0.5, SLOWEST);
-        3.0 * self.moved * rho / (1.0 - rho)
+    /// `|E s|_2` of the last full step: what that step moved the rows by.
+    pub(super) fn last_step(&self) -> f64 {
+        if self.step.is_empty() {
+            return f64::INFINITY;
+        }
+        let of_data: f64 = self.equations.row_squares(&self.step).iter().sum();
+        let of_roughness = self.equations.roughness.as_ref().map_or(0.0, |rough| roughness_of(rough, &self.step));
+        (of_data + of_roughness).sqrt()
     }
+}
+
+/// `lambda c'Pc`.
+fn roughness_of((lambda, penalty): &(f64, StencilMatrix), c: &[f64]) -> f64 {
+    let mut bent = vec![0.0; c.len()];
+    penalty.multiply(c, &mut bent);
+    lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// The nonlinear problem at fixed noise sds.
@@ -96,10 +103,8 @@ impl NormalProblem<'_> {
             let mut solution = linear::solve_intermediate(&equations, self.method)?;
             let (next, next_value) = self.line_search(&current, value, &solution.coefficients);
             let largest = next.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-            let before = moved;
             moved = current.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
             moved /= largest.max(f64::MIN_POSITIVE);
-            let contraction = moved / before;
             (current, value) = (next, next_value);
             if moved < 0.5 * least {
                 (least, least_at) = (moved, steps);
@@ -107,7 +112,7 @@ impl NormalProblem<'_> {
             let is_at_rest = steps - least_at >= AT_REST && least <= AT_ROUNDING;
             if moved <= tolerance || is_at_rest {
                 solution.coefficients = current;
-                return Ok(Minimum { equations, solution, steps, moved, contraction });
+                return Ok(Minimum { equations, solution, steps, moved, step: Vec::new() });
             }
             self.spare.replace(Some(equations));
         }
@@ -131,22 +136,18 @@ impl NormalProblem<'_> {
             let largest = solution.coefficients.iter().fold(f64::MIN_POSITIVE, |m, c| m.max(c.abs()));
             let moved = step.iter().fold(0.0_f64, |m, d| m.max(d.abs())) / largest;
             if moved >= last {
-                // what is left is no less than this step that is not taken
-                found.moved = moved;
                 break;
             }
             last = moved;
             from = solution.coefficients.clone();
             let steps = found.steps + 1;
-            let contraction = found.contraction;
-            let next = Minimum { equations, solution, steps, moved, contraction };
+            let next = Minimum { equations, solution, steps, moved, step: step.clone() };
             let replaced = std::mem::replace(&mut found, next);
             self.spare.replace(Some(replaced.equations));
             if moved <= POLISHED {
                 break;
             }
             let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
-            found.contraction = found.contraction.max(rho);
             from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
             // the step after an extrapolation does not show the contraction
             before = (rho == 0.0).then_some(step);
@@ -221,7 +222,7 @@ impl NormalProblem<'_> {
     }
 
     /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
-    fn each_site(&self, c: &[f64], visit: impl FnMut(usize, [f64; 3])) {
+    pub(super) fn each_site(&self, c: &[f64], visit: impl FnMut(usize, [f64; 3])) {
         if let Some(cells) = packed_cells(self.sites) {
             return cells.values(c, visit);
         }
@@ -247,11 +248,6 @@ impl NormalProblem<'_> {
 
     fn objective(&self, c: &[f64]) -> f64 {
         let [heights, normals] = self.squares(c);
-        let rough = self.roughness.as_ref().map_or(0.0, |(lambda, penalty)| {
-            let mut bent = vec![0.0; c.len()];
-            penalty.multiply(c, &mut bent);
-            lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
-        });
-        heights + normals + rough
+        heights + normals + self.roughness.as_ref().map_or(0.0, |rough| roughness_of(rough, c))
     }
 }

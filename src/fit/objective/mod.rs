@@ -10,6 +10,7 @@
 //! Preset weights hold in patch units, where the height residual is in units of half the domain's larger side; explicit
 //! weights and sds are in input units, so their lengths are multiplied or divided by the patch's scale.
 
+mod contraction;
 pub(super) mod fitted;
 mod gauss_newton;
 mod located;

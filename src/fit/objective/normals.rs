@@ -11,7 +11,7 @@ use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource, RowSds};
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::Fitted;
-use crate::fit::objective::gauss_newton::{Minimum, NormalProblem};
+use crate::fit::objective::gauss_newton::{AT_ROUNDING, Minimum, NormalProblem};
 use crate::fit::objective::setting::{Setting, check_count};
 use crate::fit::{FitError, NormalSigma};
 use crate::linalg::Sites;
@@ -46,15 +46,19 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         }
         NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
     };
-    let Trial { equations, solution, contraction, .. } = trial;
-    let polished = at(sds).polish(Minimum { equations, solution, steps, moved: 0.0, contraction })?;
-    let last_move = polished.remaining();
-    let Minimum { equations, solution, steps, .. } = polished;
+    let Trial { equations, solution, .. } = trial;
+    let problem = at(sds);
+    let polished = problem.polish(Minimum { equations, solution, steps, moved: 0.0, step: Vec::new() })?;
+    let iteration = problem.iteration(&polished);
+    let Minimum { equations, solution, steps, moved, .. } = polished;
     let mut notes = Vec::from_iter(note);
     if measured.z_weight.iter().all(|w| *w == 0.0) {
         notes.push(Note::SlopesOnly);
     }
     notes.push(Note::GaussNewton { steps });
+    if moved > AT_ROUNDING {
+        notes.push(Note::NotAtRest { moved });
+    }
     let noise = NoiseSds {
         source,
         weights: None,
@@ -65,12 +69,11 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         dof,
         efficiency: 1.0,
     };
-    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, last_move, moved: None })
+    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, iteration, moved: None })
 }
 
 fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {
-    let Minimum { equations, solution, steps, moved, contraction } =
-        problem.minimise(request.start, request.tolerance)?;
+    let Minimum { equations, solution, steps, moved, .. } = problem.minimise(request.start, request.tolerance)?;
     let squares = problem.squares(&solution.coefficients);
-    Ok(Trial { equations, solution, squares, moved, steps, contraction })
+    Ok(Trial { equations, solution, squares, moved, steps })
 }

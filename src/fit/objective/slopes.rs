@@ -10,7 +10,7 @@ use crate::fit::noise::components::{Estimate, Trial, TrialRequest, variance_comp
 use crate::fit::noise::record::{NoiseRecord, sds_of_weights};
 use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::notes::Note;
-use crate::fit::objective::fitted::Fitted;
+use crate::fit::objective::fitted::{Fitted, Iteration};
 use crate::fit::objective::setting::{Setting, check_count};
 use crate::fit::{FitError, SlopeWeights};
 use crate::linalg::{RowWeights, SiteWeights, Sites};
@@ -35,7 +35,14 @@ pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fit
     if heights == 0 {
         notes.push(Note::SlopesOnly);
     }
-    Ok(Fitted { equations: trial.equations, solution: trial.solution, noise, notes, last_move: 0.0, moved: None })
+    Ok(Fitted {
+        equations: trial.equations,
+        solution: trial.solution,
+        noise,
+        notes,
+        iteration: Iteration::NONE,
+        moved: None,
+    })
 }
 
 /// `--weights auto`: the inverse noise sds, estimated with the fit.
@@ -72,7 +79,7 @@ fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError>
     check_count(&equations)?;
     let solution = linear::solve(&equations, setting.method)?;
     let squares = equations.residual_squares(&solution.coefficients);
-    Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0, contraction: 0.0 }, unit))
+    Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0 }, unit))
 }
 
 /// `[wz, wx, wy]` in patch units: presets as they are, explicit ones with the height's length.
