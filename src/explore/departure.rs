@@ -9,14 +9,13 @@
 //!
 //! A bump is no ball because its curvatures change from place to place: to one side, which the four cubic terms see, or from
 //! the middle outwards, which the last one sees. Five terms see what the 25 unknowns of a spline (`richer.rs`) spread over
-//! all of them. A departure may be certain and yet leave S and R as they are: a paraboloid's patch, tilted, is one. Columns are
-//! made orthogonal one by one (G. H. Golub and C. F. Van Loan, *Matrix Computations*, 5.2.8), so that what each explains
-//! adds up.
+//! all of them. A departure may be certain and yet leave S and R as they are: a paraboloid's patch, tilted, is one.
 
 use crate::contact::Contacts;
 use crate::curvature::{curvedness, shape_index};
 use crate::recognition::Recognition;
 use crate::shape::f_upper_tail;
+use crate::solve::PivotedQr;
 use crate::vector::{Vector, dot, minus, reject, unit};
 
 /// One term of f.
@@ -47,9 +46,6 @@ const TERMS: [Term; 11] = [
 /// Rows that must be left over: with fewer the test overlooks what it is there for.
 const LEFT_OVER: usize = 15;
 
-/// Part of a column that must be left once the earlier ones are taken out of it.
-const OWN: f64 = 1e-6;
-
 /// Step over which the surface is differentiated, in units of the patch: errors of 1e-8 in tangents and of 1e-4 in curvatures.
 const STEP: f64 = 1e-4;
 
@@ -67,16 +63,13 @@ pub(super) struct Departure {
 /// The departure that explains the contacts best; `None` where they are too few to ask.
 pub(super) fn departure(contacts: &Contacts, found: &Recognition) -> Option<Departure> {
     let rows = rows(contacts, found)?;
-    let mut fit = Fitted::new(&rows);
-    (0..KNOWN).for_each(|k| fit.take_out(&rows, k));
-    let (before, known) = (square(&fit.residuals), fit.basis.len());
-    (KNOWN..TERMS.len()).for_each(|k| fit.take_out(&rows, k));
-    let more = fit.basis.len() - known;
-    let left = rows.len().checked_sub(fit.basis.len()).filter(|left| more > 0 && *left >= LEFT_OVER)?;
-    let after = square(&fit.residuals);
-    let ratio = ((before - after) / more as f64) / (after / left as f64);
-    let [shape_index, curvedness] = change(found, &fit.coefficients)?;
-    Some(Departure { p: f_upper_tail(ratio, more as f64, left as f64), shape_index, curvedness })
+    let [known, all] = [&TERMS[..KNOWN], &TERMS[..]].map(|terms| Explained::by(terms, &rows));
+    let (known, all) = (known?, all?);
+    let more = all.rank.checked_sub(known.rank).filter(|more| *more > 0)? as f64;
+    let left = rows.len().checked_sub(all.rank).filter(|left| *left >= LEFT_OVER)? as f64;
+    let ratio = (known.left_over - all.left_over).max(0.0) / more / (all.left_over / left);
+    let [shape_index, curvedness] = change(found, &all.coefficients)?;
+    Some(Departure { p: f_upper_tail(ratio, more, left), shape_index, curvedness })
 }
 
 /// A measured number: what is left of it, where it was measured, and which derivative of f it sees.
@@ -163,7 +156,7 @@ fn tangents(found: &Recognition, [u, v]: [f64; 2]) -> [Vector; 2] {
 }
 
 /// By how much mean S and mean R change when the surface is displaced by f along its normal.
-fn change(found: &Recognition, coefficients: &[f64; TERMS.len()]) -> Option<[f64; 2]> {
+fn change(found: &Recognition, coefficients: &[f64]) -> Option<[f64; 2]> {
     let scale = found.frame.scale;
     let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
     for (place, _) in &found.averaged {
@@ -199,63 +192,28 @@ fn shape_of([uu, uv, vv]: [f64; 3]) -> (Option<f64>, f64) {
     (shape_index(sum, difference), curvedness(0.5 * (sum + difference), 0.5 * (sum - difference)))
 }
 
-/// Least squares, one column after another.
-struct Fitted {
-    residuals: Vec<f64>,
-    coefficients: [f64; TERMS.len()],
-    basis: Vec<Direction>,
+/// What some terms explain of the residuals, by least squares.
+struct Explained {
+    coefficients: Vec<f64>,
+    /// Terms that the contacts tell apart.
+    rank: usize,
+    /// Sum of squares that is not explained.
+    left_over: f64,
 }
 
-/// A column made orthogonal to those before it, and the terms that it is made of.
-struct Direction {
-    column: Vec<f64>,
-    made_of: [f64; TERMS.len()],
-}
-
-impl Fitted {
-    fn new(rows: &[Row]) -> Fitted {
-        let residuals = rows.iter().map(|row| row.residual).collect();
-        Fitted { residuals, coefficients: [0.0; TERMS.len()], basis: Vec::new() }
-    }
-
-    /// Takes out of the residuals what term `k` explains beyond the earlier ones.
-    fn take_out(&mut self, rows: &[Row], k: usize) {
-        let mut column: Vec<f64> = rows.iter().map(|row| row.of(TERMS[k])).collect();
-        let mut made_of = [0.0; TERMS.len()];
-        made_of[k] = 1.0;
-        let whole = square(&column);
-        // twice, so that rounding leaves nothing of the earlier ones
-        for _ in 0..2 {
-            for earlier in &self.basis {
-                let share = product(&column, &earlier.column);
-                subtract(&mut column, share, &earlier.column);
-                subtract(&mut made_of, share, &earlier.made_of);
-            }
+impl Explained {
+    /// `None` where a number is not finite.
+    fn by(terms: &[Term], rows: &[Row]) -> Option<Explained> {
+        let columns: Vec<f64> = terms.iter().flat_map(|term| rows.iter().map(|row| row.of(*term))).collect();
+        let mut residuals: Vec<f64> = rows.iter().map(|row| row.residual).collect();
+        let factor = PivotedQr::of_dense(rows.len(), terms.len(), &columns, &residuals).ok()?;
+        let coefficients = factor.coefficients();
+        for (column, c) in columns.chunks_exact(rows.len().max(1)).zip(&coefficients) {
+            residuals.iter_mut().zip(column).for_each(|(left, value)| *left -= c * value);
         }
-        let own = square(&column);
-        if own <= OWN * OWN * whole {
-            return;
-        }
-        let length = own.sqrt();
-        column.iter_mut().chain(&mut made_of).for_each(|value| *value /= length);
-        let share = product(&self.residuals, &column);
-        subtract(&mut self.residuals, share, &column);
-        subtract(&mut self.coefficients, -share, &made_of);
-        self.basis.push(Direction { column, made_of });
+        let left_over = residuals.iter().map(|left| left * left).sum();
+        Some(Explained { coefficients, rank: factor.rank(), left_over })
     }
-}
-
-/// `from - share x what`.
-fn subtract(from: &mut [f64], share: f64, what: &[f64]) {
-    from.iter_mut().zip(what).for_each(|(a, b)| *a -= share * b);
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn square(values: &[f64]) -> f64 {
-    product(values, values)
 }
 
 #[cfg(test)]
@@ -292,9 +250,9 @@ mod tests {
         for row in &mut rows {
             row.residual = TERMS.iter().zip(made).map(|(term, c)| c * row.of(*term)).sum();
         }
-        let mut fit = Fitted::new(&rows);
-        (0..TERMS.len()).for_each(|k| fit.take_out(&rows, k));
-        assert!(square(&fit.residuals) < 1e-20 * square(&rows.iter().map(|row| row.residual).collect::<Vec<_>>()));
+        let fit = Explained::by(&TERMS, &rows).unwrap();
+        let whole: f64 = rows.iter().map(|row| row.residual * row.residual).sum();
+        assert!(fit.rank == TERMS.len() && fit.left_over < 1e-20 * whole, "{} {}", fit.rank, fit.left_over);
         assert!(fit.coefficients.iter().zip(made).all(|(a, b)| (a - b).abs() < 1e-9), "{:?}", fit.coefficients);
     }
 

@@ -1,8 +1,9 @@
 //! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
 
 use super::cloud::Cloud;
+use super::doubt::{is_free_form, is_rejected, reach};
 use super::evidence::Cells;
-use super::exact::{Exact, REJECTED, fitted};
+use super::exact::{Exact, simplest};
 use super::free_form::free_form;
 use super::joints::joints;
 use super::leftover::label_leftover;
@@ -34,7 +35,7 @@ impl Findings<'_> {
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
-            fitted(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
+            simplest(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
         });
         let surface: Vec<Primitive> = partition
             .parts
@@ -47,11 +48,12 @@ impl Findings<'_> {
             None => cloud.normals[i],
         };
         let mut joints = joints(cloud, &partition.labels, normal);
+        let is_free_form = is_free_form(&exact);
         let mut parts: Vec<Part> = members
             .iter()
             .enumerate()
             .map(|(k, members)| match surface.get(k) {
-                Some(primitive) => self.primitive_part(primitive, exact[k].as_ref(), members),
+                Some(primitive) => self.primitive_part(primitive, exact[k].as_ref(), members, is_free_form),
                 None => self.patch_part(members),
             })
             .collect();
@@ -79,15 +81,13 @@ impl Findings<'_> {
         }
     }
 
-    fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32]) -> Part {
+    fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32], free_form: bool) -> Part {
         let cloud = self.cloud;
         let [s, r] = mean_shape(cloud, primitive, members);
         let mean = (primitive.kind != PartKind::Plane).then_some(s);
-        let rejected = exact.and_then(|e| e.p).map(|p| p < REJECTED);
+        let rejected = exact.and_then(is_rejected);
         let mut u = exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members));
-        if rejected == Some(true) {
-            self.reach_the_spline(&mut u, mean, r, members);
-        }
+        reach(cloud, members, exact, (mean, r), free_form || rejected == Some(true), &mut u);
         Part {
             id: 0,
             kind: primitive.kind,
@@ -103,17 +103,6 @@ impl Findings<'_> {
             p: exact.and_then(|e| e.p),
             departure: exact.map_or(0.0, |e| e.departure * cloud.scale),
         }
-    }
-
-    /// A primitive that the data reject says nothing of S and R beyond what a spline through the same contacts leaves open:
-    /// their uncertainties reach to its S and R. (To take the spline's own would read a scanner's waves as shape.)
-    fn reach_the_spline(&self, u: &mut PartUncertainty, s: Option<f64>, r: f64, members: &[u32]) {
-        let Some(spline) = free_form(self.cloud, members) else { return };
-        let wider = |u: Option<f64>, off: f64| Some(u.unwrap_or(0.0).hypot(off));
-        if let (Some(s), Some((of_spline, _))) = (s, spline.shape_index) {
-            u.shape_index = wider(u.shape_index, of_spline - s);
-        }
-        u.curvedness = wider(u.curvedness, (spline.curvedness.0 - r) / self.cloud.scale);
     }
 
     /// By a spline of its own where one follows the region, else by the means over its contacts.
@@ -206,8 +195,7 @@ fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
 }
 
 fn uncertainty(cloud: &Cloud, exact: &Exact, members: &[u32]) -> PartUncertainty {
-    let Some(covariance) = exact.descended.covariance() else { return PartUncertainty::default() };
-    let covariance = covariance.map(|row| row.map(|v| v * exact.shared));
+    let Some(covariance) = exact.covariance() else { return PartUncertainty::default() };
     let kind = exact.descended.primitive.kind;
     let free = kind.free();
     let sd = |k: usize| free.contains(&k).then(|| covariance[k][k].max(0.0).sqrt());

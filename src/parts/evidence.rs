@@ -62,41 +62,47 @@ impl Cells {
         (count / shared.fold(1.0, f64::max)).max(3.0)
     }
 
-    /// Contacts for every independent residual, 1 where nothing says that neighbours share errors: the largest variance of a
-    /// cell's sum over that of independent residuals, of the widths at which chance does not explain it.
+    /// By how much the variance of the sum of these values exceeds that of independent ones, 1 where nothing says that
+    /// neighbours share errors: the largest over the widths at which chance does not explain it. So many `unknowns` were
+    /// fitted, which makes the sums of few cells smaller than errors are.
     ///
     /// ```text
-    /// sum_cells (sum_i d_i)^2 / (n_cell s^2)  ~  chi-square of as many cells
+    /// sum_cells (sum_i h_i)^2 / sum_i h_i^2  ~  chi-square of as many cells
+    /// factor = sum_cells (sum_i h_i)^2 / sum h^2 x cells / (cells - unknowns)
     /// ```
-    pub(super) fn shared(&self, residuals: &[(u32, f64)]) -> f64 {
-        let squares: f64 = residuals.iter().map(|(_, d)| d * d).sum();
-        let one = squares / residuals.len().max(1) as f64;
-        if one <= 0.0 {
+    pub(super) fn shared(&self, values: &[(u32, f64)], unknowns: usize) -> f64 {
+        let squares: f64 = values.iter().map(|(_, h)| h * h).sum();
+        if squares <= 0.0 {
             return 1.0;
         }
         let of_width = |cells: &Vec<u32>| {
-            let (mut statistic, mut factor, mut count) = (0.0, 0.0, 0.0);
-            for (sum, contacts) in sums_of(cells, residuals) {
-                (statistic, factor, count) =
-                    (statistic + sum * sum / (contacts * one), factor + sum * sum / squares, count + 1.0);
+            let (mut statistic, mut together, mut count) = (0.0, 0.0, 0.0);
+            for (sum, own) in sums_of(cells, values) {
+                (statistic, together, count) = (statistic + sum * sum / own, together + sum * sum, count + 1.0);
             }
+            let left = count - unknowns as f64;
             let p = chi_square_upper_tail(statistic, count);
-            if p < BY_CHANCE / WIDTHS.len() as f64 { factor } else { 1.0 }
+            // as many cells as twice the unknowns: with fewer the fit itself has made most sums zero
+            if left >= unknowns as f64 && p < BY_CHANCE / WIDTHS.len() as f64 {
+                together / squares * count / left
+            } else {
+                1.0
+            }
         };
         self.of.iter().map(of_width).fold(1.0, f64::max)
     }
 }
 
-/// Sums of the residuals in every cell that holds any, with how many it holds, in the order of the cells' numbers: sums that are
-/// taken in another order differ in their last bits.
+/// Sums of the values in every cell that holds any, with the sum of their squares, in the order of the cells' numbers: sums that
+/// are taken in another order differ in their last bits.
 fn sums_of(cells: &[u32], residuals: &[(u32, f64)]) -> impl Iterator<Item = (f64, f64)> {
     let most = residuals.iter().map(|(i, _)| cells[*i as usize] as usize + 1).max().unwrap_or(0);
     let mut sums = vec![(0.0, 0.0); most];
     for (i, d) in residuals {
-        let (sum, count) = &mut sums[cells[*i as usize] as usize];
-        (*sum, *count) = (*sum + d, *count + 1.0);
+        let (sum, squares) = &mut sums[cells[*i as usize] as usize];
+        (*sum, *squares) = (*sum + d, *squares + d * d);
     }
-    sums.into_iter().filter(|(_, count)| *count > 0.0)
+    sums.into_iter().filter(|(_, squares)| *squares > 0.0)
 }
 
 /// Residuals of some points under their primitives.

@@ -29,6 +29,7 @@ mod against;
 mod answer;
 mod cloud;
 mod descent;
+mod doubt;
 mod error;
 mod evidence;
 mod exact;

@@ -37,7 +37,7 @@ pub struct PartUncertainty {
     pub minor_radius: Option<f64>,
     /// Of the half angle, degrees.
     pub half_angle_deg: Option<f64>,
-    /// Of the mean S, where the kind leaves it open: torus and patch.
+    /// Of the mean S, where the kind leaves it open (torus, patch) or the contacts may show another surface.
     #[cfg_attr(feature = "serde", serde(rename = "S"))]
     pub shape_index: Option<f64>,
     /// Of the mean R.

@@ -9,6 +9,8 @@
 //! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
 //! of prior size has mean square 1.
 //!
+//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]).
+//!
 //! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
 //! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
 //! place.
@@ -20,6 +22,7 @@ use crate::vector::{Vector, along};
 
 use super::cells::Cells;
 use super::constant_curvature::{ConstantCurvature, Jet};
+use super::natural_departure;
 
 const DEGREE: usize = 4;
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
@@ -46,6 +49,8 @@ pub(super) struct Displacement {
     knots: [Knots; 2],
     /// 81 x columns.
     to_coefficients: Mat<f64>,
+    /// Number of columns with the prior above; those of natural departures follow.
+    pub(super) rough: usize,
     /// Rows of the distances.
     pub(super) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
@@ -62,16 +67,24 @@ impl Displacement {
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
         let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
-        let mut to_coefficients = penalised_columns(&knots)?;
+        let mut rough = penalised_columns(&knots)?;
         let means = CellCharts::new(&outline, cells);
-        let mut positions = product(&knots, &means.places, &to_coefficients, |i, row| {
-            let [uu, uv, vv] = means.spreads[i];
-            row[0] + 0.5 * (uu * row[3] + vv * row[5]) + uv * row[4]
-        });
+        let at_cells = |columns: &Mat<f64>| {
+            product(&knots, &means.places, columns, |i, row| {
+                let [uu, uv, vv] = means.spreads[i];
+                row[0] + 0.5 * (uu * row[3] + vv * row[5]) + uv * row[4]
+            })
+        };
+        let mut positions = at_cells(&rough);
         let size = (square_sum(&positions) / charts.len() as f64).sqrt();
-        scale(&mut to_coefficients, 1.0 / size);
+        scale(&mut rough, 1.0 / size);
         scale(&mut positions, -1.0 / size);
-        let made = Displacement { knots, to_coefficients, positions, normals: None };
+        let natural = natural_departure::columns(&knots, surface);
+        let mut natural_positions = at_cells(&natural);
+        scale(&mut natural_positions, -1.0);
+        let to_coefficients = beside(&rough, &natural);
+        let positions = beside(&positions, &natural_positions);
+        let made = Displacement { knots, to_coefficients, positions, rough: rough.ncols(), normals: None };
         let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
         Some(Displacement { normals, ..made })
     }
@@ -252,6 +265,10 @@ fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
     let largest = eigen.S()[count - 1];
     let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).collect();
     Some(Mat::from_fn(count, kept.len(), |i, j| eigen.U()[(i, kept[j])] / eigen.S()[kept[j]].sqrt()))
+}
+
+fn beside(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols() + b.ncols(), |i, j| if j < a.ncols() { a[(i, j)] } else { b[(i, j - a.ncols())] })
 }
 
 fn square_sum(m: &Mat<f64>) -> f64 {

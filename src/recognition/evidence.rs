@@ -36,6 +36,16 @@ const FEW: usize = 3;
 /// weight of 3e-4.
 const HOPELESS: f64 = 8.0;
 
+/// How a surface departs from its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Plain,
+    /// By a displacement of this variance over that of a position.
+    Displaced(f64),
+    /// By third and fourth derivatives of natural size.
+    Natural,
+}
+
 /// One hypothesis under one covariance.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -46,6 +56,8 @@ pub(super) struct Node {
     pub(super) length: f64,
     /// Variance of the displacement over that of a position; 0 without displacement.
     pub(super) g: f64,
+    /// Whether the displacement is a natural departure, of third and fourth degree.
+    pub(super) natural: bool,
     /// Variance of an average cell's independent error.
     pub(super) variance: f64,
     pub(super) log_evidence: f64,
@@ -56,13 +68,14 @@ pub(super) struct Node {
     pub(super) dof: f64,
 }
 
-/// Groups of hypotheses: simple, general, displaced.
-pub(super) const GROUPS: usize = 3;
+/// Groups of hypotheses: simple, general, displaced, general with a natural departure.
+pub(super) const GROUPS: usize = 4;
 
 impl Node {
     /// Number of the node's group.
     pub(super) fn group(&self) -> usize {
         match self.kind {
+            Kind::General if self.natural => 3,
             Kind::General if self.g > 0.0 => 2,
             Kind::General | Kind::Paraboloid => 1,
             _ => 0,
@@ -141,11 +154,12 @@ impl<'a> Evidence<'a> {
         let (gram, log_det) = (dense::gram(whitened.as_ref()), dense::log_det(lower));
         let mut nodes = Vec::new();
         for model in self.models {
-            nodes.extend(self.node(model, kernel, &gram, log_det, 0.0));
+            nodes.extend(self.node(model, kernel, &gram, log_det, Form::Plain));
             if model.kind() == Kind::General && self.displacement.is_some() {
                 let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
                 for power in POWERS {
-                    let Some(node) = self.node(model, kernel, &gram, log_det, 10_f64.powi(power)) else { continue };
+                    let form = Form::Displaced(10_f64.powi(power));
+                    let Some(node) = self.node(model, kernel, &gram, log_det, form) else { continue };
                     let here = node.log_evidence;
                     nodes.push(node);
                     if here < best - HOPELESS && here <= last {
@@ -153,25 +167,30 @@ impl<'a> Evidence<'a> {
                     }
                     (last, best) = (here, best.max(here));
                 }
+                nodes.extend(self.node(model, kernel, &gram, log_det, Form::Natural));
             }
         }
         Some(OfKernel { kernel, gram, nodes })
     }
 
-    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, g: f64) -> Option<Node> {
+    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, form: Form) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[k]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {
             return None;
         }
-        let variance = self.variance(kind, gram, g)?.max(1e-18);
+        let natural = form == Form::Natural;
+        let (g, variance) = self.variances(kind, gram, form)?;
         let tau = (variance * kernel.ratio).sqrt();
         let size = self.limit.log_prior(tau)?;
-        let system = self.system(kind, gram, variance, g)?;
+        let system = self.system(kind, gram, variance, (g, natural))?;
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
         let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
-        let log_evidence =
-            likelihood + kernel.log_prior + size + self.share(kind, g) + shape_prior(model, &system.x, &system.lower);
+        let log_evidence = likelihood
+            + kernel.log_prior
+            + size
+            + self.share(kind, form)
+            + shape_prior(model, &system.x, &system.lower);
         let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
         log_evidence.is_finite().then_some(Node {
             kind,
@@ -179,6 +198,7 @@ impl<'a> Evidence<'a> {
             ratio: kernel.ratio,
             length: kernel.length,
             g,
+            natural,
             variance,
             log_evidence,
             x: system.x,
@@ -187,24 +207,37 @@ impl<'a> Evidence<'a> {
         })
     }
 
-    /// Log of a node's share of the prior of its hypothesis. Half of general's prior belongs to displaced surfaces, and
-    /// torus and paraboloid share the other half.
-    fn share(&self, kind: Kind, g: f64) -> f64 {
+    /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
+    /// have a quarter each of general's prior.
+    fn share(&self, kind: Kind, form: Form) -> f64 {
         let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
-        match kind {
-            Kind::General if g > 0.0 => -displaced - (POWERS.count() as f64).ln(),
-            Kind::General | Kind::Paraboloid => -displaced - LN_2,
+        match (kind, form) {
+            (Kind::General, Form::Displaced(_)) => -displaced - LN_2 - (POWERS.count() as f64).ln(),
+            (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
             _ => 0.0,
         }
     }
 
+    /// Variance of the displacement over that of a position, and the latter. A natural departure has its size whatever the
+    /// noise is.
+    fn variances(&self, kind: Kind, gram: &Mat<f64>, form: Form) -> Option<(f64, f64)> {
+        let of = |g: f64| Some(self.variance(kind, gram, (g, form == Form::Natural))?.max(1e-18));
+        let g = match form {
+            Form::Plain => 0.0,
+            Form::Displaced(g) => g,
+            // two steps: the noise depends on g a little
+            Form::Natural => of(of(0.0)?.recip())?.recip(),
+        };
+        Some((g, of(g)?))
+    }
+
     /// Variance of an average cell's independent error, restricted maximum likelihood.
-    fn variance(&self, kind: Kind, gram: &Mat<f64>, g: f64) -> Option<f64> {
+    fn variance(&self, kind: Kind, gram: &Mat<f64>, (g, natural): (f64, bool)) -> Option<f64> {
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if n < p + FEW {
             return self.joint_variance(kind, gram);
         }
-        let rss = |g: f64| Some(reduced(columns(kind, gram, g.sqrt(), g > 0.0), |i, j| gram[(i, j)])?.rss);
+        let rss = |g: f64| Some(reduced(self.columns(kind, g.sqrt(), (g, natural)), |i, j| gram[(i, j)])?.rss);
         let plain = rss(0.0)?.max(1e-30);
         let left = if g > 0.0 { rss(g)?.max(1e-12 * plain) } else { plain };
         Some(left / (n - p) as f64)
@@ -216,7 +249,7 @@ impl<'a> Evidence<'a> {
         let (y, p) = (column_of(kind), kind.unknowns());
         let mut variance = 1e-4;
         for _ in 0..30 {
-            let system = self.system(kind, gram, variance, 0.0)?;
+            let system = self.system(kind, gram, variance, (0.0, false))?;
             let x = &system.x;
             let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
             let mut rss = 0.0;
@@ -238,17 +271,55 @@ impl<'a> Evidence<'a> {
     }
 
     /// The normal equations of positions and normals together, with the displacement eliminated.
-    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, g: f64) -> Option<Reduced> {
+    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, (g, natural): (f64, bool)) -> Option<Reduced> {
         let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.map_or(0.0, |m| m[(i, j)]);
-        reduced(columns(kind, gram, (g * variance).sqrt(), g > 0.0), at)
+        reduced(self.columns(kind, (g * variance).sqrt(), (g, natural)), at)
+    }
+
+    /// The equations of a model, with the displacement where there is one.
+    fn columns(&self, kind: Kind, root: f64, (g, natural): (f64, bool)) -> Columns {
+        let first = first_of_displacement();
+        let (rough, all) = self.displacement.map_or((0, 0), |d| (d.rough, d.columns()));
+        let z = match (g > 0.0, natural) {
+            (true, true) => (first + rough, all - rough),
+            (true, false) => (first, rough),
+            (false, _) => (first, 0),
+        };
+        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, root }
+    }
+
+    /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.
+    pub(super) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
+        let gram = self.normals?;
+        let (y, p, first) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
+        let mut at = vec![0.0; gram.ncols()];
+        at[y] = 1.0;
+        if node.g > 0.0 {
+            let (mean, _) = self.joint_posterior(node)?;
+            at[y + 1..=y + p].copy_from_slice(&mean[..p]);
+            at[first..].copy_from_slice(&self.weights_of(node, &mean[p..]));
+        } else {
+            at[y + 1..=y + p].copy_from_slice(&node.x);
+        }
+        let used: Vec<usize> = (0..at.len()).filter(|&i| at[i] != 0.0).collect();
+        Some(0.5 * used.iter().map(|&i| used.iter().map(|&j| at[i] * gram[(i, j)] * at[j]).sum::<f64>()).sum::<f64>())
+    }
+
+    /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
+    pub(super) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
+        let (rough, all) = self.displacement.map_or((0, 0), |d| (d.rough, d.columns()));
+        let root = (node.g * node.variance).sqrt();
+        let mut out = vec![0.0; all];
+        let start = if node.natural { rough } else { 0 };
+        out[start..start + own.len()].iter_mut().zip(own).for_each(|(out, w)| *out = root * w);
+        out
     }
 
     /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
     /// precision. The displacement's columns are scaled to unit prior variance.
     pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let gram = self.grams[node.kernel].as_ref()?;
-        let (y, p, z) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
-        let count = gram.ncols() - z;
+        let Columns { y, unknowns: p, z: (z, count), .. } = self.columns(node.kind, 1.0, (node.g, node.natural));
         let root = (node.g * node.variance).sqrt();
         let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, root) };
         let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.map_or(0.0, |m| m[(i, j)]);
@@ -261,13 +332,6 @@ impl<'a> Evidence<'a> {
         dense::solve(&lower, &mut mean);
         Some((mean, lower))
     }
-}
-
-/// The equations of a model, with the displacement where there is one.
-fn columns(kind: Kind, gram: &Mat<f64>, root: f64, displaced: bool) -> Columns {
-    let first = first_of_displacement();
-    let count = if displaced { gram.ncols() - first } else { 0 };
-    Columns { y: column_of(kind), unknowns: kind.unknowns(), z: (first, count), root }
 }
 
 /// Largest log evidence of every group.

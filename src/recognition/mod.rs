@@ -46,6 +46,7 @@ mod linearised;
 mod misfit;
 mod model;
 mod moved;
+mod natural_departure;
 mod neighbours;
 mod noise;
 mod normal_noise;

@@ -157,9 +157,8 @@ pub(super) fn likeliest(evidence: &Evidence, node: &Node) -> Option<State> {
 
 fn displaced(evidence: &Evidence, node: &Node, joint: &[f64]) -> Option<State> {
     let model = evidence.models.iter().find(|m| m.kind() == node.kind)?;
-    let root = (node.g * node.variance).sqrt();
     let (x, z) = joint.split_at(node.kind.unknowns());
-    let weights: Vec<f64> = z.iter().map(|w| w * root).collect();
+    let weights = evidence.weights_of(node, z);
     Some(State::new(model, x, Some(evidence.displacement?.coefficients(&weights))))
 }
 
@@ -258,7 +257,7 @@ pub(super) fn summary(
         let sum: f64 = chosen.iter().map(|d| d.weights[0]).sum();
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
         // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
-        let [lo, hi] = quantiles(&chosen, pick, level, !curved)?;
+        let [lo, hi] = interval_of(&chosen, pick, level, curved)?;
         // rounding may put an end on the wrong side of an exact mean, which the interval would then miss
         let interval = [lo.min(mean), hi.max(mean)];
         let u = 0.5 * (interval[1] - interval[0]) / (std::f64::consts::SQRT_2 * erf::erf_inv(level));
@@ -298,13 +297,18 @@ fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64) -> Option<
         angles.extend(drawn.draws.iter().map(|field| (angle(field), share)));
     }
     angles.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let sum: f64 = angles.iter().map(|(_, share)| share).sum();
+    quantile(&angles, level)
+}
+
+/// The value that a part `level` of the weights does not exceed, of values in order with their weights.
+fn quantile(ordered: &[(f64, f64)], level: f64) -> Option<f64> {
+    let sum: f64 = ordered.iter().map(|(_, share)| share).sum();
     let mut below = 0.0;
-    let reached = angles.iter().find(|(_, share)| {
+    let reached = ordered.iter().find(|(_, share)| {
         below += share;
         below >= level * sum
     });
-    reached.map(|(angle, _)| *angle)
+    reached.or(ordered.last()).map(|(value, _)| *value)
 }
 
 /// Standard deviations of mean S and mean R of the reported hypothesis were errors independent.
@@ -321,39 +325,40 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     [sd(|f| f.s), sd(|f| f.r)]
 }
 
-/// Both quantiles of the draws under the interval's weights. With `mirrored` a displaced surface's draws count half as
-/// they are and half mirrored at its likeliest value: noise bends a displaced surface more, so its draws of R lie
-/// above the likeliest R as that lies above the truth.
-fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: bool) -> Option<[f64; 2]> {
+/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
+/// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of R therefore count half as they
+/// are and half mirrored at the likeliest. S takes the wider end of both ways on either side, because it ends at 1 where
+/// mirrored draws pile up.
+fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
+    if !of_s {
+        return quantiles(found, pick, level, Some([0.0, f64::INFINITY]));
+    }
+    let [lo, hi] = quantiles(found, pick, level, None)?;
+    let [low, high] = quantiles(found, pick, level, Some([-1.0, 1.0]))?;
+    Some([lo.min(low), hi.max(high)])
+}
+
+/// Both quantiles of the draws under the interval's weights. With `mirrored`, the range of the quantity, a displaced
+/// surface's draws count half as they are and half mirrored at its likeliest value.
+fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let mut values: Vec<(f64, f64)> = Vec::new();
     for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
         let share = drawn.weights[1] / drawn.draws.len() as f64;
-        let twice = mirrored && drawn.displaced;
+        let twice = mirrored.is_some() && drawn.displaced;
         let share = if twice { 0.5 * share } else { share };
         values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
-        if twice {
+        if let Some([least, most]) = mirrored.filter(|_| drawn.displaced) {
             let about = 2.0 * pick(&drawn.likeliest);
-            values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).max(0.0), share)));
+            values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).clamp(least, most), share)));
         }
     }
     values.retain(|(value, share)| value.is_finite() && *share > 0.0);
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let sum: f64 = values.iter().map(|v| v.1).sum();
-    let at = |share: f64| {
-        let mut below = 0.0;
-        let reached = |(_, share_here): &&(f64, f64)| {
-            below += share_here;
-            below >= share * sum
-        };
-        values.iter().find(reached).or(values.last()).map(|v| v.0)
-    };
-    Some([at(0.5 * (1.0 - level))?, at(0.5 * (1.0 + level))?])
+    Some([quantile(&values, 0.5 * (1.0 - level))?, quantile(&values, 0.5 * (1.0 + level))?])
 }
 
 /// Shares of the classes under the interval's weights.
 fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
-    /// Number of the interval's weights.
-    const OF_INTERVAL: usize = 1;
     let mut out: Vec<(ShapeClass, f64)> =
         ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, 0.0)).collect();
     let mut add = |class: ShapeClass, share: f64| {
@@ -361,10 +366,10 @@ fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
     };
     for drawn in found {
         if drawn.kind == Kind::Plane {
-            add(ShapeClass::Plane, drawn.weights[OF_INTERVAL]);
+            add(ShapeClass::Plane, drawn.weights[1]);
             continue;
         }
-        let share = drawn.weights[OF_INTERVAL] / drawn.draws.len().max(1) as f64;
+        let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
         drawn.draws.iter().for_each(|field| add(ShapeClass::of_shape_index(field.s), share));
     }
     let sum: f64 = out.iter().map(|c| c.1).sum();

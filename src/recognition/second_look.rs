@@ -33,7 +33,6 @@ pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
     let (x, z) = mean.split_at(best.kind.unknowns());
-    let root = (best.g * best.variance).sqrt();
     let mut inverse = Mat::<f64>::identity(mean.len(), mean.len());
     dense::whiten(&lower, inverse.as_mut());
     // the prior's precision is 1: what the data do not tell stays at variance 1
@@ -41,7 +40,7 @@ pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
         (x.len()..mean.len()).map(|j| (0..mean.len()).map(|i| inverse[(i, j)] * inverse[(i, j)]).sum::<f64>()).sum();
     Some(Moved {
         base: State::new(model, x, None).model().clone(),
-        weights: z.iter().map(|w| w * root).collect(),
+        weights: evidence.weights_of(best, z),
         spent: OF_NORMALS * (z.len() as f64 - untold),
     })
 }

@@ -4,9 +4,11 @@
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but displaced never below max(0.1, e^-(gap - 2)/8 / 2)        gap: log evidence by which it is behind
-//! displaced nodes of the interval: those of w with a prior ten times as loose, unless f may be the sensor's error
+//! displaced nodes of the interval: natural departures; others with a prior ten times as loose, unless f may be an error
+//! torus of the interval: its share goes to natural departures, where no simple shape is far ahead
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
-//! and P(neighbours share errors > rms f / 10) > 0.1:      f is read as the sensor's systematic error, not as shape
+//! P(neighbours share errors > rms f / 10) > 0.1,
+//! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
 //! ```
 //!
 //! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
@@ -26,7 +28,7 @@ use faer::Mat;
 
 use super::dense;
 use super::descent::median;
-use super::evidence::{Evidence, Node};
+use super::evidence::{Evidence, GROUPS, Node};
 use super::model::Kind;
 use super::neighbours::Neighbours;
 use super::rows::{Rows, column_of, first_of_displacement};
@@ -51,6 +53,18 @@ const EITHER: f64 = 0.5;
 /// Log evidence within which two readings count as equally good, and by which the share of the worse one falls to 1/e.
 const ALIKE: f64 = 2.0;
 const FADING: f64 = 8.0;
+
+/// Log evidence by which a simple shape may be ahead of natural departures until their share of general's part falls to 1/e.
+const SIMPLER: f64 = 4.0;
+
+/// Least share of other displacements, where they are as likely, in what those and natural departures have.
+const OTHER: f64 = 0.25;
+
+/// Log likelihood of the normals, and log evidence of everything, by which a displaced surface has to be ahead of the plain
+/// ones before it is shape whatever its size: a sensor that errs in its positions does not tilt normals that were
+/// measured on their own.
+const BY_NORMALS: f64 = 3.0;
+const BY_ALL: f64 = 8.0;
 
 /// Least share of general and of displaced in the interval.
 const DOUBT: f64 = 0.1;
@@ -79,6 +93,10 @@ pub(super) struct Weights {
     pub(super) of_scatter: f64,
     /// Posterior probability, among displaced surfaces, that neighbours share errors of at least a tenth of it.
     pub(super) shared: f64,
+    /// Log evidence by which a displaced surface is ahead.
+    pub(super) gap: f64,
+    /// Log likelihood by which the normals prefer the displaced surface.
+    pub(super) normals: f64,
 }
 
 impl Weights {
@@ -88,9 +106,11 @@ impl Weights {
         SENSOR[0] < self.size && small && self.may_be_error()
     }
 
-    /// Whether errors that neighbours share are large enough for a sensor that errs as a whole.
+    /// Whether errors that neighbours share are large enough for a sensor that errs as a whole, and no normals say that the
+    /// displacement is shape.
     fn may_be_error(&self) -> bool {
-        self.shared > REFUTED
+        let confirmed = self.normals > BY_NORMALS && self.gap > BY_ALL;
+        self.shared > REFUTED && !confirmed
     }
 }
 
@@ -112,6 +132,8 @@ pub(super) fn weigh(
         weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
         weights.shared = shared(evidence, nodes, &estimate, OF_DEPARTURE * departure) / displaced;
     }
+    weights.gap = best(nodes, |n| n.g > 0.0) - best(nodes, |n| n.g == 0.0);
+    weights.normals = normals_gain(evidence, nodes).unwrap_or(0.0);
     if weights.displacement_is_error() {
         estimate = shares(nodes, |n| n.g == 0.0);
     }
@@ -169,6 +191,16 @@ fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, wi
     }
 }
 
+/// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.
+fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
+    let likeliest = |displaced: bool| {
+        let own = nodes.iter().filter(|n| (n.g > 0.0) == displaced);
+        own.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+    };
+    let [plain, displaced] = [false, true].map(|d| evidence.misfit_of_normals(likeliest(d)?));
+    Some(plain? - displaced?)
+}
+
 /// Weight of the displaced nodes under which neighbours share errors of at least `size`.
 fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f64 {
     let tree = Neighbours::new(&evidence.cells.points);
@@ -204,16 +236,11 @@ fn undersmoothed(nodes: &[Node]) -> Vec<f64> {
 
 /// Weights of the interval; `error` says that a displacement was read as the sensor's error.
 fn with_doubt(nodes: &[Node], estimate: &[f64], error: bool, misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
-    let sums = [0, 1, 2].map(|j| total(estimate, nodes, |n| n.group() == j));
-    let curved = sums[1] + sums[2];
-    let gap = best(nodes, |_| true) - best(nodes, |n| n.group() == 2);
-    let displaced = sums[2].max(if error { EITHER } else { doubt(EITHER, gap) }).max(DOUBT);
-    let general = if sums[2] < 0.5 { (curved - displaced).max(DOUBT) } else { sums[1].min(1.0 - displaced) };
-    let simple = if sums[0] > 0.0 { (1.0 - general - displaced).max(0.0) } else { 0.0 };
-    let wanted = [(simple, shares(nodes, |n| n.group() == 0)), (general, shares(nodes, |n| n.group() == 1))];
+    let groups: [Vec<f64>; GROUPS] = std::array::from_fn(|j| shares(nodes, |n| n.group() == j));
+    let rougher = if error { groups[2].clone() } else { undersmoothed(nodes) };
+    let wanted = group_shares(nodes, estimate, error);
     let mut out = vec![0.0; nodes.len()];
-    let rougher = if error { shares(nodes, |n| n.group() == 2) } else { undersmoothed(nodes) };
-    for (wanted, fresh) in wanted.into_iter().chain([(displaced, rougher)]) {
+    for (wanted, fresh) in wanted.into_iter().zip([&groups[0], &groups[1], &rougher, &groups[3]]) {
         out.iter_mut().zip(fresh).for_each(|(out, fresh)| *out += wanted * fresh);
     }
     let all: f64 = out.iter().sum();
@@ -229,7 +256,45 @@ fn with_doubt(nodes: &[Node], estimate: &[f64], error: bool, misfit: impl Fn(Kin
             raise(&mut out, nodes, here, within, least);
         }
     }
+    if !error {
+        departed(nodes, &mut out);
+    }
     out
+}
+
+/// Shares of the groups in the interval.
+fn group_shares(nodes: &[Node], estimate: &[f64], error: bool) -> [f64; GROUPS] {
+    let sums: [f64; GROUPS] = std::array::from_fn(|j| total(estimate, nodes, |n| n.group() == j));
+    let best_of = |j: usize| best(nodes, |n| n.group() == j);
+    let any = sums[2] + sums[3];
+    let best_of_any = best_of(2).max(best_of(3));
+    let gap = best(nodes, |_| true) - best_of_any;
+    let both = any.max(if error { EITHER } else { doubt(EITHER, gap) }).max(DOUBT);
+    let general = if any < 0.5 { (sums[1] + any - both).max(DOUBT) } else { sums[1].min(1.0 - both) };
+    let simple = if sums[0] > 0.0 { (1.0 - general - both).max(0.0) } else { 0.0 };
+    // either kind of displacement keeps a part of what both have
+    let share = if any > 0.0 { sums[3] / any } else { 0.0 };
+    let [other, natural] = [(OTHER, 2), (EITHER, 3)].map(|(most, j)| doubt(most, best_of_any - best_of(j)));
+    let natural = both * share.max(natural).min(1.0 - other);
+    [simple, general, both - natural, natural]
+}
+
+/// Passes the torus's share to natural departures, because no surface has two constant curvatures that differ, but for
+/// cylinders. Where a simple shape explains the contacts far better, the torus keeps it: it then repeats that shape.
+fn departed(nodes: &[Node], weights: &mut [f64]) {
+    let is_torus = |n: &Node| n.kind == Kind::General && n.group() == 1;
+    let (torus, fresh) = (total(weights, nodes, is_torus), shares(nodes, |n| n.natural));
+    if torus == 0.0 || fresh.iter().sum::<f64>() == 0.0 {
+        return;
+    }
+    let gap = best(nodes, |n| n.group() == 0) - best(nodes, |n| n.natural);
+    let passed = (-(gap - ALIKE).max(0.0) / SIMPLER).exp();
+    for ((w, node), fresh) in weights.iter_mut().zip(nodes).zip(fresh) {
+        if is_torus(node) {
+            *w *= 1.0 - passed;
+        }
+        *w += passed * torus * fresh;
+    }
 }
 
 /// Largest log evidence among the nodes chosen.
@@ -243,10 +308,10 @@ fn displacement_size(evidence: &Evidence, rows: &Rows, nodes: &[Node], weights: 
     let (node, _) = displaced.max_by(|a, b| a.1.total_cmp(b.1))?;
     let (mean, _) = evidence.joint_posterior(node)?;
     let (p, z, y) = (node.kind.unknowns(), first_of_displacement(), column_of(node.kind));
-    let root = (node.g * node.variance).sqrt();
+    let along_columns = evidence.weights_of(node, &mean[p..]);
     let n = rows.positions.nrows();
     let mut f: Vec<f64> = (0..n)
-        .map(|i| root * mean[p..].iter().enumerate().map(|(j, w)| rows.positions[(i, z + j)] * w).sum::<f64>())
+        .map(|i| along_columns.iter().enumerate().map(|(j, w)| rows.positions[(i, z + j)] * w).sum::<f64>())
         .collect();
     let column = |i: usize, j: usize| rows.positions[(i, y + 1 + j)];
     let normal = Mat::from_fn(p, p, |a, b| (0..n).map(|i| column(i, a) * column(i, b)).sum());

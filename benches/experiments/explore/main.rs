@@ -2,11 +2,13 @@
 //!
 //!     cargo bench --bench explore -- contacts [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
 //!     cargo bench --bench explore -- stopping [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
+//!     cargo bench --bench explore -- every [OBJECTS NOISES [FIRST]]
 //!     cargo bench --bench explore -- second [NOISES] | rank | trace OBJECT NOISE | export OBJECTS NOISES FIRST
 //!
 //! Objects have seeds; those from 1,000,001 on were not looked at before the recorded run (`benches/runs/explore.md`).
 
 mod contacts;
+mod every;
 mod export;
 mod objects;
 mod rank;
@@ -39,6 +41,9 @@ fn main() {
     }
     if asked("stopping") {
         stopping::print(first, objects, noises, model.as_ref());
+    }
+    if asked("every") {
+        every::print(first, objects, noises);
     }
     if asked("second") {
         second::print(number(0, 100));
