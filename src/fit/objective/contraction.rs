@@ -87,13 +87,13 @@ impl NormalProblem<'_> {
             above[site.index] = SiteWeights { z, ..site.part(site.values.map(|k| (rho - k).max(0.0))) };
             below[site.index] = site.part(site.values.map(|k| (k - rho).max(0.0)));
         });
-        let mut matrix = data_normal_matrix(&self.sites, &RowWeights::PerSite(above));
+        let mut matrix = data_normal_matrix(self.sites, &RowWeights::PerSite(above));
         if let Some((lambda, penalty)) = &self.roughness {
             matrix.add_scaled(rho * lambda, penalty);
         }
         let rounding = ROUNDINGS * f64::EPSILON * matrix.order() as f64;
         let sizes = matrix.diagonal();
-        let of_below = data_normal_matrix(&self.sites, &RowWeights::PerSite(below));
+        let of_below = data_normal_matrix(self.sites, &RowWeights::PerSite(below));
         let shifts: Vec<f64> = sizes.iter().zip(of_below.diagonal()).map(|(a, b)| rounding * (a + b)).collect();
         matrix.add_scaled(-1.0, &of_below);
         hold(&mut matrix, &shifts, |u| solution.is_free(u));
