@@ -153,11 +153,17 @@ impl Judged {
     }
 }
 
+/// A member of the family by its name, or any other scene.
+fn named(name: &str) -> Result<Source, Failure> {
+    let member = coverage_family().into_iter().find(|(member, _)| member == name);
+    member.map_or_else(|| scene::source(name), |(name, text)| Ok(Source::of_text(&name, text)))
+}
+
 /// The scenes that the arguments ask about.
 fn judged(args: &StudyArgs, scene: Option<&str>) -> Result<Vec<Judged>, Failure> {
     match (args.random, scene) {
         (Some(count), _) => (0..count).map(|k| Judged::random(args.seed.unwrap_or(FIRST) + k)).collect(),
-        (None, Some(name)) => Ok(vec![Judged::of_source(&scene::source(name)?)?]),
+        (None, Some(name)) => Ok(vec![Judged::of_source(&named(name)?)?]),
         (None, None) => {
             let texts = coverage_family().into_iter();
             texts.map(|(name, text)| Judged::of_source(&Source::of_text(&name, text))).collect()

@@ -28,7 +28,8 @@ use super::values::{self, PathChoice};
 /// Arguments of `palpate study`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct StudyArgs {
-    /// Built-in scene, scene file, or - for standard input; with --coverage none takes the built-in family
+    /// Built-in scene, scene file, or - for standard input; with --coverage none takes a family
+    /// of 32 scenes, and a name as sphere-27-degree2 one of them
     pub(super) scene: Option<String>,
     /// Replicates [default: the scene's, 10000]; with --tolerance the most there may be
     #[arg(long, value_name = "N", value_parser = values::replicates)]

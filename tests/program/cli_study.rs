@@ -187,6 +187,16 @@ fn coverage_is_told_by_scene() {
 }
 
 #[test]
+fn a_member_of_the_family_is_judged_by_its_name() {
+    let folder = folder();
+    let found = json(folder.path(), "study cylinder-27-degree2 --coverage --replicates 2 --json");
+    assert_eq!(found["scenes"].as_array().unwrap().len(), 1);
+    assert_eq!(found["scenes"][0]["scene"], "cylinder-27-degree2");
+    let wrong = said(folder.path(), "study cylinder-28-degree2 --coverage --replicates 2");
+    assert!(wrong.contains("there is no such file"), "{wrong}");
+}
+
+#[test]
 fn pictures_and_tables_are_written() {
     let folder = folder();
     let at = folder.path();
