@@ -8,6 +8,8 @@
 //! 5  means, class, radius, plane or not, and how far to trust them      describe::classify, certificate::certify
 //! ```
 //!
+//! Steps 4 and 5 wait until they are asked for: [`Fit::shape`], [`Fit::certificate`].
+//!
 //! ```
 //! use palpate::{Contacts, fit};
 //!
@@ -73,7 +75,10 @@ pub(crate) use richer::richer_reading;
 
 use std::sync::OnceLock;
 
+use ndarray::Array2;
+
 use crate::contact::{Contacts, Frame, Grid};
+use crate::observation::Data;
 use crate::surface::HeightField;
 use solved::Solved;
 
@@ -95,8 +100,7 @@ pub fn fit_contacts(contacts: &Contacts, options: &FitOptions) -> Result<Fit, Fi
     options.check()?;
     options.check_height_field()?;
     let (patch, data) = placing::place_contacts(contacts, options)?;
-    let fitted = objective::fit_rows(&patch, &data, options)?;
-    Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
+    fit_placed(patch, data, options)
 }
 
 /// The same over these axes (rows x, y, z in the input's frame) instead of those that the options choose.
@@ -111,8 +115,7 @@ pub(crate) fn fit_contacts_over(
     options.check()?;
     options.check_height_field()?;
     let (patch, data) = placing::place_contacts_over(contacts, axes, options)?;
-    let fitted = objective::fit_rows(&patch, &data, options)?;
-    Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
+    fit_placed(patch, data, options)
 }
 
 /// Fits a height field to a grid of heights with optional slopes and weight maps; NaN entries are missing.
@@ -123,8 +126,16 @@ pub fn fit_grid(grid: &Grid, options: &FitOptions) -> Result<Fit, FitError> {
     options.check()?;
     options.check_height_field()?;
     let (patch, data) = placing::place_grid(grid, options)?;
+    fit_placed(patch, data, options)
+}
+
+/// Steps 3 to 5 of data in their patch: the rows solved, the surface of their coefficients; the shape waits until asked.
+fn fit_placed(patch: Patch, data: Data, options: &FitOptions) -> Result<Fit, FitError> {
     let fitted = objective::fit_rows(&patch, &data, options)?;
-    Ok(Fit::new(Solved::new(patch, data, fitted, options)?))
+    let [n, m] = [0, 1].map(|axis| patch.knots[axis].n_basis());
+    let coefficients = Array2::from_shape_fn((n, m), |(i, j)| fitted.solution.coefficients[i * m + j]);
+    let surface = HeightField::new(patch.knots.clone(), coefficients)?;
+    Ok(Fit::new(Solved::new(patch, data, fitted, surface, options.clone())))
 }
 
 impl Fit {

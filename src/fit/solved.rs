@@ -2,15 +2,13 @@
 
 use std::sync::OnceLock;
 
-use ndarray::Array2;
-
 use crate::fit::noise::fingers::Fingers;
 use crate::fit::noise::levels::Levels;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
-use crate::fit::{FitError, FitOptions, Robust};
+use crate::fit::{FitOptions, Robust};
+use crate::observation::Data;
 use crate::surface::HeightField;
 
 /// A solved fit before anything is asked of it.
@@ -32,16 +30,10 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// The surface of these coefficients, with all that led to it.
-    ///
-    /// # Errors
-    /// [`FitError::Surface`] where a coefficient is not finite.
-    pub(super) fn new(patch: Patch, data: Data, fitted: Fitted, options: &FitOptions) -> Result<Solved, FitError> {
-        let shape = [patch.knots[0].n_basis(), patch.knots[1].n_basis()];
-        let coefficients = Array2::from_shape_fn(shape, |(i, j)| fitted.solution.coefficients[i * shape[1] + j]);
-        let surface = HeightField::new(patch.knots.clone(), coefficients)?;
+    /// All that steps 2 and 3 found.
+    pub(super) fn new(patch: Patch, data: Data, fitted: Fitted, surface: HeightField, options: FitOptions) -> Solved {
         let (noise, condition, levels) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Ok(Solved { options: options.clone(), patch, data, fitted, surface, noise, condition, levels })
+        Solved { options, patch, data, fitted, surface, noise, condition, levels }
     }
 
     /// Noise sds; where weights were given they are computed from the residuals on first access.

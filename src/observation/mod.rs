@@ -10,6 +10,7 @@
 
 mod cells;
 mod csr;
+mod data;
 mod gridded;
 mod kronecker;
 mod normal_rows;
@@ -19,10 +20,10 @@ mod slope_rows;
 
 pub(crate) use cells::{CellAssembly, CellRows, PackedCells, PackedRows};
 pub use csr::{stacked_csr, to_csr};
+pub(crate) use data::{Data, Measured};
 pub(crate) use gridded::GridSites;
 pub(crate) use kronecker::kronecker_normal_matrix;
 pub(crate) use normal_rows::{angular_residual_squared, linearise_normals, normal_curving};
 pub(crate) use roughness::{roughness_matrix, roughness_row_count, roughness_rows, roundings};
 pub(crate) use scattered::CellNumbers;
 pub use scattered::ScatteredSites;
-pub(crate) use slope_rows::{grid_slope_rows, slope_rows};

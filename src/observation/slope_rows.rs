@@ -5,6 +5,18 @@ use ndarray::Array2;
 use crate::contact::{Contacts, Grid, Orientation};
 use crate::linalg::{RowWeights, SiteWeights, Targets};
 
+use super::Data;
+
+impl Data {
+    /// Slope rows with weights `[wz, wx, wy]` in patch units.
+    pub(crate) fn slope_rows(&self, block: [f64; 3]) -> (RowWeights, Targets) {
+        match self {
+            Data::Scattered { contacts, .. } => slope_rows(contacts, block),
+            Data::Gridded { grid, origin, scale } => grid_slope_rows(grid, block, *origin, *scale),
+        }
+    }
+}
+
 /// Weights and targets of scattered contacts that are already in the patch frame; `block` is `[wz, wx, wy]` there.
 ///
 /// Contacts without slopes have height rows only. A normal with nz = 0 has no slope; the caller must refuse it before.

@@ -1,4 +1,4 @@
-//! Heights, principal curvatures, S and R at every point of a grid.
+//! Heights, principal curvatures, S and R at every point of a grid, and their means over the points that data support.
 
 use std::sync::Arc;
 
@@ -59,6 +59,48 @@ impl ShapeMaps {
     /// Curvedness at point (i, j); `None` where it is not supported by data.
     pub fn curvedness_at(&self, i: usize, j: usize) -> Option<f64> {
         self.supported[[i, j]].then_some(self.curvedness[[i, j]])
+    }
+}
+
+/// Mean and sample standard deviation (n - 1) of the defined values: variation over the patch, not uncertainty.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Spread {
+    /// Mean; `None` with fewer than 2 points.
+    pub mean: Option<f64>,
+    /// Sample sd; `None` with fewer than 2 points.
+    pub sd: Option<f64>,
+    /// Number of points.
+    pub count: usize,
+}
+
+/// Spread of `values`, in two passes, the second about the mean.
+pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
+    let count = values.clone().count();
+    if count < 2 {
+        return Spread { count, ..Spread::default() };
+    }
+    let mean = values.clone().sum::<f64>() / count as f64;
+    let squares: f64 = values.map(|v| (v - mean) * (v - mean)).sum();
+    Spread { mean: Some(mean), sd: Some((squares / (count - 1) as f64).sqrt()), count }
+}
+
+impl ShapeMaps {
+    /// Rows and columns of the grid points that the data support.
+    pub(crate) fn supported_points(&self) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
+        let columns = self.grid.y.len();
+        (0..self.grid.len()).map(move |k| (k / columns, k % columns)).filter(|&(i, j)| self.supported[[i, j]])
+    }
+
+    /// Mean and sd of S over the supported points where it is defined.
+    pub(crate) fn spread_of_shape_index(&self) -> Spread {
+        let defined = self.supported_points().filter(|&(i, j)| self.shape_index_at(i, j).is_some());
+        spread(defined.map(|at| self.shape_index[at]))
+    }
+
+    /// Mean and sd over the supported points of k1, k2 or R, in units in which the patch's length is `scale`.
+    pub(crate) fn spread_of(&self, map: &Array2<f64>, scale: f64) -> Spread {
+        spread(self.supported_points().map(|at| map[at] / scale))
     }
 }
 

@@ -28,6 +28,7 @@ pub(crate) use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
 pub use grid::ShapeGrid;
 pub(crate) use grid_gradients::{EightPoints, GridGradients};
 pub use maps::ShapeMaps;
+pub(crate) use maps::{Spread, spread};
 pub(crate) use outline::Outline;
 #[cfg(feature = "cli")]
 pub(crate) use parametric_maps::parametric_maps_at;
@@ -37,6 +38,6 @@ pub(crate) use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
 pub(crate) use point_sds::PointSds;
 pub(crate) use repeated_gradients::RepeatedGradients;
 pub use summary::Interval;
-pub(crate) use summary::{Spread, class_probabilities, normal_interval, radius_of, spread};
+pub(crate) use summary::{class_probabilities, normal_interval, radius_of};
 pub(crate) use truth::compare_with_truth;
 pub use uv_support::UvSupport;

@@ -1,31 +1,8 @@
-//! Mean and sample sd over the patch, intervals, class probabilities, radius.
+//! Intervals, class probabilities, radius.
 
 use statrs::function::erf;
 
 use crate::curvature::ShapeClass;
-
-/// Mean and sample standard deviation (n - 1) of the defined values: variation over the patch, not uncertainty.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Spread {
-    /// Mean; `None` with fewer than 2 points.
-    pub mean: Option<f64>,
-    /// Sample sd; `None` with fewer than 2 points.
-    pub sd: Option<f64>,
-    /// Number of points.
-    pub count: usize,
-}
-
-/// Spread of `values`, in two passes, the second about the mean.
-pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> Spread {
-    let count = values.clone().count();
-    if count < 2 {
-        return Spread { count, ..Spread::default() };
-    }
-    let mean = values.clone().sum::<f64>() / count as f64;
-    let squares: f64 = values.map(|v| (v - mean) * (v - mean)).sum();
-    Spread { mean: Some(mean), sd: Some((squares / (count - 1) as f64).sqrt()), count }
-}
 
 /// Both ends of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,15 +15,15 @@ use ndarray::Array2;
 
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
-use crate::fit::placing::data::Data;
 use crate::fit::reading::ModelReading;
 use crate::fit::solved::Solved;
-use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of, spread};
+use crate::observation::Data;
+use crate::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of};
 use crate::surface::SurfacePoint;
 use direction::{Directions, directions};
 use flatness::{is_flat, plane_probability};
 use interval::{NoisePart, statistic};
-use shape::{Shape, Statistic, supported_points};
+use shape::{Shape, Statistic};
 use uncertainty::Uncertainties;
 
 /// The significance at which the best plane is rejected; below it the patch is taken as a plane.
@@ -52,9 +52,8 @@ fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
 /// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units.
 pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelReading>) -> Shape {
     let scale = solved.patch.frame.scale;
-    let defined = supported_points(local).filter(|&(i, j)| local.shape_index_at(i, j).is_some());
-    let s = spread(defined.map(|at| local.shape_index[at]));
-    let r = spread(supported_points(local).map(|at| local.curvedness[at] / scale));
+    let s = local.spread_of_shape_index();
+    let r = local.spread_of(&local.curvedness, scale);
     let plane_p = plane_probability(solved);
     let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
     let u = model.map(|_| Uncertainties::new(solved, local, s.mean));
@@ -78,8 +77,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
             (None, _) => Vec::new(),
         },
         radius: r.mean.and_then(|mean| radius_of(class, mean)),
-        k1: spread(supported_points(local).map(|at| local.k1[at] / scale)),
-        k2: spread(supported_points(local).map(|at| local.k2[at] / scale)),
+        k1: local.spread_of(&local.k1, scale),
+        k2: local.spread_of(&local.k2, scale),
         direction_deg,
         axis_deg: axis.filter(|_| class.has_axis()),
         support: s.count as f64 / local.grid.len() as f64,

@@ -10,8 +10,8 @@
 use super::uncertainty::{above_declared, noise_at_point};
 use crate::bspline::{BasisRow, linspace};
 use crate::contact::Frame;
-use crate::fit::placing::data::Data;
 use crate::fit::solved::Solved;
+use crate::observation::Data;
 use crate::shape::{Outline, PointSds, by_coefficients, shape_gradient};
 
 /// Rows times functionals beyond which no point is asked: a few seconds of work, where the fit itself took a fraction of one.

@@ -11,11 +11,10 @@
 
 use crate::fit::describe::plane::equilibrated_cholesky;
 use crate::fit::objective::robust::{Loss, scale};
-use crate::fit::placing::data::Measured;
 use crate::fit::solved::Solved;
 use crate::fit::{Objective, Robust};
 use crate::linalg::{RowWeights, SiteWeights, Sites, Targets, apply_rows};
-use crate::observation::linearise_normals;
+use crate::observation::{Measured, linearise_normals};
 use crate::shape::f_upper_tail;
 use crate::solve::PivotedQr;
 

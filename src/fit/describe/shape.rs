@@ -59,9 +59,3 @@ pub struct Shape {
     /// Gradients of S and R by the coefficients, for the certificate.
     pub(in crate::fit) gradients: GridGradients,
 }
-
-/// Rows and columns of the grid points that the data support.
-pub(crate) fn supported_points(maps: &ShapeMaps) -> impl Iterator<Item = (usize, usize)> + Clone + '_ {
-    let columns = maps.grid.y.len();
-    (0..maps.grid.len()).map(move |k| (k / columns, k % columns)).filter(|&(i, j)| maps.supported[[i, j]])
-}

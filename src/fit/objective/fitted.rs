@@ -4,7 +4,7 @@ use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::record::NoiseRecord;
 use crate::fit::notes::Note;
-use crate::fit::placing::data::Data;
+use crate::observation::Data;
 
 /// Rows formed and solved.
 #[derive(Clone, Debug)]

@@ -10,11 +10,10 @@ use crate::fit::linear;
 use crate::fit::linear::equations::{Equations, packed_cells};
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::sds::RowSds;
-use crate::fit::placing::data::Measured;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
 use crate::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, visit_values};
-use crate::observation::{angular_residual_squared, linearise_normals};
+use crate::observation::{Measured, angular_residual_squared, linearise_normals};
 
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
 /// nearby.

@@ -21,8 +21,8 @@ use crate::fit::noise::sds::NoiseSource;
 use crate::fit::notes::Note;
 use crate::fit::objective::fitted::{Fitted, Moved};
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
 use crate::linalg::SiteWeights;
+use crate::observation::Data;
 use crate::surface::{HeightField, SurfacePoint};
 
 /// Fits at most; the contacts stand still after 5 to 20.

@@ -22,8 +22,8 @@ mod smoothing;
 
 use crate::fit::notes::Note;
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
+use crate::observation::Data;
 use fitted::Fitted;
 use normals::fit_normals;
 use setting::Setting;

@@ -16,10 +16,9 @@ use crate::fit::notes::Note;
 use crate::fit::objective::PlainFit;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
 use crate::linalg::{Sites, visit_values};
-use crate::observation::angular_residual_squared;
+use crate::observation::{Data, angular_residual_squared};
 
 const HUBER: f64 = 1.345;
 const TUKEY: f64 = 4.685;

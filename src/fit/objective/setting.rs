@@ -2,11 +2,10 @@
 
 use crate::fit::linear::equations::Equations;
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
 use crate::linalg::{Sites, StencilMatrix};
-use crate::observation::roughness_matrix;
+use crate::observation::{Data, roughness_matrix};
 
 /// Data, their sites, and how their rows are solved.
 pub(super) struct Setting<'a> {

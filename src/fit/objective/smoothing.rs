@@ -15,8 +15,8 @@ use crate::fit::objective::PlainFit;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::robust::fit_with_loss;
 use crate::fit::placing::Patch;
-use crate::fit::placing::data::Data;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
+use crate::observation::Data;
 
 /// The search covers this many decades below and above the ratio of traces, where data and roughness weigh the same.
 const DECADES: [i32; 2] = [-14, 4];

@@ -6,14 +6,14 @@
 
 pub(super) mod axes;
 mod checks;
-pub(super) mod data;
+mod data;
 pub(super) mod sites;
 
 use crate::bspline::Knots;
 use crate::contact::{Contacts, Frame, Grid, Orientation};
 use crate::fit::{FitError, FitOptions, FrameChoice, Objective, SlopeWeights};
+use crate::observation::Data;
 use checks::{check_inside, check_not_collinear};
-use data::Data;
 
 /// Contacts in the patch frame, checked for what a height field can hold.
 ///
