@@ -8,6 +8,9 @@ use faer::{MatMut, Par};
 /// From this many columns on faer's blocked code is faster.
 const BLOCKED_FROM: usize = 48;
 
+/// Largest entries of a column whose squares neither overflow nor vanish beside each other.
+const SQUARES_HOLD: std::ops::Range<f64> = 1e-120..1e120;
+
 /// A column-major matrix with room for `capacity` rows, of which `rows` are in use.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
@@ -130,8 +133,7 @@ fn reflect(
     let v = &pivot_column[1..];
     for column in columns.chunks_exact_mut(capacity).take(count) {
         let (head, tail) = column[rows.clone()].split_at_mut(1);
-        let dot = head[0] + v.iter().zip(tail.iter()).map(|(a, b)| a * b).sum::<f64>();
-        let factor = tau * dot;
+        let factor = tau * (head[0] + dot(v, tail));
         head[0] -= factor;
         tail.iter_mut().zip(v).for_each(|(t, a)| *t -= factor * a);
     }
@@ -144,15 +146,29 @@ pub(super) fn reflector(x: &mut [f64]) -> Option<(f64, f64)> {
     if largest == 0.0 || x[1..].iter().all(|v| *v == 0.0) {
         return None;
     }
-    // scaled by the largest entry, so that rows of size 1e-170 or 1e170 work too
-    let tail: f64 = x[1..].iter().map(|v| (v / largest) * (v / largest)).sum();
-    let head = x[0] / largest;
+    // scaled by the largest entry where squares would overflow or vanish, so that rows of size 1e-170 or 1e170 work too
+    let unit = if SQUARES_HOLD.contains(&largest) { 1.0 } else { largest };
+    let tail = if unit == 1.0 { dot(&x[1..], &x[1..]) } else { x[1..].iter().map(|v| (v / unit) * (v / unit)).sum() };
+    let head = x[0] / unit;
     let norm = (head * head + tail).sqrt();
     let beta = -norm.copysign(head);
     let tau = (beta - head) / beta;
-    let factor = 1.0 / ((head - beta) * largest);
+    let factor = 1.0 / ((head - beta) * unit);
     x[1..].iter_mut().for_each(|v| *v *= factor);
-    Some((beta * largest, tau))
+    Some((beta * unit, tau))
+}
+
+/// `a . b` in eight sums side by side: one long sum has to wait for each addition, because reordering it changes its rounding.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_eights, b_eights) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_eights.remainder().iter().zip(b_eights.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a_eights.zip(b_eights) {
+        for k in 0..8 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
