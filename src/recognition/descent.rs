@@ -14,7 +14,7 @@ use super::dense;
 use super::model::{Kind, Model};
 
 /// Huber's constant: 95 % efficiency for gaussian errors.
-const HUBER: f64 = 1.345;
+pub(super) const HUBER: f64 = 1.345;
 
 /// Rounds of reweighting.
 const ROUNDS: usize = 25;
@@ -91,7 +91,8 @@ pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     threads::map(points.len(), TASK, |k| model.distance(points[k]))
 }
 
-fn scale_of(distances: &[f64]) -> f64 {
+/// 1.4826 times the median distance from the median.
+pub(super) fn scale_of(distances: &[f64]) -> f64 {
     let middle = median(distances.to_vec());
     1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
 }

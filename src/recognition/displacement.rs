@@ -38,7 +38,7 @@ const FEWEST: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
-const POLE: f64 = 0.5;
+pub(super) const POLE: f64 = 0.5;
 
 /// Margin of the chart's box, relative to its width.
 const MARGIN: f64 = 0.02;

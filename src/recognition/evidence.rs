@@ -115,11 +115,8 @@ impl<'a> Evidence<'a> {
         factors: &Factors,
         limit: Limit,
     ) -> (Evidence<'a>, Vec<Node>) {
-        let kernels = Kernel::all();
-        let grams = kernels.iter().map(|_| None).collect();
-        let Linearised { models, displacement, rows, normals, .. } = linearised;
-        let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
-        let mut made = Evidence { cells, models, displacement, kernels, grams, normals, limit };
+        let mut made = Evidence::unasked(cells, linearised, limit);
+        let rows = &linearised.rows;
         let white = made.of_kernel(rows, factors, 0);
         let best = white.as_ref().map_or([f64::NEG_INFINITY; GROUPS], |found| highest(&found.nodes));
         let chains = threads::map(Kernel::CHAINS, 1, |chain| made.of_chain(rows, factors, chain, best));
@@ -129,6 +126,32 @@ impl<'a> Evidence<'a> {
             nodes.extend(found.nodes);
         }
         (made, nodes)
+    }
+
+    /// The evidence under one kernel alone.
+    pub(super) fn under(
+        cells: &'a Cells,
+        linearised: &'a Linearised,
+        factors: &Factors,
+        limit: Limit,
+        kernel: usize,
+    ) -> (Evidence<'a>, Vec<Node>) {
+        let mut made = Evidence::unasked(cells, linearised, limit);
+        let mut nodes = Vec::new();
+        if let Some(found) = made.of_kernel(&linearised.rows, factors, kernel) {
+            made.grams[kernel] = Some(found.gram);
+            nodes.extend(found.nodes);
+        }
+        (made, nodes)
+    }
+
+    /// Before any kernel is tried.
+    fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit) -> Evidence<'a> {
+        let kernels = Kernel::all();
+        let grams = kernels.iter().map(|_| None).collect();
+        let Linearised { models, displacement, normals, .. } = linearised;
+        let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
+        Evidence { cells, models, displacement, kernels, grams, normals, limit }
     }
 
     /// The kernels of one length, from weakly to strongly shared errors, until no group of hypotheses has a chance.

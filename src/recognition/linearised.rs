@@ -73,6 +73,12 @@ impl Linearised {
         Linearised { models, displacement, rows, normal_noise, normals }
     }
 
+    /// Lets the normals scatter about this displacement.
+    pub(super) fn scatter_about(&mut self, moved: &Moved, factors: &FactorPair) {
+        self.normal_noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
+        self.normals = self.normal_noise.as_ref().and_then(|noise| noise.gram(&self.rows, factors.normals()));
+    }
+
     /// The models, the general one in its new place.
     pub(super) fn models_with(&self, moved: &Moved) -> Vec<Model> {
         let of = |m: &Model| if m.kind() == Kind::General { moved.base.clone() } else { m.clone() };

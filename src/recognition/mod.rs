@@ -72,6 +72,7 @@ mod start;
 mod state;
 mod support;
 mod surface;
+mod taken_back;
 #[cfg(test)]
 mod tests;
 mod weights;
@@ -150,10 +151,8 @@ fn recognise_given(
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors, None);
     let first = Evidence::new(&cells, &plain, &factors.positions, limit);
-    let again = second_look::moved(&first.0, &first.1).map(|moved| {
-        let models = plain.models_with(&moved);
-        Linearised::new(&cells, &patch.points, models, &factors, Some(&moved))
-    });
+    let again = second_look::moved(&first.0, &first.1)
+        .map(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
     let (linearised, (evidence, nodes)) = match &again {
         Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit)),
         None => (&plain, first),

@@ -21,6 +21,8 @@ pub(super) struct Moved {
     pub(super) weights: Vec<f64>,
     /// Degrees of freedom that the displacement takes from the normals.
     pub(super) spent: f64,
+    /// Kernel of the errors that positions share.
+    pub(super) kernel: usize,
 }
 
 impl Moved {

@@ -25,12 +25,10 @@ const DEGREE: usize = 4;
 const FOURTH: f64 = 3.0;
 
 /// Powers of u and v.
-const TERMS: [[usize; 2]; 9] = [[3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
+pub(super) const TERMS: [[usize; 2]; 9] = [[3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
 
 /// Spline coefficients of the nine departures, each with its prior standard deviation, about the middle of the chart.
 pub(super) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f64> {
-    let [_, _, _, k1, k2, _] = surface.theta;
-    let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt();
     let powers = knots.each_ref().map(|knots| {
         let t = knots.as_slice();
         let middle = 0.5 * (t[0] + t[t.len() - 1]);
@@ -40,10 +38,16 @@ pub(super) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f6
     let across = knots[1].n_basis();
     Mat::from_fn(knots[0].n_basis() * across, TERMS.len(), |row, j| {
         let [a, b] = TERMS[j];
-        let derivative = if a + b == 3 { r.powi(2) } else { FOURTH * r.powi(3) };
-        let size = derivative / (factorial(a + b) * factorial(a) * factorial(b)).sqrt();
-        size * powers[0][row / across][a] * powers[1][row % across][b]
+        size(surface, [a, b]) * powers[0][row / across][a] * powers[1][row % across][b]
     })
+}
+
+/// Prior standard deviation of the coefficient of u^a v^b.
+pub(super) fn size(surface: &ConstantCurvature, [a, b]: [usize; 2]) -> f64 {
+    let [_, _, _, k1, k2, _] = surface.theta;
+    let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt();
+    let derivative = if a + b == 3 { r.powi(2) } else { FOURTH * r.powi(3) };
+    derivative / (factorial(a + b) * factorial(a) * factorial(b)).sqrt()
 }
 
 fn factorial(n: usize) -> f64 {

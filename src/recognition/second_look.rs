@@ -3,15 +3,21 @@
 //! ```text
 //! theta <- theta + x of the likeliest displaced node        the terms x^2 and x f, left out by the first look, vanish
 //! normals scatter about n(theta) - grad f                   not about the plain surface, whose misfit is no noise
+//! s_n <-> f                                                 in turns, about the moved surface
 //! ```
 //!
 //! One step of Gauss and Newton. A displacement f itself enters the distances exactly.
 
 use faer::Mat;
 
+use crate::vector::Vector;
+
+use super::cells::Cells;
 use super::dense;
 use super::evidence::{Evidence, Node};
+use super::linearised::{FactorPair, Linearised};
 use super::moved::Moved;
+use super::noise::Limit;
 use super::state::State;
 
 /// Probability of a displacement from which on the second look is taken.
@@ -19,6 +25,11 @@ const LIKELY: f64 = 0.05;
 
 /// Share of the equations that are normals': two rows of three.
 const OF_NORMALS: f64 = 2.0 / 3.0;
+
+/// Rounds in which displacement and noise of the normals find each other, and the change of that noise's variance at which
+/// they have.
+const ROUNDS: usize = 6;
+const SETTLED: f64 = 0.1;
 
 /// The move under the likeliest displaced node; `None` where displacements are unlikely.
 pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
@@ -29,6 +40,37 @@ pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
     if share(&|n| n.g > 0.0) < LIKELY * share(&|_| true) {
         return None;
     }
+    under_likeliest(evidence, nodes)
+}
+
+/// The equations about the moved surface. The displacement was found over the chart of another surface, and normals that
+/// scatter about it seem noisier than they are. Displacement and noise are therefore found again, in turns, under the
+/// covariance of positions that was the likeliest.
+pub(super) fn taken(
+    plain: &Linearised,
+    moved: &Moved,
+    cells: &Cells,
+    contacts: &[Vector],
+    factors: &FactorPair,
+    limit: Limit,
+) -> Linearised {
+    let mut made = Linearised::new(cells, contacts, plain.models_with(moved), factors, Some(moved));
+    let mut last = made.normal_noise;
+    for _ in 0..ROUNDS {
+        let Some(before) = last else { break };
+        let (evidence, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
+        let Some(again) = under_likeliest(&evidence, &nodes) else { break };
+        made.scatter_about(&again, factors);
+        last = made.normal_noise;
+        if last.is_none_or(|noise| (noise.variance / before.variance - 1.0).abs() < SETTLED) {
+            break;
+        }
+    }
+    made
+}
+
+/// The move under the likeliest displaced node.
+fn under_likeliest(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
     let best = nodes.iter().filter(|n| n.g > 0.0).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
@@ -42,5 +84,6 @@ pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
         base: State::new(model, x, None).model().clone(),
         weights: evidence.weights_of(best, z),
         spent: OF_NORMALS * (z.len() as f64 - untold),
+        kernel: best.kernel,
     })
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! height quadric z = z0 + gx x + gy y + (A x^2 + 2 B x y + C y^2)/2    ->  starts of sphere, cylinder and general
 //! best general fit = least sum of min(|d|, 3 s)^2         outliers: |d| > 6 * 1.4826 median |d| sqrt(n/(n - 6))
+//!                                                       and off a smooth departure from it, too (taken_back.rs)
 //! ```
 //!
 //! The factor is 6, because errors of real scans are correlated and large ones are more frequent than among gaussians.
@@ -15,6 +16,7 @@ use crate::vector::Vector;
 use super::dense;
 use super::descent::{Fitted, distances_of, median, robust};
 use super::model::{Kind, Model};
+use super::taken_back::take_back;
 
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
 const SAMPLE: usize = 3000;
@@ -69,7 +71,10 @@ pub(super) fn start(points: &[Vector]) -> Start {
     let n = points.len() as f64;
     let scale = 1.4826 * median(distances.iter().map(|d| d.abs()).collect());
     let limit = (6.0 * scale * (n / (n - 6.0).max(1.0)).sqrt()).max(1e-9);
-    let belongs = distances.iter().map(|d| d.abs() < limit).collect();
+    let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit).collect();
+    if let Model::Constant(_, surface) = &general {
+        take_back(surface, points, &distances, &sample, limit, &mut belongs);
+    }
     Start { general, sphere, cylinder, distances, belongs, sample }
 }
 
