@@ -42,7 +42,7 @@ fn no_promise_is_broken_and_no_note_is_missing() {
 /// are wrong and far larger than all others. Of seed 8: normal rows in which some directions shrink more slowly than the step
 /// as a whole, and one in which that enlarges the rounding of a step. Of seed 10: a gap in which a tilted plane has no roughness,
 /// and normal rows whose full steps go to and fro.
-const ONCE_BROKEN: [(u64, u64); 23] = [
+const ONCE_BROKEN: [(u64, u64); 24] = [
     (1, 58),
     (1, 200),
     (1, 443),
@@ -66,6 +66,7 @@ const ONCE_BROKEN: [(u64, u64); 23] = [
     (10, 89_391),
     (10, 90_261),
     (10, 297_823),
+    (11, 61_419),
 ];
 
 #[test]

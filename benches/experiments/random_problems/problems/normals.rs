@@ -16,6 +16,12 @@ const MAX_STEPS: usize = 200;
 /// A step below this share of the largest coefficient is far below the last digit of a double.
 const STILL: f64 = 1e-22;
 
+/// Full steps overshoot where the objective bends more than its linearised rows, and then run away from a minimum however near
+/// to it they begin. A smaller share of them comes to rest there.
+const HALVINGS: i32 = 6;
+/// Growth of the steps, over the first, that is a run-away.
+const GROWN: f64 = 10.0;
+
 /// Heights and normals of known noise.
 pub(super) struct NormalRows<'a> {
     pub written: &'a Written<'a>,
@@ -35,19 +41,30 @@ impl NormalRows<'_> {
     /// From the answer under test; `None` where the steps do not settle or the rows are not of full rank.
     pub(super) fn solve(&self, start: &[f64], grid: &Grid) -> Option<Solved> {
         let touches = self.touches()?;
-        let mut c: Vec<Dd> = start.iter().map(|&v| Dd::new(v)).collect();
-        let factor = Factor::new(self.rows(&touches, &c))?;
-        let mut last = f64::INFINITY;
-        for _ in 0..MAX_STEPS {
-            let step = factor.normal_solution(&self.descent(&touches, &c));
+        let start: Vec<Dd> = start.iter().map(|&v| Dd::new(v)).collect();
+        let factor = Factor::new(self.rows(&touches, &start))?;
+        let shares = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
+        let beside = shares.filter_map(|share| self.settled(&touches, &factor, &start, share, GROWN)).next();
+        // an answer beside no stationary point is held against the one that full steps lead to
+        let found = beside.or_else(|| self.settled(&touches, &factor, &start, 1.0, f64::INFINITY))?;
+        Some(self.written.solved(&found, grid))
+    }
+
+    /// Where shares of full steps come to rest; `None` where they do not, or grow to `most` times the first.
+    fn settled(&self, touches: &[Touch], factor: &Factor, start: &[Dd], share: f64, most: f64) -> Option<Vec<Dd>> {
+        let mut c = start.to_vec();
+        let (mut first, mut last) = (None, f64::INFINITY);
+        for _ in 0..(MAX_STEPS as f64 / share) as usize {
+            let step = factor.normal_solution(&self.descent(touches, &c));
             let largest = c.iter().fold(0.0_f64, |m, v| m.max(v.to_f64().abs()));
             let moved = step.iter().fold(0.0_f64, |m, v| m.max(v.to_f64().abs())) / largest;
-            if moved.is_nan() || moved > 1e3 * last.min(1.0) {
+            let first = *first.get_or_insert(moved);
+            if moved.is_nan() || moved > 1e3 * last.min(1.0) || moved > most * first {
                 return None;
             }
-            c.iter_mut().zip(&step).for_each(|(c, &d)| *c = *c + d);
+            c.iter_mut().zip(&step).for_each(|(c, &d)| *c = *c + Dd::new(share) * d);
             if moved < STILL {
-                return Some(self.written.solved(&c, grid));
+                return Some(c);
             }
             last = moved;
         }
