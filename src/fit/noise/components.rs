@@ -283,6 +283,22 @@ mod tests {
         }
     }
 
+    /// Residuals that are now larger, now smaller never let the sds come to rest; the last fit is as good as any other then.
+    #[test]
+    fn sds_that_do_not_converge_end_with_a_fit_that_has() {
+        let fit = fitted(&saddle(5, [0.01, 0.03], 1), SlopeWeights::Equal);
+        let mut asked = Vec::new();
+        let estimate = variance_components(|request| {
+            asked.push(request.tolerance);
+            let trial = solved(&fit, request.sds);
+            let factor = if asked.len() % 2 == 0 { 4.0 } else { 1.0 };
+            Ok(Trial { moved: 0.9 * request.tolerance, squares: trial.squares.map(|s| factor * s), ..trial })
+        })
+        .unwrap();
+        assert_eq!(asked.len(), 1 + MAX_STEPS + 1);
+        assert!(asked[MAX_STEPS] > CONVERGED && asked[MAX_STEPS + 1] == CONVERGED && estimate.trial.moved <= CONVERGED);
+    }
+
     #[test]
     fn exact_data_have_sds_of_rounding() {
         let fit = fitted(&saddle(5, [0.0, 0.0], 1), SlopeWeights::Equal);
@@ -295,6 +311,12 @@ mod tests {
         assert_eq!((sds.z, sds.slope, note, dof), (ROUNDING, ROUNDING, Some(Note::NoNoise), [f64::INFINITY; 2]));
         // small residuals of a rough fit are looked at once more
         assert_eq!(asked, [(ROUGHEST, false), (CONVERGED, true), (CONVERGED, true)]);
+        // what counts is the root of the mean square of a kind's rows
+        for (rms, is_rounding) in [(0.5 * NO_NOISE, true), (1.5 * NO_NOISE, false)] {
+            let squares = [25.0, 50.0].map(|rows| rows * rms * rms);
+            let estimate = variance_components(|request| Ok(Trial { squares, ..solved(&fit, request.sds) })).unwrap();
+            assert_eq!(estimate.note == Some(Note::NoNoise), is_rounding, "{rms:e}");
+        }
     }
 
     /// Where a step maps the log ratio t to `a + rho t`, two steps tell where it stays.

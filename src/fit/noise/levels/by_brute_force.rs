@@ -275,6 +275,13 @@ fn the_posterior_of_the_ratio_and_its_moments_are_those_of_brute_force() {
         }
         assert_eq!(at, ts.len());
         holds_moments(levels.uncertainty(&brute.gradient), all.moments, levels.freedom, 1e-6);
+        // what is left out is what has a share below 1e-4 of all steps in the range
+        let step = (1..ts.len()).map(|k| ts[k] - ts[k - 1]).fold(f64::INFINITY, f64::min);
+        let count = (8.0 / step + 1e-9) as i32;
+        let steps: Vec<f64> = (-count..=count).map(|k| step * f64::from(k)).collect();
+        let sums = brute.over_ratios(&steps);
+        let all = summed(sums.iter().copied());
+        assert_eq!(sums.iter().filter(|sum| (sum.log - all.log).exp() > 1e-4).count(), ts.len());
         // nothing that matters is left out, and nothing but the range ends the sum
         let fine: Vec<f64> = (-160..=160).map(|k| 0.05 * f64::from(k)).collect();
         let whole = summed(brute.over_ratios(&fine).into_iter());
