@@ -194,8 +194,8 @@ mod tests {
     use crate::fit::{FitOptions, Objective, SlopeWeights, Smooth, fit_contacts};
     use crate::observation::to_csr;
 
-    /// The sizes of the columns are those of data and penalty together, and the penalty's largest share is what it is in the
-    /// normal matrix, which is assembled another way.
+    /// The sizes of the columns are those of data and penalty together, as the rows say one by one, and the penalty's largest
+    /// share is what it is in the normal matrix, which is assembled another way.
     #[test]
     fn a_penalty_counts_as_rows_of_its_own() {
         let at = |r: usize, step: f64| (r as f64 * step).fract();
@@ -218,6 +218,16 @@ mod tests {
             share = share.max((whole - data) / whole);
         }
         assert!(share > 0.01, "the penalty is felt: {share}");
+        let (equations, c) = (fit.equations(), &fit.solution().coefficients);
+        let (rows, residuals) = (to_csr(&equations.sites, &equations.row_weights), equations.residuals(c));
+        let mut sizes = sizes(lambda, &equations.roughness.as_ref().unwrap().1, c);
+        for (r, row) in rows.row_iter().enumerate() {
+            let residual = residuals[r / 3][r % 3].abs();
+            row.col_indices().iter().zip(row.values()).for_each(|(&u, e)| sizes[u] += e.abs() * residual);
+        }
+        for (column, size) in found.columns.iter().zip(&sizes) {
+            assert!((column.size - size).abs() <= 1e-9 * size, "{} for {size}", column.size);
+        }
         assert!((found.rough_share - share).abs() <= 1e-10, "{} for {share}", found.rough_share);
         assert!(found.error < 1e-14, "{:e}", found.error);
     }

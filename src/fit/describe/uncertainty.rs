@@ -186,3 +186,6 @@ impl Uncertainties {
         Uncertainties { gradients, of_shape_index, of_curvedness, end_of_shape_index }
     }
 }
+
+#[cfg(test)]
+mod by_dense_rows;

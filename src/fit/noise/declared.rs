@@ -40,3 +40,52 @@ pub(crate) fn declared_off(solved: &Solved) -> [Option<f64>; 2] {
         (off && !(1.0 / SMALL..=SMALL).contains(&factor)).then_some(factor)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::contact::Contacts;
+    use crate::draws::EffectDraws;
+    use crate::fit::{FitOptions, NormalSigma, Objective, fit_contacts};
+
+    /// Heights of a bowl with normals along its slopes, touched `n` x `n` times with these errors.
+    fn bowl(n: usize, sds: [f64; 2], seed: u64) -> Contacts {
+        let mut errors = vec![0.0; 3 * n * n];
+        for (block, part) in errors.chunks_mut(48).enumerate() {
+            EffectDraws::new(seed, "declared").gaussians(0, block as u64, part.len(), part);
+        }
+        let place = |k: usize| 2.0 * k as f64 / (n as f64 - 1.0) - 1.0;
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..n * n).map(|r| (place(r % n), place(r / n))).unzip();
+        let z = (0..n * n).map(|r| 0.05 * (x[r] * x[r] + y[r] * y[r]) + sds[0] * errors[r]).collect();
+        let [nx, ny] = [&x, &y].map(|k| k.iter().map(|k| -0.1 * k).collect::<Vec<f64>>());
+        let tilted =
+            |k: &[f64], from: usize| (0..n * n).map(|r| k[r] + sds[1] * errors[from + r]).collect::<Vec<f64>>();
+        let (nx, ny) = (tilted(&nx, n * n), tilted(&ny, 2 * n * n));
+        let vectors: Vec<[f64; 3]> = nx.iter().zip(&ny).map(|(a, b)| [*a, *b, 1.0]).collect();
+        Contacts::from_positions(x, y, z).with_normal_vectors(&vectors)
+    }
+
+    /// By what factors residuals are off, where they are for certain and by more than a quarter.
+    #[test]
+    fn declared_sds_are_off_by_the_factor_that_they_are_wrong_by() {
+        let off = |n: usize, declared: [f64; 2], seed: u64| {
+            let sigma = NormalSigma::Known { z: declared[0], normal_deg: declared[1].to_degrees() };
+            let options = FitOptions::default().with_objective(Objective::Normals(sigma));
+            fit_contacts(&bowl(n, [0.01, 0.02], seed), &options).unwrap().declared_sigma_off()
+        };
+        for seed in 0..3 {
+            assert_eq!(off(8, [0.01, 0.02], seed), [None; 2]);
+            let [heights, normals] = off(8, [0.005, 0.02], seed);
+            assert!((heights.unwrap() - 2.0).abs() < 0.5 && normals.is_none(), "{heights:?} {normals:?}");
+            let [heights, normals] = off(8, [0.01, 0.04], seed);
+            assert!((normals.unwrap() - 0.5).abs() < 0.1 && heights.is_none(), "{heights:?} {normals:?}");
+            // a fifth is certain of 900 contacts, and changes no decision
+            assert_eq!(off(30, [0.01 / 1.15, 0.02 * 1.15], seed), [None; 2]);
+            let [heights, normals] = off(30, [0.01 / 1.5, 0.02 * 1.5], seed);
+            assert!((heights.unwrap() - 1.5).abs() < 0.1 && (normals.unwrap() - 1.0 / 1.5).abs() < 0.05);
+            // of nine contacts a half may be chance
+            assert_eq!(off(3, [0.01 / 1.3, 0.02 / 1.3], seed), [None; 2]);
+        }
+        let weighted = fit_contacts(&bowl(8, [0.01, 0.02], 0), &FitOptions::default()).unwrap();
+        assert_eq!(weighted.declared_sigma_off(), [None; 2]);
+    }
+}

@@ -148,4 +148,57 @@ mod tests {
         assert_eq!(links, Fingers::of(&contacts, None).unwrap().links);
         assert_eq!(Fingers::of(&Contacts { finger: None, ..contacts }, None), None);
     }
+
+    /// Rows of an array and rows one after the other are whitened alike; a repeat in one place shares nearly everything.
+    #[test]
+    fn repeats_in_one_place_are_whitened_by_the_closest_correlation() {
+        let mut contacts = two_fingers();
+        (contacts.x[2], contacts.z[2]) = (1.0, 0.0);
+        contacts.z[9] = 1.5;
+        let fingers = Fingers::of(&contacts, None).unwrap();
+        let mut rows: Vec<[f64; 2]> = (0..10).map(|r| [(r as f64).sin(), (2.0 * r as f64).cos()]).collect();
+        let mut flat: Vec<f64> = rows.iter().flatten().copied().collect();
+        let before = rows.clone();
+        fingers.whiten(0.7, &mut rows);
+        fingers.whiten_rows(0.7, 2, &mut flat);
+        assert_eq!(rows.iter().flatten().copied().collect::<Vec<f64>>(), flat);
+        // steps of 1, but for the repeat, the way back over 3, and the last one up a slope
+        let ways = [1.0, 0.0, 3.0, 1.0, 1.0, 1.0, 1.0, 1.0_f64.hypot(1.5)];
+        let sites = [1, 2, 3, 4, 6, 7, 8, 9];
+        let mut log_det = 0.0;
+        for (site, way) in sites.into_iter().zip(ways) {
+            let rho = 0.7_f64.powf(way).min(0.995);
+            log_det += (1.0 - rho * rho).ln();
+            for k in 0..2 {
+                let expected = (before[site][k] - rho * before[site - 1][k]) / (1.0 - rho * rho).sqrt();
+                assert!((rows[site][k] - expected).abs() < 1e-12, "{site} {k}");
+            }
+        }
+        assert_eq!([rows[0], rows[5]], [before[0], before[5]]);
+        assert!((fingers.log_det(0.7) - log_det).abs() < 1e-12);
+        assert_eq!(fingers.log_det(0.0), 0.0);
+    }
+
+    /// Contacts whose height counts nothing are passed over, and fewer than six steps tell nothing.
+    #[test]
+    fn six_steps_are_the_fewest() {
+        let with = |weights: Vec<f64>| {
+            let mut contacts = two_fingers();
+            contacts.weights.z = Some(weights);
+            Fingers::of(&contacts, None)
+        };
+        let weights = |zeros: &[usize]| (0..10).map(|r| f64::from(u8::from(!zeros.contains(&r)))).collect::<Vec<f64>>();
+        let seven = with(weights(&[2])).unwrap();
+        // from the second to the fourth touch it is 3
+        assert_eq!(seven.links[..2], [(1, 0, 1.0), (3, 1, 3.0)]);
+        assert_eq!(with(weights(&[2, 4])).unwrap().links.len(), 6);
+        assert_eq!(with(weights(&[2, 4, 9])), None);
+        // without stations the places in the user's order count
+        let mut contacts = two_fingers();
+        contacts.finger = Some(vec![3; 10]);
+        let numbers: Vec<u32> = (0..10).rev().collect();
+        let backwards = Fingers::of(&contacts, Some(&numbers)).unwrap();
+        assert!(backwards.links.iter().all(|(site, before, _)| site + 1 == *before), "{backwards:?}");
+        assert_eq!(backwards.evident(&[0.0; 10]), 0.0);
+    }
 }

@@ -260,6 +260,11 @@ fn units(row_weights: &RowWeights, sites: usize) -> [f64; 2] {
 }
 
 #[cfg(test)]
+mod by_brute_force;
+#[cfg(test)]
+mod limits;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::Contacts;

@@ -106,3 +106,60 @@ fn residual_variances(equations: &Equations, solution: &Solution, squares: [f64;
     let variance = |b: usize| if dof[b] > 1e-9 * rows[b].max(1.0) { squares[b] / dof[b] } else { 0.0 };
     ([0, 1].map(variance), dof)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Contacts;
+    use crate::fit::{FitOptions, Objective, fit_contacts};
+
+    #[test]
+    fn sds_are_those_of_the_residuals_over_the_weights() {
+        let sds = sds_of_weights(SlopeWeights::Equal, [4.0, 0.5, 0.5], 0.25, [9.0, 16.0], [3, 5]);
+        assert_eq!((sds.sigma_z, sds.sigma_slope, sds.sigma_normal_deg), (Some(3.0), Some(32.0), None));
+        assert_eq!((sds.row_variances, sds.dof), ([9.0, 16.0], [f64::INFINITY; 2]));
+        let none = sds_of_weights(SlopeWeights::Equal, [4.0, 0.0, 0.5], 1.0, [9.0, 16.0], [0, 5]);
+        assert_eq!((none.sigma_z, none.sigma_slope), (None, None));
+    }
+
+    /// Weighted rows have the variance of their residuals over what their own share of the unknowns leaves.
+    #[test]
+    fn a_weighted_fit_has_the_sds_of_its_residuals() {
+        let place = |r: usize| [0.754_877_666, 0.569_840_291].map(|k| 2.0 * (r as f64 * k).fract() - 1.0);
+        let (mut x, mut y): (Vec<f64>, Vec<f64>) = (0..40).map(place).map(|[x, y]| (x, y)).unzip();
+        (x[0], y[0], x[1], y[1]) = (-1.0, -1.0, 1.0, 1.0);
+        let z = (0..40).map(|r| x[r] * y[r] + 0.01 * (91.0 * r as f64).sin()).collect();
+        let bent = |k: f64| (0..40).map(|r| 0.1 * (k * r as f64).sin()).collect::<Vec<f64>>();
+        let contacts = Contacts::from_positions(x, y, z).with_slopes(bent(37.0), bent(53.0));
+        for word in [SlopeWeights::Tangent, SlopeWeights::Explicit([1e120, 1e121, 1e121])] {
+            let fit = fit_contacts(&contacts, &FitOptions::default().with_objective(Objective::Slopes(word))).unwrap();
+            let record = &fit.solved.fitted.noise;
+            let noise = fit.noise();
+            let traces = hat_traces(fit.equations(), fit.solution());
+            let squares = fit.equations().residual_squares(&fit.solution().coefficients);
+            let sds = [noise.sigma_z.unwrap(), noise.sigma_slope.unwrap()];
+            let weights = match word {
+                SlopeWeights::Explicit(weights) => weights,
+                _ => [1.0, 10.0, 10.0],
+            };
+            for (b, rows) in [40.0, 80.0].into_iter().enumerate() {
+                assert!((noise.dof[b] - (rows - traces[b])).abs() < 1e-9);
+                let variance = squares[b] / (rows - traces[b]);
+                assert!((noise.row_variances[b] / variance - 1.0).abs() < 1e-12);
+                let sd = variance.sqrt() / weights[b] / record.unit();
+                assert!((sds[b] / sd - 1.0).abs() < 1e-12, "{word:?} {b}: {} {sd}", sds[b]);
+            }
+            let is_preset = word == SlopeWeights::Tangent;
+            assert_eq!((record.is_preset(), record.unit() == 1.0, record.efficiency()), (is_preset, is_preset, 1.0));
+            assert!(matches!(record.source(), NoiseSource::Weights(w) if (w[1] / weights[1] - 1.0).abs() < 1e-12));
+        }
+        let options = FitOptions::default().with_objective(Objective::Slopes(SlopeWeights::Auto));
+        let estimated = fit_contacts(&contacts, &options).unwrap();
+        let record = &estimated.solved.fitted.noise;
+        assert_eq!((record.source(), record.is_preset(), record.unit()), (NoiseSource::Estimated, false, 1.0));
+        assert_eq!(record.efficiency(), 1.0);
+        let preset =
+            NoiseRecord::Known(NoiseSds { weights: Some(SlopeWeights::Equal), efficiency: 2.0, ..*estimated.noise() });
+        assert!(preset.is_preset() && preset.efficiency() == 2.0);
+    }
+}

@@ -76,7 +76,7 @@ fn by_probes(solution: &Solution, b: &StencilMatrix) -> f64 {
 mod tests {
     use super::*;
     use crate::contact::Contacts;
-    use crate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
+    use crate::fit::{FitOptions, Objective, SlopeWeights, Smooth, fit_contacts};
 
     #[test]
     fn the_trace_within_the_band_is_that_of_unit_vectors_also_with_free_unknowns() {
@@ -102,6 +102,45 @@ mod tests {
                 let sd = (2.0 * equations.unknowns() as f64 / PROBES as f64).sqrt();
                 assert!((probed - expected).abs() <= 4.0 * sd, "{weights:?} {kind:?}: {probed} {expected}");
             }
+        }
+    }
+
+    /// Without a penalty the kinds share the unknowns; with one they share fewer, each as its own unit vectors say.
+    #[test]
+    fn the_traces_of_both_kinds_are_those_of_the_dense_hat_matrices() {
+        let place = |r: usize| [0.754_877_666, 0.569_840_291].map(|k| (r as f64 * k).fract());
+        let (x, y): (Vec<f64>, Vec<f64>) = (0..40).map(place).map(|[x, y]| (x, y)).unzip();
+        let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| (3.0 * x).sin() * y).collect();
+        let slopes = z.iter().map(|z| 0.3 * z).collect::<Vec<f64>>();
+        let contacts = Contacts::from_positions(x, y, z).with_slopes(slopes.clone(), slopes);
+        for smooth in [Smooth::None, Smooth::Lambda(0.1)] {
+            let objective = Objective::Slopes(SlopeWeights::Equal);
+            let options = FitOptions { segments: [3, 2], objective, smooth, ..FitOptions::default() };
+            let fit = fit_contacts(&contacts, &options).unwrap();
+            let (equations, solution) = (fit.equations(), fit.solution());
+            let traces = hat_traces(equations, solution);
+            let unknowns = equations.unknowns();
+            // tr(A^-1 E_b'E_b) = sum of (E_b A^-1 e_u).(E_b e_u), and a product is a quarter of two squares' difference
+            let mut expected = [0.0; 2];
+            for u in 0..unknowns {
+                let mut v: Vec<f64> = (0..unknowns).map(|k| f64::from(u8::from(k == u))).collect();
+                solution.factor.solve(&mut v);
+                let unit: Vec<f64> = (0..unknowns).map(|k| f64::from(u8::from(k == u))).collect();
+                let polar = |sign: f64| {
+                    let sum: Vec<f64> = v.iter().zip(&unit).map(|(v, e)| v + sign * e).collect();
+                    equations.row_squares(&sum)
+                };
+                (0..2).for_each(|b| expected[b] += 0.25 * (polar(1.0)[b] - polar(-1.0)[b]));
+            }
+            for b in 0..2 {
+                assert!((traces[b] - expected[b]).abs() < 1e-8, "{smooth:?}: {traces:?} {expected:?}");
+            }
+            let sum = traces[0] + traces[1];
+            assert!(if smooth == Smooth::None {
+                (sum - unknowns as f64).abs() < 1e-8
+            } else {
+                sum < unknowns as f64 - 0.5
+            });
         }
     }
 }
