@@ -16,6 +16,7 @@ mod double_double;
 mod grid_assembly;
 mod grid_axis;
 mod grid_rows;
+mod one_thread;
 mod row_products;
 #[cfg(test)]
 mod single_sites;
@@ -27,6 +28,7 @@ pub(crate) use blocks::{BlockMatrix, MapShape};
 pub(crate) use condition::inverse_norm1_estimate;
 pub use double_double::DoubleDouble;
 pub(crate) use grid_axis::GridAxis;
+pub(crate) use one_thread::{Eigen, cholesky, eigen, product};
 pub(crate) use row_products::{apply_rows, descent, residuals, visit_grid_rows, visit_values};
 pub use row_products::{assemble, normal_rhs};
 pub(crate) use site_groups::{SiteGroups, SiteRows};

@@ -13,7 +13,9 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use faer::{Mat, Side};
+use faer::Mat;
+
+use crate::linalg::{Eigen, eigen};
 
 use super::flattening::Flattening;
 use super::hull::hull;
@@ -212,15 +214,14 @@ fn scaled(landmarks: &[usize], distances: &[Vec<f64>]) -> Option<Vec<[f64; 2]>> 
     let centred = Mat::from_fn(count, count, |a, b| {
         -0.5 * (0.5 * (square(a, landmarks[b]) + square(b, landmarks[a])) - means[a] - means[b] + mean)
     });
-    let eigen = centred.self_adjoint_eigen(Side::Lower).ok()?;
-    let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
+    let Eigen { values, vectors } = eigen(centred.as_ref())?;
     let (first, second) = (values[count - 1], values[count - 2]);
     if !(first > 0.0 && second > CURVE * CURVE * first) {
         return None;
     }
     let place = |node: usize| {
         [(count - 1, first), (count - 2, second)].map(|(k, value)| {
-            let sum: f64 = (0..count).map(|a| eigen.U()[(a, k)] * (means[a] - square(a, node))).sum();
+            let sum: f64 = (0..count).map(|a| vectors[(a, k)] * (means[a] - square(a, node))).sum();
             0.5 * sum / value.sqrt()
         })
     };

@@ -5,12 +5,13 @@
 //! ```
 
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, MatMut, MatRef, Par, Side};
+use faer::{Mat, MatMut, MatRef, Par};
+
+use crate::linalg;
 
 /// Lower Cholesky factor; `None` where the matrix is not positive definite.
 pub(super) fn cholesky(a: &Mat<f64>) -> Option<Mat<f64>> {
-    let factor = a.llt(Side::Lower).ok()?;
-    Some(factor.L().to_owned())
+    linalg::cholesky(a.as_ref())
 }
 
 /// `log det (L L')`.
@@ -25,7 +26,7 @@ pub(super) fn whiten(lower: &Mat<f64>, b: MatMut<'_, f64>) {
 
 /// `A' A`.
 pub(super) fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
-    a.transpose() * a
+    linalg::product(a.transpose(), a)
 }
 
 /// `(L L')^-1 b`.

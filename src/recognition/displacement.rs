@@ -15,9 +15,10 @@
 //! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
 //! place.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::bspline::{Knots, gram};
+use crate::linalg;
 use crate::vector::{Vector, along};
 
 use super::cells::Cells;
@@ -238,7 +239,7 @@ fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: im
             }
         }
     }
-    basis * columns
+    linalg::product(basis.as_ref(), columns.as_ref())
 }
 
 /// Eigenvectors of the penalty with positive eigenvalues, divided by the roots of those.
@@ -260,11 +261,11 @@ fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
             }
         }
     }
-    let eigen = penalty.self_adjoint_eigen(Side::Lower).ok()?;
+    let eigen = linalg::eigen(penalty.as_ref())?;
     let count = nu * nv;
-    let largest = eigen.S()[count - 1];
-    let kept: Vec<usize> = (0..count).filter(|&k| eigen.S()[k] > 1e-9 * largest).collect();
-    Some(Mat::from_fn(count, kept.len(), |i, j| eigen.U()[(i, kept[j])] / eigen.S()[kept[j]].sqrt()))
+    let largest = eigen.values[count - 1];
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.values[k] > 1e-9 * largest).collect();
+    Some(Mat::from_fn(count, kept.len(), |i, j| eigen.vectors[(i, kept[j])] / eigen.values[kept[j]].sqrt()))
 }
 
 fn beside(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {

@@ -11,7 +11,10 @@
 //! have other eigenvectors.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+use crate::linalg::{Eigen, cholesky, eigen};
 
 use super::SolveError;
 
@@ -43,18 +46,16 @@ fn full(bands: &[Vec<f64>]) -> Mat<f64> {
 fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Mat<f64>, f64), SolveError> {
     let broken = SolveError::NotPositiveDefinite { unknown: 0 };
     let gram = full(values);
-    let factor = gram.llt(Side::Lower).map_err(|_| broken.clone())?;
-    let lower = factor.L();
+    let lower = cholesky(gram.as_ref()).ok_or(broken.clone())?;
     let log_det = 2.0 * (0..gram.nrows()).map(|i| lower[(i, i)].ln()).sum::<f64>();
     let mut reduced = full(slopes);
-    lower.solve_lower_triangular_in_place(reduced.as_mut());
+    solve_lower_triangular_in_place(lower.as_ref(), reduced.as_mut(), Par::Seq);
     let mut reduced = reduced.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(reduced.as_mut());
-    let eigen = reduced.self_adjoint_eigen(Side::Lower).map_err(|_| broken)?;
-    let mut vectors = eigen.U().to_owned();
-    lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
+    solve_lower_triangular_in_place(lower.as_ref(), reduced.as_mut(), Par::Seq);
+    let Eigen { values, mut vectors } = eigen(reduced.as_ref()).ok_or(broken)?;
+    solve_upper_triangular_in_place(lower.transpose(), vectors.as_mut(), Par::Seq);
     // the matrix is positive semidefinite, but rounding may make an eigenvalue -1e-17
-    let values = eigen.S().column_vector().iter().map(|l| l.max(0.0)).collect();
+    let values = values.into_iter().map(|l| l.max(0.0)).collect();
     Ok((values, vectors, log_det))
 }
 

@@ -6,6 +6,7 @@ mod workloads;
 
 use palpate::montecarlo::FixedSites;
 use palpate::plans::SlopePlan;
+use palpate::recognition::{Recognition, RecognitionOptions};
 use palpate::spline::CurvatureGrid;
 use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
@@ -57,5 +58,27 @@ fn a_noise_study() -> Result<(), Fault> {
         let (mut s, mut r) = (vec![0.0; 5000], vec![0.0; 5000]);
         sites.replicates(1, 0, &mut s, &mut r);
         Ok(s.into_iter().chain(r).collect())
+    })
+}
+
+/// 200 contacts of a bump: matrices as large as those that faer cuts by the number of threads.
+#[test]
+fn a_recognition() -> Result<(), Fault> {
+    let at = |r: usize| [(r % 20) as f64 * 0.4 - 3.8, (r / 20) as f64 * 0.8 - 3.6];
+    let height = |[x, y]: [f64; 2]| 2.0 * (-(x * x + y * y) / 32.0).exp();
+    let (x, y): (Vec<f64>, Vec<f64>) = (0..200).map(|r| (at(r)[0], at(r)[1])).unzip();
+    let noise = |r: usize| 0.005 * ((r * 7919) as f64).sin();
+    let z = (0..200).map(|r| height(at(r)) + noise(r)).collect();
+    let slope = |r: usize, k: usize| height(at(r)) * at(r)[k] / 16.0 + noise(r + 200 * (k + 1));
+    let [nx, ny] = [0, 1].map(|k| (0..200).map(|r| slope(r, k)).collect());
+    let contacts = Contacts::from_positions(x, y, z).with_normals(nx, ny, vec![1.0; 200]);
+    same(|| {
+        let found = Recognition::of(&contacts, &RecognitionOptions::default())?;
+        let mut answer: Vec<f64> = found.tried.iter().flat_map(|t| [t.weight, t.k1, t.k2, t.rms]).collect();
+        for estimate in found.shape_index.into_iter().chain([found.curvedness]) {
+            answer.extend([estimate.mean, estimate.u, estimate.interval[0], estimate.interval[1]]);
+        }
+        answer.extend(found.map.iter().map(|point| point.k1));
+        Ok(answer)
     })
 }

@@ -12,7 +12,7 @@ use crate::fit::linear::free::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;
-use crate::linalg::StencilMatrix;
+use crate::linalg::{Eigen, StencilMatrix, eigen};
 use crate::observation::{roughness_matrix, roughness_rows, to_csr};
 use crate::solve::PivotedQr;
 
@@ -111,9 +111,8 @@ fn smooth_along(penalty: &StencilMatrix, directions: &[Vec<f64>], c: &mut [f64])
         rhs[(k, 0)] = -dot(c, &bent);
     }
     // planes have no roughness: the eigendecomposition leaves coefficients along such directions as they are
-    let no_eigenvalues = |_| FitError::Rank { rank: c.len() - count, unknowns: c.len() };
-    let eigen = matrix.self_adjoint_eigen(faer::Side::Lower).map_err(no_eigenvalues)?;
-    let (vectors, values) = (eigen.U(), eigen.S());
+    let no_eigenvalues = FitError::Rank { rank: c.len() - count, unknowns: c.len() };
+    let Eigen { values, vectors } = eigen(matrix.as_ref()).ok_or(no_eigenvalues)?;
     let largest = (0..count).fold(0.0_f64, |m, k| m.max(values[k].abs()));
     for k in 0..count {
         if values[k] <= 1e-12 * largest {
