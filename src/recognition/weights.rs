@@ -64,7 +64,7 @@ const OTHER: f64 = 0.25;
 /// of the plain ones before it is shape whatever its size: a sensor that errs in its positions does not tilt normals that
 /// were measured on their own. Three a cell are normals that miss the plain surface by 2.6 times their own scatter. The
 /// normals of a tactile image are slopes of its own heights, so they follow its errors: 1 for each of 29 normals of a touched
-/// ball. Normals with a scatter of 0.5 degrees are ahead by 11 to 30 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
+/// ball. Normals with a scatter of 0.5 degrees are ahead by 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
 const BY_NORMALS: f64 = 3.0;
 const BY_ALL: f64 = 8.0;
 

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! E'W r = 0,   r = (z - S, n - n^(S_x, S_y)),   E the derivative of (S, n^)          n^ = (-p, -q, 1)/sqrt(1 + p^2 + q^2)
-//! c <- c + (E_0'W E_0)^-1 E'W r,   E_0 that of the answer: the same contraction as Gauss-Newton's
+//! c <- c + t (E_0'W E_0)^-1 E'W r,   E_0 that of the answer: with t = 1 the same contraction as Gauss-Newton's
+//! t = 1, 1/2, 1/4, ..               the first whose steps do not run away
 //! ```
 
 use palpate::internals::linalg::DoubleDouble as Dd;
@@ -43,8 +44,8 @@ impl NormalRows<'_> {
         let touches = self.touches()?;
         let start: Vec<Dd> = start.iter().map(|&v| Dd::new(v)).collect();
         let factor = Factor::new(self.rows(&touches, &start))?;
-        let shares = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
-        let beside = shares.filter_map(|share| self.settled(&touches, &factor, &start, share, GROWN)).next();
+        let mut shares = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
+        let beside = shares.find_map(|share| self.settled(&touches, &factor, &start, share, GROWN));
         // an answer beside no stationary point is held against the one that full steps lead to
         let found = beside.or_else(|| self.settled(&touches, &factor, &start, 1.0, f64::INFINITY))?;
         Some(self.written.solved(&found, grid))
