@@ -357,21 +357,23 @@ fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: Op
     Some([quantile(&values, 0.5 * (1.0 - level))?, quantile(&values, 0.5 * (1.0 + level))?])
 }
 
-/// Shares of the classes under the interval's weights.
+/// Shares of the classes: that of the plane by the evidence, because a surface so near to a plane that it cannot be told from
+/// one is called plane; those of the others, which have the rest, under the interval's weights.
 fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
-    let mut out: Vec<(ShapeClass, f64)> =
-        ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, 0.0)).collect();
-    let mut add = |class: ShapeClass, share: f64| {
-        out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);
+    let all = |of: usize, of_plane: bool| -> f64 {
+        found.iter().filter(|d| !of_plane || d.kind == Kind::Plane).map(|d| d.weights[of]).sum()
     };
-    for drawn in found {
-        if drawn.kind == Kind::Plane {
-            add(ShapeClass::Plane, drawn.weights[1]);
-            continue;
+    let plane = all(0, true) / all(0, false);
+    let curved = all(1, false) - all(1, true);
+    let mut out: Vec<(ShapeClass, f64)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0.0)).collect();
+    for drawn in found.iter().filter(|d| d.kind != Kind::Plane && d.weights[1] > 0.0) {
+        let share = (1.0 - plane) * drawn.weights[1] / (curved * drawn.draws.len().max(1) as f64);
+        for field in &drawn.draws {
+            let class = ShapeClass::of_shape_index(field.s);
+            out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);
         }
-        let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
-        drawn.draws.iter().for_each(|field| add(ShapeClass::of_shape_index(field.s), share));
     }
+    out.push((ShapeClass::Plane, plane));
     let sum: f64 = out.iter().map(|c| c.1).sum();
     out.iter_mut().for_each(|c| c.1 /= sum);
     out.retain(|c| c.1 > 0.0);

@@ -52,6 +52,18 @@ fn recognised(points: &[Vector]) -> Recognition {
     Recognition::of(&Contacts::from_points(points), &RecognitionOptions::default()).unwrap()
 }
 
+/// Whether contacts show a plane is forecast as often as it comes true: the doubt that an interval keeps is none of the class.
+#[test]
+fn a_plane_is_as_sure_as_it_is_right() {
+    let found: Vec<Recognition> = (0..20).map(|seed| recognised(&patch(|x, _| 0.1 * x, 36, 0.02, seed))).collect();
+    let given = |r: &Recognition| r.class_probability.iter().find(|c| c.0 == ShapeClass::Plane).map_or(0.0, |c| c.1);
+    let right = found.iter().filter(|r| r.class == ShapeClass::Plane).count() as f64 / 20.0;
+    let forecast = found.iter().map(given).sum::<f64>() / 20.0;
+    assert!(right > 0.9 && (forecast - right).abs() < 0.1, "{forecast} {right}");
+    let whole = |r: &Recognition| (r.class_probability.iter().map(|c| c.1).sum::<f64>() - 1.0).abs() < 1e-12;
+    assert!(found.iter().all(whole));
+}
+
 /// The bounds of the axis hold it about nineteen times in twenty, and narrow with the noise.
 #[test]
 fn the_axis_lies_within_its_bounds() {

@@ -62,10 +62,11 @@ const OTHER: f64 = 0.25;
 
 /// Log likelihood of the normals for every cell, and log evidence of everything, by which a displaced surface has to be ahead
 /// of the plain ones before it is shape whatever its size: a sensor that errs in its positions does not tilt normals that
-/// were measured on their own. Three a cell are normals that miss the plain surface by 2.6 times their own scatter. The
-/// normals of a tactile image are slopes of its own heights, so they follow its errors: 1 for each of 29 normals of a touched
-/// ball. Normals with a scatter of 0.5 degrees are ahead by 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
-const BY_NORMALS: f64 = 3.0;
+/// were measured on their own. A sensor may tilt all normals by as large a multiple of their scatter as it may displace
+/// positions ([`OF_SCATTER`]); half the square of that is 2. The normals of a tactile image are slopes of its own heights,
+/// so they follow its errors: 1 for each of 29 normals of a touched ball. Normals with a scatter of 0.5 degrees are ahead by
+/// 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
+const BY_NORMALS: f64 = 0.5 * OF_SCATTER * OF_SCATTER;
 const BY_ALL: f64 = 8.0;
 
 /// Least share of general and of displaced in the interval.
