@@ -27,7 +27,7 @@ const DEGREE: usize = 4;
 const FOURTH: f64 = 3.0;
 
 /// Standard deviation of a departure in natural sizes. With 1, intervals of R miss an ellipsoid of half axes 16, 12 and 9 in
-/// 9 to 20 of 100 fits; with 2 in 4 or 5, and intervals of tori are up to a fifth wider; 4 gains nothing.
+/// 9 to 20 of 100 fits; with 2 in 5 or 6, and intervals of tori are up to a fifth wider; 4 gains nothing.
 const SPREAD: f64 = 2.0;
 
 /// Powers of u and v.
