@@ -272,10 +272,11 @@ impl Findings<'_> {
     fn notes(&self, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
         let mut notes = self.patch.notes.clone();
         if self.weights.displacement_is_error() {
-            notes.push(format!(
-                "a departure of {:.1} % of the relief is read as an error of the sensor, not as shape",
-                100.0 * self.weights.size
-            ));
+            let read = match self.weights.taken_for_shape {
+                true => "is read as shape, but may be an error of the sensor: the intervals hold both",
+                false => "is read as an error of the sensor, not as shape",
+            };
+            notes.push(format!("a departure of {:.1} % of the relief {read}", 100.0 * self.weights.size));
         }
         if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class != ShapeClass::Plane {
             notes.push(

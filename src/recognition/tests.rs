@@ -242,3 +242,50 @@ fn few_touches_with_normals_are_enough_for_a_class() {
         assert_eq!(found.class, ShapeClass::Cap, "{count} touches");
     }
 }
+
+/// A low bump, touched at 400 places with its normals, or with those of a ball of about its size.
+fn bump_with_normals(of_bump: bool, seed: u64) -> Recognition {
+    let height = |x: f64, y: f64| 2.5 * (-(x * x + y * y) / 50.0).exp();
+    let numbers = Numbers::new(1000 + seed);
+    let points = patch(height, 400, 0.02, seed);
+    let normals: Vec<Vector> = points
+        .iter()
+        .enumerate()
+        .map(|(i, [x, y, _])| {
+            let bend = if of_bump { height(*x, *y) / 25.0 } else { 1.0 / 13.0 };
+            let [dx, dy] = [0, 1].map(|side| 0.03 * numbers.gaussian(2 * i + side));
+            unit([bend * x + dx, bend * y + dy, 1.0])
+        })
+        .collect();
+    Recognition::of(&Contacts::from_points(&points).with_normal_vectors(&normals), &RecognitionOptions::default())
+        .unwrap()
+}
+
+/// A sensor that errs in its positions does not tilt normals that were measured on their own. Each of these normals is too noisy to
+/// tell; all together they do.
+#[test]
+fn normals_together_tell_shape_from_an_error_of_the_sensor() {
+    let displaced = |of_bump: bool| {
+        let found = (0..10).map(|seed| bump_with_normals(of_bump, seed));
+        found.filter(|f| f.hypothesis == Hypothesis::Displaced).count()
+    };
+    let (of_bump, of_ball) = (displaced(true), displaced(false));
+    assert!(of_bump >= 9 && of_ball <= 1, "{of_bump} of 10 and {of_ball} of 10");
+}
+
+/// A saddle with a third-degree term departs from two constant curvatures as surfaces do, a saddle with waves as sensors do. What
+/// may be either is said; some of these saddles tell by themselves that neighbours share no errors.
+#[test]
+fn natural_departures_are_shape_and_waves_are_an_error() {
+    let saddle = |x: f64, y: f64| (x * x - 0.6 * y * y) / 20.0;
+    let told = |found: &Recognition, words: &str| found.notes.iter().any(|note| note.contains(words));
+    let (mut shape, mut either, mut error) = (0, 0, 0);
+    for seed in 0..10 {
+        let found = recognised(&patch(|x, y| saddle(x, y) + 0.0015 * x.powi(3), 400, 0.02, seed));
+        shape += usize::from(found.hypothesis == Hypothesis::Displaced);
+        either += usize::from(told(&found, "read as shape, but may be"));
+        let found = recognised(&patch(|x, y| saddle(x, y) + 0.04 * (1.6 * x).sin() * (1.6 * y).cos(), 400, 0.01, seed));
+        error += usize::from(found.hypothesis == Hypothesis::Paraboloid && !told(&found, "read as shape"));
+    }
+    assert!(shape >= 9 && either >= 5 && error >= 9, "{shape}, {either} and {error} of 10");
+}
