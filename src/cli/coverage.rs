@@ -9,6 +9,7 @@ use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
 use crate::montecarlo::{Coverages, Family, Held, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
 use crate::report::{TablePage, percent, write_json, write_table_page};
 
+use super::coverage_pooled::{ErrorPart, Pooled, pooled, write_pooled};
 use super::failure::Failure;
 use super::output::print;
 use super::progress::Bar;
@@ -27,40 +28,44 @@ const NORMAL: f64 = 1.96;
 const FIRST: u64 = 1;
 
 #[derive(Serialize)]
-struct HeldPart {
+pub(super) struct HeldPart {
     share: Option<f64>,
     interval: Option<[f64; 2]>,
-    asked: u64,
+    pub(super) asked: u64,
+    #[serde(skip)]
+    pub(super) inside: u64,
 }
 
 #[derive(Serialize)]
-struct QuantityCoverage {
+pub(super) struct QuantityCoverage {
     linear: HeldPart,
     monte_carlo: HeldPart,
     named: HeldPart,
     named_half_width: Option<f64>,
-    chosen: HeldPart,
+    pub(super) chosen: HeldPart,
     chosen_width: Option<f64>,
     chosen_half_width: Option<f64>,
+    /// Errors of the values in whose intervals `chosen` looks for the truth; those of R are relative.
+    pub(super) chosen_error: ErrorPart,
     /// Median half width over that of a fit which knows the surface's family and the noise.
-    chosen_over_oracle: Option<f64>,
+    pub(super) chosen_over_oracle: Option<f64>,
     bias_over_sd: Option<f64>,
     u_over_sd: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct SceneCoverage {
-    scene: String,
+pub(super) struct SceneCoverage {
+    pub(super) scene: String,
     path: String,
     fitted: u64,
     failed: u64,
     planes: u64,
     /// Mean probability given to the reported class, and the share in which it is the true one.
-    class_forecast: Option<[f64; 2]>,
+    pub(super) class_forecast: Option<[f64; 2]>,
     #[serde(rename = "S")]
-    shape_index: QuantityCoverage,
+    pub(super) shape_index: QuantityCoverage,
     #[serde(rename = "R")]
-    curvedness: QuantityCoverage,
+    pub(super) curvedness: QuantityCoverage,
 }
 
 #[derive(Serialize)]
@@ -69,11 +74,19 @@ struct CoverageDocument {
     level: f64,
     replicates: u64,
     scenes: Vec<SceneCoverage>,
+    /// Random surfaces by their kind, and all of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pooled: Vec<Pooled>,
 }
 
 impl HeldPart {
     fn new(held: &Held) -> HeldPart {
-        HeldPart { share: held.share(), interval: held.interval.map(|i| [i.lo, i.hi]), asked: held.asked }
+        HeldPart {
+            share: held.share(),
+            interval: held.interval.map(|i| [i.lo, i.hi]),
+            asked: held.asked,
+            inside: held.inside,
+        }
     }
 
     fn words(&self) -> String {
@@ -96,6 +109,7 @@ impl SceneCoverage {
             chosen: HeldPart::new(&found.chosen[q]),
             chosen_width: found.chosen_width[q],
             chosen_half_width: found.chosen_half_width[q],
+            chosen_error: ErrorPart::new(found.chosen_errors[q].clone()),
             chosen_over_oracle: found.chosen_half_width[q].zip(oracle[q]).map(|(half, sd)| half / (NORMAL * sd)),
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
@@ -201,7 +215,8 @@ pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Fail
         bar.step(one.scene.name.clone());
     }
     drop(bar);
-    let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
+    let pooled = if args.random.is_some() { pooled(&scenes) } else { Vec::new() };
+    let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes, pooled };
     args.output.file("coverage.json", &mut |out| write_json(&document, out))?;
     args.output.file("coverage.csv", &mut |out| write_csv(&document, out))?;
     let (mut json, mut table) = (Vec::new(), Vec::new());
@@ -254,7 +269,7 @@ fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Res
             writeln!(out, "{}", line.trim_end())?;
         }
     }
-    Ok(())
+    write_pooled(&document.pooled, out)
 }
 
 fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {

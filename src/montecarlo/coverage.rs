@@ -68,6 +68,8 @@ pub struct Coverages {
     pub chosen_width: [Option<f64>; 2],
     /// Median half width of those intervals.
     pub chosen_half_width: [Option<f64>; 2],
+    /// Errors of their values: value - truth of S, (value - truth)/truth of R.
+    pub chosen_errors: [Vec<f64>; 2],
     /// Mean probability that the reported class was given, and the share in which it is the true one.
     pub class_forecast: Option<[f64; 2]>,
     /// (noise-free value - truth)/sd of S and of R: how far the model's own error stands out of the noise.
@@ -128,6 +130,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
         chosen: both.map(|q| chosen(&recognised, q)),
         chosen_width: both.map(|q| width(&recognised, q)),
         chosen_half_width: both.map(|q| half_width(&recognised, q)),
+        chosen_errors: both.map(|q| recognised.iter().filter_map(|t| t.error(q)).collect()),
         class_forecast: forecast(&recognised),
         fitted: fitted.len() as u64,
         failed: replicates - fitted.len() as u64,
@@ -156,6 +159,15 @@ struct Told {
     value: [Option<f64>; 2],
     interval: [Option<[f64; 2]>; 2],
     class: (f64, bool),
+}
+
+impl Told {
+    /// The error of S, or the relative one of R; `None` where there is no truth, or R is 0.
+    fn error(&self, q: usize) -> Option<f64> {
+        let (value, truth) = (self.value[q]?, self.truth[q]?);
+        let unit = if q == 0 { 1.0 } else { truth };
+        (unit > 0.0).then(|| (value - truth) / unit)
+    }
 }
 
 /// The truth is taken at the places that the means were taken over.

@@ -197,6 +197,24 @@ fn a_member_of_the_family_is_judged_by_its_name() {
 }
 
 #[test]
+fn random_surfaces_are_pooled_by_their_kind() {
+    let folder = folder();
+    let words = "study --coverage --random 6 --seed 5 --replicates 1";
+    let found = json(folder.path(), &format!("{words} --json"));
+    let pooled = found["pooled"].as_array().unwrap();
+    let names: Vec<&str> = pooled.iter().map(|p| p["kind"].as_str().unwrap()).collect();
+    assert_eq!(names, ["bumps", "superquadric", "torus", "all"]);
+    let whole = |what: &str| {
+        found["scenes"].as_array().unwrap().iter().map(|s| s["R"]["chosen"][what].as_f64().unwrap()).sum::<f64>()
+    };
+    let all = &pooled[3]["R"];
+    assert_eq!(all["asked"].as_f64().unwrap(), whole("asked"));
+    assert!((all["inside"].as_f64().unwrap() * whole("asked") - whole("share")).abs() < 1e-12);
+    let errors = &all["error"];
+    assert!(errors["median"].as_f64().unwrap().abs() <= errors["of_90_percent"].as_f64().unwrap());
+}
+
+#[test]
 fn pictures_and_tables_are_written() {
     let folder = folder();
     let at = folder.path();
