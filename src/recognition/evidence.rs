@@ -21,6 +21,7 @@ use super::dense;
 use super::displacement::Displacement;
 use super::linearised::Linearised;
 use super::model::{Kind, Model};
+use super::node::{Departure, GROUPS, Node};
 use super::noise::{Factors, Kernel, Limit};
 use super::reduced::{Columns, Reduced, reduced};
 use super::rows::{Rows, column_of, first_of_displacement};
@@ -36,55 +37,13 @@ const FEW: usize = 3;
 /// weight of 3e-4.
 const HOPELESS: f64 = 8.0;
 
-/// How a surface departs from its kind.
+/// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
-    Plain,
-    /// By a displacement of this variance over that of a position.
-    Displaced(f64),
-    /// By third and fourth derivatives of natural size.
-    Natural,
-}
-
-/// One hypothesis under one covariance.
-#[derive(Clone, Debug)]
-pub(super) struct Node {
-    pub(super) kind: Kind,
-    /// Number of its kernel.
-    pub(super) kernel: usize,
-    pub(super) ratio: f64,
-    pub(super) length: f64,
-    /// Variance of the displacement over that of a position; 0 without displacement.
-    pub(super) g: f64,
-    /// Whether the displacement is a natural departure, of third and fourth degree.
-    pub(super) natural: bool,
-    /// Variance of an average cell's independent error.
-    pub(super) variance: f64,
-    pub(super) log_evidence: f64,
-    /// Step from the fitted model, in the evidence's coordinates.
-    pub(super) x: Vec<f64>,
-    /// Lower factor of the precision of x.
-    pub(super) precision: Mat<f64>,
-    pub(super) dof: f64,
-}
-
-/// Groups of hypotheses: simple, general, displaced, general with a natural departure.
-pub(super) const GROUPS: usize = 4;
-
-impl Node {
-    /// Number of the node's group.
-    pub(super) fn group(&self) -> usize {
-        match self.kind {
-            Kind::General if self.natural => 3,
-            Kind::General if self.g > 0.0 => 2,
-            Kind::General | Kind::Paraboloid => 1,
-            _ => 0,
-        }
-    }
-
-    pub(super) fn tau(&self) -> f64 {
-        (self.variance * self.ratio).sqrt()
-    }
+pub(super) enum Look {
+    /// Splines alone: whether there is a displacement.
+    First,
+    /// Splines beside a natural departure.
+    Second,
 }
 
 /// What one kernel gives.
@@ -105,6 +64,7 @@ pub(super) struct Evidence<'a> {
     /// Gram matrix of the whitened normal rows.
     normals: Option<&'a Mat<f64>>,
     limit: Limit,
+    look: Look,
 }
 
 impl<'a> Evidence<'a> {
@@ -114,8 +74,9 @@ impl<'a> Evidence<'a> {
         linearised: &'a Linearised,
         factors: &Factors,
         limit: Limit,
+        look: Look,
     ) -> (Evidence<'a>, Vec<Node>) {
-        let mut made = Evidence::unasked(cells, linearised, limit);
+        let mut made = Evidence::unasked(cells, linearised, limit, look);
         let rows = &linearised.rows;
         let white = made.of_kernel(rows, factors, 0);
         let best = white.as_ref().map_or([f64::NEG_INFINITY; GROUPS], |found| highest(&found.nodes));
@@ -128,7 +89,7 @@ impl<'a> Evidence<'a> {
         (made, nodes)
     }
 
-    /// The evidence under one kernel alone.
+    /// The evidence of the second look under one kernel alone.
     pub(super) fn under(
         cells: &'a Cells,
         linearised: &'a Linearised,
@@ -136,7 +97,7 @@ impl<'a> Evidence<'a> {
         limit: Limit,
         kernel: usize,
     ) -> (Evidence<'a>, Vec<Node>) {
-        let mut made = Evidence::unasked(cells, linearised, limit);
+        let mut made = Evidence::unasked(cells, linearised, limit, Look::Second);
         let mut nodes = Vec::new();
         if let Some(found) = made.of_kernel(&linearised.rows, factors, kernel) {
             made.grams[kernel] = Some(found.gram);
@@ -146,12 +107,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// Before any kernel is tried.
-    fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit) -> Evidence<'a> {
+    fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
         let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
-        Evidence { cells, models, displacement, kernels, grams, normals, limit }
+        Evidence { cells, models, displacement, kernels, grams, normals, limit, look }
     }
 
     /// The kernels of one length, from weakly to strongly shared errors, until no group of hypotheses has a chance.
@@ -177,42 +138,49 @@ impl<'a> Evidence<'a> {
         let (gram, log_det) = (dense::gram(whitened.as_ref()), dense::log_det(lower));
         let mut nodes = Vec::new();
         for model in self.models {
-            nodes.extend(self.node(model, kernel, &gram, log_det, Form::Plain));
+            nodes.extend(self.node(model, kernel, &gram, log_det, Departure::None));
             if model.kind() == Kind::General && self.displacement.is_some() {
-                let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-                for power in POWERS {
-                    let form = Form::Displaced(10_f64.powi(power));
-                    let Some(node) = self.node(model, kernel, &gram, log_det, form) else { continue };
-                    let here = node.log_evidence;
-                    nodes.push(node);
-                    if here < best - HOPELESS && here <= last {
-                        break;
-                    }
-                    (last, best) = (here, best.max(here));
-                }
-                nodes.extend(self.node(model, kernel, &gram, log_det, Form::Natural));
+                nodes.extend(self.with_splines(model, kernel, &gram, log_det));
+                nodes.extend(self.node(model, kernel, &gram, log_det, Departure::Natural));
             }
         }
         Some(OfKernel { kernel, gram, nodes })
     }
 
-    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, form: Form) -> Option<Node> {
+    /// Splines of growing size, until larger ones have no chance.
+    fn with_splines(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+        let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let mut nodes = Vec::new();
+        for power in POWERS {
+            let g = 10_f64.powi(power);
+            let departure = if self.look == Look::First { Departure::Rough(g) } else { Departure::Both(g) };
+            let Some(node) = self.node(model, kernel, gram, log_det, departure) else { continue };
+            let here = node.log_evidence;
+            nodes.push(node);
+            if here < best - HOPELESS && here <= last {
+                break;
+            }
+            (last, best) = (here, best.max(here));
+        }
+        nodes
+    }
+
+    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[k]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {
             return None;
         }
-        let natural = form == Form::Natural;
-        let (g, variance) = self.variances(kind, gram, form)?;
+        let variance = self.variance(kind, gram, departure)?.max(1e-18);
         let tau = (variance * kernel.ratio).sqrt();
         let size = self.limit.log_prior(tau)?;
-        let system = self.system(kind, gram, variance, (g, natural))?;
+        let system = self.system(kind, gram, variance, departure)?;
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
         let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
         let log_evidence = likelihood
             + kernel.log_prior
             + size
-            + self.share(kind, form)
+            + self.share(kind, departure)
             + shape_prior(model, &system.x, &system.lower);
         let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
         log_evidence.is_finite().then_some(Node {
@@ -220,8 +188,7 @@ impl<'a> Evidence<'a> {
             kernel: k,
             ratio: kernel.ratio,
             length: kernel.length,
-            g,
-            natural,
+            departure,
             variance,
             log_evidence,
             x: system.x,
@@ -232,38 +199,41 @@ impl<'a> Evidence<'a> {
 
     /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
     /// have a quarter each of general's prior.
-    fn share(&self, kind: Kind, form: Form) -> f64 {
+    fn share(&self, kind: Kind, departure: Departure) -> f64 {
         let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
-        match (kind, form) {
-            (Kind::General, Form::Displaced(_)) => -displaced - LN_2 - (POWERS.count() as f64).ln(),
+        match (kind, departure) {
+            (Kind::General, Departure::Rough(_) | Departure::Both(_)) => {
+                -displaced - LN_2 - (POWERS.count() as f64).ln()
+            }
             (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
             _ => 0.0,
         }
     }
 
-    /// Variance of the displacement over that of a position, and the latter. A natural departure has its size whatever the
-    /// noise is.
-    fn variances(&self, kind: Kind, gram: &Mat<f64>, form: Form) -> Option<(f64, f64)> {
-        let of = |g: f64| Some(self.variance(kind, gram, (g, form == Form::Natural))?.max(1e-18));
-        let g = match form {
-            Form::Plain => 0.0,
-            Form::Displaced(g) => g,
-            // two steps: the noise depends on g a little
-            Form::Natural => of(of(0.0)?.recip())?.recip(),
-        };
-        Some((g, of(g)?))
-    }
-
-    /// Variance of an average cell's independent error, restricted maximum likelihood.
-    fn variance(&self, kind: Kind, gram: &Mat<f64>, (g, natural): (f64, bool)) -> Option<f64> {
+    /// Variance of an average cell's independent error, restricted maximum likelihood. A natural departure has its size whatever the
+    /// noise is, so its size in units of the noise needs the noise: once where a spline takes up most, else twice.
+    fn variance(&self, kind: Kind, gram: &Mat<f64>, departure: Departure) -> Option<f64> {
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if n < p + FEW {
             return self.joint_variance(kind, gram);
         }
-        let rss = |g: f64| Some(reduced(self.columns(kind, g.sqrt(), (g, natural)), |i, j| gram[(i, j)])?.rss);
-        let plain = rss(0.0)?.max(1e-30);
-        let left = if g > 0.0 { rss(g)?.max(1e-12 * plain) } else { plain };
-        Some(left / (n - p) as f64)
+        let rss = |departure: Departure, natural: f64| {
+            let columns = self.columns(kind, departure, [departure.of_spline().sqrt(), natural]);
+            Some(reduced(columns, |i, j| gram[(i, j)])?.rss)
+        };
+        let plain = rss(Departure::None, 0.0)?.max(1e-30);
+        let of = |departure: Departure, natural: f64| {
+            Some((rss(departure, natural)?.max(1e-12 * plain) / (n - p) as f64).max(1e-18))
+        };
+        match departure {
+            Departure::None => Some(plain / (n - p) as f64),
+            Departure::Rough(_) => of(departure, 0.0),
+            Departure::Both(g) => of(departure, of(Departure::Rough(g), 0.0)?.sqrt().recip()),
+            Departure::Natural => {
+                let first = of(departure, (plain / (n - p) as f64).max(1e-18).sqrt().recip())?;
+                of(departure, first.sqrt().recip())
+            }
+        }
     }
 
     /// The same variance where the positions are too few to determine it alone: the fixed point of
@@ -272,7 +242,7 @@ impl<'a> Evidence<'a> {
         let (y, p) = (column_of(kind), kind.unknowns());
         let mut variance = 1e-4;
         for _ in 0..30 {
-            let system = self.system(kind, gram, variance, (0.0, false))?;
+            let system = self.system(kind, gram, variance, Departure::None)?;
             let x = &system.x;
             let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
             let mut rss = 0.0;
@@ -294,21 +264,18 @@ impl<'a> Evidence<'a> {
     }
 
     /// The normal equations of positions and normals together, with the displacement eliminated.
-    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, (g, natural): (f64, bool)) -> Option<Reduced> {
+    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, departure: Departure) -> Option<Reduced> {
         let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.map_or(0.0, |m| m[(i, j)]);
-        reduced(self.columns(kind, (g * variance).sqrt(), (g, natural)), at)
+        reduced(self.columns(kind, departure, [(departure.of_spline() * variance).sqrt(), 1.0]), at)
     }
 
-    /// The equations of a model, with the displacement where there is one.
-    fn columns(&self, kind: Kind, root: f64, (g, natural): (f64, bool)) -> Columns {
-        let first = first_of_displacement();
+    /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
+    fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
         let (rough, all) = self.displacement.map_or((0, 0), |d| (d.rough, d.columns()));
-        let z = match (g > 0.0, natural) {
-            (true, true) => (first + rough, all - rough),
-            (true, false) => (first, rough),
-            (false, _) => (first, 0),
-        };
-        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, root }
+        let start = if departure.of_spline() > 0.0 { 0 } else { rough };
+        let end = if departure.has_natural() { all } else { rough };
+        let z = (first_of_displacement() + start, end - start);
+        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough: rough - start, factors }
     }
 
     /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.
@@ -317,7 +284,7 @@ impl<'a> Evidence<'a> {
         let (y, p, first) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
         let mut at = vec![0.0; gram.ncols()];
         at[y] = 1.0;
-        if node.g > 0.0 {
+        if node.is_displaced() {
             let (mean, _) = self.joint_posterior(node)?;
             at[y + 1..=y + p].copy_from_slice(&mean[..p]);
             at[first..].copy_from_slice(&self.weights_of(node, &mean[p..]));
@@ -330,21 +297,27 @@ impl<'a> Evidence<'a> {
 
     /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
     pub(super) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
-        let (rough, all) = self.displacement.map_or((0, 0), |d| (d.rough, d.columns()));
-        let root = (node.g * node.variance).sqrt();
-        let mut out = vec![0.0; all];
-        let start = if node.natural { rough } else { 0 };
-        out[start..start + own.len()].iter_mut().zip(own).for_each(|(out, w)| *out = root * w);
+        let first = first_of_displacement();
+        let Columns { z: (start, _), rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
+        let mut out = vec![0.0; self.displacement.map_or(0, Displacement::columns)];
+        for (k, (out, w)) in out[start - first..].iter_mut().zip(own).enumerate() {
+            *out = w * if k < rough { of_spline } else { of_natural };
+        }
         out
+    }
+
+    /// The equations of a node.
+    fn columns_of(&self, node: &Node) -> Columns {
+        self.columns(node.kind, node.departure, [(node.departure.of_spline() * node.variance).sqrt(), 1.0])
     }
 
     /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
     /// precision. The displacement's columns are scaled to unit prior variance.
     pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let gram = self.grams[node.kernel].as_ref()?;
-        let Columns { y, unknowns: p, z: (z, count), .. } = self.columns(node.kind, 1.0, (node.g, node.natural));
-        let root = (node.g * node.variance).sqrt();
-        let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, root) };
+        let Columns { y, unknowns: p, z: (z, count), rough, factors } = self.columns_of(node);
+        let factor = |k: usize| factors[usize::from(k >= rough)];
+        let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, factor(i - p)) };
         let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.map_or(0.0, |m| m[(i, j)]);
         let precision = Mat::from_fn(p + count, p + count, |i, j| {
             let ((a, sa), (b, sb)) = (source(i), source(j));

@@ -48,6 +48,7 @@ mod model;
 mod moved;
 mod natural_departure;
 mod neighbours;
+mod node;
 mod noise;
 mod normal_noise;
 mod options;
@@ -98,7 +99,7 @@ pub(crate) use surface::RecognisedSurface;
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
-use evidence::Evidence;
+use evidence::{Evidence, Look};
 use input::Given;
 use linearised::{FactorPair, Linearised};
 use model::{Kind, Model};
@@ -150,11 +151,11 @@ fn recognise_given(
     let limit = Limit::new(&patch.points, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors, None);
-    let first = Evidence::new(&cells, &plain, &factors.positions, limit);
-    let again = second_look::moved(&first.0, &first.1)
+    let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
+    let again = second_look::moved(&plain, &first.1, &cells, &factors, limit)
         .map(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
     let (linearised, (evidence, nodes)) = match &again {
-        Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit)),
+        Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit, Look::Second)),
         None => (&plain, first),
     };
     let misfit = |kind: Kind| {

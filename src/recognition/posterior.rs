@@ -32,8 +32,9 @@ use crate::threads;
 use crate::vector::{Vector, cross, dot};
 
 use super::dense;
-use super::evidence::{Evidence, Node};
+use super::evidence::Evidence;
 use super::model::Kind;
+use super::node::Node;
 use super::state::{ChartPoint, State};
 use super::weights::Weights;
 use super::{Estimate, RecognitionOptions};
@@ -148,7 +149,7 @@ fn shape([k1, k2]: [f64; 2]) -> [f64; 2] {
 /// The likeliest surface of a node.
 pub(super) fn likeliest(evidence: &Evidence, node: &Node) -> Option<State> {
     let model = evidence.models.iter().find(|m| m.kind() == node.kind)?;
-    if node.g == 0.0 {
+    if !node.is_displaced() {
         return Some(State::new(model, &node.x, None));
     }
     let (mean, _) = evidence.joint_posterior(node)?;
@@ -233,7 +234,7 @@ pub(super) fn summary(
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
-        let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
+        let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
         let likeliest = match &joint {
             Some((mean, _)) => displaced(evidence, node, mean)?,
             None => likeliest(evidence, node)?,
@@ -243,7 +244,7 @@ pub(super) fn summary(
         let likeliest = points.field(&likeliest);
         Some(Drawn {
             kind: node.kind,
-            displaced: node.g > 0.0,
+            displaced: node.is_displaced(),
             weights: [weights.estimate[i], weights.interval[i]],
             likeliest,
             draws,
@@ -313,12 +314,13 @@ fn quantile(ordered: &[(f64, f64)], level: f64) -> Option<f64> {
 
 /// Standard deviations of mean S and mean R of the reported hypothesis were errors independent.
 fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Points, seed: u64) -> [f64; 2] {
-    let alike =
-        |n: &&(usize, &Node)| n.1.kind == reported.kind && (n.1.g > 0.0) == (reported.g > 0.0) && n.1.ratio == 0.0;
+    let alike = |n: &&(usize, &Node)| {
+        n.1.kind == reported.kind && n.1.is_displaced() == reported.is_displaced() && n.1.ratio == 0.0
+    };
     let numbered: Vec<(usize, &Node)> = nodes.iter().enumerate().collect();
     let best = numbered.iter().filter(alike).max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence));
     let Some((i, node)) = best else { return [0.0; 2] };
-    let joint = if node.g > 0.0 { evidence.joint_posterior(node) } else { None };
+    let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
     let states = drawn(evidence, (*i, node), joint.as_ref(), NOISE_DRAWS, seed, 0.0);
     let fields: Vec<Field> = states.iter().map(|state| points.field(state)).collect();
     let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());

@@ -31,13 +31,15 @@ pub(super) struct Columns {
     pub(super) unknowns: usize,
     /// First column of the displacement, and how many are used.
     pub(super) z: (usize, usize),
-    /// Factor of those columns.
-    pub(super) root: f64,
+    /// How many of those are a spline's; natural departures follow.
+    pub(super) rough: usize,
+    /// Factors of the former and of the latter.
+    pub(super) factors: [f64; 2],
 }
 
 /// Eliminates the displacement and then the parameters by one factor; `at` is the Gram matrix. `None` unless positive definite.
 pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Option<Reduced> {
-    let Columns { y, unknowns: p, z: (first, count), root } = columns;
+    let Columns { y, unknowns: p, z: (first, count), rough, factors } = columns;
     let size = count + p + 1;
     let source = |i: usize| {
         if i < count {
@@ -48,7 +50,7 @@ pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Opt
             y
         }
     };
-    let factor = |i: usize| if i < count { root } else { 1.0 };
+    let factor = |i: usize| if i < count { factors[usize::from(i >= rough)] } else { 1.0 };
     let (m, last) = (count + p, size - 1);
     let entry = |i: usize, j: usize| {
         let unit = if i == j && i < count { 1.0 } else { 0.0 };

@@ -7,9 +7,10 @@ use crate::shape::radius_of;
 use crate::vector::{Vector, cross};
 
 use super::dense;
-use super::evidence::{Evidence, Node, curvatures};
+use super::evidence::{Evidence, curvatures};
 use super::misfit::{self, misfit};
 use super::model::Kind;
+use super::node::Node;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
 use super::posterior::{Points, Summary, likeliest, summary};
@@ -52,7 +53,7 @@ fn hypothesis_of(node: &Node) -> Hypothesis {
         Kind::Plane => Hypothesis::Plane,
         Kind::Sphere => Hypothesis::Sphere,
         Kind::Cylinder => Hypothesis::Cylinder,
-        Kind::General if node.g > 0.0 => Hypothesis::Displaced,
+        Kind::General if node.is_displaced() => Hypothesis::Displaced,
         Kind::General => Hypothesis::General,
         Kind::Paraboloid => Hypothesis::Paraboloid,
     }
@@ -177,7 +178,7 @@ impl Findings<'_> {
             .map(|p| {
                 let d = state.model().distance(*p);
                 match (base, self.evidence.displacement) {
-                    (Some(super::Model::Constant(_, base)), Some(displacement)) if best.g > 0.0 => {
+                    (Some(super::Model::Constant(_, base)), Some(displacement)) if best.is_displaced() => {
                         d - state.at(&chart_point(base, Some(displacement), base.chart(*p))).displacement
                     }
                     _ => d,
@@ -194,7 +195,7 @@ impl Findings<'_> {
         let outliers =
             100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
         let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);
-        let certain = best.g > 0.0 && self.weights.displaced > 0.95;
+        let certain = best.is_displaced() && self.weights.displaced > 0.95;
         let findings = misfit::Findings {
             of_relief: size / self.relief,
             correlated,

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! theta <- theta + x of the likeliest displaced node        the terms x^2 and x f, left out by the first look, vanish
+//! f = natural departure + spline                            where the first look has one or the other
 //! normals scatter about n(theta) - grad f                   not about the plain surface, whose misfit is no noise
 //! s_n <-> f                                                 in turns, about the moved surface
 //! ```
@@ -14,9 +15,10 @@ use crate::vector::Vector;
 
 use super::cells::Cells;
 use super::dense;
-use super::evidence::{Evidence, Node};
+use super::evidence::Evidence;
 use super::linearised::{FactorPair, Linearised};
 use super::moved::Moved;
+use super::node::Node;
 use super::noise::Limit;
 use super::state::State;
 
@@ -31,16 +33,28 @@ const OF_NORMALS: f64 = 2.0 / 3.0;
 const ROUNDS: usize = 6;
 const SETTLED: f64 = 0.1;
 
-/// The move under the likeliest displaced node; `None` where displacements are unlikely.
-pub(super) fn moved(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
+/// The move under the likeliest displaced node, with a natural departure beside its spline; `None` where displacements are unlikely.
+pub(super) fn moved(
+    plain: &Linearised,
+    nodes: &[Node],
+    cells: &Cells,
+    factors: &FactorPair,
+    limit: Limit,
+) -> Option<Moved> {
     let largest = nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
     let share = |chosen: &dyn Fn(&Node) -> bool| {
         nodes.iter().filter(|n| chosen(n)).map(|n| (n.log_evidence - largest).exp()).sum::<f64>()
     };
-    if share(&|n| n.g > 0.0) < LIKELY * share(&|_| true) {
+    if share(&|n| n.is_displaced()) < LIKELY * share(&|_| true) {
         return None;
     }
-    under_likeliest(evidence, nodes)
+    let (evidence, nodes) = Evidence::under(cells, plain, &factors.positions, limit, displaced(nodes)?.kernel);
+    under_likeliest(&evidence, &nodes)
+}
+
+/// The likeliest displaced node.
+fn displaced(nodes: &[Node]) -> Option<&Node> {
+    nodes.iter().filter(|n| n.is_displaced()).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
 /// The equations about the moved surface. The displacement was found over the chart of another surface, and normals that
@@ -71,7 +85,7 @@ pub(super) fn taken(
 
 /// The move under the likeliest displaced node.
 fn under_likeliest(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
-    let best = nodes.iter().filter(|n| n.g > 0.0).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+    let best = displaced(nodes)?;
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
     let (x, z) = mean.split_at(best.kind.unknowns());

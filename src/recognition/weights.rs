@@ -31,9 +31,10 @@ use faer::Mat;
 
 use super::dense;
 use super::descent::median;
-use super::evidence::{Evidence, GROUPS, Node};
+use super::evidence::Evidence;
 use super::model::Kind;
 use super::neighbours::Neighbours;
+use super::node::{GROUPS, Node};
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
@@ -141,7 +142,7 @@ pub(super) fn weigh(
     misfit: impl Fn(Kind) -> f64,
 ) -> Weights {
     let mut estimate = shares(nodes, |_| true);
-    let displaced = total(&estimate, nodes, |n| n.g > 0.0);
+    let displaced = total(&estimate, nodes, |n| n.is_displaced());
     let mut weights = Weights { displaced, ..Weights::default() };
     if displaced > 0.05 {
         let departure = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
@@ -149,13 +150,13 @@ pub(super) fn weigh(
         weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
         weights.shared = shared(evidence, nodes, &estimate, OF_DEPARTURE * departure) / displaced;
     }
-    weights.gap = best(nodes, |n| n.g > 0.0) - best(nodes, |n| n.g == 0.0);
+    weights.gap = best(nodes, |n| n.is_displaced()) - best(nodes, |n| !n.is_displaced());
     weights.normals = normals_gain(evidence, nodes).unwrap_or(0.0);
     weights.cells = evidence.cells.points.len() as f64;
     let by_evidence = estimate.clone();
     let error = weights.displacement_is_error();
     if error {
-        estimate = shares(nodes, |n| n.g == 0.0);
+        estimate = shares(nodes, |n| !n.is_displaced());
     }
     weights.interval = with_doubt(nodes, &estimate, error, &misfit);
     if error && displaced > 0.5 {
@@ -168,7 +169,7 @@ pub(super) fn weigh(
     }
     // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
     let fading = EITHER * (2.0 - weights.size / SENSOR[1]);
-    let plain = |n: &Node| n.g == 0.0;
+    let plain = |n: &Node| !n.is_displaced();
     if !error && weights.may_be_error() && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {
         raise(&mut weights.interval, nodes, plain, |_| true, fading.min(EITHER));
     }
@@ -181,7 +182,7 @@ pub(super) fn weigh(
 /// well as any displacement does.
 fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
     let simple = total(plain, nodes, |n| n.group() == 0);
-    simple < 0.5 && best(nodes, |n| n.natural) > best(nodes, |_| true) - BY_ALL
+    simple < 0.5 && best(nodes, |n| n.is_natural()) > best(nodes, |_| true) - BY_ALL
 }
 
 /// Shares in proportion to the evidence among the nodes chosen, 0 elsewhere; all 0 when none is chosen.
@@ -221,7 +222,7 @@ fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, wi
 /// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.
 fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
     let likeliest = |displaced: bool| {
-        let own = nodes.iter().filter(|n| (n.g > 0.0) == displaced);
+        let own = nodes.iter().filter(|n| n.is_displaced() == displaced);
         own.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
     };
     let [plain, displaced] = [false, true].map(|d| evidence.misfit_of_normals(likeliest(d)?));
@@ -233,7 +234,7 @@ fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f6
     let tree = Neighbours::new(&evidence.cells.points);
     let apart = (0..evidence.cells.points.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
     let apart = median(apart);
-    total(weights, nodes, |n| n.g > 0.0 && n.tau() * (-0.5 * apart / n.length).exp() > size)
+    total(weights, nodes, |n| n.is_displaced() && n.tau() * (-0.5 * apart / n.length).exp() > size)
 }
 
 /// Share of a reading whose log evidence lies `gap` below the best: `most` where it is as good, fading slowly, because
@@ -244,7 +245,7 @@ fn doubt(most: f64, gap: f64) -> f64 {
 
 /// Standard deviation of a single contact's independent error under the likeliest displaced node.
 fn scatter(nodes: &[Node], weights: &[f64], contacts_per_cell: f64) -> f64 {
-    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.g > 0.0);
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.is_displaced());
     let best = displaced.max_by(|a, b| a.1.total_cmp(b.1));
     best.map_or(0.0, |(node, _)| (node.variance * contacts_per_cell).sqrt()).max(f64::MIN_POSITIVE)
 }
@@ -310,11 +311,11 @@ fn group_shares(nodes: &[Node], estimate: &[f64], error: bool) -> [f64; GROUPS] 
 /// cylinders. Where a simple shape explains the contacts far better, the torus keeps it: it then repeats that shape.
 fn departed(nodes: &[Node], weights: &mut [f64]) {
     let is_torus = |n: &Node| n.kind == Kind::General && n.group() == 1;
-    let (torus, fresh) = (total(weights, nodes, is_torus), shares(nodes, |n| n.natural));
+    let (torus, fresh) = (total(weights, nodes, is_torus), shares(nodes, |n| n.is_natural()));
     if torus == 0.0 || fresh.iter().sum::<f64>() == 0.0 {
         return;
     }
-    let gap = best(nodes, |n| n.group() == 0) - best(nodes, |n| n.natural);
+    let gap = best(nodes, |n| n.group() == 0) - best(nodes, |n| n.is_natural());
     let passed = (-(gap - ALIKE).max(0.0) / SIMPLER).exp();
     for ((w, node), fresh) in weights.iter_mut().zip(nodes).zip(fresh) {
         if is_torus(node) {
@@ -331,7 +332,7 @@ fn best(nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> f64 {
 
 /// Root mean square of the likeliest displacement over the cells, without what the general surface could take up.
 fn displacement_size(evidence: &Evidence, rows: &Rows, nodes: &[Node], weights: &[f64]) -> Option<f64> {
-    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.g > 0.0);
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.is_displaced());
     let (node, _) = displaced.max_by(|a, b| a.1.total_cmp(b.1))?;
     let (mean, _) = evidence.joint_posterior(node)?;
     let (p, z, y) = (node.kind.unknowns(), first_of_displacement(), column_of(node.kind));

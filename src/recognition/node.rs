@@ -1,0 +1,87 @@
+//! One hypothesis under one covariance: a kind of surface, how it departs from that kind, and how probable both are.
+//!
+//! ```text
+//! surface = kind + f        f = 0, natural departure, rough spline, or both
+//! ```
+
+use faer::Mat;
+
+use super::model::Kind;
+
+/// How a surface departs from its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Departure {
+    None,
+    /// By third and fourth derivatives of natural size.
+    Natural,
+    /// By a spline, whose variance is so many times that of a position.
+    Rough(f64),
+    /// By both. A spline that is smoothed by its third derivatives pulls them to zero at the edges of the patch, where nothing lies
+    /// beyond; a natural departure beside it keeps them. S of a bump, whose edges bend the other way, was 0.02 too high with 200
+    /// contacts and 0.04 with 2,000, and is 0.003 and 0.002 too high (`benches/runs/coverage.md`).
+    Both(f64),
+}
+
+impl Departure {
+    /// Variance of the spline over that of a position; 0 without one.
+    pub(super) fn of_spline(self) -> f64 {
+        match self {
+            Departure::Rough(g) | Departure::Both(g) => g,
+            Departure::None | Departure::Natural => 0.0,
+        }
+    }
+
+    /// Whether there is a natural part.
+    pub(super) fn has_natural(self) -> bool {
+        matches!(self, Departure::Natural | Departure::Both(_))
+    }
+}
+
+/// One hypothesis under one covariance.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) kind: Kind,
+    /// Number of its kernel.
+    pub(super) kernel: usize,
+    pub(super) ratio: f64,
+    pub(super) length: f64,
+    pub(super) departure: Departure,
+    /// Variance of an average cell's independent error.
+    pub(super) variance: f64,
+    pub(super) log_evidence: f64,
+    /// Step from the fitted model, in the evidence's coordinates.
+    pub(super) x: Vec<f64>,
+    /// Lower factor of the precision of x.
+    pub(super) precision: Mat<f64>,
+    pub(super) dof: f64,
+}
+
+/// Groups of hypotheses: simple, general, displaced by a spline, general with a natural departure alone.
+pub(super) const GROUPS: usize = 4;
+
+impl Node {
+    /// Number of the node's group.
+    pub(super) fn group(&self) -> usize {
+        match (self.kind, self.departure) {
+            (Kind::General, Departure::Natural) => 3,
+            (Kind::General, Departure::Rough(_) | Departure::Both(_)) => 2,
+            (Kind::General | Kind::Paraboloid, _) => 1,
+            _ => 0,
+        }
+    }
+
+    /// Whether the surface departs from its kind at all.
+    pub(super) fn is_displaced(&self) -> bool {
+        self.departure != Departure::None
+    }
+
+    /// Whether it does so by a natural departure alone.
+    pub(super) fn is_natural(&self) -> bool {
+        self.departure == Departure::Natural
+    }
+
+    /// Standard deviation of the errors that neighbours share.
+    pub(super) fn tau(&self) -> f64 {
+        (self.variance * self.ratio).sqrt()
+    }
+}
