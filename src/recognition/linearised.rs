@@ -48,29 +48,32 @@ pub(super) struct Linearised {
 }
 
 impl Linearised {
-    /// Equations about these models; `moved` tells the displacement about which normals scatter, where one is known.
-    pub(super) fn new(
-        cells: &Cells,
-        contacts: &[Vector],
-        models: Vec<Model>,
-        factors: &FactorPair,
-        moved: Option<&Moved>,
-    ) -> Linearised {
-        let displacement = match models.iter().find(|m| m.kind() == Kind::General) {
-            Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts),
-            _ => None,
-        };
-        let mut rows = Rows::new(cells, &models, displacement.as_ref());
-        if let Some(moved) = moved {
-            moved.average(&mut rows, cells, contacts);
-            moved.lengthen(&mut rows, cells);
-        }
-        let normal_noise = match moved {
-            Some(moved) => NormalNoise::find(&moved.without_displacement(&rows), factors.normals(), moved.spent),
-            None => NormalNoise::find(&rows, factors.normals(), 0.0),
-        };
+    /// Equations about these models.
+    pub(super) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
+        let displacement = displacement_of(&models, cells, contacts);
+        let rows = Rows::new(cells, &models, displacement.as_ref());
+        let normal_noise = NormalNoise::find(&rows, factors.normals(), 0.0);
         let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&rows, factors.normals()));
         Linearised { models, displacement, rows, normal_noise, normals }
+    }
+
+    /// Equations about the moved models, with normals that scatter about the displacement which moved them; `None` where the moved
+    /// surface has no chart that a displacement could stand on.
+    pub(super) fn about(
+        &self,
+        moved: &Moved,
+        cells: &Cells,
+        contacts: &[Vector],
+        factors: &FactorPair,
+    ) -> Option<Linearised> {
+        let models = self.models_with(moved);
+        let displacement = displacement_of(&models, cells, contacts)?;
+        let mut rows = Rows::new(cells, &models, Some(&displacement));
+        moved.average(&mut rows, cells, contacts);
+        moved.lengthen(&mut rows, cells);
+        let mut made = Linearised { models, displacement: Some(displacement), rows, normal_noise: None, normals: None };
+        made.scatter_about(moved, factors);
+        Some(made)
     }
 
     /// Lets the normals scatter about this displacement.
@@ -80,8 +83,16 @@ impl Linearised {
     }
 
     /// The models, the general one in its new place.
-    pub(super) fn models_with(&self, moved: &Moved) -> Vec<Model> {
+    fn models_with(&self, moved: &Moved) -> Vec<Model> {
         let of = |m: &Model| if m.kind() == Kind::General { moved.base.clone() } else { m.clone() };
         self.models.iter().map(of).collect()
+    }
+}
+
+/// The displacement about the general surface, where the data and its chart allow one.
+fn displacement_of(models: &[Model], cells: &Cells, contacts: &[Vector]) -> Option<Displacement> {
+    match models.iter().find(|m| m.kind() == Kind::General) {
+        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts),
+        _ => None,
     }
 }

@@ -150,10 +150,10 @@ fn recognise_given(
     let distances = noise::distances_between(&cells);
     let limit = Limit::new(&patch.points, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, models, &factors, None);
+    let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
     let again = second_look::moved(&plain, &first.1, &cells, &factors, limit)
-        .map(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
+        .and_then(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
     let (linearised, (evidence, nodes)) = match &again {
         Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit, Look::Second)),
         None => (&plain, first),

@@ -57,7 +57,7 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
     nodes.iter().filter(|n| n.is_displaced()).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
-/// The equations about the moved surface. The displacement was found over the chart of another surface, and normals that
+/// The equations about the moved surface; `None` where that has no chart to depart from. The displacement was found over the chart of another surface, and normals that
 /// scatter about it seem noisier than they are. Displacement and noise are therefore found again, in turns, under the
 /// covariance of positions that was the likeliest.
 pub(super) fn taken(
@@ -67,8 +67,8 @@ pub(super) fn taken(
     contacts: &[Vector],
     factors: &FactorPair,
     limit: Limit,
-) -> Linearised {
-    let mut made = Linearised::new(cells, contacts, plain.models_with(moved), factors, Some(moved));
+) -> Option<Linearised> {
+    let mut made = plain.about(moved, cells, contacts, factors)?;
     let mut last = made.normal_noise;
     for _ in 0..ROUNDS {
         let Some(before) = last else { break };
@@ -80,7 +80,7 @@ pub(super) fn taken(
             break;
         }
     }
-    made
+    Some(made)
 }
 
 /// The move under the likeliest displaced node.

@@ -243,6 +243,26 @@ fn few_touches_with_normals_are_enough_for_a_class() {
     }
 }
 
+/// A surface that is moved until its chart's pole lies among the contacts carries no displacement: the first look stands.
+#[test]
+fn a_moved_surface_without_a_chart_leaves_the_first_look() {
+    let (points, normals) = bump(true, 1);
+    let options = RecognitionOptions::default();
+    let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+    let patch = Patch::new(Given::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
+    let cells = patch.cells();
+    let distances = noise::distances_between(&cells);
+    let factors = FactorPair::new(&cells, &distances);
+    let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
+    let moved = |k: f64| {
+        let base = constant_curvature::ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
+        let weights = vec![0.0; plain.displacement.as_ref().unwrap().columns()];
+        let moved = moved::Moved { base: Model::Constant(Kind::General, base), weights, spent: 0.0, kernel: 0 };
+        plain.about(&moved, &cells, &patch.points, &factors).is_some()
+    };
+    assert!(moved(-0.1) && !moved(-1.5));
+}
+
 /// Measured normals are believed on a body that bends, too; those of planes through neighbours are not.
 #[test]
 fn normals_that_follow_from_the_positions_are_told_from_measured_ones() {
