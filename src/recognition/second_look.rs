@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! theta <- theta + x of the likeliest displaced node        the terms x^2 and x f, left out by the first look, vanish
-//! f = natural departure + spline                            where the first look has one or the other
+//! f = natural departure + spline                            where the first look has a spline alone
 //! normals scatter about n(theta) - grad f                   not about the plain surface, whose misfit is no noise
 //! s_n <-> f                                                 in turns, about the moved surface
 //! ```
@@ -57,9 +57,9 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
     nodes.iter().filter(|n| n.is_displaced()).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
-/// The equations about the moved surface; `None` where that has no chart to depart from. The displacement was found over the chart of another surface, and normals that
-/// scatter about it seem noisier than they are. Displacement and noise are therefore found again, in turns, under the
-/// covariance of positions that was the likeliest.
+/// The equations about the moved surface; `None` where that has no chart to depart from. The displacement was found over the chart
+/// of another surface, and normals that scatter about it seem noisier than they are. Displacement and noise are therefore found
+/// again, in turns, under the covariance of positions that was the likeliest.
 pub(super) fn taken(
     plain: &Linearised,
     moved: &Moved,
