@@ -6,10 +6,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
-use crate::montecarlo::{Coverages, Family, Held, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
+use crate::montecarlo::{Family, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
 use crate::report::{TablePage, percent, write_json, write_table_page};
 
-use super::coverage_pooled::{ErrorPart, Pooled, pooled, write_pooled};
+use super::coverage_parts::SceneCoverage;
+use super::coverage_pooled::{Pooled, pooled, write_pooled};
 use super::failure::Failure;
 use super::output::print;
 use super::progress::Bar;
@@ -22,51 +23,8 @@ const REPLICATES: u64 = 2000;
 /// Replicates of the study whose errors the Monte Carlo's intervals carry.
 const STUDY: u64 = 20_000;
 
-/// Half width of a normal law's 95 % interval over its sd.
-const NORMAL: f64 = 1.96;
 /// Seed of the first random surface when none is said.
 const FIRST: u64 = 1;
-
-#[derive(Serialize)]
-pub(super) struct HeldPart {
-    share: Option<f64>,
-    interval: Option<[f64; 2]>,
-    pub(super) asked: u64,
-    #[serde(skip)]
-    pub(super) inside: u64,
-}
-
-#[derive(Serialize)]
-pub(super) struct QuantityCoverage {
-    linear: HeldPart,
-    monte_carlo: HeldPart,
-    named: HeldPart,
-    named_half_width: Option<f64>,
-    pub(super) chosen: HeldPart,
-    chosen_width: Option<f64>,
-    chosen_half_width: Option<f64>,
-    /// Errors of the values in whose intervals `chosen` looks for the truth; those of R are relative.
-    pub(super) chosen_error: ErrorPart,
-    /// Median half width over that of a fit which knows the surface's family and the noise.
-    pub(super) chosen_over_oracle: Option<f64>,
-    bias_over_sd: Option<f64>,
-    u_over_sd: Option<f64>,
-}
-
-#[derive(Serialize)]
-pub(super) struct SceneCoverage {
-    pub(super) scene: String,
-    path: String,
-    fitted: u64,
-    failed: u64,
-    planes: u64,
-    /// Mean probability given to the reported class, and the share in which it is the true one.
-    pub(super) class_forecast: Option<[f64; 2]>,
-    #[serde(rename = "S")]
-    pub(super) shape_index: QuantityCoverage,
-    #[serde(rename = "R")]
-    pub(super) curvedness: QuantityCoverage,
-}
 
 #[derive(Serialize)]
 struct CoverageDocument {
@@ -77,54 +35,6 @@ struct CoverageDocument {
     /// Random surfaces by their kind, and all of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pooled: Vec<Pooled>,
-}
-
-impl HeldPart {
-    fn new(held: &Held) -> HeldPart {
-        HeldPart {
-            share: held.share(),
-            interval: held.interval.map(|i| [i.lo, i.hi]),
-            asked: held.asked,
-            inside: held.inside,
-        }
-    }
-
-    fn words(&self) -> String {
-        match (self.share, self.interval) {
-            (Some(share), Some([lo, hi])) => {
-                format!("{:.1} [{:.1}, {:.1}]", 100.0 * share, 100.0 * lo, 100.0 * hi)
-            }
-            _ => "-".into(),
-        }
-    }
-}
-
-impl SceneCoverage {
-    fn new(plan: &Plan, found: &Coverages, oracle: [Option<f64>; 2]) -> SceneCoverage {
-        let part = |q: usize| QuantityCoverage {
-            linear: HeldPart::new(&found.linear[q]),
-            monte_carlo: HeldPart::new(&found.monte_carlo[q]),
-            named: HeldPart::new(&found.named[q]),
-            named_half_width: found.named_half_width[q],
-            chosen: HeldPart::new(&found.chosen[q]),
-            chosen_width: found.chosen_width[q],
-            chosen_half_width: found.chosen_half_width[q],
-            chosen_error: ErrorPart::new(found.chosen_errors[q].clone()),
-            chosen_over_oracle: found.chosen_half_width[q].zip(oracle[q]).map(|(half, sd)| half / (NORMAL * sd)),
-            bias_over_sd: found.bias[q],
-            u_over_sd: found.u_ratio[q],
-        };
-        SceneCoverage {
-            scene: plan.name.clone(),
-            path: plan.study.engine().path().name().into(),
-            fitted: found.fitted,
-            failed: found.failed,
-            planes: found.planes,
-            class_forecast: found.class_forecast,
-            shape_index: part(0),
-            curvedness: part(1),
-        }
-    }
 }
 
 /// A scene whose intervals are judged, and the oracle's standard deviations of S and R there.

@@ -9,31 +9,7 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use super::coverage::SceneCoverage;
-
-/// Errors of one quantity.
-#[derive(Serialize)]
-pub(super) struct ErrorPart {
-    median: Option<f64>,
-    /// What the size of nine errors in ten does not exceed.
-    of_90_percent: Option<f64>,
-    #[serde(skip)]
-    all: Vec<f64>,
-}
-
-impl ErrorPart {
-    pub(super) fn new(all: Vec<f64>) -> ErrorPart {
-        let sizes = all.iter().map(|e| e.abs()).collect();
-        ErrorPart { median: quantile(all.clone(), 0.5), of_90_percent: quantile(sizes, 0.9), all }
-    }
-}
-
-/// The smallest value that a part `p` of the values does not exceed.
-fn quantile(mut values: Vec<f64>, p: f64) -> Option<f64> {
-    values.sort_unstable_by(f64::total_cmp);
-    let rank = (p * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied()
-}
+use super::coverage_parts::{ErrorPart, SceneCoverage, quantile};
 
 /// One quantity over the surfaces of a kind.
 #[derive(Serialize)]
@@ -134,16 +110,4 @@ pub(super) fn write_pooled(pooled: &[Pooled], out: &mut dyn Write) -> std::io::R
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_values_of_the_sample() {
-        let values: Vec<f64> = (1..=10).rev().map(f64::from).collect();
-        assert_eq!((quantile(values.clone(), 0.5), quantile(values, 0.9)), (Some(5.0), Some(9.0)));
-        assert_eq!((quantile(vec![3.0], 0.9), quantile(Vec::new(), 0.5)), (Some(3.0), None));
-    }
 }

@@ -10,6 +10,7 @@
 mod automatic;
 mod completions;
 mod coverage;
+mod coverage_parts;
 mod coverage_pooled;
 mod describe;
 mod diff;
