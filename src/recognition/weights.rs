@@ -73,7 +73,7 @@ const OTHER: f64 = 0.25;
 ///
 /// A tactile image displaces its contacts by many times what neighbours differ by (22 times on that ball). A departure below
 /// [`OF_SCATTER`] is no such error, and normals that are ahead by the second number all together show that it is shape. Of 120
-/// objects that were touched at 441 places each, 81 had S and R right without that, and 101 with it
+/// objects that were touched at 441 places each, 91 had S and R right without that, and 101 with it
 /// (`benches/runs/explore.md`).
 const BY_NORMALS: f64 = 0.5 * OF_SCATTER * OF_SCATTER;
 const BY_ALL: f64 = 8.0;
@@ -109,7 +109,7 @@ pub(super) struct Weights {
     pub(super) gap: f64,
     /// Log likelihood by which all normals prefer the displaced surface.
     pub(super) normals: f64,
-    /// Number of cells that have them.
+    /// Number of cells.
     cells: f64,
     /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
     pub(super) taken_for_shape: bool,
@@ -160,12 +160,7 @@ pub(super) fn weigh(
     }
     weights.interval = with_doubt(nodes, &estimate, error, &misfit);
     if error && displaced > 0.5 {
-        for kind in [Kind::Sphere, Kind::Cylinder] {
-            let here = |n: &Node| n.kind == kind;
-            if misfit(kind) <= SIMPLE * misfit(Kind::General) && total(&weights.interval, nodes, here) < DOUBT {
-                raise(&mut weights.interval, nodes, here, |_| true, DOUBT);
-            }
-        }
+        keep_simple(&mut weights.interval, nodes, &misfit);
     }
     // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
     let fading = EITHER * (2.0 - weights.size / SENSOR[1]);
@@ -176,6 +171,16 @@ pub(super) fn weigh(
     weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
     weights.estimate = if weights.taken_for_shape { by_evidence } else { estimate };
     weights
+}
+
+/// Gives sphere and cylinder, where they misfit little more than the general surface, their least share of the interval.
+fn keep_simple(interval: &mut [f64], nodes: &[Node], misfit: impl Fn(Kind) -> f64) {
+    for kind in [Kind::Sphere, Kind::Cylinder] {
+        let here = |n: &Node| n.kind == kind;
+        if misfit(kind) <= SIMPLE * misfit(Kind::General) && total(interval, nodes, here) < DOUBT {
+            raise(interval, nodes, here, |_| true, DOUBT);
+        }
+    }
 }
 
 /// Whether the rest is no simple shape under these weights of plain nodes, and natural departures explain the contacts about as
