@@ -13,6 +13,7 @@ use crate::shape::compare_with_truth;
 
 use super::departure::{Departure, departure};
 use super::model::{fit_of, planning_fit};
+use super::predictive_planner::PredictivePlanner;
 use super::richer::richer_p;
 
 /// The answer to some contacts.
@@ -26,10 +27,11 @@ pub(super) enum Answer {
 }
 
 impl Answer {
-    /// Of contacts, under the model that was named or none.
-    pub(super) fn new(contacts: &Contacts, model: Option<&FitOptions>, level: f64) -> Answer {
+    /// Of contacts, under the model that was named or none. A recognition predicts what touches at these places would measure.
+    pub(super) fn new(contacts: &Contacts, model: Option<&FitOptions>, level: f64, touches: &[[f64; 2]]) -> Answer {
+        let options = RecognitionOptions::default().with_level(level);
         match model {
-            None => match Recognition::of(contacts, &RecognitionOptions::default().with_level(level)) {
+            None => match Recognition::with_predictions(contacts, &options, touches) {
                 Ok(found) => Answer::Recognised(Box::new(found)),
                 Err(error) => Answer::Refused(error.to_string()),
             },
@@ -118,6 +120,11 @@ impl Answer {
     /// How the contacts depart from what was recognised.
     pub(super) fn departure(&self, contacts: &Contacts) -> Option<Departure> {
         if let Answer::Recognised(found) = self { departure(contacts, found) } else { None }
+    }
+
+    /// What touches are chosen by where nothing was named; `units` are those of S and R, or their own uncertainties.
+    pub(super) fn predictive_planner(&self, units: Option<[f64; 2]>) -> Option<PredictivePlanner> {
+        if let Answer::Recognised(found) = self { PredictivePlanner::new(found, units) } else { None }
     }
 
     /// The fit whose covariance touches are planned by; `None` where the contacts are too few for one.

@@ -4,7 +4,8 @@
 //! lattice       argmax over candidates of the distance to the nearest touch
 //! random        each candidate with the same probability
 //! second-sweep  middle + t (cos a, sin a), a: direction of k1, then of k2;  t = +-1, +-1/2, 0, +-1/4, ... of half the reach
-//! variance      argmax Var z      shape  argmax of the fall of u(S), u(R)      both with the covariance updated in between
+//! variance      argmax Var z      shape  argmax of the fall of u(S), u(R)      both with the covariance updated in between:
+//!               that of a spline, or for shape that of the recognition's draws where no model was named
 //! probe-model   argmax |z_rich - z_simple|, away from the touches of the same round
 //! ```
 
@@ -15,6 +16,7 @@ use super::ExploreError;
 use super::answer::Answer;
 use super::hand::Hand;
 use super::planner::{Criterion, TouchPlanner};
+use super::predictive_planner::PredictivePlanner;
 use super::strategy::Strategy;
 
 /// Stations of a finger's line, where whole lines are planned.
@@ -50,8 +52,24 @@ impl Situation<'_> {
             Strategy::Lattice | Strategy::SecondSweep => Ok(self.farthest(&places, n)),
             Strategy::ProbeModel => Ok(self.probed(&places, n).unwrap_or_else(|| self.farthest(&places, n))),
             Strategy::Variance => self.planned(&left, &places, n, Criterion::Height, lines),
-            Strategy::Shape => self.planned(&left, &places, n, Criterion::Shape, lines),
+            Strategy::Shape => match self.answer.predictive_planner(self.units) {
+                Some(planner) => Ok(self.predicted(planner, &left, n, lines)),
+                None => self.planned(&left, &places, n, Criterion::Shape, lines),
+            },
         }
+    }
+
+    /// The touches by which S and R would be known best, as the recognition sees them.
+    fn predicted(&self, mut planner: PredictivePlanner, left: &[usize], n: usize, lines: bool) -> Vec<[f64; 2]> {
+        let chosen = if lines {
+            let of_left = |line: Vec<usize>| line.into_iter().map(|k| left[k]).collect();
+            let groups: Vec<Vec<usize>> = self.lines(left).into_iter().map(of_left).collect();
+            let best = planner.best_group(&groups);
+            best.map_or(Vec::new(), |g| groups[g].iter().copied().take(n).collect())
+        } else {
+            planner.choose(left, n)
+        };
+        chosen.into_iter().map(|k| self.hand.candidates[k]).collect()
     }
 
     /// Numbers of the candidates that were not touched yet: a place touched twice tells of noise and not of shape.

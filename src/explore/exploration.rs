@@ -78,7 +78,8 @@ pub fn explore(
     let mut direction = None;
     loop {
         let (contacts, truth) = hand.feel()?;
-        let answer = Answer::new(&contacts, options.model.as_ref(), options.level);
+        let touches = if options.strategy == Strategy::Shape { hand.candidates.as_slice() } else { &[] };
+        let answer = Answer::new(&contacts, options.model.as_ref(), options.level, touches);
         check_planner(options, &answer)?;
         let mut look = Look::new(contacts.len(), touched, &answer, &truth);
         let direction = *direction.get_or_insert_with(|| answer.principal_direction());

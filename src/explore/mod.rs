@@ -3,13 +3,14 @@
 //! ```text
 //! fit -> P = (E'E)^-1, g = d(mean S, mean R)/dc
 //! a touch adds three rows A: u^2 = g' P g falls by (A P g)' (I + A P A')^-1 (A P g)        planner.rs, covariance.rs
+//! the same with draws of the recognition in place of P and g                                predictive_planner.rs
 //! loop: sweep -> recognise -> plan -> touch, until the goal or the budget                   exploration.rs
 //! ```
 //!
 //! A robot that has its own world fits its contacts and asks a [`TouchPlanner`], once or again and again.
 //! `palpate explore` plays the whole loop in a simulated world. There S, R and their intervals come from
-//! [`recognition`](crate::recognition), whose uncertainty counts doubt about the kind of surface; the planner's spline only
-//! chooses places.
+//! [`recognition`](crate::recognition), whose uncertainty counts doubt about the kind of surface, and so does the choice of
+//! touches.
 //!
 //! ```
 //! use palpate::explore::TouchPlanner;
@@ -38,6 +39,7 @@ mod hand;
 mod look;
 mod model;
 mod planner;
+mod predictive_planner;
 mod richer;
 mod rows;
 mod stopping;

@@ -5,7 +5,8 @@
 //! rich     degree 3, one segment         where the recognition needs a displacement, and for comparing models
 //! ```
 //!
-//! S and R are not taken from these fits. They only say how a touch at a place would change what is known.
+//! S and R are not taken from these fits. They say how a touch at a place would change what is known, where the recognition does not:
+//! for `variance` and `probe-model`, and for how far noise could still be brought down.
 
 use crate::contact::Contacts;
 use crate::fit::{Fit, FitOptions, FrameChoice, NormalSigma, Objective, fit_contacts};

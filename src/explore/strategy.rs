@@ -11,7 +11,7 @@ pub enum Strategy {
     SecondSweep,
     /// Where the height of the surface is least certain.
     Variance,
-    /// Where a touch lets the uncertainties of S and R fall most.
+    /// Where a touch lets the uncertainties of S and R fall most: those of the recognition, or of the model that was named.
     #[default]
     Shape,
     /// Where a richer model of the surface differs most.

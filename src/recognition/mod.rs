@@ -38,6 +38,7 @@ mod displacement;
 mod error;
 mod estimated_normals;
 mod evidence;
+mod field;
 mod flexible;
 mod frame;
 mod in_place;
@@ -60,6 +61,7 @@ mod patch;
 #[cfg(feature = "cli")]
 mod pointwise;
 mod posterior;
+mod predictive;
 mod reduced;
 mod region;
 mod report;
@@ -89,6 +91,7 @@ pub use options::RecognitionOptions;
 pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
+pub(crate) use predictive::PredictiveDraw;
 pub(crate) use result::Dropped;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
 #[cfg(feature = "cli")]
@@ -113,7 +116,18 @@ impl Recognition {
     /// When the contacts are faulty, too few, on one line, or not one sheet.
     pub fn of(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         input::check_options(options)?;
-        recognise_given(Given::from_contacts(contacts, options)?, None, options)
+        recognise_given(Given::from_contacts(contacts, options)?, &Asked::default(), options)
+    }
+
+    /// The same, with what touches at these places of the input's x and y would measure.
+    pub(crate) fn with_predictions(
+        contacts: &Contacts,
+        options: &RecognitionOptions,
+        touches: &[[f64; 2]],
+    ) -> Result<Recognition, RecognitionError> {
+        input::check_options(options)?;
+        let asked = Asked { touches, ..Asked::default() };
+        recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }
 
     /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
@@ -123,7 +137,7 @@ impl Recognition {
     pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         input::check_options(options)?;
         let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-        recognise_given(Given::from_grid(grid, options)?, None, &upward)
+        recognise_given(Given::from_grid(grid, options)?, &Asked::default(), &upward)
     }
 
     /// Of contacts, with S and R averaged over these places of the input instead of the region that contacts support.
@@ -133,16 +147,22 @@ impl Recognition {
         options: &RecognitionOptions,
     ) -> Result<Recognition, RecognitionError> {
         input::check_options(options)?;
-        recognise_given(Given::from_contacts(contacts, options)?, Some(places), options)
+        let asked = Asked { means: Some(places), ..Asked::default() };
+        recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }
 }
 
+/// Places that a caller asks about.
+#[derive(Clone, Copy, Debug, Default)]
+struct Asked<'a> {
+    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
+    means: Option<&'a [Vector]>,
+    /// Where touches are predicted, x and y of the input.
+    touches: &'a [[f64; 2]],
+}
+
 /// The steps, top to bottom.
-fn recognise_given(
-    given: Given,
-    places: Option<&[Vector]>,
-    options: &RecognitionOptions,
-) -> Result<Recognition, RecognitionError> {
+fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     let patch = Patch::new(given, options)?;
     let cells = in_place::weighed(patch.cells(), &patch, options.sigma_xy);
     let models = patch.fitted(&cells);
@@ -172,7 +192,7 @@ fn recognise_given(
         relief,
         normal_noise: linearised.normal_noise,
         distances: &distances,
-        places,
+        asked,
     }
     .recognition(options)
 }

@@ -52,9 +52,17 @@ pub(super) fn bounds(points: impl Iterator<Item = Vector>) -> [[f64; 2]; 2] {
 /// it does not, the point is the last that was tried.
 pub(super) fn product(surface: &RecognisedSurface, over: [[f64; 2]; 2], points: [usize; 2]) -> Vec<(ChartPoint, bool)> {
     let [x, y] = [0, 1].map(|k| linspace(over[k][0], over[k][1], points[k]));
+    let places: Vec<[f64; 2]> = x.iter().flat_map(|x| y.iter().map(|y| [*x, *y])).collect();
+    at_places(surface, &places)
+}
+
+/// Points of the surface over places of the input's x and y, and whether the surface reaches each.
+pub(super) fn at_places(surface: &RecognisedSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
+    if places.is_empty() {
+        return Vec::new();
+    }
     let known = lattice(surface);
-    let places = x.iter().flat_map(|x| y.iter().map(|y| [*x, *y]));
-    places.map(|place| above(surface, place, nearest(&known, place))).collect()
+    places.iter().map(|place| above(surface, *place, nearest(&known, *place))).collect()
 }
 
 /// Chart positions from edge to edge of what contacts cover, and their points.

@@ -25,16 +25,17 @@
 use faer::Mat;
 use statrs::function::erf;
 
-use crate::curvature::{ShapeClass, shape_index};
+use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
-use crate::shape::spread;
 use crate::threads;
-use crate::vector::{Vector, cross, dot};
+use crate::vector::{Vector, dot};
 
 use super::dense;
 use super::evidence::Evidence;
+use super::field::{Field, Points};
 use super::model::Kind;
 use super::node::Node;
+use super::predictive::{PredictiveDraw, measured, predicted};
 use super::state::{ChartPoint, State};
 use super::weights::Weights;
 use super::{Estimate, RecognitionOptions};
@@ -68,13 +69,17 @@ pub(super) struct Summary {
     pub(super) u: Vec<[f64; 2]>,
     /// Within how many degrees of the reported ones the directions of k1 and k2 lie, at the level of the intervals.
     pub(super) directions_within_deg: Option<[f64; 2]>,
+    /// Draws with what touches would measure on them; empty where none was asked for.
+    pub(super) predictive: Vec<PredictiveDraw>,
 }
 
 impl Summary {
     /// Moves means and intervals from the points that they were taken over to others, by what one surface shows of the
     /// difference.
     pub(super) fn move_to(&mut self, state: &State, from: &[ChartPoint], to: &[ChartPoint]) {
-        let mean = |points: &[ChartPoint]| Points { all: points, map: &[], within: None, middle: None }.field(state);
+        let mean = |points: &[ChartPoint]| {
+            Points { all: points, map: &[], within: None, middle: None, touched: &[] }.field(state)
+        };
         let (from, to) = (mean(from), mean(to));
         if let Some(s) = &mut self.shape_index {
             s.moved(to.s - from.s, [-1.0, 1.0]);
@@ -83,67 +88,6 @@ impl Summary {
         self.k1 += to.k[0] - from.k[0];
         self.k2 += to.k[1] - from.k[1];
     }
-}
-
-/// Means over the region of one surface, and S and R at the points asked for.
-struct Field {
-    s: f64,
-    r: f64,
-    k: [f64; 2],
-    at: Vec<[f64; 2]>,
-    /// Directions of k1 and k2 in the middle, where they are defined and asked for.
-    directions: Option<[Vector; 2]>,
-}
-
-/// Points at which surfaces are evaluated.
-pub(super) struct Points<'a> {
-    /// Those that means are taken over.
-    pub(super) all: &'a [ChartPoint],
-    /// Those whose own uncertainty is asked for.
-    pub(super) map: &'a [ChartPoint],
-    /// Numbers within the map of those that means are taken over, where they are a part of it.
-    pub(super) within: Option<&'a [usize]>,
-    /// Where the directions of k1 and k2 are asked for.
-    pub(super) middle: Option<ChartPoint>,
-}
-
-impl Points<'_> {
-    fn field(&self, state: &State) -> Field {
-        if let Some(k) = state.constant_curvatures() {
-            let [s, r] = shape(k);
-            return Field { s, r, k, at: vec![[s, r]; self.map.len()], directions: self.directions(state) };
-        }
-        let over_map: Vec<Option<[f64; 2]>> = self.map.iter().map(|p| state.curvatures(p)).collect();
-        let at: Vec<[f64; 2]> = over_map.iter().map(|k| shape(k.unwrap_or([0.0; 2]))).collect();
-        let mut sums = [0.0; 5];
-        let mut add = |[s, r]: [f64; 2], k: [f64; 2]| {
-            sums.iter_mut().zip([s, r, k[0], k[1], 1.0]).for_each(|(sum, v)| *sum += v);
-        };
-        match self.within {
-            Some(numbers) => numbers.iter().filter_map(|&i| Some((at[i], over_map[i]?))).for_each(|(s, k)| add(s, k)),
-            None => self.all.iter().filter_map(|p| state.curvatures(p)).for_each(|k| add(shape(k), k)),
-        }
-        let count = f64::max(sums[4], 1.0);
-        let [s, r, k1, k2, _] = sums.map(|sum| sum / count);
-        Field { s, r, k: [k1, k2], at, directions: self.directions(state) }
-    }
-
-    fn directions(&self, state: &State) -> Option<[Vector; 2]> {
-        let bent = state.at(self.middle.as_ref()?);
-        let k1 = bent.direction?;
-        Some([k1, cross(bent.normal, k1)])
-    }
-
-    /// Standard deviations of S and of R over the region.
-    fn variation(&self, state: &State) -> [f64; 2] {
-        let shapes: Vec<[f64; 2]> = self.all.iter().filter_map(|p| state.curvatures(p)).map(shape).collect();
-        [0, 1].map(|k| spread(shapes.iter().map(|v| v[k])).sd.unwrap_or(0.0))
-    }
-}
-
-/// S, 0 where it is undefined, and R of two curvatures.
-fn shape([k1, k2]: [f64; 2]) -> [f64; 2] {
-    [shape_index(k1 + k2, k1 - k2).unwrap_or(0.0), (0.5 * (k1 * k1 + k2 * k2)).sqrt()]
 }
 
 /// The likeliest surface of a node.
@@ -215,6 +159,8 @@ struct Drawn {
     weights: [f64; 2],
     likeliest: Field,
     draws: Vec<Field>,
+    /// What touches would measure on the first of the draws.
+    touches: Vec<Vec<[f64; 3]>>,
 }
 
 /// Estimates, intervals and class shares.
@@ -242,12 +188,15 @@ pub(super) fn summary(
         let states = drawn(evidence, (i, node), joint.as_ref(), count, options.seed, hidden);
         let draws = states.iter().map(|s| points.field(s)).collect();
         let likeliest = points.field(&likeliest);
+        let asked = if points.touched.is_empty() { 0 } else { predicted(states.len()) };
+        let touches = states[..asked].iter().map(|state| measured(state, points.touched)).collect();
         Some(Drawn {
             kind: node.kind,
             displaced: node.is_displaced(),
             weights: [weights.estimate[i], weights.interval[i]],
             likeliest,
             draws,
+            touches,
         })
     });
     let found: Vec<Drawn> = found.into_iter().flatten().collect();
@@ -283,7 +232,21 @@ pub(super) fn summary(
             first.zip(second).map(|(first, second)| [first, second])
         }),
         u: pointwise(&found, points.map.len()),
+        predictive: predictive(&found),
     })
+}
+
+/// The draws of curved surfaces that touches were predicted on, under the interval's weights.
+fn predictive(found: &[Drawn]) -> Vec<PredictiveDraw> {
+    let mut out: Vec<PredictiveDraw> = Vec::new();
+    for drawn in found.iter().filter(|d| d.kind != Kind::Plane) {
+        let share = drawn.weights[1] / drawn.touches.len().max(1) as f64;
+        let pairs = drawn.draws.iter().zip(&drawn.touches);
+        out.extend(pairs.map(|(f, touches)| PredictiveDraw { share, shape: [f.s, f.r], touches: touches.clone() }));
+    }
+    let sum: f64 = out.iter().map(|draw| draw.share).sum();
+    out.iter_mut().for_each(|draw| draw.share /= sum);
+    out
 }
 
 /// The angle from this direction, degrees, that a part `level` of the draws does not exceed.

@@ -4,23 +4,25 @@ use faer::Mat;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::shape::radius_of;
-use crate::vector::{Vector, cross};
+use crate::vector::cross;
 
 use super::dense;
 use super::evidence::{Evidence, curvatures};
+use super::field::Points;
 use super::misfit::{self, misfit};
 use super::model::Kind;
 use super::node::Node;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
-use super::posterior::{Points, Summary, likeliest, summary};
+use super::posterior::{Summary, likeliest, summary};
+use super::predictive;
 use super::region::Region;
 use super::state::{ChartPoint, State};
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
-    Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
-    RecognitionOptions, Tried, weighted_rms,
+    Asked, Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition,
+    RecognitionError, RecognitionOptions, Tried, weighted_rms,
 };
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
@@ -38,8 +40,8 @@ pub(super) struct Findings<'a> {
     pub(super) relief: f64,
     pub(super) normal_noise: Option<NormalNoise>,
     pub(super) distances: &'a Mat<f64>,
-    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
-    pub(super) places: Option<&'a [Vector]>,
+    /// Places that the caller asks about.
+    pub(super) asked: &'a Asked<'a>,
 }
 
 /// The points that contacts support.
@@ -81,7 +83,7 @@ impl Findings<'_> {
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
         let Region { surface, map: points, supported, lattice, within_map, over: level_over } =
-            Region::new(self.patch, self.evidence, base, state, self.places, options);
+            Region::new(self.patch, self.evidence, base, state, self.asked.means, options);
         let map = &points[..points.len().min(MAPPED)];
         let [u, v] = middle_of(&surface);
         let over = Points {
@@ -89,10 +91,11 @@ impl Findings<'_> {
             map,
             within: within_map.as_deref().filter(|_| map.len() == points.len()),
             middle: Some(surface.chart_point(u, v)),
+            touched: &predictive::places(&surface, self.asked.touches),
         };
         let mut found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
             .ok_or_else(|| failed("averaging"))?;
-        if self.places.is_none() && within_map.is_none() {
+        if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
         let map = self.map(&surface, &points, &supported, &found);
@@ -130,7 +133,7 @@ impl Findings<'_> {
             map,
             grid: options.grid,
             over: level_over,
-            averaged: match self.places {
+            averaged: match self.asked.means {
                 Some(_) => lattice.iter().map(place_of).collect(),
                 None => held(&points, &supported).iter().map(place_of).collect(),
             },
@@ -146,6 +149,7 @@ impl Findings<'_> {
             effective_contacts: self.effective_contacts(best),
             contacts: self.patch.points.len(),
             notes: self.notes(&misfit, class),
+            predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
             misfit,
         })
     }

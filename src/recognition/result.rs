@@ -4,6 +4,7 @@
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 
+use super::predictive::PredictiveDraw;
 use super::surface::RecognisedSurface;
 
 /// The kinds of surface that are compared.
@@ -289,6 +290,8 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know, in whole sentences.
     pub notes: Vec<String>,
+    /// Drawn surfaces with what touches would measure on them; empty where none was asked for.
+    pub(crate) predictive: Vec<PredictiveDraw>,
 }
 
 impl Recognition {

@@ -6,7 +6,7 @@
 //! ```
 
 use crate::curvature::Principal;
-use crate::vector::{Vector, along};
+use crate::vector::{Vector, along, cross, norm_hypot};
 
 use super::constant_curvature::{ConstantCurvature, Jet, bending, curvatures_of, derivatives};
 use super::displacement::{JetRow, turned};
@@ -134,6 +134,30 @@ impl State {
         }
     }
 
+    /// Where the surface lies at a chart point, and its unit normal there.
+    pub(super) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
+        match &self.model {
+            Model::Paraboloid(surface) => {
+                let [x, y, _] = at.place;
+                let place = [x, y, surface.height(x, y)[0]];
+                (place, surface.distance_and_normal(place).1)
+            }
+            Model::Constant(Kind::General, surface) => {
+                let jet = self.jet(at);
+                let chart = self.turned_chart(at);
+                let [_, _, _, k1, k2, _] = surface.theta;
+                let [c, s] = self.turn;
+                let bent = derivatives(k1, k2, chart, &turned(&jet, c, s));
+                let normal = surface.rotate_back(normal_of(cross(bent.u, bent.v)));
+                (surface.point(chart[0], chart[1], jet[0]), normal)
+            }
+            Model::Constant(_, surface) => {
+                let (d, normal) = surface.distance_and_normal(at.place);
+                (along(at.place, -d, normal), normal)
+            }
+        }
+    }
+
     fn turned_chart(&self, at: &ChartPoint) -> [f64; 2] {
         let ([u, v], [c, s]) = (at.chart, self.turn);
         [c * u + s * v, c * v - s * u]
@@ -144,27 +168,20 @@ impl State {
         let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
         let displacement = self.jet(at)[0];
         let [k1, k2] = curvatures;
-        let bent = |place, normal, direction| Bent { place, normal, k1, k2, direction, displacement };
-        match &self.model {
-            Model::Paraboloid(surface) => {
-                let [x, y, _] = at.place;
-                let place = [x, y, surface.height(x, y)[0]];
-                bent(place, surface.distance_and_normal(place).1, self.principal(at).map(|p| p.direction1))
-            }
-            Model::Constant(Kind::General, surface) => {
-                let [u, v] = self.turned_chart(at);
-                let place = surface.point(u, v, displacement);
-                let principal = self.principal(at);
-                let normal = principal.map_or([0.0, 0.0, 1.0], |p| p.normal);
-                bent(place, surface.rotate_back(normal), principal.map(|p| surface.rotate_back(p.direction1)))
-            }
-            Model::Constant(kind, surface) => {
-                let (d, normal) = surface.distance_and_normal(at.place);
-                let place = along(at.place, -d, normal);
-                bent(place, normal, (*kind == Kind::Cylinder).then(|| axis_of_k1(surface, place)))
-            }
-        }
+        let (place, normal) = self.place_and_normal(at);
+        let direction = match &self.model {
+            Model::Paraboloid(_) => self.principal(at).map(|p| p.direction1),
+            Model::Constant(Kind::General, surface) => self.principal(at).map(|p| surface.rotate_back(p.direction1)),
+            Model::Constant(kind, surface) => (*kind == Kind::Cylinder).then(|| axis_of_k1(surface, place)),
+        };
+        Bent { place, normal, k1, k2, direction, displacement }
     }
+}
+
+/// The unit normal along this cross product of two tangents; upright where they span no plane.
+fn normal_of(across: Vector) -> Vector {
+    let area = norm_hypot(across);
+    if area > 0.0 && area.is_finite() { across.map(|w| w / area) } else { [0.0, 0.0, 1.0] }
 }
 
 /// Direction of the larger curvature of a cylinder.

@@ -203,3 +203,22 @@ fn worlds_that_cannot_be_explored_say_why() {
     let wrong = ExploreOptions { goal: Some(Goal { u_s: 0.0, u_r: 0.1 }), ..options(Strategy::Shape) };
     assert!(matches!(explored(&world(), &wrong), Err(ExploreError::Option { option: "u_s", .. })));
 }
+
+/// What `shape` is for: after as many contacts R is known better than where they were spread evenly. In the mean of the three
+/// kinds by some 0.8 (`benches/runs/explore.md`).
+#[test]
+fn planned_touches_leave_less_uncertainty_than_even_ones() {
+    let u_of = |strategy: Strategy| -> f64 {
+        let bodies = [Surface::sphere(9.0), Surface::cylinder(9.0), Surface::saddle([10.0, 8.0])];
+        let left = bodies.into_iter().map(|body| {
+            let world = World { surface: body, ..world() };
+            let options = ExploreOptions { contacts: 39, per_round: 3, ..options(strategy) };
+            let found = explore(&world, &options, |_| true).unwrap();
+            let r = found.looks.last().unwrap().curvedness.unwrap();
+            (r.u / r.mean).ln()
+        });
+        left.sum::<f64>() / 3.0
+    };
+    let ratio = (u_of(Strategy::Shape) - u_of(Strategy::Lattice)).exp();
+    assert!(ratio < 0.95, "{ratio}");
+}

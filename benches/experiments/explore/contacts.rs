@@ -6,9 +6,11 @@
 
 use palpate::FitOptions;
 use palpate::internals::explore::{ExploreOptions, Look, Strategy, explore};
+use palpate::internals::scene::linspace;
+use palpate::scene::Sweep;
 use rayon::prelude::*;
 
-use crate::objects::{KINDS, object};
+use crate::objects::{HALF, KINDS, object};
 
 /// Most contacts that are spent on one object.
 pub(crate) const BUDGET: usize = 60;
@@ -38,9 +40,28 @@ pub(crate) fn options(strategy: Strategy, noise: u64, contacts: usize) -> Explor
     }
 }
 
+/// How an exploration begins and goes on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Protocol {
+    /// Fingers, and stations of each, in the first sweep.
+    pub(crate) first: usize,
+    /// Touches between two looks.
+    pub(crate) round: usize,
+}
+
 /// Contacts until the answer is right; `None` where the budget does not do.
-fn until(seed: u64, noise: u64, strategy: Strategy, lines: bool, model: Option<&FitOptions>) -> Option<usize> {
-    let options = ExploreOptions { lines, model: model.cloned(), ..options(strategy, noise, BUDGET) };
+fn until(
+    seed: u64,
+    noise: u64,
+    (strategy, lines): (Strategy, bool),
+    protocol: Protocol,
+    model: Option<&FitOptions>,
+) -> Option<usize> {
+    let options =
+        ExploreOptions { lines, per_round: protocol.round, model: model.cloned(), ..options(strategy, noise, BUDGET) };
+    let mut world = object(seed);
+    let axis = linspace(-HALF, HALF, protocol.first);
+    world.sweeps = vec![Sweep::new(axis.clone(), axis)];
     let mut before: Option<usize> = None;
     let mut found = None;
     let mut watch = |look: &Look| {
@@ -51,7 +72,7 @@ fn until(seed: u64, noise: u64, strategy: Strategy, lines: bool, model: Option<&
         before = right.then_some(look.contacts);
         found.is_none()
     };
-    if let Err(error) = explore(&object(seed), &options, &mut watch) {
+    if let Err(error) = explore(&world, &options, &mut watch) {
         panic!("object {seed}: {error}");
     }
     found
@@ -63,10 +84,11 @@ fn quantile(sorted: &[usize], q: f64) -> String {
     if sorted[at] == usize::MAX { format!("> {BUDGET}") } else { sorted[at].to_string() }
 }
 
-pub(crate) fn print(first: u64, objects: u64, noises: u64, model: Option<&FitOptions>) {
+pub(crate) fn print(first: u64, objects: u64, noises: u64, protocol: Protocol, model: Option<&FitOptions>) {
     let answer = model.map_or("recognised".into(), |m| format!("named, degree {}", m.degree[0]));
     println!(
-        "\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep 3 x 3, 3 touches a round; {answer}"
+        "\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep {0} x {0}, {1} touches a round; {answer}",
+        protocol.first, protocol.round
     );
     println!("{:<22} {:>7} {:>8} {:>10}   medians by kind", "strategy", "median", "90 %", "never, %");
     let mut strategies: Vec<(String, Strategy, bool)> =
@@ -75,8 +97,10 @@ pub(crate) fn print(first: u64, objects: u64, noises: u64, model: Option<&FitOpt
     let mut all: Vec<(String, Vec<(u64, usize)>)> = Vec::new();
     for (name, strategy, lines) in strategies {
         let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();
-        let found: Vec<(u64, usize)> =
-            runs.par_iter().map(|&(o, n)| (o, until(o, n, strategy, lines, model).unwrap_or(usize::MAX))).collect();
+        let found: Vec<(u64, usize)> = runs
+            .par_iter()
+            .map(|&(o, n)| (o, until(o, n, (strategy, lines), protocol, model).unwrap_or(usize::MAX)))
+            .collect();
         tell(&name, &found);
         all.push((name, found));
     }

@@ -1,13 +1,15 @@
 //! What planned touches gain, each question by one word.
 //!
-//!     cargo bench --bench explore -- contacts [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
+//!     cargo bench --bench explore -- contacts [OBJECTS NOISES [FIRST]] [first=3] [round=3] [degree2 | degree3 | degree4]
 //!     cargo bench --bench explore -- stopping [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
+//!     cargo bench --bench explore -- equal [OBJECTS NOISES [FIRST]]
 //!     cargo bench --bench explore -- every [OBJECTS NOISES [FIRST]]
 //!     cargo bench --bench explore -- second [NOISES] | rank | trace OBJECT NOISE | export OBJECTS NOISES FIRST
 //!
 //! Objects have seeds; those from 1,000,001 on were not looked at before the recorded run (`benches/runs/explore.md`).
 
 mod contacts;
+mod equal;
 mod every;
 mod export;
 mod objects;
@@ -26,6 +28,11 @@ fn model(words: &[String]) -> Option<FitOptions> {
     Some(FitOptions::default().with_degree(degree).with_objective(sensor))
 }
 
+/// A whole number that follows this word, such as `first=3`.
+fn size(words: &[String], name: &str, otherwise: usize) -> usize {
+    words.iter().find_map(|w| w.strip_prefix(name)?.parse().ok()).unwrap_or(otherwise)
+}
+
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let numbers: Vec<u64> = words.iter().filter_map(|w| w.parse().ok()).collect();
@@ -33,14 +40,18 @@ fn main() {
     let asked = |word: &str| words.iter().any(|w| w == word);
     let (objects, noises, first) = (number(0, 60), number(1, 2), number(2, objects::UNSEEN));
     let model = model(&words);
+    let protocol = contacts::Protocol { first: size(&words, "first=", 3), round: size(&words, "round=", 3) };
     if asked("trace") {
         trace::print(number(0, 1), number(1, 1), model.as_ref());
     }
     if asked("contacts") {
-        contacts::print(first, objects, noises, model.as_ref());
+        contacts::print(first, objects, noises, protocol, model.as_ref());
     }
     if asked("stopping") {
         stopping::print(first, objects, noises, model.as_ref());
+    }
+    if asked("equal") {
+        equal::print(first, objects, noises);
     }
     if asked("every") {
         every::print(first, objects, noises);
