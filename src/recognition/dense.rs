@@ -46,7 +46,7 @@ pub(super) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
 /// `L'^-1 b`: gaussians of unit variance made gaussians of covariance `(L L')^-1`.
 pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
     for i in (0..b.len()).rev() {
-        let dot: f64 = (i + 1..b.len()).map(|j| lower[(j, i)] * b[j]).sum();
+        let dot: f64 = lower.col_as_slice(i)[i + 1..].iter().zip(&b[i + 1..]).map(|(l, b)| l * b).sum();
         b[i] = (b[i] - dot) / lower[(i, i)];
     }
 }
@@ -55,13 +55,9 @@ pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
 pub(super) fn forward_in_columns(lower: &Mat<f64>, b: &mut [f64]) {
     for j in 0..b.len() {
         let (done, rest) = b.split_at_mut(j + 1);
-        let column = lower.col(j).try_as_col_major();
         done[j] /= lower[(j, j)];
         let by = done[j];
-        match column {
-            Some(column) => rest.iter_mut().zip(&column.as_slice()[j + 1..]).for_each(|(b, l)| *b -= by * l),
-            None => rest.iter_mut().enumerate().for_each(|(i, b)| *b -= by * lower[(j + 1 + i, j)]),
-        }
+        rest.iter_mut().zip(&lower.col_as_slice(j)[j + 1..]).for_each(|(b, l)| *b -= by * l);
     }
 }
 

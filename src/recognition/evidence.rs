@@ -23,7 +23,7 @@ use super::linearised::Linearised;
 use super::model::{Kind, Model};
 use super::node::{Departure, GROUPS, Node};
 use super::noise::{Factors, Kernel, Limit};
-use super::reduced::{Columns, Reduced, reduced};
+use super::reduced::{Columns, Grams, Reduced, reduced};
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
@@ -219,7 +219,7 @@ impl<'a> Evidence<'a> {
         }
         let rss = |departure: Departure, natural: f64| {
             let columns = self.columns(kind, departure, [departure.of_spline().sqrt(), natural]);
-            Some(reduced(columns, |i, j| gram[(i, j)])?.rss)
+            Some(reduced(columns, Grams { positions: gram, variance: 1.0, normals: None })?.rss)
         };
         let plain = rss(Departure::None, 0.0)?.max(1e-30);
         let of = |departure: Departure, natural: f64| {
@@ -265,8 +265,8 @@ impl<'a> Evidence<'a> {
 
     /// The normal equations of positions and normals together, with the displacement eliminated.
     fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, departure: Departure) -> Option<Reduced> {
-        let at = |i: usize, j: usize| gram[(i, j)] / variance + self.normals.map_or(0.0, |m| m[(i, j)]);
-        reduced(self.columns(kind, departure, [(departure.of_spline() * variance).sqrt(), 1.0]), at)
+        let columns = self.columns(kind, departure, [(departure.of_spline() * variance).sqrt(), 1.0]);
+        reduced(columns, Grams { positions: gram, variance, normals: self.normals })
     }
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.

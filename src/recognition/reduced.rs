@@ -37,29 +37,81 @@ pub(super) struct Columns {
     pub(super) factors: [f64; 2],
 }
 
-/// Eliminates the displacement and then the parameters by one factor; `at` is the Gram matrix. `None` unless positive definite.
-pub(super) fn reduced(columns: Columns, at: impl Fn(usize, usize) -> f64) -> Option<Reduced> {
-    let Columns { y, unknowns: p, z: (first, count), rough, factors } = columns;
-    let size = count + p + 1;
-    let source = |i: usize| {
-        if i < count {
-            first + i
-        } else if i < count + p {
-            y + 1 + i - count
-        } else {
-            y
+/// Gram matrices of positions and normals, summed where they are read.
+#[derive(Clone, Copy)]
+pub(super) struct Grams<'a> {
+    pub(super) positions: &'a Mat<f64>,
+    /// Variance of a position: its rows are divided by it.
+    pub(super) variance: f64,
+    pub(super) normals: Option<&'a Mat<f64>>,
+}
+
+impl Grams<'_> {
+    /// Rows of a column from `from` on.
+    fn read(&self, from: usize, column: usize, out: &mut [f64]) {
+        let rows = from..from + out.len();
+        let positions = &self.positions.col_as_slice(column)[rows.clone()];
+        match self.normals {
+            Some(normals) => {
+                let both = positions.iter().zip(&normals.col_as_slice(column)[rows]);
+                out.iter_mut().zip(both).for_each(|(out, (p, n))| *out = p / self.variance + n);
+            }
+            None => out.iter_mut().zip(positions).for_each(|(out, p)| *out = p / self.variance),
         }
-    };
-    let factor = |i: usize| if i < count { factors[usize::from(i >= rough)] } else { 1.0 };
-    let (m, last) = (count + p, size - 1);
-    let entry = |i: usize, j: usize| {
-        let unit = if i == j && i < count { 1.0 } else { 0.0 };
-        factor(i) * factor(j) * at(source(i), source(j)) + unit
-    };
-    let joint = dense::cholesky(&Mat::from_fn(m, m, |i, j| if j <= i { entry(i, j) } else { 0.0 }))?;
-    let mut right: Vec<f64> = (0..m).map(|i| entry(i, last)).collect();
+    }
+}
+
+impl Columns {
+    /// Column of the Gram matrix that belongs to the i-th equation, and its factor; the last equation is y.
+    fn source(&self, i: usize) -> (usize, f64) {
+        let (first, count) = self.z;
+        if i < count {
+            (first + i, self.factors[usize::from(i >= self.rough)])
+        } else if i < count + self.unknowns {
+            (self.y + 1 + i - count, 1.0)
+        } else {
+            (self.y, 1.0)
+        }
+    }
+
+    /// Writes entries `from..` of a column of the equations: rows that stand together are read together, because the columns of all
+    /// candidates for a surface are most of the work beside the factor itself.
+    fn read(&self, grams: &Grams, column: usize, from: usize, out: &mut [f64]) {
+        let count = self.z.1;
+        let (at, by) = self.source(column);
+        let rough = self.rough.min(count);
+        for (start, end) in [(0, rough), (rough, count), (count, count + self.unknowns)] {
+            let (start, end) = (start.max(from), end.min(from + out.len()));
+            if start >= end {
+                continue;
+            }
+            let (row, factor) = self.source(start);
+            let part = &mut out[start - from..end - from];
+            grams.read(row, at, part);
+            part.iter_mut().for_each(|v| *v *= factor * by);
+        }
+    }
+}
+
+/// Eliminates the displacement and then the parameters by one factor. `None` unless positive definite.
+pub(super) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
+    let (p, count) = (columns.unknowns, columns.z.1);
+    let m = count + p;
+    let mut joint = Mat::<f64>::zeros(m, m);
+    for j in 0..m {
+        let column = &mut joint.col_as_slice_mut(j)[j..];
+        columns.read(&grams, j, j, column);
+        if j < count {
+            column[0] += 1.0;
+        }
+    }
+    let joint = dense::cholesky(&joint)?;
+    let mut right = vec![0.0; m];
+    columns.read(&grams, m, 0, &mut right);
+    let mut square = [0.0];
+    grams.read(columns.y, columns.y, &mut square);
     dense::forward_in_columns(&joint, &mut right);
-    let rss = entry(last, last) - right.iter().map(|v| v * v).sum::<f64>();
+    let rss = square[0] - right.iter().map(|v| v * v).sum::<f64>();
     let lower = Mat::from_fn(p, p, |i, j| if j <= i { joint[(count + i, count + j)] } else { 0.0 });
     let mut x: Vec<f64> = right[count..].iter().map(|u| -u).collect();
     dense::backward(&lower, &mut x);
