@@ -66,9 +66,9 @@ impl PredictivePlanner {
     /// The group whose touches lower the criterion most, for each touch.
     pub(super) fn best_group(&self, groups: &[Vec<usize>]) -> Option<usize> {
         let score = |group: &Vec<usize>| {
-            let mut planner = self.clone();
+            let mut planner = self.only(group);
             let mut fall = 0.0;
-            for &k in group {
+            for k in 0..group.len() {
                 fall += planner.fall(k);
                 planner.take(k);
             }
@@ -77,6 +77,12 @@ impl PredictivePlanner {
         let scored =
             groups.iter().enumerate().filter(|(_, group)| !group.is_empty()).map(|(g, group)| (g, score(group)));
         scored.reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(g, _)| g)
+    }
+
+    /// The planner of these touches alone, numbered as they stand here: a line's own touches decide what it tells.
+    fn only(&self, group: &[usize]) -> PredictivePlanner {
+        let touches = group.iter().flat_map(|&k| self.rows(k)).flatten().copied().collect();
+        PredictivePlanner { width: self.width, followed: self.followed.clone(), touches, units: self.units }
     }
 
     fn rows(&self, k: usize) -> [&[f64]; 3] {

@@ -84,7 +84,12 @@ fn quantile(sorted: &[usize], q: f64) -> String {
     if sorted[at] == usize::MAX { format!("> {BUDGET}") } else { sorted[at].to_string() }
 }
 
-pub(crate) fn print(first: u64, objects: u64, noises: u64, protocol: Protocol, model: Option<&FitOptions>) {
+pub(crate) fn print(
+    (first, objects, noises): (u64, u64, u64),
+    protocol: Protocol,
+    only: Option<&str>,
+    model: Option<&FitOptions>,
+) {
     let answer = model.map_or("recognised".into(), |m| format!("named, degree {}", m.degree[0]));
     println!(
         "\n{objects} objects from seed {first}, {noises} noise seeds each; first sweep {0} x {0}, {1} touches a round; {answer}",
@@ -94,6 +99,8 @@ pub(crate) fn print(first: u64, objects: u64, noises: u64, protocol: Protocol, m
     let mut strategies: Vec<(String, Strategy, bool)> =
         Strategy::WORDS.iter().map(|(word, strategy)| (word.to_string(), *strategy, false)).collect();
     strategies.push(("shape, lines of 5".into(), Strategy::Shape, true));
+    let asked = |name: &str, lines: bool| if lines { "lines" } else { name }.to_string();
+    strategies.retain(|(name, _, lines)| only.is_none_or(|only| only.split(',').any(|o| o == asked(name, *lines))));
     let mut all: Vec<(String, Vec<(u64, usize)>)> = Vec::new();
     for (name, strategy, lines) in strategies {
         let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();

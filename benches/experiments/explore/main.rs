@@ -1,6 +1,6 @@
 //! What planned touches gain, each question by one word.
 //!
-//!     cargo bench --bench explore -- contacts [OBJECTS NOISES [FIRST]] [first=3] [round=3] [degree2 | degree3 | degree4]
+//!     cargo bench --bench explore -- contacts [OBJECTS NOISES [FIRST]] [first=3] [round=3] [only=lattice,lines] [degree2 | degree3 | degree4]
 //!     cargo bench --bench explore -- stopping [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
 //!     cargo bench --bench explore -- equal [OBJECTS NOISES [FIRST]]
 //!     cargo bench --bench explore -- every [OBJECTS NOISES [FIRST]]
@@ -45,7 +45,8 @@ fn main() {
         trace::print(number(0, 1), number(1, 1), model.as_ref());
     }
     if asked("contacts") {
-        contacts::print(first, objects, noises, protocol, model.as_ref());
+        let only = words.iter().find_map(|w| w.strip_prefix("only="));
+        contacts::print((first, objects, noises), protocol, only, model.as_ref());
     }
     if asked("stopping") {
         stopping::print(first, objects, noises, model.as_ref());
