@@ -39,9 +39,20 @@ pub(super) struct Covariance {
 
 /// What a touch does: M by its Cholesky factor, and `A P g` of S and of R.
 #[derive(Clone, Copy, Debug)]
-struct Touched {
+pub(super) struct Touched {
     factor: [f64; 6],
     along: [[f64; 3]; 2],
+}
+
+impl Touched {
+    /// By how much the variances of S and of R fall.
+    #[inline]
+    pub(super) fn falls(&self) -> [f64; 2] {
+        self.along.map(|b| {
+            let t = substitute(&self.factor, b);
+            t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+        })
+    }
 }
 
 impl Covariance {
@@ -108,11 +119,7 @@ impl Covariance {
     /// By how much candidate `k` lets the variances of S and of R fall.
     #[inline]
     pub(super) fn falls(&self, rows: &CandidateRows, k: usize) -> [f64; 2] {
-        let touched = self.touched(rows, k);
-        touched.along.map(|b| {
-            let t = substitute(&touched.factor, b);
-            t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
-        })
+        self.touched(rows, k).falls()
     }
 
     /// At least as much: `|A P g|^2` of S and of R, since M is at least the unit matrix.
@@ -220,8 +227,9 @@ fn touched_any(block: &[f64], solved: [&[f64]; 2], rows: &[f64], local: usize) -
     finished(own, [&products[0][..local], &products[1][..local], &products[2][..local]], solved)
 }
 
+/// A touch of rows A, from `A P` and `P g`.
 #[inline]
-fn finished(own: [&[f64]; 3], products: [&[f64]; 3], solved: [&[f64]; 2]) -> Touched {
+pub(super) fn finished(own: [&[f64]; 3], products: [&[f64]; 3], solved: [&[f64]; 2]) -> Touched {
     let m = |a: usize, b: usize| dot(own[a], products[b]);
     let factor = factored([1.0 + m(0, 0), m(1, 0), 1.0 + m(1, 1), m(2, 0), m(2, 1), 1.0 + m(2, 2)]);
     Touched { factor, along: solved.map(|solved| own.map(|own| dot(own, solved))) }
@@ -244,6 +252,6 @@ fn substitute(factor: &[f64; 6], b: [f64; 3]) -> [f64; 3] {
 }
 
 #[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -26,11 +26,17 @@ pub(crate) fn planning_fit(contacts: &Contacts, found: Option<&Recognition>) -> 
     rich.then(|| fit_of(contacts, found, 3)).flatten().or_else(|| fit_of(contacts, found, 2))
 }
 
+/// Sds of a touch's height, in units of the input, and of its normal, degrees, as the recognition found them.
+pub(super) fn touch_sds(found: &Recognition) -> [f64; 2] {
+    let height = found.noise.sd_z.max(LEAST_HEIGHT * found.frame.scale);
+    [height, found.noise.sd_normal_deg.unwrap_or(UNKNOWN_NORMAL_DEG).max(LEAST_NORMAL_DEG)]
+}
+
 /// A fit of one segment with the noise that the recognition found.
 pub(super) fn fit_of(contacts: &Contacts, found: Option<&Recognition>, degree: usize) -> Option<Fit> {
-    let sigma = found.map_or(NormalSigma::Auto, |found| NormalSigma::Known {
-        z: found.noise.sd_z.max(LEAST_HEIGHT * found.frame.scale),
-        normal_deg: found.noise.sd_normal_deg.unwrap_or(UNKNOWN_NORMAL_DEG).max(LEAST_NORMAL_DEG),
+    let sigma = found.map_or(NormalSigma::Auto, |found| {
+        let [z, normal_deg] = touch_sds(found);
+        NormalSigma::Known { z, normal_deg }
     });
     let options = FitOptions::default()
         .with_degree(degree)

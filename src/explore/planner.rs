@@ -262,6 +262,6 @@ fn sensor(fit: &Fit) -> Result<Sensor, ExploreError> {
 }
 
 /// 1/v, and 0 where there is nothing to lower.
-fn inverse(v: f64) -> f64 {
+pub(super) fn inverse(v: f64) -> f64 {
     if v > 0.0 && v.is_finite() { 1.0 / v } else { 0.0 }
 }

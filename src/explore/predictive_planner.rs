@@ -13,12 +13,9 @@
 
 use crate::recognition::{PredictiveDraw, Recognition};
 
-/// Sd of a normal that is not measured, radians: next to nothing is known.
-const UNKNOWN_NORMAL: f64 = 0.5;
-
-/// Least sd of a height as a share of the patch's size, and of a normal in radians: a world without noise would leave nothing
-/// to plan for.
-const LEAST: [f64; 2] = [1e-7, 1e-6];
+use super::covariance::{dot, finished};
+use super::model::touch_sds;
+use super::planner::inverse;
 
 /// The posterior's draws as rows of numbers.
 #[derive(Clone, Debug)]
@@ -38,14 +35,13 @@ impl PredictivePlanner {
     pub(super) fn new(found: &Recognition, units: Option<[f64; 2]>) -> Option<PredictivePlanner> {
         let draws = &found.predictive;
         let places = draws.first()?.touches.len();
-        let scale = found.frame.scale;
-        let normal = found.noise.sd_normal_deg.map_or(UNKNOWN_NORMAL, f64::to_radians).max(LEAST[1]);
-        let sd = [found.noise.sd_z.max(LEAST[0] * scale), normal, normal];
+        let [height, normal_deg] = touch_sds(found);
+        let sd = [height, normal_deg.to_radians(), normal_deg.to_radians()];
         let followed = [0, 1].map(|q| row(draws, |d| d.shape[q], 1.0));
         let touches = (0..places).flat_map(|k| (0..3).map(move |m| (k, m)));
         let touches = touches.flat_map(|(k, m)| row(draws, |d| d.touches[k][m], sd[m])).collect();
         let own = [0, 1].map(|q| dot(&followed[q], &followed[q]).sqrt());
-        let units = units.unwrap_or(own).map(|unit| if unit > 0.0 { 1.0 / (unit * unit) } else { 0.0 });
+        let units = units.unwrap_or(own).map(|unit| inverse(unit * unit));
         Some(PredictivePlanner { width: draws.len(), followed, touches, units })
     }
 
@@ -93,18 +89,8 @@ impl PredictivePlanner {
     /// By how much touch `k` lets the criterion fall.
     fn fall(&self, k: usize) -> f64 {
         let rows = self.rows(k);
-        let mut m = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for j in 0..=i {
-                m[i][j] = dot(rows[i], rows[j]);
-            }
-            m[i][i] += 1.0;
-        }
-        let of = |q: usize| {
-            let b = rows.map(|row| dot(row, &self.followed[q]));
-            squared_through(&m, b)
-        };
-        of(0) * self.units[0] + of(1) * self.units[1]
+        let [s, r] = finished(rows, rows, self.followed.each_ref().map(Vec::as_slice)).falls();
+        s * self.units[0] + r * self.units[1]
     }
 
     /// Goes on as if touch `k` had been made.
@@ -126,24 +112,6 @@ impl PredictivePlanner {
 fn row(draws: &[PredictiveDraw], of: impl Fn(&PredictiveDraw) -> f64, unit: f64) -> Vec<f64> {
     let mean: f64 = draws.iter().map(|d| d.share * of(d)).sum();
     draws.iter().map(|d| d.share.sqrt() * (of(d) - mean) / unit).collect()
-}
-
-/// `b' M^-1 b` by Cholesky's factor; M is at least the unit matrix.
-fn squared_through(m: &[[f64; 3]; 3], b: [f64; 3]) -> f64 {
-    let mut lower = [[0.0; 3]; 3];
-    let mut t = [0.0; 3];
-    for i in 0..3 {
-        for j in 0..=i {
-            let rest = m[i][j] - (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f64>();
-            lower[i][j] = if i == j { rest.sqrt() } else { rest / lower[j][j] };
-        }
-        t[i] = (b[i] - (0..i).map(|k| lower[i][k] * t[k]).sum::<f64>()) / lower[i][i];
-    }
-    t.iter().map(|t| t * t).sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

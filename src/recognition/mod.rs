@@ -115,8 +115,7 @@ impl Recognition {
     /// # Errors
     /// When the contacts are faulty, too few, on one line, or not one sheet.
     pub fn of(contacts: &Contacts, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
-        recognise_given(Given::from_contacts(contacts, options)?, &Asked::default(), options)
+        Recognition::with_predictions(contacts, options, &[])
     }
 
     /// The same, with what touches at these places of the input's x and y would measure.

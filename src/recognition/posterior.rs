@@ -232,17 +232,17 @@ pub(super) fn summary(
             first.zip(second).map(|(first, second)| [first, second])
         }),
         u: pointwise(&found, points.map.len()),
-        predictive: predictive(&found),
+        predictive: predictive(found),
     })
 }
 
 /// The draws of curved surfaces that touches were predicted on, under the interval's weights.
-fn predictive(found: &[Drawn]) -> Vec<PredictiveDraw> {
+fn predictive(found: Vec<Drawn>) -> Vec<PredictiveDraw> {
     let mut out: Vec<PredictiveDraw> = Vec::new();
-    for drawn in found.iter().filter(|d| d.kind != Kind::Plane) {
+    for drawn in found.into_iter().filter(|d| d.kind != Kind::Plane) {
         let share = drawn.weights[1] / drawn.touches.len().max(1) as f64;
-        let pairs = drawn.draws.iter().zip(&drawn.touches);
-        out.extend(pairs.map(|(f, touches)| PredictiveDraw { share, shape: [f.s, f.r], touches: touches.clone() }));
+        let pairs = drawn.draws.iter().zip(drawn.touches);
+        out.extend(pairs.map(|(f, touches)| PredictiveDraw { share, shape: [f.s, f.r], touches }));
     }
     let sum: f64 = out.iter().map(|draw| draw.share).sum();
     out.iter_mut().for_each(|draw| draw.share /= sum);

@@ -134,28 +134,18 @@ impl State {
         }
     }
 
-    /// Where the surface lies at a chart point, and its unit normal there.
+    /// Where the surface lies at a chart point, and its unit normal there: a part of [`State::at`], without its curvatures
+    /// and directions where the surface is displaced.
     pub(super) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
-        match &self.model {
-            Model::Paraboloid(surface) => {
-                let [x, y, _] = at.place;
-                let place = [x, y, surface.height(x, y)[0]];
-                (place, surface.distance_and_normal(place).1)
-            }
-            Model::Constant(Kind::General, surface) => {
-                let jet = self.jet(at);
-                let chart = self.turned_chart(at);
-                let [_, _, _, k1, k2, _] = surface.theta;
-                let [c, s] = self.turn;
-                let bent = derivatives(k1, k2, chart, &turned(&jet, c, s));
-                let normal = surface.rotate_back(normal_of(cross(bent.u, bent.v)));
-                (surface.point(chart[0], chart[1], jet[0]), normal)
-            }
-            Model::Constant(_, surface) => {
-                let (d, normal) = surface.distance_and_normal(at.place);
-                (along(at.place, -d, normal), normal)
-            }
-        }
+        let Model::Constant(Kind::General, surface) = &self.model else {
+            let bent = self.at(at);
+            return (bent.place, bent.normal);
+        };
+        let (jet, chart) = (self.jet(at), self.turned_chart(at));
+        let [_, _, _, k1, k2, _] = surface.theta;
+        let [c, s] = self.turn;
+        let bent = derivatives(k1, k2, chart, &turned(&jet, c, s));
+        (surface.point(chart[0], chart[1], jet[0]), surface.rotate_back(normal_of(cross(bent.u, bent.v))))
     }
 
     fn turned_chart(&self, at: &ChartPoint) -> [f64; 2] {
@@ -168,13 +158,26 @@ impl State {
         let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
         let displacement = self.jet(at)[0];
         let [k1, k2] = curvatures;
-        let (place, normal) = self.place_and_normal(at);
-        let direction = match &self.model {
-            Model::Paraboloid(_) => self.principal(at).map(|p| p.direction1),
-            Model::Constant(Kind::General, surface) => self.principal(at).map(|p| surface.rotate_back(p.direction1)),
-            Model::Constant(kind, surface) => (*kind == Kind::Cylinder).then(|| axis_of_k1(surface, place)),
-        };
-        Bent { place, normal, k1, k2, direction, displacement }
+        let bent = |place, normal, direction| Bent { place, normal, k1, k2, direction, displacement };
+        match &self.model {
+            Model::Paraboloid(surface) => {
+                let [x, y, _] = at.place;
+                let place = [x, y, surface.height(x, y)[0]];
+                bent(place, surface.distance_and_normal(place).1, self.principal(at).map(|p| p.direction1))
+            }
+            Model::Constant(Kind::General, surface) => {
+                let [u, v] = self.turned_chart(at);
+                let place = surface.point(u, v, displacement);
+                let principal = self.principal(at);
+                let normal = principal.map_or([0.0, 0.0, 1.0], |p| p.normal);
+                bent(place, surface.rotate_back(normal), principal.map(|p| surface.rotate_back(p.direction1)))
+            }
+            Model::Constant(kind, surface) => {
+                let (d, normal) = surface.distance_and_normal(at.place);
+                let place = along(at.place, -d, normal);
+                bent(place, normal, (*kind == Kind::Cylinder).then(|| axis_of_k1(surface, place)))
+            }
+        }
     }
 }
 

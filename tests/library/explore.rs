@@ -204,8 +204,8 @@ fn worlds_that_cannot_be_explored_say_why() {
     assert!(matches!(explored(&world(), &wrong), Err(ExploreError::Option { option: "u_s", .. })));
 }
 
-/// What `shape` is for: after as many contacts R is known better than where they were spread evenly. In the mean of the three
-/// kinds by some 0.8 (`benches/runs/explore.md`).
+/// What `shape` is for: after as many contacts R is known better than where they were spread evenly
+/// (`benches/runs/explore.md`).
 #[test]
 fn planned_touches_leave_less_uncertainty_than_even_ones() {
     let u_of = |strategy: Strategy| -> f64 {

@@ -18,11 +18,16 @@ pub(crate) const BUDGET: usize = 60;
 /// Errors of S and of R/R within which an answer is right.
 const RIGHT: [f64; 2] = [0.01, 0.02];
 
+/// |error of S| and |error of R|/R of a look.
+pub(crate) fn errors(look: &Look) -> Option<[f64; 2]> {
+    let [s, r] = [look.shape_index?.mean, look.curvedness?.mean];
+    let [true_s, true_r] = look.truth;
+    Some([(s - true_s?).abs(), (r / true_r? - 1.0).abs()])
+}
+
 /// Whether a look's S and R are right.
 pub(crate) fn is_right(look: &Look) -> bool {
-    let s = look.shape_index.zip(look.truth[0]).map(|(s, truth)| (s.mean - truth).abs());
-    let r = look.curvedness.zip(look.truth[1]).map(|(r, truth)| (r.mean / truth - 1.0).abs());
-    s.is_some_and(|s| s <= RIGHT[0]) && r.is_some_and(|r| r <= RIGHT[1])
+    errors(look).is_some_and(|[s, r]| s <= RIGHT[0] && r <= RIGHT[1])
 }
 
 /// Three touches a round from the rectangle of the first sweep, and no goal.
@@ -99,8 +104,11 @@ pub(crate) fn print(
     let mut strategies: Vec<(String, Strategy, bool)> =
         Strategy::WORDS.iter().map(|(word, strategy)| (word.to_string(), *strategy, false)).collect();
     strategies.push(("shape, lines of 5".into(), Strategy::Shape, true));
-    let asked = |name: &str, lines: bool| if lines { "lines" } else { name }.to_string();
-    strategies.retain(|(name, _, lines)| only.is_none_or(|only| only.split(',').any(|o| o == asked(name, *lines))));
+    strategies.retain(|(name, _, lines)| {
+        let word = if *lines { "lines" } else { name };
+        only.is_none_or(|only| only.split(',').any(|asked| asked == word))
+    });
+    assert!(!strategies.is_empty(), "only= takes lattice, random, second-sweep, variance, shape, probe-model, lines");
     let mut all: Vec<(String, Vec<(u64, usize)>)> = Vec::new();
     for (name, strategy, lines) in strategies {
         let runs: Vec<(u64, u64)> = (first..first + objects).flat_map(|o| (1..=noises).map(move |n| (o, n))).collect();

@@ -9,7 +9,7 @@
 use palpate::internals::explore::{Look, Strategy, explore};
 use rayon::prelude::*;
 
-use crate::contacts::{BUDGET, options};
+use crate::contacts::{BUDGET, errors, options};
 use crate::objects::{KINDS, object};
 
 /// Numbers of contacts that the table shows.
@@ -23,10 +23,8 @@ struct Known {
 }
 
 fn known(object: u64, look: &Look) -> Option<Known> {
-    let (s, r) = (look.shape_index?, look.curvedness?);
-    let [ts, tr] = look.truth;
-    let values = [(s.mean - ts?).abs(), (r.mean / tr? - 1.0).abs(), r.u / r.mean];
-    Some(Known { object, contacts: look.contacts, values })
+    let ([of_s, of_r], r) = (errors(look)?, look.curvedness?);
+    Some(Known { object, contacts: look.contacts, values: [of_s, of_r, r.u / r.mean] })
 }
 
 fn looks(seed: u64, noise: u64, strategy: Strategy) -> Vec<Known> {

@@ -9,7 +9,7 @@ use palpate::internals::scene::linspace;
 use palpate::scene::{Sweep, World};
 use rayon::prelude::*;
 
-use crate::contacts::{is_right, options};
+use crate::contacts::{errors, is_right, options};
 use crate::objects::{HALF, KINDS, object};
 
 /// Places each way at which explorations touch.
@@ -27,14 +27,7 @@ fn answered(seed: u64, noise: u64) -> Answered {
     let world = World { sweeps: vec![Sweep::new(axis.clone(), axis)], ..object(seed) };
     let mut found = Answered { right: false, errors: None, kind: "-".into() };
     let mut watch = |look: &Look| {
-        let off = |mean: f64, truth: Option<f64>| truth.map(|truth| (mean - truth).abs());
-        let s = look.shape_index.and_then(|s| off(s.mean, look.truth[0]));
-        let r = look.curvedness.and_then(|r| Some(off(r.mean, look.truth[1])? / look.truth[1]?));
-        found = Answered {
-            right: is_right(look),
-            errors: s.zip(r).map(|(s, r)| [s, r]),
-            kind: look.kind.clone().unwrap_or("-".into()),
-        };
+        found = Answered { right: is_right(look), errors: errors(look), kind: look.kind.clone().unwrap_or("-".into()) };
         false
     };
     let budget = PLACES * PLACES + 1;
