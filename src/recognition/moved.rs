@@ -1,7 +1,7 @@
 //! Where the second look places its equations: the general surface under its displacement.
 //!
 //! ```text
-//! normals without displacement   y_n + Z_n w        w the displacement's weights, so that only noise is left to scatter
+//! normals without displacement   y_n + grad f . t    so that only noise is left to scatter
 //! measured normals               times |n - grad f|  rows are linear in n - grad f, and a normal has length 1
 //! distance of a cell             mean d(theta; P) over its contacts P, for the moved theta
 //! ```
@@ -17,8 +17,9 @@ use super::rows::{Rows, column_of, first_of_displacement};
 /// Where the general surface belongs under its displacement.
 pub(super) struct Moved {
     pub(super) base: Model,
-    /// Weights of the displacement's columns.
-    pub(super) weights: Vec<f64>,
+    /// Slopes of the displacement along both tangents of every cell; `None` where no normals are used. They are kept in place of
+    /// the weights of its columns, because those belong to one chart and the moved surface has another.
+    pub(super) slopes: Option<[Vec<f64>; 2]>,
     /// Degrees of freedom that the displacement takes from the normals.
     pub(super) spent: f64,
     /// Kernel of the errors that positions share.
@@ -45,12 +46,10 @@ impl Moved {
     /// ask for `n - grad f` itself and not for its direction.
     pub(super) fn lengthen(&self, rows: &mut Rows, cells: &Cells) {
         let (Some(halves), Some(CellNormals { measured, .. })) = (&mut rows.normals, &cells.normals) else { return };
-        let (y, z) = (column_of(Kind::General), first_of_displacement());
+        let Some([a, b]) = &self.slopes else { return };
+        let y = column_of(Kind::General);
         for (i, measured) in measured.iter().enumerate() {
-            let slope =
-                |half: &Mat<f64>| self.weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum::<f64>();
-            let [a, b] = [slope(&halves[0]), slope(&halves[1])];
-            let longer = (1.0 + a * a + b * b).sqrt() - 1.0;
+            let longer = (1.0 + a[i] * a[i] + b[i] * b[i]).sqrt() - 1.0;
             for (half, tangents) in halves.iter_mut().zip(&cells.tangents) {
                 half[(i, y)] += longer * dot(*measured, tangents[i]);
             }
@@ -60,12 +59,20 @@ impl Moved {
     /// Rows in which the normals are free of the displacement.
     pub(super) fn without_displacement(&self, rows: &Rows) -> Rows {
         let mut out = rows.clone();
-        let (y, z) = (column_of(Kind::General), first_of_displacement());
-        for half in out.normals.iter_mut().flatten() {
-            for i in 0..half.nrows() {
-                half[(i, y)] += self.weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum::<f64>();
-            }
+        let y = column_of(Kind::General);
+        for (half, slopes) in out.normals.iter_mut().flatten().zip(self.slopes.iter().flatten()) {
+            slopes.iter().enumerate().for_each(|(i, slope)| half[(i, y)] += slope);
         }
         out
     }
+}
+
+/// Slopes along both tangents of every cell of the displacement whose columns have these weights.
+pub(super) fn slopes(rows: &Rows, weights: &[f64]) -> Option<[Vec<f64>; 2]> {
+    let z = first_of_displacement();
+    let of = |half: &Mat<f64>| {
+        let at = |i: usize| weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum();
+        (0..half.nrows()).map(at).collect::<Vec<f64>>()
+    };
+    rows.normals.as_ref().map(|halves| halves.each_ref().map(of))
 }

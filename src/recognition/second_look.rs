@@ -17,9 +17,10 @@ use super::cells::Cells;
 use super::dense;
 use super::evidence::Evidence;
 use super::linearised::{FactorPair, Linearised};
-use super::moved::Moved;
+use super::moved::{Moved, slopes};
 use super::node::Node;
 use super::noise::Limit;
+use super::rows::Rows;
 use super::state::State;
 
 /// Probability of a displacement from which on the second look is taken.
@@ -49,7 +50,7 @@ pub(super) fn moved(
         return None;
     }
     let (evidence, nodes) = Evidence::under(cells, plain, &factors.positions, limit, displaced(nodes)?.kernel);
-    under_likeliest(&evidence, &nodes)
+    under_likeliest(&evidence, &plain.rows, &nodes)
 }
 
 /// The likeliest displaced node.
@@ -73,7 +74,7 @@ pub(super) fn taken(
     for _ in 0..ROUNDS {
         let Some(before) = last else { break };
         let (evidence, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
-        let Some(again) = under_likeliest(&evidence, &nodes) else { break };
+        let Some(again) = under_likeliest(&evidence, &made.rows, &nodes) else { break };
         made.scatter_about(&again, factors);
         last = made.normal_noise;
         if last.is_none_or(|noise| (noise.variance / before.variance - 1.0).abs() < SETTLED) {
@@ -84,7 +85,7 @@ pub(super) fn taken(
 }
 
 /// The move under the likeliest displaced node.
-fn under_likeliest(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
+fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) -> Option<Moved> {
     let best = displaced(nodes)?;
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
@@ -96,7 +97,7 @@ fn under_likeliest(evidence: &Evidence, nodes: &[Node]) -> Option<Moved> {
         (x.len()..mean.len()).map(|j| (0..mean.len()).map(|i| inverse[(i, j)] * inverse[(i, j)]).sum::<f64>()).sum();
     Some(Moved {
         base: State::new(model, x, None).model().clone(),
-        weights: evidence.weights_of(best, z),
+        slopes: slopes(rows, &evidence.weights_of(best, z)),
         spent: OF_NORMALS * (z.len() as f64 - untold),
         kernel: best.kernel,
     })

@@ -256,8 +256,7 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
     let moved = |k: f64| {
         let base = constant_curvature::ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
-        let weights = vec![0.0; plain.displacement.as_ref().unwrap().columns()];
-        let moved = moved::Moved { base: Model::Constant(Kind::General, base), weights, spent: 0.0, kernel: 0 };
+        let moved = moved::Moved { base: Model::Constant(Kind::General, base), slopes: None, spent: 0.0, kernel: 0 };
         plain.about(&moved, &cells, &patch.points, &factors).is_some()
     };
     assert!(moved(-0.1) && !moved(-1.5));
