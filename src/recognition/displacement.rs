@@ -9,7 +9,8 @@
 //! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
 //! of prior size has mean square 1.
 //!
-//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]).
+//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]), and some sixty
+//! those of processes that are smooth in all their derivatives ([`smooth_departure`]). All are combinations of the same splines.
 //!
 //! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
 //! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
@@ -23,7 +24,7 @@ use crate::vector::{Vector, along};
 
 use super::cells::Cells;
 use super::constant_curvature::{ConstantCurvature, Jet};
-use super::natural_departure;
+use super::{natural_departure, smooth_departure};
 
 const DEGREE: usize = 4;
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
@@ -41,6 +42,10 @@ const FEWEST: usize = 9;
 /// them.
 pub(super) const POLE: f64 = 0.5;
 
+/// Share of the largest mean square at the cells below which a column of a smooth departure is left out. With a tenth of it there are a
+/// quarter more columns and the same intervals.
+const UNSEEN: f64 = 1e-5;
+
 /// Margin of the chart's box, relative to its width.
 const MARGIN: f64 = 0.02;
 
@@ -50,8 +55,12 @@ pub(super) struct Displacement {
     knots: [Knots; 2],
     /// 81 x columns.
     to_coefficients: Mat<f64>,
-    /// Number of columns with the prior above; those of natural departures follow.
+    /// Number of columns with the prior above.
     pub(super) rough: usize,
+    /// Number of columns of natural departures, which follow.
+    pub(super) natural: usize,
+    /// First column and number of columns of the smooth departures of every length.
+    pub(super) smooth: Vec<(usize, usize)>,
     /// Rows of the distances.
     pub(super) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
@@ -83,11 +92,37 @@ impl Displacement {
         let natural = natural_departure::columns(&knots, surface);
         let mut natural_positions = at_cells(&natural);
         scale(&mut natural_positions, -1.0);
-        let to_coefficients = beside(&rough, &natural);
-        let positions = beside(&positions, &natural_positions);
-        let made = Displacement { knots, to_coefficients, positions, rough: rough.ncols(), normals: None };
+        let mut made = Displacement {
+            knots,
+            to_coefficients: beside(&rough, &natural),
+            positions: beside(&positions, &natural_positions),
+            rough: rough.ncols(),
+            natural: natural.ncols(),
+            smooth: Vec::new(),
+            normals: None,
+        };
+        smooth_departure::LENGTHS.into_iter().for_each(|length| made.add_smooth(&rough, &positions, length));
         let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
         Some(Displacement { normals, ..made })
+    }
+
+    /// Adds the columns of a smooth departure, but for those that hardly show at the cells. `positions` are the rough columns there.
+    fn add_smooth(&mut self, rough: &Mat<f64>, positions: &Mat<f64>, length: f64) {
+        let Some(weights) = smooth_departure::weights(&self.knots, rough, length) else { return };
+        let at_cells = linalg::product(positions.as_ref(), weights.as_ref());
+        let squares: Vec<f64> =
+            (0..at_cells.ncols()).map(|j| at_cells.col_as_slice(j).iter().map(|v| v * v).sum()).collect();
+        let largest = squares.iter().copied().fold(0.0, f64::max);
+        let kept: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] > UNSEEN * largest).collect();
+        let sum: f64 = kept.iter().map(|&j| squares[j]).sum();
+        let size = (sum / at_cells.nrows() as f64).sqrt();
+        if size > 0.0 {
+            let scaled = |m: &Mat<f64>| Mat::from_fn(m.nrows(), kept.len(), |i, k| m[(i, kept[k])] / size);
+            self.smooth.push((self.positions.ncols(), kept.len()));
+            self.positions = beside(&self.positions, &scaled(&at_cells));
+            let coefficients = linalg::product(rough.as_ref(), scaled(&weights).as_ref());
+            self.to_coefficients = beside(&self.to_coefficients, &coefficients);
+        }
     }
 
     /// Number of columns.

@@ -140,21 +140,36 @@ impl<'a> Evidence<'a> {
         for model in self.models {
             nodes.extend(self.node(model, kernel, &gram, log_det, Departure::None));
             if model.kind() == Kind::General && self.displacement.is_some() {
-                nodes.extend(self.with_splines(model, kernel, &gram, log_det));
+                nodes.extend(self.with_spline(model, kernel, &gram, log_det));
+                nodes.extend(self.with_smooth(model, kernel, &gram, log_det));
                 nodes.extend(self.node(model, kernel, &gram, log_det, Departure::Natural));
             }
         }
         Some(OfKernel { kernel, gram, nodes })
     }
 
-    /// Splines of growing size, until larger ones have no chance.
-    fn with_splines(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+    /// Rough splines of growing size.
+    fn with_spline(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+        let departure = if self.look == Look::First { Departure::Rough } else { Departure::Both };
+        self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
+    }
+
+    /// Smooth departures of every length and of growing size.
+    fn with_smooth(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+        let lengths = 0..self.displacement.map_or(0, |d| d.smooth.len());
+        let of = |length: usize| {
+            let departure = move |variance: f64| Departure::Smooth { variance, length };
+            self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
+        };
+        lengths.flat_map(of).collect()
+    }
+
+    /// Nodes of departures of growing size, until larger ones have no chance.
+    fn growing(&self, of: impl Fn(f64) -> Departure, node: impl Fn(Departure) -> Option<Node>) -> Vec<Node> {
         let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         let mut nodes = Vec::new();
         for power in POWERS {
-            let g = 10_f64.powi(power);
-            let departure = if self.look == Look::First { Departure::Rough(g) } else { Departure::Both(g) };
-            let Some(node) = self.node(model, kernel, gram, log_det, departure) else { continue };
+            let Some(node) = node(of(10_f64.powi(power))) else { continue };
             let here = node.log_evidence;
             nodes.push(node);
             if here < best - HOPELESS && here <= last {
@@ -198,12 +213,16 @@ impl<'a> Evidence<'a> {
     }
 
     /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
-    /// have a quarter each of general's prior.
+    /// have a quarter each of general's prior; of the last, rough splines and smooth departures have half each.
     fn share(&self, kind: Kind, departure: Departure) -> f64 {
         let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
         match (kind, departure) {
             (Kind::General, Departure::Rough(_) | Departure::Both(_)) => {
-                -displaced - LN_2 - (POWERS.count() as f64).ln()
+                -displaced - 2.0 * LN_2 - (POWERS.count() as f64).ln()
+            }
+            (Kind::General, Departure::Smooth { .. }) => {
+                let lengths = self.displacement.map_or(1, |d| d.smooth.len());
+                -displaced - 2.0 * LN_2 - ((POWERS.count() * lengths) as f64).ln()
             }
             (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
             _ => 0.0,
@@ -227,7 +246,7 @@ impl<'a> Evidence<'a> {
         };
         match departure {
             Departure::None => Some(plain / (n - p) as f64),
-            Departure::Rough(_) => of(departure, 0.0),
+            Departure::Rough(_) | Departure::Smooth { .. } => of(departure, 0.0),
             Departure::Both(g) => of(departure, of(Departure::Rough(g), 0.0)?.sqrt().recip()),
             Departure::Natural => {
                 let first = of(departure, (plain / (n - p) as f64).max(1e-18).sqrt().recip())?;
@@ -271,11 +290,15 @@ impl<'a> Evidence<'a> {
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
     fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
-        let (rough, all) = self.displacement.map_or((0, 0), |d| (d.rough, d.columns()));
-        let start = if departure.of_spline() > 0.0 { 0 } else { rough };
-        let end = if departure.has_natural() { all } else { rough };
-        let z = (first_of_displacement() + start, end - start);
-        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough: rough - start, factors }
+        let (start, count, rough) = match (departure, self.displacement) {
+            (Departure::None, _) | (_, None) => (0, 0, 0),
+            (Departure::Natural, Some(d)) => (d.rough, d.natural, 0),
+            (Departure::Rough(_), Some(d)) => (0, d.rough, d.rough),
+            (Departure::Both(_), Some(d)) => (0, d.rough + d.natural, d.rough),
+            (Departure::Smooth { length, .. }, Some(d)) => (d.smooth[length].0, d.smooth[length].1, d.smooth[length].1),
+        };
+        let z = (first_of_displacement() + start, count);
+        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough, factors }
     }
 
     /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.

@@ -70,6 +70,7 @@ mod rows;
 mod second_look;
 #[cfg(feature = "cli")]
 mod shown;
+mod smooth_departure;
 mod spline;
 mod start;
 mod state;

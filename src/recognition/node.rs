@@ -1,8 +1,10 @@
 //! One hypothesis under one covariance: a kind of surface, how it departs from that kind, and how probable both are.
 //!
 //! ```text
-//! surface = kind + f        f = 0, natural departure, rough spline, or both
+//! surface = kind + f        f = 0, natural departure, rough spline, both, or smooth departure
 //! ```
+
+use std::mem::discriminant;
 
 use faer::Mat;
 
@@ -20,20 +22,34 @@ pub(super) enum Departure {
     /// beyond; a natural departure beside it keeps them. S of a bump, whose edges bend the other way, was 0.02 too high with 200
     /// contacts and 0.04 with 2,000, and is 0.003 and 0.002 too high (`benches/runs/coverage.md`).
     Both(f64),
+    /// By a smooth departure.
+    Smooth {
+        /// Its variance over that of a position.
+        variance: f64,
+        /// Number of its length.
+        length: usize,
+    },
 }
 
 impl Departure {
-    /// Variance of the spline over that of a position; 0 without one.
+    /// Variance of the rough spline or the smooth departure over that of a position; 0 without one.
     pub(super) fn of_spline(self) -> f64 {
         match self {
             Departure::Rough(g) | Departure::Both(g) => g,
+            Departure::Smooth { variance, .. } => variance,
             Departure::None | Departure::Natural => 0.0,
         }
     }
 
-    /// Whether there is a natural part.
-    pub(super) fn has_natural(self) -> bool {
-        matches!(self, Departure::Natural | Departure::Both(_))
+    /// Whether it is a smooth departure.
+    pub(super) fn is_smooth(self) -> bool {
+        matches!(self, Departure::Smooth { .. })
+    }
+
+    /// Whether both have the same prior but for its size.
+    pub(super) fn is_like(self, other: Departure) -> bool {
+        let length = |of: Departure| if let Departure::Smooth { length, .. } = of { Some(length) } else { None };
+        discriminant(&self) == discriminant(&other) && length(self) == length(other)
     }
 }
 
@@ -56,7 +72,7 @@ pub(super) struct Node {
     pub(super) dof: f64,
 }
 
-/// Groups of hypotheses: simple, general, displaced by a spline, general with a natural departure alone.
+/// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone.
 pub(super) const GROUPS: usize = 4;
 
 impl Node {
@@ -64,7 +80,7 @@ impl Node {
     pub(super) fn group(&self) -> usize {
         match (self.kind, self.departure) {
             (Kind::General, Departure::Natural) => 3,
-            (Kind::General, Departure::Rough(_) | Departure::Both(_)) => 2,
+            (Kind::General, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. }) => 2,
             (Kind::General | Kind::Paraboloid, _) => 1,
             _ => 0,
         }

@@ -31,7 +31,7 @@ pub(super) struct Columns {
     pub(super) unknowns: usize,
     /// First column of the displacement, and how many are used.
     pub(super) z: (usize, usize),
-    /// How many of those are a spline's; natural departures follow.
+    /// How many of those are a rough spline's or a smooth departure's; natural departures follow.
     pub(super) rough: usize,
     /// Factors of the former and of the latter.
     pub(super) factors: [f64; 2],

@@ -324,3 +324,30 @@ fn natural_departures_are_shape_and_waves_are_an_error() {
     }
     assert!(shape >= 9 && either >= 5 && error >= 9, "{shape}, {either} and {error} of 10");
 }
+
+/// A bump is smooth in all its derivatives, and a rounded crease bends abruptly: the evidence tells which spline is the likelier.
+#[test]
+fn smooth_surfaces_are_told_from_creased_ones() {
+    let lead = |height: &dyn Fn(f64, f64) -> f64, seed: u64| {
+        let options = RecognitionOptions::default();
+        let contacts = Contacts::from_points(&patch(height, 200, 0.01, seed));
+        let patch = Patch::new(Given::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
+        let cells = patch.cells();
+        let models = patch.fitted(&cells);
+        let distances = noise::distances_between(&cells);
+        let limit = Limit::new(&patch.points, &patch.distances, relief(&cells, &models));
+        let factors = FactorPair::new(&cells, &distances);
+        let plain = Linearised::new(&cells, &patch.points, models, &factors);
+        let (_, nodes) = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
+        let best = |smooth: bool| {
+            let own = nodes.iter().filter(|n| n.group() == 2 && n.departure.is_smooth() == smooth);
+            own.map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
+        };
+        best(true) - best(false)
+    };
+    for seed in 0..4 {
+        let bump = lead(&|x, y| 2.0 * (-(x * x + y * y) / 32.0).exp(), seed);
+        let crease = lead(&|x, _| -0.4 * (x * x + 0.1).sqrt(), seed);
+        assert!(bump > 3.0 && crease < -3.0, "{seed}: {bump} and {crease}");
+    }
+}

@@ -205,19 +205,22 @@ fn worlds_that_cannot_be_explored_say_why() {
 }
 
 /// What `shape` is for: after as many contacts R is known better than where they were spread evenly
-/// (`benches/runs/explore.md`).
+/// (`benches/runs/explore.md`). The uncertainty of one exploration of a saddle differs by a third from noise to noise, so that
+/// several are taken.
 #[test]
 fn planned_touches_leave_less_uncertainty_than_even_ones() {
+    const SEEDS: u64 = 3;
     let u_of = |strategy: Strategy| -> f64 {
         let bodies = [Surface::sphere(9.0), Surface::cylinder(9.0), Surface::saddle([10.0, 8.0])];
-        let left = bodies.into_iter().map(|body| {
+        let explorations = bodies.into_iter().flat_map(|body| (1..=SEEDS).map(move |seed| (body.clone(), seed)));
+        let left = explorations.map(|(body, seed)| {
             let world = World { surface: body, ..world() };
-            let options = ExploreOptions { contacts: 39, per_round: 3, ..options(strategy) };
+            let options = ExploreOptions { contacts: 39, per_round: 3, seed, ..options(strategy) };
             let found = explore(&world, &options, |_| true).unwrap();
             let r = found.looks.last().unwrap().curvedness.unwrap();
             (r.u / r.mean).ln()
         });
-        left.sum::<f64>() / 3.0
+        left.sum::<f64>() / (3 * SEEDS) as f64
     };
     let ratio = (u_of(Strategy::Shape) - u_of(Strategy::Lattice)).exp();
     assert!(ratio < 0.95, "{ratio}");
