@@ -23,7 +23,8 @@ const MOST_CONTACTS: usize = 5_000;
 const MOST_POINTS: usize = 16;
 
 /// A simple shape says little when its misfit is above a quarter of the relief (in percent) and has a pattern that is more
-/// than chance.
+/// than chance. What it says beside a named fit counts until the pattern alone is so large: errors in x and y blur a patch, and
+/// that leaves a slight pattern below much noise.
 const UNSAID: f64 = 25.0;
 const CHANCE: f64 = 0.01;
 
@@ -76,7 +77,7 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
         ..RecognitionOptions::default()
     };
     let found = Recognition::over(&contacts, &places, &options)?;
-    if leaves_much_unsaid(&found) {
+    if leaves_much_unsaid(&found) && pattern_of_relief(&found) > UNSAID {
         return unknown("the contacts show no simple shape");
     }
     if found.frame.rotate_back([0.0, 0.0, 1.0])[2] < 0.0 {
@@ -100,4 +101,9 @@ fn reading(found: &Recognition, scale: f64) -> Reading {
 /// Whether much of the relief has a pattern that the simple shape leaves unsaid.
 pub(super) fn leaves_much_unsaid(found: &Recognition) -> bool {
     found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
+}
+
+/// Root mean square of what neighbouring residuals share, in percent of the relief: their correlation is its part of the square.
+fn pattern_of_relief(found: &Recognition) -> f64 {
+    found.misfit.percent_of_relief * found.misfit.neighbour_correlation.max(0.0).sqrt()
 }

@@ -1,4 +1,5 @@
-//! At most 200 averaged contacts: means over voxels, with the curvature inside a voxel taken out.
+//! At most 200 averaged contacts: means over voxels of their feet on the robust surface, with the curvature inside a voxel taken
+//! out. Voxels of the contacts themselves would part those of one place by their errors.
 //!
 //! ```text
 //! C = mean P + (mean d - d(mean P)) n         the mean distance, at the foot of the mean place
@@ -34,6 +35,8 @@ pub(super) struct CellNormals {
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     pub(super) points: Vec<Vector>,
+    /// Their feet on the robust surface, by which neighbours are told.
+    pub(super) feet: Vec<Vector>,
     /// Variance relative to that of an average cell.
     pub(super) variance: Vec<f64>,
     /// Weights of the plain refits: the counts, limited so that a crowded cell does not outvote the others.
@@ -45,9 +48,15 @@ pub(super) struct Cells {
     pub(super) of: Vec<usize>,
 }
 
-/// Averages contacts; `errors` are measured minus model normals, `None` where a normal is not used.
-pub(super) fn cells(points: &[Vector], surface: &Model, errors: Option<&[Option<Vector>]>) -> Cells {
-    let (of, count) = membership(points);
+/// Averages contacts whose feet on the surface share a voxel; `errors` are measured minus model normals, `None` where a normal is
+/// not used.
+pub(super) fn cells(
+    points: &[Vector],
+    feet: &[Vector],
+    surface: &Model,
+    errors: Option<&[Option<Vector>]>,
+) -> Cells {
+    let (of, count) = membership(feet);
     let mut counts = vec![0.0; count];
     let mut sums = vec![[0.0; 3]; count];
     let mut distances = vec![0.0; count];
@@ -57,11 +66,13 @@ pub(super) fn cells(points: &[Vector], surface: &Model, errors: Option<&[Option<
         distances[cell] += surface.distance(*p);
     }
     let mut centres = Vec::with_capacity(count);
+    let mut feet = Vec::with_capacity(count);
     let mut surface_normals = Vec::with_capacity(count);
     for cell in 0..count {
         let mean = sums[cell].map(|v| v / counts[cell]);
         let (d, normal) = surface.distance_and_normal(mean);
         centres.push(along(mean, distances[cell] / counts[cell] - d, normal));
+        feet.push(along(mean, -d, normal));
         surface_normals.push(normal);
     }
     let middle = median(counts.clone());
@@ -74,6 +85,7 @@ pub(super) fn cells(points: &[Vector], surface: &Model, errors: Option<&[Option<
         weights: counts.iter().map(|c| c.min(4.0 * middle) / middle).collect(),
         tangents: [first, second],
         points: centres,
+        feet,
         of,
     }
 }

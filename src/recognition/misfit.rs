@@ -30,7 +30,7 @@ pub(super) struct Findings {
 
 /// Tests the final residuals at the cells.
 pub(super) fn misfit(cells: &Cells, residuals: &[f64], findings: &Findings) -> Misfit {
-    let tree = Neighbours::new(&cells.points);
+    let tree = Neighbours::new(&cells.feet);
     let nearest: Vec<Option<usize>> = (0..residuals.len()).map(|i| tree.nearest_other(i).map(|(_, j)| j)).collect();
     let counts_once = |i: usize, j: usize| nearest[j] != Some(i) || i < j;
     let (mut sum, mut pairs) = (0.0, 0.0_f64);

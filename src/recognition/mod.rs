@@ -168,7 +168,7 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = Limit::new(&patch.points, &patch.distances, relief);
+    let limit = Limit::new(&patch.feet, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);

@@ -1,7 +1,7 @@
 //! The covariance of errors: independent ones, and ones that neighbours share.
 //!
 //! ```text
-//! Sigma = s^2 (D + rho exp(-r_ij/l))       r in space;  rho in {0} u 10^{-1..4},  l in {0.12, 0.3, 0.75, 2}
+//! Sigma = s^2 (D + rho exp(-r_ij/l))       r between feet;  rho in {0} u 10^{-1..4},  l in {0.12, 0.3, 0.75, 2}
 //! prior: half on rho = 0, the rest shared equally;   times exp(-(tau/limit)^2/2),  tau = s sqrt(rho)
 //! limit = max(0.1 relief, 2 e),  e = 1.4826 median |d_i - d_nearest| / sqrt 2
 //! ```
@@ -103,9 +103,9 @@ impl<'a> Factors<'a> {
     }
 }
 
-/// Distances in space between the cells.
+/// Distances in space between the cells' feet.
 pub(super) fn distances_between(cells: &Cells) -> Mat<f64> {
-    let p = &cells.points;
+    let p = &cells.feet;
     Mat::from_fn(p.len(), p.len(), |i, j| norm(minus(p[i], p[j])))
 }
 
@@ -116,10 +116,10 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// From the relief and the differences of residuals between nearest contacts.
-    pub(super) fn new(points: &[Vector], residuals: &[f64], relief: f64) -> Limit {
-        let tree = Neighbours::new(points);
-        let differences = thinned(points, SAMPLE)
+    /// From the relief and the differences of residuals between contacts with the nearest feet.
+    pub(super) fn new(feet: &[Vector], residuals: &[f64], relief: f64) -> Limit {
+        let tree = Neighbours::new(feet);
+        let differences = thinned(feet, SAMPLE)
             .into_iter()
             .filter_map(|i| tree.nearest_other(i).map(|(_, j)| (residuals[i] - residuals[j]).abs()))
             .collect();

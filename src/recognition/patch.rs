@@ -8,7 +8,7 @@
 
 use crate::contact::Frame;
 use crate::threads;
-use crate::vector::{Vector, dot, minus, norm, scaled};
+use crate::vector::{Vector, along, dot, minus, norm, scaled};
 
 use super::believable_normals::{AGAINST, derived_from_positions};
 use super::cells::{Cells, cells};
@@ -31,6 +31,9 @@ const TOO_MANY_OUTLIERS: f64 = 0.25;
 pub(super) struct Patch {
     pub(super) frame: Frame,
     pub(super) points: Vec<Vector>,
+    /// Feet of the contacts on the robust general surface. What lies beside what is told by them: in space, contacts that err much
+    /// lie apart because they err, and their distances from a surface would be a smooth function of their places.
+    pub(super) feet: Vec<Vector>,
     /// Signed distances from the robust general surface.
     pub(super) distances: Vec<f64>,
     /// Measured minus model normals where they are used.
@@ -78,8 +81,10 @@ impl Patch {
         }
         let kept = |i: &usize| start.belongs[*i];
         let chosen: Vec<usize> = (0..points.len()).filter(kept).collect();
+        let foot = |i: usize| along(points[i], -start.distances[i], surface_normals[i]);
         Ok(Patch {
             frame,
+            feet: chosen.iter().map(|&i| foot(i)).collect(),
             distances: chosen.iter().map(|&i| start.distances[i]).collect(),
             errors: errors.map(|e| chosen.iter().map(|&i| e[i]).collect()),
             points: chosen.iter().map(|&i| points[i]).collect(),
@@ -92,7 +97,7 @@ impl Patch {
 
     /// Averaged contacts.
     pub(super) fn cells(&self) -> Cells {
-        cells(&self.points, &self.start.general, self.errors.as_deref())
+        cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref())
     }
 
     /// All models refitted to the cells, each from its likeliest starts.

@@ -36,14 +36,14 @@ pub(super) struct Support<'a> {
 }
 
 impl<'a> Support<'a> {
-    /// Of contacts with their chart positions.
-    pub(super) fn new(points: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
-        let tree = Neighbours::new(points);
-        let sample = thinned(points, SAMPLE);
+    /// Of contacts, by their feet, with their chart positions.
+    pub(super) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+        let tree = Neighbours::new(feet);
+        let sample = thinned(feet, SAMPLE);
         let mut nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
         nearest.sort_unstable_by(f64::total_cmp);
         let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
-        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.points));
+        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet));
         Support { hull: hull(charts), tree, reach, beyond: BEYOND * reach }
     }
 

@@ -241,8 +241,8 @@ fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
 
 /// Weight of the displaced nodes under which neighbours share errors of at least `size`.
 fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f64 {
-    let tree = Neighbours::new(&evidence.cells.points);
-    let apart = (0..evidence.cells.points.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+    let tree = Neighbours::new(&evidence.cells.feet);
+    let apart = (0..evidence.cells.feet.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
     let apart = median(apart);
     total(weights, nodes, |n| n.is_displaced() && n.tau() * (-0.5 * apart / n.length).exp() > size)
 }

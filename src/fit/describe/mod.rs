@@ -59,6 +59,8 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let u = model.map(|_| Uncertainties::new(solved, local, s.mean));
     let [u_s, u_r] = [u.as_ref().and_then(|u| u.of_shape_index), u.as_ref().and_then(|u| u.of_curvedness)];
     let u_s = u_s.map(|part| NoisePart { reaches: u.as_ref().and_then(|u| u.end_of_shape_index), ..part });
+    // what passes for a plane may be one: R is a length and lies above 0 by some of the noise
+    let u_r = u_r.map(|part| NoisePart { reaches: is_plane.then_some(0.0), ..part });
     let curved = s.mean.filter(|_| !is_plane);
     let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let level = solved.options.level;
