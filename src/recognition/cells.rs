@@ -23,6 +23,10 @@ const MOST: usize = 200;
 const SIZES: [f64; 2] = [1e-3, 8.0];
 const HALVINGS: usize = 20;
 
+/// Widening of the least size that will do: at that size itself a border runs through contacts of an even grid, and their errors
+/// would decide on which side they count.
+const ROOM: f64 = 1.05;
+
 /// Measured normals of the cells.
 #[derive(Clone, Debug)]
 pub(super) struct CellNormals {
@@ -50,12 +54,7 @@ pub(super) struct Cells {
 
 /// Averages contacts whose feet on the surface share a voxel; `errors` are measured minus model normals, `None` where a normal is
 /// not used.
-pub(super) fn cells(
-    points: &[Vector],
-    feet: &[Vector],
-    surface: &Model,
-    errors: Option<&[Option<Vector>]>,
-) -> Cells {
+pub(super) fn cells(points: &[Vector], feet: &[Vector], surface: &Model, errors: Option<&[Option<Vector>]>) -> Cells {
     let (of, count) = membership(feet);
     let mut counts = vec![0.0; count];
     let mut sums = vec![[0.0; 3]; count];
@@ -131,8 +130,9 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
             hi = size;
         }
     }
-    let mut numbers = VoxelNumbers::new(bounds, hi);
-    let of = points.iter().map(|p| numbers.of(voxel(*p, hi))).collect();
+    let size = ROOM * hi;
+    let mut numbers = VoxelNumbers::new(bounds, size);
+    let of = points.iter().map(|p| numbers.of(voxel(*p, size))).collect();
     (of, numbers.count)
 }
 

@@ -1,4 +1,4 @@
-//! Known errors in x and y: contacts on slopes err more along the normal than contacts on level ground.
+//! Known or shown errors in x and y: contacts on slopes err more along the normal than contacts on level ground.
 //!
 //! ```text
 //! var_i = s_z^2 n_z^2 + s_xy^2 (1 - n_z^2)         n_z of the surface's normal in the input's axes
@@ -12,6 +12,7 @@ use crate::vector::cross;
 use super::cells::Cells;
 use super::descent::median;
 use super::patch::Patch;
+use super::place_errors::PlaceErrors;
 
 /// Parameters of the robust surface.
 const UNKNOWNS: f64 = 6.0;
@@ -20,8 +21,8 @@ const UNKNOWNS: f64 = 6.0;
 const LEAST: f64 = 0.1;
 
 /// The cells with variances and weights that count these errors, input units.
-pub(super) fn weighed(mut cells: Cells, patch: &Patch, sigma_xy: f64) -> Cells {
-    if sigma_xy == 0.0 {
+pub(super) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
+    if !errors.weigh {
         return cells;
     }
     let upright = |i: usize| {
@@ -33,7 +34,7 @@ pub(super) fn weighed(mut cells: Cells, patch: &Patch, sigma_xy: f64) -> Cells {
     let count = patch.distances.len() as f64;
     let spent = (count / (count - UNKNOWNS).max(1.0)).sqrt();
     let scatter = 1.4826 * spent * median(patch.distances.iter().map(|d| d.abs()).collect());
-    let across = (sigma_xy / patch.frame.scale).powi(2);
+    let across = errors.across;
     let upright = mean(&squares);
     let along_z = (scatter * scatter - across * (1.0 - upright)).max(0.0) / upright.max(LEAST);
     let variances: Vec<f64> = squares.iter().map(|n| along_z * n + across * (1.0 - n)).collect();

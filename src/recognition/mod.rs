@@ -58,6 +58,7 @@ mod over_plane;
 mod own_axes;
 mod paraboloid;
 mod patch;
+mod place_errors;
 #[cfg(feature = "cli")]
 mod pointwise;
 mod posterior;
@@ -74,6 +75,7 @@ mod smooth_departure;
 mod spline;
 mod start;
 mod state;
+mod strayed;
 mod support;
 mod surface;
 mod taken_back;
@@ -109,6 +111,7 @@ use linearised::{FactorPair, Linearised};
 use model::{Kind, Model};
 use noise::Limit;
 use patch::Patch;
+use place_errors::PlaceErrors;
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -163,12 +166,15 @@ struct Asked<'a> {
 
 /// The steps, top to bottom.
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    let patch = Patch::new(given, options)?;
-    let cells = in_place::weighed(patch.cells(), &patch, options.sigma_xy);
+    let mut patch = Patch::new(given, options)?;
+    let tree = Neighbours::new(&patch.feet);
+    let errors = PlaceErrors::of(&patch, &tree, options.sigma_xy);
+    let mut cells = in_place::weighed(patch.cells(), &patch, &errors);
+    let doubt_of_places = strayed::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = Limit::new(&patch.feet, &patch.distances, relief);
+    let limit = Limit::new(&patch.feet, &tree, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
@@ -192,6 +198,7 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         relief,
         normal_noise: linearised.normal_noise,
         distances: &distances,
+        doubt_of_places,
         asked,
     }
     .recognition(options)

@@ -117,8 +117,7 @@ pub(super) struct Limit {
 
 impl Limit {
     /// From the relief and the differences of residuals between contacts with the nearest feet.
-    pub(super) fn new(feet: &[Vector], residuals: &[f64], relief: f64) -> Limit {
-        let tree = Neighbours::new(feet);
+    pub(super) fn new(feet: &[Vector], tree: &Neighbours, residuals: &[f64], relief: f64) -> Limit {
         let differences = thinned(feet, SAMPLE)
             .into_iter()
             .filter_map(|i| tree.nearest_other(i).map(|(_, j)| (residuals[i] - residuals[j]).abs()))

@@ -95,6 +95,11 @@ impl Patch {
         })
     }
 
+    /// Cosine between the robust surface's normal at a place and the input's z.
+    pub(super) fn upright(&self, place: Vector) -> f64 {
+        self.frame.rotate_back(self.start.general.distance_and_normal(place).1)[2]
+    }
+
     /// Averaged contacts.
     pub(super) fn cells(&self) -> Cells {
         cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref())

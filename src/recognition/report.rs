@@ -40,6 +40,8 @@ pub(super) struct Findings<'a> {
     pub(super) relief: f64,
     pub(super) normal_noise: Option<NormalNoise>,
     pub(super) distances: &'a Mat<f64>,
+    /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
+    pub(super) doubt_of_places: f64,
     /// Places that the caller asks about.
     pub(super) asked: &'a Asked<'a>,
 }
@@ -98,6 +100,7 @@ impl Findings<'_> {
         if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
+        found.curvedness.doubted(self.doubt_of_places);
         let map = self.map(&surface, &points, &supported, &found);
         let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
         let shape = found.shape_index.filter(|_| plane_probability <= 0.5);

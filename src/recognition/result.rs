@@ -1,6 +1,8 @@
 //! What a recognition gives back: the class with its probability, S and R with intervals, the map, and what was set
 //! aside.
 
+use statrs::function::erf;
+
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 
@@ -104,6 +106,15 @@ impl Estimate {
     pub(super) fn moved(&mut self, by: f64, [least, most]: [f64; 2]) {
         let there = |value: f64| (value + by).clamp(least, most);
         (self.mean, self.interval) = (there(self.mean), self.interval.map(there));
+    }
+
+    /// Adds an independent standard uncertainty of so large a share of the mean, of a quantity that is never negative.
+    pub(super) fn doubted(&mut self, share: f64) {
+        let own = share * self.mean;
+        let reach = std::f64::consts::SQRT_2 * erf::erf_inv(self.level) * own;
+        let [lo, hi] = self.interval.map(|end| (end - self.mean).hypot(reach));
+        self.interval = [(self.mean - lo).max(0.0), self.mean + hi];
+        (self.u, self.u_model) = (self.u.hypot(own), self.u_model.hypot(own));
     }
 }
 

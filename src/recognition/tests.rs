@@ -335,7 +335,7 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let cells = patch.cells();
         let models = patch.fitted(&cells);
         let distances = noise::distances_between(&cells);
-        let limit = Limit::new(&patch.feet, &patch.distances, relief(&cells, &models));
+        let limit = Limit::new(&patch.feet, &Neighbours::new(&patch.feet), &patch.distances, relief(&cells, &models));
         let factors = FactorPair::new(&cells, &distances);
         let plain = Linearised::new(&cells, &patch.points, models, &factors);
         let (_, nodes) = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);

@@ -49,7 +49,7 @@ const MOST: f64 = 0.5;
 /// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
 /// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
 /// shape, whatever its size.
-const OF_DEPARTURE: f64 = 0.1;
+const OF_DEPARTURE: f64 = 0.05;
 const REFUTED: f64 = 0.1;
 
 /// Share of either reading in the interval where the contacts cannot tell shape from a sensor's error.

@@ -10,6 +10,7 @@ mod objects;
 mod paper;
 mod parametric;
 mod parts;
+mod place_errors;
 mod properties;
 mod random_problems;
 mod robust;
