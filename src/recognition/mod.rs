@@ -198,6 +198,7 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         relief,
         normal_noise: linearised.normal_noise,
         distances: &distances,
+        place_errors: errors,
         doubt_of_places,
         asked,
     }

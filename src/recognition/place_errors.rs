@@ -54,10 +54,13 @@ pub(super) struct PlaceErrors {
     pub(super) doubt: f64,
     /// Whether those across are known, or the contacts show that they are larger, so that contacts on slopes weigh less.
     pub(super) weigh: bool,
+    /// Whether it is the contacts that show it.
+    pub(super) shown: bool,
 }
 
 impl PlaceErrors {
-    /// Of the contacts of a patch, with the tree of their feet; `declared` is the known sd in x and in y, input units, and 0 where it is not known.
+    /// Of the contacts of a patch, with the tree of their feet; `declared` is the known sd in x and in y, input units, and 0 where
+    /// it is not known.
     pub(super) fn of(patch: &Patch, tree: &Neighbours, declared: f64) -> PlaceErrors {
         let pairs = pairs(patch, tree);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
@@ -65,11 +68,13 @@ impl PlaceErrors {
             let across = (declared / patch.frame.scale).powi(2);
             let slope = pairs.iter().map(|(_, slope)| slope).sum::<f64>() / pairs.len().max(1) as f64;
             let along_z = (whole - across * slope).max(0.0);
-            return PlaceErrors { along_z, across, doubt: 0.0, weigh: true };
+            return PlaceErrors { along_z, across, doubt: 0.0, weigh: true, shown: false };
         }
         let scale = 1.4826 * median(patch.distances.iter().map(|d| d.abs()).collect());
         if pairs.len() < ENOUGH || whole.sqrt() < SINGLE * scale {
-            return PlaceErrors { along_z: whole, across: 0.5 * whole, doubt: 0.5 * whole, weigh: false };
+            // between none along the surface and as large ones as across it, alike in all directions however the patch lies
+            let half = 0.5 * whole;
+            return PlaceErrors { along_z: half, across: half, doubt: half, weigh: false, shown: false };
         }
         by_evidence(&pairs)
     }
@@ -105,11 +110,13 @@ fn by_evidence(pairs: &[(f64, f64)]) -> PlaceErrors {
     let sum: f64 = weights.iter().sum();
     let mean = |of: &dyn Fn(usize) -> f64| (0..RATIOS.len()).map(|k| weights[k] * of(k)).sum::<f64>() / sum;
     let across = mean(&|k| RATIOS[k] * found[k].1);
+    let shown = mean(&|k| f64::from(u8::from(RATIOS[k] > 1.0))) > SHOWN;
     PlaceErrors {
         along_z: mean(&|k| found[k].1),
         across,
         doubt: mean(&|k| (RATIOS[k] * found[k].1 - across).powi(2)).sqrt(),
-        weigh: mean(&|k| f64::from(u8::from(RATIOS[k] > 1.0))) > SHOWN,
+        weigh: shown,
+        shown,
     }
 }
 

@@ -14,6 +14,7 @@ use super::model::Kind;
 use super::node::Node;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
+use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
 use super::predictive;
 use super::region::Region;
@@ -40,6 +41,7 @@ pub(super) struct Findings<'a> {
     pub(super) relief: f64,
     pub(super) normal_noise: Option<NormalNoise>,
     pub(super) distances: &'a Mat<f64>,
+    pub(super) place_errors: PlaceErrors,
     /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
     pub(super) doubt_of_places: f64,
     /// Places that the caller asks about.
@@ -285,6 +287,13 @@ impl Findings<'_> {
                 false => "is read as an error of the sensor, not as shape",
             };
             notes.push(format!("a departure of {:.1} % of the relief {read}", 100.0 * self.weights.size));
+        }
+        if self.place_errors.shown {
+            let sd = self.place_errors.across.sqrt() * self.patch.frame.scale;
+            let rounded: f64 = format!("{sd:.1e}").parse().unwrap_or(sd);
+            notes.push(format!(
+                "contacts on slopes scatter more than on level ground: x and y err by about {rounded}, and the answer counts that"
+            ));
         }
         if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class != ShapeClass::Plane {
             notes.push(
