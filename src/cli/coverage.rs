@@ -103,6 +103,10 @@ fn scene_coverage(args: &StudyArgs, judged: &Judged, replicates: u64) -> Result<
     let study = if args.random.is_some() { replicates } else { STUDY.max(replicates) };
     let mut args = args.clone();
     (args.replicates, args.attribution) = (Some(study), Some(0));
+    if args.random.is_some() {
+        // each surface has noise of its own: that of the first seed would move all of them the same way
+        args.seed = None;
+    }
     let plan = Plan::of_scene(&args, read)?;
     let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
     // whole fits are dear: as many as are asked of, no more

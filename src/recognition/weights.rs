@@ -8,7 +8,7 @@
 //!                                  loose, unless f may be an error;  rough splines never below e^-(gap - 2)/8 / 2 of these
 //! torus of the interval: its share goes to natural departures, where no simple shape is far ahead
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
-//! P(neighbours share errors > rms f / 10) > 0.1,
+//! P(neighbours share errors > rms f / 20) > 0.1,
 //! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
 //! ```
 //!

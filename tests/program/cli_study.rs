@@ -214,6 +214,15 @@ fn random_surfaces_are_pooled_by_their_kind() {
     assert!(errors["median"].as_f64().unwrap().abs() <= errors["of_90_percent"].as_f64().unwrap());
 }
 
+/// The noise of a random surface is that of its own seed, not of the first one of the list.
+#[test]
+fn a_random_surface_is_the_same_in_every_list() {
+    let folder = folder();
+    let scenes =
+        |words: &str| json(folder.path(), &format!("study --coverage --replicates 1 --json {words}"))["scenes"].clone();
+    assert_eq!(scenes("--random 2 --seed 5")[1], scenes("--random 1 --seed 6")[0]);
+}
+
 #[test]
 fn pictures_and_tables_are_written() {
     let folder = folder();
