@@ -38,6 +38,7 @@ impl<'a> FactorPair<'a> {
 }
 
 /// Models with their equations.
+#[derive(Clone)]
 pub(super) struct Linearised {
     pub(super) models: Vec<Model>,
     pub(super) displacement: Option<Displacement>,
@@ -55,6 +56,20 @@ impl Linearised {
         let normal_noise = NormalNoise::find(&rows, factors.normals(), 0.0);
         let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&rows, factors.normals()));
         Linearised { models, displacement, rows, normal_noise, normals }
+    }
+
+    /// The same equations with normals that err independently, by as much as differences between neighbours say; `None` where
+    /// neighbours do not share errors anyway.
+    pub(super) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
+        self.normal_noise.filter(NormalNoise::is_shared)?;
+        let normal_noise = NormalNoise::of_differences(&self.rows, factors.normals());
+        let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&self.rows, factors.normals()));
+        Some(Linearised { normal_noise, normals, ..self.clone() })
+    }
+
+    /// What the errors of the normals add to the log evidence of every hypothesis.
+    pub(super) fn log_share_of_normals(&self) -> f64 {
+        self.normal_noise.map_or(0.0, |noise| noise.log_share)
     }
 
     /// Equations about the moved models, with normals that scatter about the displacement which moved them; `None` where the moved

@@ -180,10 +180,17 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
     let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
     let again = second_look::moved(&plain, &first.1, &cells, &factors, limit)
         .and_then(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
-    let (linearised, (evidence, nodes)) = match &again {
+    let mut chosen = match &again {
         Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit, Look::Second)),
         None => (&plain, first),
     };
+    let believed = second_look::with_normals_believed(chosen.0, &plain, &cells, &patch.points, &factors, limit);
+    if let Some((believed, log_evidence)) = &believed {
+        if *log_evidence > second_look::highest(&chosen.1.1) + chosen.0.log_share_of_normals() {
+            chosen = (believed, Evidence::new(&cells, believed, &factors.positions, limit, Look::Second));
+        }
+    }
+    let (linearised, (evidence, nodes)) = chosen;
     let misfit = |kind: Kind| {
         let distance = |m: &Model| weighted_rms(&cells, m);
         linearised.models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)

@@ -97,6 +97,11 @@ impl<'a> Factors<'a> {
         self.variance
     }
 
+    /// Between the cells.
+    pub(super) fn distances(&self) -> &Mat<f64> {
+        self.distances
+    }
+
     /// Lower factor under a kernel.
     pub(super) fn of(&self, kernel: usize) -> Option<&Mat<f64>> {
         self.found[kernel].get_or_init(|| self.kernels[kernel].factor(self.variance, self.distances)).as_ref()

@@ -21,6 +21,8 @@ pub(super) struct NormalNoise {
     kernel: usize,
     /// Variance of an average cell's independent error.
     pub(super) variance: f64,
+    /// What it adds to the log evidence of every hypothesis: `-(log det Sigma_n)/2 + log prior(rho, l)`.
+    pub(super) log_share: f64,
 }
 
 impl NormalNoise {
@@ -47,6 +49,32 @@ impl NormalNoise {
         best.map(|(_, found)| found)
     }
 
+    /// Independent errors that are as large as differences between neighbours say; `None` without normals.
+    pub(super) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
+        let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
+        let (y, n) = (column_of(Kind::General), own.len());
+        let nearest = |i: usize| {
+            (0..n).filter(|&j| j != i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]))
+        };
+        let pairs: Vec<[usize; 2]> = (0..n).filter_map(|i| Some([i, nearest(i)?])).collect();
+        let square = |half: &Mat<f64>, [i, j]: [usize; 2]| (half[(i, y)] - half[(j, y)]).powi(2) / (own[i] + own[j]);
+        let sum: f64 = halves.iter().flat_map(|half| pairs.iter().map(|&pair| square(half, pair))).sum();
+        let variance = (sum / (2 * pairs.len()).max(1) as f64).max(1e-24);
+        let log_det = 2.0 * dense::log_det(factors.of(0)?);
+        Some(NormalNoise::new(0, variance, n, log_det))
+    }
+
+    /// Errors under a kernel; the log determinant is that of both parts' covariance over the variance.
+    fn new(kernel: usize, variance: f64, cells: usize, log_det: f64) -> NormalNoise {
+        let log_share = Kernel::all()[kernel].log_prior - 0.5 * (log_det + 2.0 * cells as f64 * variance.ln());
+        NormalNoise { kernel, variance, log_share }
+    }
+
+    /// Whether neighbours share errors.
+    pub(super) fn is_shared(&self) -> bool {
+        self.kernel != 0
+    }
+
     /// Log likelihood and variance under one kernel.
     fn under(rows: &Rows, factors: &Factors, kernel: usize, spent: f64) -> Option<(f64, NormalNoise)> {
         let n = factors.variance().len();
@@ -61,7 +89,7 @@ impl NormalNoise {
         let dof = ((2 * n).saturating_sub(p) as f64 - spent).max(1.0);
         let prior = Kernel::all()[kernel].log_prior;
         let likelihood = -0.5 * (log_det + dense::log_det(&jj) + dof * (rss / dof).ln()) + prior;
-        Some((likelihood, NormalNoise { kernel, variance: rss / dof }))
+        Some((likelihood, NormalNoise::new(kernel, rss / dof, n, log_det)))
     }
 
     /// Gram matrix of the whitened normal rows.

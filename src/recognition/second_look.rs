@@ -58,6 +58,36 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
     nodes.iter().filter(|n| n.is_displaced()).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
+/// The second look of whoever believes the normals, and the largest log evidence under it; `None` where the first reading has no
+/// errors of normals that neighbours share.
+///
+/// The errors of normals are found about the plain surface. Where that is not the true one, normals differ from it alike
+/// wherever contacts lie close to each other, as along the path of a finger, and such a difference passes for an error that
+/// neighbours share. No displacement is likely then, and the errors are never asked again. Which of the two readings is right is
+/// told by their evidence.
+pub(super) fn with_normals_believed(
+    chosen: &Linearised,
+    plain: &Linearised,
+    cells: &Cells,
+    contacts: &[Vector],
+    factors: &FactorPair,
+    limit: Limit,
+) -> Option<(Linearised, f64)> {
+    chosen.normal_noise.filter(|noise| noise.is_shared())?;
+    let start = plain.with_normals_believed(factors)?;
+    let (evidence, nodes) = Evidence::under(cells, &start, &factors.positions, limit, 0);
+    let moved = under_likeliest(&evidence, &start.rows, &nodes)?;
+    let made = taken(&start, &moved, cells, contacts, factors, limit)?;
+    let (_, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
+    let log_evidence = highest(&nodes) + made.log_share_of_normals();
+    Some((made, log_evidence))
+}
+
+/// Largest log evidence.
+pub(super) fn highest(nodes: &[Node]) -> f64 {
+    nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// The equations about the moved surface; `None` where that has no chart to depart from. The displacement was found over the chart
 /// of another surface, and normals that scatter about it seem noisier than they are. Displacement and noise are therefore found
 /// again, in turns, under the covariance of positions that was the likeliest.
