@@ -9,7 +9,7 @@
 //! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
 //! of prior size has mean square 1.
 //!
-//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]), and some sixty
+//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]), and some hundred
 //! those of processes that are smooth in all their derivatives ([`smooth_departure`]). All are combinations of the same splines.
 //!
 //! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
@@ -59,7 +59,7 @@ pub(super) struct Displacement {
     pub(super) rough: usize,
     /// Number of columns of natural departures, which follow.
     pub(super) natural: usize,
-    /// First column and number of columns of the smooth departures of every length.
+    /// First column and number of columns of every smooth departure.
     pub(super) smooth: Vec<(usize, usize)>,
     /// Rows of the distances.
     pub(super) positions: Mat<f64>,
@@ -101,14 +101,16 @@ impl Displacement {
             smooth: Vec::new(),
             normals: None,
         };
-        smooth_departure::LENGTHS.into_iter().for_each(|length| made.add_smooth(&rough, &positions, length));
+        for process in smooth_departure::all() {
+            let weights = smooth_departure::weights(surface, &made.knots, &rough, process);
+            made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
+        }
         let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
         Some(Displacement { normals, ..made })
     }
 
     /// Adds the columns of a smooth departure, but for those that hardly show at the cells. `positions` are the rough columns there.
-    fn add_smooth(&mut self, rough: &Mat<f64>, positions: &Mat<f64>, length: f64) {
-        let Some(weights) = smooth_departure::weights(&self.knots, rough, length) else { return };
+    fn add_smooth(&mut self, rough: &Mat<f64>, positions: &Mat<f64>, weights: &Mat<f64>) {
         let at_cells = linalg::product(positions.as_ref(), weights.as_ref());
         let squares: Vec<f64> =
             (0..at_cells.ncols()).map(|j| at_cells.col_as_slice(j).iter().map(|v| v * v).sum()).collect();
@@ -116,13 +118,11 @@ impl Displacement {
         let kept: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] > UNSEEN * largest).collect();
         let sum: f64 = kept.iter().map(|&j| squares[j]).sum();
         let size = (sum / at_cells.nrows() as f64).sqrt();
-        if size > 0.0 {
-            let scaled = |m: &Mat<f64>| Mat::from_fn(m.nrows(), kept.len(), |i, k| m[(i, kept[k])] / size);
-            self.smooth.push((self.positions.ncols(), kept.len()));
-            self.positions = beside(&self.positions, &scaled(&at_cells));
-            let coefficients = linalg::product(rough.as_ref(), scaled(&weights).as_ref());
-            self.to_coefficients = beside(&self.to_coefficients, &coefficients);
-        }
+        let scaled = |m: &Mat<f64>| Mat::from_fn(m.nrows(), kept.len(), |i, k| m[(i, kept[k])] / size);
+        self.smooth.push((self.positions.ncols(), kept.len()));
+        self.positions = beside(&self.positions, &scaled(&at_cells));
+        let coefficients = linalg::product(rough.as_ref(), scaled(weights).as_ref());
+        self.to_coefficients = beside(&self.to_coefficients, &coefficients);
     }
 
     /// Number of columns.

@@ -154,14 +154,14 @@ impl<'a> Evidence<'a> {
         self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
     }
 
-    /// Smooth departures of every length and of growing size.
+    /// Smooth departures of every form and length, and of growing size.
     fn with_smooth(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
-        let lengths = 0..self.displacement.map_or(0, |d| d.smooth.len());
-        let of = |length: usize| {
-            let departure = move |variance: f64| Departure::Smooth { variance, length };
+        let seen = |process: &usize| self.displacement.is_some_and(|d| d.smooth[*process].1 > 0);
+        let of = |process: usize| {
+            let departure = move |variance: f64| Departure::Smooth { variance, process };
             self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
         };
-        lengths.flat_map(of).collect()
+        (0..self.displacement.map_or(0, |d| d.smooth.len())).filter(seen).flat_map(of).collect()
     }
 
     /// Nodes of departures of growing size, until larger ones have no chance.
@@ -221,8 +221,8 @@ impl<'a> Evidence<'a> {
                 -displaced - 2.0 * LN_2 - (POWERS.count() as f64).ln()
             }
             (Kind::General, Departure::Smooth { .. }) => {
-                let lengths = self.displacement.map_or(1, |d| d.smooth.len());
-                -displaced - 2.0 * LN_2 - ((POWERS.count() * lengths) as f64).ln()
+                let processes = self.displacement.map_or(1, |d| d.smooth.len());
+                -displaced - 2.0 * LN_2 - ((POWERS.count() * processes) as f64).ln()
             }
             (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
             _ => 0.0,
@@ -295,7 +295,9 @@ impl<'a> Evidence<'a> {
             (Departure::Natural, Some(d)) => (d.rough, d.natural, 0),
             (Departure::Rough(_), Some(d)) => (0, d.rough, d.rough),
             (Departure::Both(_), Some(d)) => (0, d.rough + d.natural, d.rough),
-            (Departure::Smooth { length, .. }, Some(d)) => (d.smooth[length].0, d.smooth[length].1, d.smooth[length].1),
+            (Departure::Smooth { process, .. }, Some(d)) => {
+                (d.smooth[process].0, d.smooth[process].1, d.smooth[process].1)
+            }
         };
         let z = (first_of_displacement() + start, count);
         Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough, factors }

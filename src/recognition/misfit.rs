@@ -42,8 +42,13 @@ pub(super) fn misfit(cells: &Cells, residuals: &[f64], findings: &Findings) -> M
     }
     let square = residuals.iter().map(|d| d * d).sum::<f64>() / residuals.len().max(1) as f64;
     let neighbour_correlation = if pairs > 0.0 && square > 0.0 { (sum / pairs / square).clamp(-1.0, 1.0) } else { 0.0 };
-    let p = 0.5 * erf::erfc(neighbour_correlation * (0.5 * pairs).sqrt());
+    let p = chance(neighbour_correlation, pairs);
     Misfit { neighbour_correlation, p, percent_of_relief: 100.0 * findings.of_relief, words: words(findings, p) }
+}
+
+/// Probability of at least this correlation among so many pairs of independent residuals.
+pub(super) fn chance(correlation: f64, pairs: f64) -> f64 {
+    0.5 * erf::erfc(correlation * (0.5 * pairs).sqrt())
 }
 
 fn words(findings: &Findings, p: f64) -> String {

@@ -81,6 +81,7 @@ mod surface;
 mod taken_back;
 #[cfg(test)]
 mod tests;
+mod turned_departure;
 mod weights;
 
 pub use error::RecognitionError;
@@ -185,10 +186,9 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         None => (&plain, first),
     };
     let believed = second_look::with_normals_believed(chosen.0, &plain, &cells, &patch.points, &factors, limit);
-    if let Some((believed, log_evidence)) = &believed {
-        if *log_evidence > second_look::highest(&chosen.1.1) + chosen.0.log_share_of_normals() {
-            chosen = (believed, Evidence::new(&cells, believed, &factors.positions, limit, Look::Second));
-        }
+    let best = second_look::highest(&chosen.1.1) + chosen.0.log_share_of_normals();
+    if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > best) {
+        chosen = (believed, Evidence::new(&cells, believed, &factors.positions, limit, Look::Second));
     }
     let (linearised, (evidence, nodes)) = chosen;
     let misfit = |kind: Kind| {

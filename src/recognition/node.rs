@@ -26,8 +26,8 @@ pub(super) enum Departure {
     Smooth {
         /// Its variance over that of a position.
         variance: f64,
-        /// Number of its length.
-        length: usize,
+        /// Number of its process: form and length.
+        process: usize,
     },
 }
 
@@ -46,10 +46,14 @@ impl Departure {
         matches!(self, Departure::Smooth { .. })
     }
 
+    /// Number of the process of a smooth departure.
+    pub(super) fn process(self) -> Option<usize> {
+        if let Departure::Smooth { process, .. } = self { Some(process) } else { None }
+    }
+
     /// Whether both have the same prior but for its size.
     pub(super) fn is_like(self, other: Departure) -> bool {
-        let length = |of: Departure| if let Departure::Smooth { length, .. } = of { Some(length) } else { None };
-        discriminant(&self) == discriminant(&other) && length(self) == length(other)
+        discriminant(&self) == discriminant(&other) && self.process() == other.process()
     }
 }
 

@@ -53,9 +53,8 @@ impl NormalNoise {
     pub(super) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
         let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
         let (y, n) = (column_of(Kind::General), own.len());
-        let nearest = |i: usize| {
-            (0..n).filter(|&j| j != i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]))
-        };
+        let nearest =
+            |i: usize| (0..n).filter(|&j| j != i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]));
         let pairs: Vec<[usize; 2]> = (0..n).filter_map(|i| Some([i, nearest(i)?])).collect();
         let square = |half: &Mat<f64>, [i, j]: [usize; 2]| (half[(i, y)] - half[(j, y)]).powi(2) / (own[i] + own[j]);
         let sum: f64 = halves.iter().flat_map(|half| pairs.iter().map(|&pair| square(half, pair))).sum();

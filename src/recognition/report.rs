@@ -4,13 +4,14 @@ use faer::Mat;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::shape::radius_of;
-use crate::vector::cross;
+use crate::vector::{Vector, cross};
 
 use super::dense;
 use super::evidence::{Evidence, curvatures};
 use super::field::Points;
 use super::misfit::{self, misfit};
-use super::model::Kind;
+use super::model::{Kind, Model};
+use super::neighbours::Neighbours;
 use super::node::Node;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
@@ -18,6 +19,7 @@ use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
 use super::predictive;
 use super::region::Region;
+use super::start::thinned;
 use super::state::{ChartPoint, State};
 use super::surface::chart_point;
 use super::weights::{Weights, total};
@@ -28,6 +30,9 @@ use super::{
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;
+
+/// Misfit, as a share of the relief, from which on single contacts are asked whether it has a pattern.
+const LARGE: f64 = 0.25;
 
 /// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
 const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
@@ -178,22 +183,39 @@ impl Findings<'_> {
         out
     }
 
+    /// Distance of a place from the reported surface.
+    fn distance(&self, base: Option<&Model>, best: &Node, state: &State, place: Vector) -> f64 {
+        let d = state.model().distance(place);
+        match (base, self.evidence.displacement) {
+            (Some(Model::Constant(_, base)), Some(displacement)) if best.is_displaced() => {
+                d - state.at(&chart_point(base, Some(displacement), base.chart(place))).displacement
+            }
+            _ => d,
+        }
+    }
+
     /// Residuals of the reported surface at the cells.
     fn residuals(&self, best: &Node, state: &State) -> Vec<f64> {
-        let cells = &self.evidence.cells.points;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
-        cells
-            .iter()
-            .map(|p| {
-                let d = state.model().distance(*p);
-                match (base, self.evidence.displacement) {
-                    (Some(super::Model::Constant(_, base)), Some(displacement)) if best.is_displaced() => {
-                        d - state.at(&chart_point(base, Some(displacement), base.chart(*p))).displacement
-                    }
-                    _ => d,
-                }
-            })
-            .collect()
+        self.evidence.cells.points.iter().map(|p| self.distance(base, best, state, *p)).collect()
+    }
+
+    /// Correlation between the distances of single contacts and of those beside them, and the number of pairs: it shows a pattern that
+    /// is finer than the cells, as along an edge.
+    fn agreement_of_neighbours(&self, best: &Node, state: &State) -> (f64, f64) {
+        const SAMPLE: usize = 1000;
+        let tree = Neighbours::new(&self.patch.feet);
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        let distance = |i: usize| self.distance(base, best, state, self.patch.points[i]);
+        let (mut product, mut square, mut pairs) = (0.0, 0.0, 0.0);
+        for i in thinned(&self.patch.feet, SAMPLE) {
+            let Some((_, j)) = tree.nearest_other(i) else { continue };
+            let (here, beside) = (distance(i), distance(j));
+            product += here * beside;
+            square += 0.5 * (here * here + beside * beside);
+            pairs += 1.0;
+        }
+        (if square > 0.0 { product / square } else { 0.0 }, pairs)
     }
 
     fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {
@@ -211,7 +233,13 @@ impl Findings<'_> {
             tau: best.tau() / self.relief,
             displacement: certain.then_some(self.weights.size),
         };
-        let found = misfit(self.evidence.cells, &residuals, &findings);
+        let mut found = misfit(self.evidence.cells, &residuals, &findings);
+        if size > LARGE * self.relief {
+            let (correlation, pairs) = self.agreement_of_neighbours(best, state);
+            if correlation > found.neighbour_correlation {
+                (found.neighbour_correlation, found.p) = (correlation, misfit::chance(correlation, pairs).min(found.p));
+            }
+        }
         if size > UNEXPLAINED[0] * self.relief && size > UNEXPLAINED[1] && found.p < 0.01 {
             return Err(RecognitionError::NotOneSheet { misfit: 100.0 * size / self.relief, outliers });
         }

@@ -340,7 +340,9 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let plain = Linearised::new(&cells, &patch.points, models, &factors);
         let (_, nodes) = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
         let best = |smooth: bool| {
-            let own = nodes.iter().filter(|n| n.group() == 2 && n.departure.is_smooth() == smooth);
+            // a straight crease is a profile that was drawn, which no rough spline is
+            let free = |n: &&node::Node| n.departure.process().is_none_or(smooth_departure::is_free);
+            let own = nodes.iter().filter(|n| n.group() == 2 && n.departure.is_smooth() == smooth).filter(free);
             own.map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
         };
         best(true) - best(false)

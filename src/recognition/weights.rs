@@ -5,7 +5,8 @@
 //! w ~ exp(log evidence)                                   the estimate
 //! v = w, but displaced never below max(0.1, e^-(gap - 2)/8 / 2)        gap: log evidence by which it is behind
 //! displaced nodes of the interval: natural departures; rough splines, and half of the smooth departures, with a prior ten times as
-//!                                  loose, unless f may be an error;  rough splines never below e^-(gap - 2)/8 / 2 of these
+//!                                  loose, unless f may be an error;  departures that are free in form never below half, rough
+//!                                  splines never below e^-(gap - 2)/8 / 2 of these
 //! torus of the interval: its share goes to natural departures, where no simple shape is far ahead
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
 //! P(neighbours share errors > rms f / 20) > 0.1,
@@ -37,6 +38,7 @@ use super::model::Kind;
 use super::neighbours::Neighbours;
 use super::node::{GROUPS, Node};
 use super::rows::{Rows, column_of, first_of_displacement};
+use super::smooth_departure::is_free;
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
@@ -65,8 +67,9 @@ const SIMPLER: f64 = 4.0;
 /// Least share of other displacements, where they are as likely, in what those and natural departures have.
 const OTHER: f64 = 0.25;
 
-/// Share of a smooth departure that counts with a prior ten times as loose. Its bias is smaller than a rough spline's, and draws of
-/// either half miss the truth on either side: with all or none of it, S of a bump is inside in 5 to 10 of 100 fits fewer.
+/// Share of a free smooth departure that counts with a prior ten times as loose. Its bias is smaller than a rough spline's, and draws
+/// of either half miss the truth on either side: with all or none of it, S of a bump is inside in 5 to 10 of 100 fits fewer. Profiles
+/// have few ways to bend, so that a loose prior costs them little width.
 const LOOSER: f64 = 0.5;
 
 /// Log likelihood of the normals for every cell, and log evidence of everything, by which a displaced surface has to be ahead
@@ -189,10 +192,11 @@ fn keep_simple(interval: &mut [f64], nodes: &[Node], misfit: impl Fn(Kind) -> f6
 }
 
 /// Whether the rest is no simple shape under these weights of plain nodes, and natural departures explain the contacts about as
-/// well as any displacement does.
+/// well as any displacement does that is free in form.
 fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
     let simple = total(plain, nodes, |n| n.group() == 0);
-    simple < 0.5 && best(nodes, |n| n.is_natural()) > best(nodes, |_| true) - BY_ALL
+    let free = |n: &Node| n.departure.process().is_none_or(is_free);
+    simple < 0.5 && best(nodes, |n| n.is_natural()) > best(nodes, free) - BY_ALL
 }
 
 /// Shares in proportion to the evidence among the nodes chosen, 0 elsewhere; all 0 when none is chosen.
@@ -268,12 +272,22 @@ fn undersmoothed(nodes: &[Node]) -> Vec<f64> {
         // the sizes of a prior follow each other
         let next = nodes.get(i + 1).filter(|next| next.kernel == node.kernel && next.departure.is_like(node.departure));
         if next.is_some() {
-            let passed = plain[i] * if node.departure.is_smooth() { LOOSER } else { 1.0 };
+            let passed = plain[i] * if node.departure.process().is_some_and(is_free) { LOOSER } else { 1.0 };
             out[i] -= passed;
             out[i + 1] += passed;
         }
     }
     out
+}
+
+/// Gives departures that are free in form half of what displacements have: no body is exactly a profile that was drawn or turned.
+fn with_free(mut shares: Vec<f64>, nodes: &[Node]) -> Vec<f64> {
+    let displaced = |n: &Node| n.group() == 2;
+    let free = |n: &Node| displaced(n) && n.departure.process().is_none_or(is_free);
+    if total(&shares, nodes, free) < EITHER * total(&shares, nodes, displaced) {
+        raise(&mut shares, nodes, free, displaced, EITHER);
+    }
+    shares
 }
 
 /// Gives rough splines their least share of what displacements have: a surface need not be smooth in all its derivatives.
@@ -290,7 +304,8 @@ fn with_rough(mut shares: Vec<f64>, nodes: &[Node]) -> Vec<f64> {
 /// Weights of the interval; `error` says that a displacement was read as the sensor's error.
 fn with_doubt(nodes: &[Node], estimate: &[f64], error: bool, misfit: impl Fn(Kind) -> f64) -> Vec<f64> {
     let groups: [Vec<f64>; GROUPS] = std::array::from_fn(|j| shares(nodes, |n| n.group() == j));
-    let rougher = with_rough(if error { groups[2].clone() } else { undersmoothed(nodes) }, nodes);
+    let looser = if error { groups[2].clone() } else { undersmoothed(nodes) };
+    let rougher = with_rough(with_free(looser, nodes), nodes);
     let wanted = group_shares(nodes, estimate, error);
     let mut out = vec![0.0; nodes.len()];
     for (wanted, fresh) in wanted.into_iter().zip([&groups[0], &groups[1], &rougher, &groups[3]]) {
