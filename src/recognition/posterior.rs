@@ -67,6 +67,8 @@ pub(super) struct Summary {
     pub(super) classes: Vec<(ShapeClass, f64)>,
     /// Standard uncertainty of S and of R at every point asked for.
     pub(super) u: Vec<[f64; 2]>,
+    /// The surface that is reported.
+    pub(super) surface: State,
     /// Within how many degrees of the reported ones the directions of k1 and k2 lie, at the level of the intervals.
     pub(super) directions_within_deg: Option<[f64; 2]>,
     /// Draws with what touches would measure on them; empty where none was asked for.
@@ -158,6 +160,8 @@ struct Drawn {
     /// Weights of the node in estimate and interval.
     weights: [f64; 2],
     likeliest: Field,
+    /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
+    columns: Option<(Vec<f64>, Vec<f64>)>,
     draws: Vec<Field>,
     /// What touches would measure on the first of the draws.
     touches: Vec<Vec<[f64; 3]>>,
@@ -175,8 +179,7 @@ pub(super) fn summary(
     let used: Vec<usize> =
         (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
     let state = likeliest(evidence, reported)?;
-    let (own, variation) = (points.field(&state), points.variation(&state));
-    let hidden = if weights.displacement_is_error() { weights.size * own.r } else { 0.0 };
+    let hidden = if weights.displacement_is_error() { weights.size * points.field(&state).r } else { 0.0 };
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
@@ -195,11 +198,17 @@ pub(super) fn summary(
             displaced: node.is_displaced(),
             weights: [weights.estimate[i], weights.interval[i]],
             likeliest,
+            columns: joint.map(|(mean, _)| {
+                let (x, z) = mean.split_at(node.kind.unknowns());
+                (x.to_vec(), evidence.weights_of(node, z))
+            }),
             draws,
             touches,
         })
     });
     let found: Vec<Drawn> = found.into_iter().flatten().collect();
+    let surface = nearest_to_means(evidence, reported, state, &found, points);
+    let (own, variation) = (points.field(&surface), points.variation(&surface));
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);
     let level = options.level;
     let estimate = |pick: fn(&Field) -> f64, at: usize, curved: bool| {
@@ -233,7 +242,41 @@ pub(super) fn summary(
         }),
         u: pointwise(&found, points.map.len()),
         predictive: predictive(found),
+        surface,
     })
+}
+
+/// The likeliest surface, or the mean of all displaced ones, which are linear in the same columns: whichever shows S and R nearer to the
+/// means that are said. The likeliest of several may lie beside them, and the mean of several bends less than any.
+fn nearest_to_means(evidence: &Evidence, reported: &Node, likeliest: State, found: &[Drawn], points: &Points) -> State {
+    let curved = || found.iter().filter(|d| d.kind != Kind::Plane);
+    let sum: f64 = curved().map(|d| d.weights[0]).sum();
+    let mean = |pick: fn(&Field) -> f64| curved().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
+    let (s, r) = (mean(|f| f.s), mean(|f| f.r));
+    let away = |state: &State| {
+        let field = points.field(state);
+        (field.s - s).abs() + (field.r / r - 1.0).abs()
+    };
+    match mean_surface(evidence, reported, found) {
+        Some(mean) if away(&mean) < away(&likeliest) => mean,
+        _ => likeliest,
+    }
+}
+
+/// The mean of the displaced surfaces of the reported kind under the estimate's weights; `None` where none is reported.
+fn mean_surface(evidence: &Evidence, reported: &Node, found: &[Drawn]) -> Option<State> {
+    let displacement = evidence.displacement.filter(|_| reported.is_displaced())?;
+    let model = evidence.models.iter().find(|m| m.kind() == reported.kind)?;
+    let own = found.iter().filter(|d| d.kind == reported.kind);
+    let own: Vec<_> = own.filter_map(|d| Some((d.weights[0], d.columns.as_ref()?))).collect();
+    let sum: f64 = own.iter().map(|(w, _)| w).sum();
+    let mut x = vec![0.0; reported.kind.unknowns()];
+    let mut weights = vec![0.0; displacement.columns()];
+    for (w, (step, columns)) in own {
+        x.iter_mut().zip(step).for_each(|(x, step)| *x += w / sum * step);
+        weights.iter_mut().zip(columns).for_each(|(weight, own)| *weight += w / sum * own);
+    }
+    Some(State::new(model, &x, Some(displacement.coefficients(&weights))))
 }
 
 /// The draws of curved surfaces that touches were predicted on, under the interval's weights.

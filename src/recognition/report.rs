@@ -91,19 +91,11 @@ impl Findings<'_> {
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
-        let Region { surface, map: points, supported, lattice, within_map, over: level_over } =
-            Region::new(self.patch, self.evidence, base, state, self.asked.means, options);
-        let map = &points[..points.len().min(MAPPED)];
-        let [u, v] = middle_of(&surface);
-        let over = Points {
-            all: &lattice,
-            map,
-            within: within_map.as_deref().filter(|_| map.len() == points.len()),
-            middle: Some(surface.chart_point(u, v)),
-            touched: &predictive::places(&surface, self.asked.touches),
-        };
-        let mut found = summary(self.evidence, self.nodes, self.weights, best, &over, options)
-            .ok_or_else(|| failed("averaging"))?;
+        let around = |state: State| Region::new(self.patch, self.evidence, base, state, self.asked.means, options);
+        let region = around(state);
+        let mut found = self.summary_over(&region, best, options).ok_or_else(|| failed("averaging"))?;
+        let region = if found.surface == region.surface.state { region } else { around(found.surface.clone()) };
+        let Region { surface, map: points, supported, lattice, within_map, over: level_over } = region;
         if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
@@ -162,6 +154,20 @@ impl Findings<'_> {
             predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
             misfit,
         })
+    }
+
+    /// Estimates and intervals over the points of a region.
+    fn summary_over(&self, region: &Region, best: &Node, options: &RecognitionOptions) -> Option<Summary> {
+        let map = &region.map[..region.map.len().min(MAPPED)];
+        let [u, v] = middle_of(&region.surface);
+        let over = Points {
+            all: &region.lattice,
+            map,
+            within: region.within_map.as_deref().filter(|_| map.len() == region.map.len()),
+            middle: Some(region.surface.chart_point(u, v)),
+            touched: &predictive::places(&region.surface, self.asked.touches),
+        };
+        summary(self.evidence, self.nodes, self.weights, best, &over, options)
     }
 
     /// All hypotheses that have a node, likeliest first.

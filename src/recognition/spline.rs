@@ -28,7 +28,7 @@ const SAMPLES: usize = 33;
 const DEGREE: usize = 4;
 
 /// Numbers of segments that are tried, the coarsest first.
-const SEGMENTS: [usize; 3] = [2, 4, 8];
+const SEGMENTS: [usize; 4] = [2, 4, 8, 16];
 
 /// The spline may miss the recognised surface by this share of the contacts' misfit.
 const OF_MISFIT: f64 = 1e-3;
