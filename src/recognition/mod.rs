@@ -168,14 +168,14 @@ struct Asked<'a> {
 /// The steps, top to bottom.
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     let mut patch = Patch::new(given, options)?;
-    let tree = Neighbours::new(&patch.feet);
-    let errors = PlaceErrors::of(&patch, &tree, options.sigma_xy);
+    let nearest = patch.nearest();
+    let errors = PlaceErrors::of(&patch, &nearest, options.sigma_xy);
     let mut cells = in_place::weighed(patch.cells(), &patch, &errors);
     let doubt_of_places = strayed::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
     let models = patch.fitted(&cells);
     let relief = relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = Limit::new(&patch.feet, &tree, &patch.distances, relief);
+    let limit = Limit::new(&nearest, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
@@ -205,6 +205,7 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         relief,
         normal_noise: linearised.normal_noise,
         distances: &distances,
+        nearest: &nearest,
         place_errors: errors,
         doubt_of_places,
         asked,

@@ -15,6 +15,7 @@
 //! of the interval is therefore twice as wide as that size.
 
 use faer::Mat;
+use statrs::function::factorial::factorial;
 
 use crate::bspline::Knots;
 
@@ -53,11 +54,7 @@ pub(super) fn size(surface: &ConstantCurvature, [a, b]: [usize; 2]) -> f64 {
     let [_, _, _, k1, k2, _] = surface.theta;
     let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt();
     let derivative = if a + b == 3 { r.powi(2) } else { FOURTH * r.powi(3) };
-    derivative / (factorial(a + b) * factorial(a) * factorial(b)).sqrt()
-}
-
-fn factorial(n: usize) -> f64 {
-    (1..=n).map(|k| k as f64).product()
+    derivative / ([a + b, a, b].map(|n| factorial(n as u64)).iter().product::<f64>()).sqrt()
 }
 
 /// Coefficients of 1, t, .., t^4 about `middle`: the mean products of the knots inside a basis function's support

@@ -14,13 +14,11 @@ use std::sync::OnceLock;
 
 use faer::Mat;
 
-use crate::vector::{Vector, minus, norm};
+use crate::vector::{minus, norm};
 
 use super::cells::Cells;
 use super::dense;
 use super::descent::median;
-use super::neighbours::Neighbours;
-use super::start::thinned;
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
 const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
@@ -33,9 +31,6 @@ const OF_DIFFERENCES: f64 = 2.0;
 
 /// Errors larger than this multiple of the limit are not considered.
 const CUT: f64 = 1.5;
-
-/// Contacts whose nearest neighbours are looked up.
-const SAMPLE: usize = 4000;
 
 /// One node of the grid over rho and l.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,11 +117,8 @@ pub(super) struct Limit {
 
 impl Limit {
     /// From the relief and the differences of residuals between contacts with the nearest feet.
-    pub(super) fn new(feet: &[Vector], tree: &Neighbours, residuals: &[f64], relief: f64) -> Limit {
-        let differences = thinned(feet, SAMPLE)
-            .into_iter()
-            .filter_map(|i| tree.nearest_other(i).map(|(_, j)| (residuals[i] - residuals[j]).abs()))
-            .collect();
+    pub(super) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64) -> Limit {
+        let differences = pairs.iter().map(|&[i, j]| (residuals[i] - residuals[j]).abs()).collect();
         let nearest = 1.4826 * median(differences) / std::f64::consts::SQRT_2;
         Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
     }

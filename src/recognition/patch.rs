@@ -16,8 +16,9 @@ use super::descent::{TASK, plain};
 use super::frame::{mean_of, patch_frame};
 use super::input::Given;
 use super::model::{Kind, Model};
+use super::neighbours::Neighbours;
 use super::orientation::{Oriented, oriented};
-use super::start::{Start, start};
+use super::start::{Start, start, thinned};
 use super::{Dropped, NormalsUse, RecognitionError, RecognitionOptions};
 
 /// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
@@ -93,6 +94,14 @@ impl Patch {
             normals: state,
             notes,
         })
+    }
+
+    /// A sample of the contacts, each with the one whose foot is nearest.
+    pub(super) fn nearest(&self) -> Vec<[usize; 2]> {
+        const SAMPLE: usize = 4000;
+        let tree = Neighbours::new(&self.feet);
+        let beside = |i: usize| tree.nearest_other(i).map(|(_, j)| [i, j]);
+        thinned(&self.feet, SAMPLE).into_iter().filter_map(beside).collect()
     }
 
     /// Cosine between the robust surface's normal at a place and the input's z.

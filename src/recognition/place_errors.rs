@@ -11,12 +11,7 @@
 //! root. On a patch that stands upright the distances are errors across z, and ratios below 1 are not asked for.
 
 use super::descent::median;
-use super::neighbours::Neighbours;
 use super::patch::Patch;
-use super::start::thinned;
-
-/// Contacts whose nearest neighbours are looked up.
-const SAMPLE: usize = 4000;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
 const ENOUGH: usize = 100;
@@ -59,10 +54,10 @@ pub(super) struct PlaceErrors {
 }
 
 impl PlaceErrors {
-    /// Of the contacts of a patch, with the tree of their feet; `declared` is the known sd in x and in y, input units, and 0 where
+    /// Of the contacts of a patch, some of them with the one whose foot is nearest; `declared` is the known sd in x and in y, input units, and 0 where
     /// it is not known.
-    pub(super) fn of(patch: &Patch, tree: &Neighbours, declared: f64) -> PlaceErrors {
-        let pairs = pairs(patch, tree);
+    pub(super) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
+        let pairs = pairs(patch, nearest);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
         if declared > 0.0 {
             let across = (declared / patch.frame.scale).powi(2);
@@ -81,11 +76,8 @@ impl PlaceErrors {
 }
 
 /// Half the squared differences of distances between contacts with the nearest feet, and `1 - n_z^2` there.
-fn pairs(patch: &Patch, tree: &Neighbours) -> Vec<(f64, f64)> {
-    let found: Vec<(f64, usize)> = thinned(&patch.feet, SAMPLE)
-        .into_iter()
-        .filter_map(|i| tree.nearest_other(i).map(|(_, j)| (patch.distances[i] - patch.distances[j], i)))
-        .collect();
+fn pairs(patch: &Patch, nearest: &[[usize; 2]]) -> Vec<(f64, f64)> {
+    let found: Vec<(f64, usize)> = nearest.iter().map(|&[i, j]| (patch.distances[i] - patch.distances[j], i)).collect();
     let scale = 1.4826 * median(found.iter().map(|(d, _)| d.abs()).collect());
     let sound = found.into_iter().filter(|(d, _)| d.abs() <= BLUNDER * scale);
     sound.map(|(d, i)| (0.5 * d * d, (1.0 - patch.upright(patch.feet[i]).powi(2)).max(0.0))).collect()

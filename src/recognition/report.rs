@@ -11,7 +11,6 @@ use super::evidence::{Evidence, curvatures};
 use super::field::Points;
 use super::misfit::{self, misfit};
 use super::model::{Kind, Model};
-use super::neighbours::Neighbours;
 use super::node::Node;
 use super::normal_noise::NormalNoise;
 use super::patch::Patch;
@@ -19,7 +18,6 @@ use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
 use super::predictive;
 use super::region::Region;
-use super::start::thinned;
 use super::state::{ChartPoint, State};
 use super::surface::chart_point;
 use super::weights::{Weights, total};
@@ -46,6 +44,8 @@ pub(super) struct Findings<'a> {
     pub(super) relief: f64,
     pub(super) normal_noise: Option<NormalNoise>,
     pub(super) distances: &'a Mat<f64>,
+    /// A sample of the contacts, each with the one whose foot is nearest.
+    pub(super) nearest: &'a [[usize; 2]],
     pub(super) place_errors: PlaceErrors,
     /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
     pub(super) doubt_of_places: f64,
@@ -209,19 +209,15 @@ impl Findings<'_> {
     /// Correlation between the distances of single contacts and of those beside them, and the number of pairs: it shows a pattern that
     /// is finer than the cells, as along an edge.
     fn agreement_of_neighbours(&self, best: &Node, state: &State) -> (f64, f64) {
-        const SAMPLE: usize = 1000;
-        let tree = Neighbours::new(&self.patch.feet);
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let distance = |i: usize| self.distance(base, best, state, self.patch.points[i]);
-        let (mut product, mut square, mut pairs) = (0.0, 0.0, 0.0);
-        for i in thinned(&self.patch.feet, SAMPLE) {
-            let Some((_, j)) = tree.nearest_other(i) else { continue };
+        let (mut product, mut square) = (0.0, 0.0);
+        for &[i, j] in self.nearest {
             let (here, beside) = (distance(i), distance(j));
             product += here * beside;
             square += 0.5 * (here * here + beside * beside);
-            pairs += 1.0;
         }
-        (if square > 0.0 { product / square } else { 0.0 }, pairs)
+        (if square > 0.0 { product / square } else { 0.0 }, self.nearest.len() as f64)
     }
 
     fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {

@@ -12,6 +12,7 @@
 //! Mathematical Functions*, 9.6.10). The circles are those in space, which the chart of a curved surface distorts.
 
 use faer::Mat;
+use statrs::function::factorial::factorial;
 
 use crate::bspline::Knots;
 use crate::vector::{cross, dot, minus, reject, unit};
@@ -43,7 +44,7 @@ pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f6
 /// a_k at a place.
 fn even(k: usize, [x, y]: [f64; 2]) -> f64 {
     let h = 0.5 * (x * x + y * y);
-    (-h).exp() * h.powi(k as i32) / factorial(k)
+    (-h).exp() * h.powi(k as i32) / factorial(k as u64)
 }
 
 /// First part of b_k at a place.
@@ -54,10 +55,6 @@ fn along_x(k: usize, place: [f64; 2]) -> f64 {
 /// Second part of b_k.
 fn along_y(k: usize, place: [f64; 2]) -> f64 {
     even(k, place) * place[1] / ((k + 1) as f64).sqrt()
-}
-
-fn factorial(n: usize) -> f64 {
-    (1..=n).map(|k| k as f64).product()
 }
 
 #[cfg(test)]
