@@ -35,6 +35,7 @@ mod constant_curvature;
 mod dense;
 mod descent;
 mod displacement;
+mod drawn;
 mod error;
 mod estimated_normals;
 mod evidence;

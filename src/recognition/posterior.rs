@@ -28,9 +28,9 @@ use statrs::function::erf;
 use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
 use crate::threads;
-use crate::vector::{Vector, dot};
 
 use super::dense;
+use super::drawn::{Drawn, classes, interval_of, pointwise, within_deg};
 use super::evidence::Evidence;
 use super::field::{Field, Points};
 use super::model::Kind;
@@ -153,33 +153,17 @@ fn student(nu: f64, gaussian: f64) -> f64 {
     (1.0 - part + gaussian * part.sqrt()).max(0.1).powf(-1.5)
 }
 
-/// Everything drawn for one node.
-struct Drawn {
-    kind: Kind,
-    displaced: bool,
-    /// Weights of the node in estimate and interval.
-    weights: [f64; 2],
-    likeliest: Field,
-    /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
-    columns: Option<(Vec<f64>, Vec<f64>)>,
-    draws: Vec<Field>,
-    /// What touches would measure on the first of the draws.
-    touches: Vec<Vec<[f64; 3]>>,
-}
-
-/// Estimates, intervals and class shares.
-pub(super) fn summary(
+/// Everything drawn, of every node that has weight.
+fn all_drawn(
     evidence: &Evidence,
     nodes: &[Node],
     weights: &Weights,
-    reported: &Node,
     points: &Points,
-    options: &RecognitionOptions,
-) -> Option<Summary> {
+    seed: u64,
+    hidden: f64,
+) -> Vec<Drawn> {
     let used: Vec<usize> =
         (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
-    let state = likeliest(evidence, reported)?;
-    let hidden = if weights.displacement_is_error() { weights.size * points.field(&state).r } else { 0.0 };
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
@@ -188,7 +172,7 @@ pub(super) fn summary(
             Some((mean, _)) => displaced(evidence, node, mean)?,
             None => likeliest(evidence, node)?,
         };
-        let states = drawn(evidence, (i, node), joint.as_ref(), count, options.seed, hidden);
+        let states = drawn(evidence, (i, node), joint.as_ref(), count, seed, hidden);
         let draws = states.iter().map(|s| points.field(s)).collect();
         let likeliest = points.field(&likeliest);
         let asked = if points.touched.is_empty() { 0 } else { predicted(states.len()) };
@@ -206,7 +190,21 @@ pub(super) fn summary(
             touches,
         })
     });
-    let found: Vec<Drawn> = found.into_iter().flatten().collect();
+    found.into_iter().flatten().collect()
+}
+
+/// Estimates, intervals and class shares.
+pub(super) fn summary(
+    evidence: &Evidence,
+    nodes: &[Node],
+    weights: &Weights,
+    reported: &Node,
+    points: &Points,
+    options: &RecognitionOptions,
+) -> Option<Summary> {
+    let state = likeliest(evidence, reported)?;
+    let hidden = if weights.displacement_is_error() { weights.size * points.field(&state).r } else { 0.0 };
+    let found = all_drawn(evidence, nodes, weights, points, options.seed, hidden);
     let surface = nearest_to_means(evidence, reported, state, &found, points);
     let (own, variation) = (points.field(&surface), points.variation(&surface));
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);
@@ -292,32 +290,6 @@ fn predictive(found: Vec<Drawn>) -> Vec<PredictiveDraw> {
     out
 }
 
-/// The angle from this direction, degrees, that a part `level` of the draws does not exceed.
-fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64) -> Option<f64> {
-    let angle = |field: &Field| {
-        let along = field.directions.map_or(0.0, |of| dot(of[which], own).abs());
-        along.min(1.0).acos().to_degrees()
-    };
-    let mut angles: Vec<(f64, f64)> = Vec::new();
-    for drawn in found.iter().filter(|drawn| !drawn.draws.is_empty()) {
-        let share = drawn.weights[1] / drawn.draws.len() as f64;
-        angles.extend(drawn.draws.iter().map(|field| (angle(field), share)));
-    }
-    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
-    quantile(&angles, level)
-}
-
-/// The value that a part `level` of the weights does not exceed, of values in order with their weights.
-fn quantile(ordered: &[(f64, f64)], level: f64) -> Option<f64> {
-    let sum: f64 = ordered.iter().map(|(_, share)| share).sum();
-    let mut below = 0.0;
-    let reached = ordered.iter().find(|(_, share)| {
-        below += share;
-        below >= level * sum
-    });
-    reached.or(ordered.last()).map(|(value, _)| *value)
-}
-
 /// Standard deviations of mean S and mean R of the reported hypothesis were errors independent.
 fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Points, seed: u64) -> [f64; 2] {
     let alike = |n: &&(usize, &Node)| {
@@ -331,78 +303,4 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     let fields: Vec<Field> = states.iter().map(|state| points.field(state)).collect();
     let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
     [sd(|f| f.s), sd(|f| f.r)]
-}
-
-/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
-/// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of R therefore count half as they
-/// are and half mirrored at the likeliest. S takes the wider end of both ways on either side, because it ends at 1 where
-/// mirrored draws pile up.
-fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
-    if !of_s {
-        return quantiles(found, pick, level, Some([0.0, f64::INFINITY]));
-    }
-    let [lo, hi] = quantiles(found, pick, level, None)?;
-    let [low, high] = quantiles(found, pick, level, Some([-1.0, 1.0]))?;
-    Some([lo.min(low), hi.max(high)])
-}
-
-/// Both quantiles of the draws under the interval's weights. With `mirrored`, the range of the quantity, a displaced
-/// surface's draws count half as they are and half mirrored at its likeliest value.
-fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: Option<[f64; 2]>) -> Option<[f64; 2]> {
-    let mut values: Vec<(f64, f64)> = Vec::new();
-    for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
-        let share = drawn.weights[1] / drawn.draws.len() as f64;
-        let twice = mirrored.is_some() && drawn.displaced;
-        let share = if twice { 0.5 * share } else { share };
-        values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
-        if let Some([least, most]) = mirrored.filter(|_| drawn.displaced) {
-            let about = 2.0 * pick(&drawn.likeliest);
-            values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).clamp(least, most), share)));
-        }
-    }
-    values.retain(|(value, share)| value.is_finite() && *share > 0.0);
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some([quantile(&values, 0.5 * (1.0 - level))?, quantile(&values, 0.5 * (1.0 + level))?])
-}
-
-/// Shares of the classes: that of the plane by the evidence, because a surface so near to a plane that it cannot be told from
-/// one is called plane; those of the others, which have the rest, under the interval's weights.
-fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
-    let all = |of: usize, of_plane: bool| -> f64 {
-        found.iter().filter(|d| !of_plane || d.kind == Kind::Plane).map(|d| d.weights[of]).sum()
-    };
-    let plane = all(0, true) / all(0, false);
-    let curved = all(1, false) - all(1, true);
-    let mut out: Vec<(ShapeClass, f64)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0.0)).collect();
-    for drawn in found.iter().filter(|d| d.kind != Kind::Plane && d.weights[1] > 0.0) {
-        let share = (1.0 - plane) * drawn.weights[1] / (curved * drawn.draws.len().max(1) as f64);
-        for field in &drawn.draws {
-            let class = ShapeClass::of_shape_index(field.s);
-            out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);
-        }
-    }
-    out.push((ShapeClass::Plane, plane));
-    let sum: f64 = out.iter().map(|c| c.1).sum();
-    out.iter_mut().for_each(|c| c.1 /= sum);
-    out.retain(|c| c.1 > 0.0);
-    out.sort_by(|a, b| b.1.total_cmp(&a.1));
-    out
-}
-
-/// Standard deviations of S and R at every point over all draws.
-fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 2]> {
-    let sd = |i: usize, k: usize| {
-        let (mut all, mut sum, mut squares) = (0.0, 0.0, 0.0);
-        // about the first value, so that the squares do not cancel
-        let about = found.first().map_or(0.0, |d| d.likeliest.at[i][k]);
-        for drawn in found.iter().filter(|d| k == 1 || d.kind != Kind::Plane) {
-            let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
-            for field in &drawn.draws {
-                let value = field.at[i][k] - about;
-                (all, sum, squares) = (all + share, sum + share * value, squares + share * value * value);
-            }
-        }
-        if all > 0.0 { (squares / all - (sum / all).powi(2)).max(0.0).sqrt() } else { 0.0 }
-    };
-    (0..points).map(|i| [sd(i, 0), sd(i, 1)]).collect()
 }
