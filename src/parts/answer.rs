@@ -4,7 +4,8 @@ use super::cloud::Cloud;
 use super::doubt::{is_free_form, is_rejected, reach};
 use super::evidence::Cells;
 use super::exact::{Exact, simplest};
-use super::free_form::free_form;
+use super::few::few;
+use super::free_form::{FreeForm, free_form};
 use super::joints::joints;
 use super::leftover::label_leftover;
 use super::local::{LocalShape, Noise};
@@ -37,24 +38,33 @@ impl Findings<'_> {
             let inner = partition.inner(cloud, &members[part]);
             simplest(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
         });
-        let surface: Vec<Primitive> = partition
-            .parts
-            .iter()
-            .zip(&exact)
-            .map(|(coarse, exact)| exact.map_or(*coarse, |e| e.descended.primitive))
-            .collect();
+        let few = few(cloud, &members, &exact);
+        let likely = |(k, coarse): (usize, &Primitive)| {
+            let primitive = exact[k].map_or(*coarse, |e| e.descended.primitive);
+            let [s, r] = mean_shape(cloud, &primitive, &members[k]);
+            let contradicts = few[k].as_ref().is_some_and(|few| few.contradicts(class_of(&primitive, s), r));
+            (!contradicts).then_some(primitive)
+        };
+        let surface: Vec<Option<Primitive>> = partition.parts.iter().enumerate().map(likely).collect();
         let normal = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
-            Some(primitive) => primitive.nearest(place).1,
-            None => cloud.normals[i],
+            Some(Some(primitive)) => primitive.nearest(place).1,
+            _ => cloud.normals[i],
         };
         let mut joints = joints(cloud, &partition.labels, normal);
         let is_free_form = is_free_form(&exact);
         let mut parts: Vec<Part> = members
             .iter()
             .enumerate()
-            .map(|(k, members)| match surface.get(k) {
-                Some(primitive) => self.primitive_part(primitive, exact[k].as_ref(), members, is_free_form),
-                None => self.patch_part(members),
+            .map(|(k, members)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
+                (Some(Some(primitive)), few) => {
+                    let mut part = self.primitive_part(primitive, exact[k].as_ref(), members, is_free_form);
+                    if let Some(few) = few {
+                        few.widen(cloud, part.kind, part.geometry.radius, &mut part.u);
+                    }
+                    part
+                }
+                (_, Some(few)) => Part { class: Some(few.class()), ..self.patch_part(members, Some(few.free_form())) },
+                (_, None) => self.patch_part(members, free_form(cloud, members)),
             })
             .collect();
         let mut order: Vec<usize> = (0..parts.len()).collect();
@@ -94,7 +104,7 @@ impl Findings<'_> {
             hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
             geometry: geometry(cloud, primitive),
             u,
-            class: Some(mean.map_or(ShapeClass::Plane, ShapeClass::of_shape_index)),
+            class: Some(class_of(primitive, s)),
             shape_index: mean,
             curvedness: r / cloud.scale,
             points: members.len(),
@@ -105,12 +115,11 @@ impl Findings<'_> {
         }
     }
 
-    /// By a spline of its own where one follows the region, else by the means over its contacts.
-    fn patch_part(&self, members: &[u32]) -> Part {
+    /// By what was found of the region as a whole, else by the means over its contacts.
+    fn patch_part(&self, members: &[u32], found: Option<FreeForm>) -> Part {
         let cloud = self.cloud;
         let middle = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
         let point = cloud.outside(scaled(1.0 / members.len() as f64, middle));
-        let found = free_form(cloud, members);
         let (shape_index, curvedness, misfit) = match &found {
             Some(f) => (f.shape_index.map(|(mean, _)| mean), f.curvedness.0, f.misfit),
             None => self.means_over(members),
@@ -159,6 +168,11 @@ fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterat
         count += 1.0;
     }
     [s_sum / count, r_sum / count]
+}
+
+/// Class of a primitive of this mean S.
+fn class_of(primitive: &Primitive, shape_index: f64) -> ShapeClass {
+    if primitive.kind == PartKind::Plane { ShapeClass::Plane } else { ShapeClass::of_shape_index(shape_index) }
 }
 
 fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {

@@ -33,6 +33,7 @@ mod doubt;
 mod error;
 mod evidence;
 mod exact;
+mod few;
 mod free_form;
 mod hypothesis;
 mod jet;
