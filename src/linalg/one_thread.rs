@@ -14,6 +14,11 @@ use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+use crate::simd::{Isa, factor_dense};
+
+/// Order up to which a factor stays in the cache whole, so that faer's blocks gain nothing over their calls.
+const SMALL: usize = 100;
+
 /// Eigenvalues in ascending order, and eigenvectors as columns.
 pub(crate) struct Eigen {
     pub(crate) values: Vec<f64>,
@@ -29,6 +34,22 @@ pub(crate) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
 
 /// L of the symmetric matrix whose lower triangle is given; `None` where it is not positive definite.
 pub(crate) fn cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    if a.nrows() <= SMALL { small_cholesky(a) } else { large_cholesky(a) }
+}
+
+/// By the kernel that takes one column after the other.
+fn small_cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    let n = a.nrows();
+    let stride = n.next_multiple_of(8);
+    let mut columns = vec![0.0; n * stride];
+    for (j, column) in columns.chunks_exact_mut(stride.max(1)).enumerate() {
+        column[j..n].iter_mut().enumerate().for_each(|(i, v)| *v = a[(j + i, j)]);
+    }
+    factor_dense(Isa::active(), n, stride, &mut columns).ok()?;
+    Some(Mat::from_fn(n, n, |i, j| if i < j { 0.0 } else { columns[j * stride + i] }))
+}
+
+fn large_cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
     let n = a.nrows();
     let mut lower = a.to_owned();
     let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));

@@ -102,27 +102,68 @@ pub(crate) fn invert_columns<const N: usize, const PADDED: usize>(
     ) -> DenseColumns<N, PADDED>)
 }
 
+/// Columns that are taken from all later ones at once: a later column is loaded and stored once for four multiply-adds.
+const PANEL: usize = 4;
+
+/// Takes column k from the columns behind it, whose numbers begin with that of column `first`.
+#[inline(always)]
+fn take_one<V: Lanes>(column: &[f64], stride: usize, first: usize, targets: &mut [f64]) {
+    for (j, target) in targets.chunks_exact_mut(stride).enumerate() {
+        let j = first + j;
+        let factor = V::splat(column[j]);
+        for i in (j / V::N * V::N..stride).step_by(V::N) {
+            V::load(&column[i..]).neg_mul_add(factor, V::load(&target[i..])).store(&mut target[i..]);
+        }
+    }
+}
+
+/// Takes four columns from those behind them, one after the other, as [`take_one`] does.
+#[inline(always)]
+fn take_panel<V: Lanes>(panel: &[f64], stride: usize, first: usize, targets: &mut [f64]) {
+    let mut columns = [panel; PANEL];
+    for c in 0..PANEL {
+        columns[c] = &panel[c * stride..][..stride];
+    }
+    for (j, target) in targets.chunks_exact_mut(stride).enumerate() {
+        let j = first + j;
+        // a closure would not be compiled for the instruction set
+        let mut factors = [V::splat(0.0); PANEL];
+        for c in 0..PANEL {
+            factors[c] = V::splat(columns[c][j]);
+        }
+        for i in (j / V::N * V::N..stride).step_by(V::N) {
+            let mut sum = V::load(&target[i..]);
+            for c in 0..PANEL {
+                sum = V::load(&columns[c][i..]).neg_mul_add(factors[c], sum);
+            }
+            sum.store(&mut target[i..]);
+        }
+    }
+}
+
 #[inline(always)]
 fn factor_any<V: Lanes>(order: usize, stride: usize, columns: &mut [f64]) -> Result<f64, usize> {
     let mut smallest = f64::INFINITY;
-    for k in 0..order {
-        let (done, rest) = columns.split_at_mut((k + 1) * stride);
-        let column = &mut done[k * stride..];
-        let pivot = column[k];
-        if pivot.is_nan() || pivot <= 0.0 {
-            return Err(k);
-        }
-        smallest = f64::min(smallest, pivot);
-        let inverse = V::splat(1.0 / pivot.sqrt());
-        for i in (k / V::N * V::N..stride).step_by(V::N) {
-            (V::load(&column[i..]) * inverse).store(&mut column[i..]);
-        }
-        for (j, target) in rest.chunks_exact_mut(stride).take(order - k - 1).enumerate() {
-            let j = k + 1 + j;
-            let factor = V::splat(column[j]);
-            for i in (j / V::N * V::N..stride).step_by(V::N) {
-                V::load(&column[i..]).neg_mul_add(factor, V::load(&target[i..])).store(&mut target[i..]);
+    for start in (0..order).step_by(PANEL) {
+        let end = (start + PANEL).min(order);
+        let (done, rest) = columns[..order * stride].split_at_mut(end * stride);
+        let panel = &mut done[start * stride..];
+        for k in start..end {
+            let (before, behind) = panel.split_at_mut((k + 1 - start) * stride);
+            let column = &mut before[(k - start) * stride..];
+            let pivot = column[k];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return Err(k);
             }
+            smallest = f64::min(smallest, pivot);
+            let inverse = V::splat(1.0 / pivot.sqrt());
+            for i in (k / V::N * V::N..stride).step_by(V::N) {
+                (V::load(&column[i..]) * inverse).store(&mut column[i..]);
+            }
+            take_one::<V>(column, stride, k + 1, behind);
+        }
+        if end - start == PANEL {
+            take_panel::<V>(panel, stride, end, rest);
         }
     }
     Ok(smallest)
