@@ -4,8 +4,9 @@
 //! A = L L'        log det A = 2 sum log l_ii        whitened columns L^-1 B
 //! ```
 
+use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::linalg;
 
@@ -27,6 +28,24 @@ pub(super) fn whiten(lower: &Mat<f64>, b: MatMut<'_, f64>) {
 /// `A' A`.
 pub(super) fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
     linalg::product(a.transpose(), a)
+}
+
+/// Those entries of `A'A` that some equations read: of the first columns with all, and of every group, first column and number, with
+/// itself. The others are zero.
+pub(super) fn gram_of_groups(a: MatRef<'_, f64>, first: usize, groups: &[(usize, usize)]) -> Mat<f64> {
+    let n = a.ncols();
+    let mut out = Mat::<f64>::zeros(n, n);
+    let mut add = |(row, rows): (usize, usize), (column, columns): (usize, usize)| {
+        let part = out.as_mut().submatrix_mut(row, column, rows, columns);
+        let (left, right) = (a.subcols(row, rows), a.subcols(column, columns));
+        matmul(part, Accum::Replace, left.transpose(), right, 1.0, Par::Seq);
+    };
+    add((0, n), (0, first));
+    groups.iter().for_each(|&group| add(group, group));
+    for j in first..n {
+        (0..first).for_each(|i| out[(i, j)] = out[(j, i)]);
+    }
+    out
 }
 
 /// `(L L')^-1 b`.

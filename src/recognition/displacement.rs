@@ -130,31 +130,38 @@ impl Displacement {
         self.to_coefficients.ncols()
     }
 
+    /// First column and number of columns of every group that stands together in some departure: rough and natural columns, and those
+    /// of every smooth departure.
+    pub(super) fn groups(&self) -> Vec<(usize, usize)> {
+        std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().copied()).collect()
+    }
+
     /// Derivatives of f along both tangents of every cell.
     fn normal_rows(&self, surface: &ConstantCurvature, cells: &Cells, charts: &[[f64; 2]]) -> Mat<f64> {
         let step = 1e-4;
         let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |_, row| row[k]));
         let n = charts.len();
-        let mut rows = Mat::<f64>::zeros(2 * n, self.columns());
-        for side in 0..2 {
-            for (i, p) in cells.points.iter().enumerate() {
-                let tangent = cells.tangents[side][i];
-                let ahead = surface.chart(along(*p, step, tangent));
-                let behind = surface.chart(along(*p, -step, tangent));
-                let [du, dv] = [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step));
-                for j in 0..self.columns() {
-                    rows[(side * n + i, j)] = du * slopes[0][(i, j)] + dv * slopes[1][(i, j)];
-                }
-            }
-        }
-        rows
+        let along_chart = |(side, i): (usize, usize)| {
+            let (p, tangent) = (cells.points[i], cells.tangents[side][i]);
+            let ahead = surface.chart(along(p, step, tangent));
+            let behind = surface.chart(along(p, -step, tangent));
+            [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step))
+        };
+        let places = (0..2).flat_map(|side| (0..n).map(move |i| (side, i)));
+        let steps: Vec<[f64; 2]> = places.map(along_chart).collect();
+        Mat::from_fn(2 * n, self.columns(), |row, j| {
+            let [du, dv] = steps[row];
+            du * slopes[0][(row % n, j)] + dv * slopes[1][(row % n, j)]
+        })
     }
 
-    /// Spline coefficients for given weights of the columns.
+    /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
     pub(super) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
-        (0..self.to_coefficients.nrows())
-            .map(|i| weights.iter().enumerate().map(|(j, w)| self.to_coefficients[(i, j)] * w).sum())
-            .collect()
+        let mut out = vec![0.0; self.to_coefficients.nrows()];
+        for (j, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            out.iter_mut().zip(self.to_coefficients.col_as_slice(j)).for_each(|(out, c)| *out += w * c);
+        }
+        out
     }
 
     /// The basis functions at a chart point, with which many displacements can be evaluated there.
@@ -214,12 +221,23 @@ impl JetRow {
         made
     }
 
+    /// Number of the coefficient of the a-th and b-th basis function that do not vanish here.
+    fn coefficient(&self, a: usize, b: usize) -> usize {
+        (self.first[0] + a) * self.across + self.first[1] + b
+    }
+
+    /// The jet of that basis function alone.
+    fn jet_of(&self, a: usize, b: usize) -> Jet {
+        let [us, vs] = &self.values;
+        [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(u, v)| us[u][a] * vs[v][b])
+    }
+
     /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
     pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
         let mut out = [0.0; 6];
         let [us, vs] = &self.values;
         for a in 0..WIDTH {
-            let start = (self.first[0] + a) * self.across + self.first[1];
+            let start = self.coefficient(a, 0);
             let row = &coefficients[start..start + WIDTH];
             let along_v = [0, 1, 2].map(|k| row.iter().zip(&vs[k]).map(|(c, b)| c * b).sum::<f64>());
             out[0] += us[0][a] * along_v[0];
@@ -260,17 +278,12 @@ fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
 
 /// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
 fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(usize, Jet) -> f64) -> Mat<f64> {
-    let count = columns.nrows();
-    let mut basis = Mat::<f64>::zeros(charts.len(), count);
-    let mut unit = vec![0.0; count];
+    let mut basis = Mat::<f64>::zeros(charts.len(), columns.nrows());
     for (i, chart) in charts.iter().enumerate() {
         let row = JetRow::new(knots, *chart);
         for a in 0..WIDTH {
             for b in 0..WIDTH {
-                let at = (row.first[0] + a) * row.across + row.first[1] + b;
-                unit[at] = 1.0;
-                basis[(i, at)] = pick(i, row.jet(&unit));
-                unit[at] = 0.0;
+                basis[(i, row.coefficient(a, b))] = pick(i, row.jet_of(a, b));
             }
         }
     }

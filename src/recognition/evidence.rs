@@ -23,8 +23,9 @@ use super::linearised::Linearised;
 use super::model::{Kind, Model};
 use super::node::{Departure, GROUPS, Node};
 use super::noise::{Factors, Kernel, Limit};
-use super::reduced::{Columns, Grams, Reduced, reduced};
+use super::reduced::{Columns, Grams, Reduced, joint, reduced};
 use super::rows::{Rows, column_of, first_of_displacement};
+use super::whitened::Whitened;
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
 const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
@@ -106,6 +107,20 @@ impl<'a> Evidence<'a> {
         (made, nodes)
     }
 
+    /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
+    pub(super) fn of_plain_kinds(
+        cells: &Cells,
+        linearised: &Linearised,
+        factors: &Factors,
+        limit: Limit,
+    ) -> Option<f64> {
+        let made = Evidence::unasked(cells, linearised, limit, Look::First);
+        let white = Whitened::new(&linearised.rows, factors, 0, first_of_displacement())?;
+        let nodes = made.models.iter().filter_map(|model| made.node(model, &white, Departure::None));
+        let highest = nodes.map(|node| node.log_evidence).max_by(f64::total_cmp)?;
+        Some(highest + linearised.log_share_of_normals())
+    }
+
     /// Before any kernel is tried.
     fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
         let kernels = Kernel::all();
@@ -132,34 +147,31 @@ impl<'a> Evidence<'a> {
     }
 
     fn of_kernel(&self, rows: &Rows, factors: &Factors, kernel: usize) -> Option<OfKernel> {
-        let lower = factors.of(kernel)?;
-        let mut whitened = rows.positions.clone();
-        dense::whiten(lower, whitened.as_mut());
-        let (gram, log_det) = (dense::gram(whitened.as_ref()), dense::log_det(lower));
+        let white = Whitened::new(rows, factors, kernel, first_of_displacement())?;
         let mut nodes = Vec::new();
         for model in self.models {
-            nodes.extend(self.node(model, kernel, &gram, log_det, Departure::None));
+            nodes.extend(self.node(model, &white, Departure::None));
             if model.kind() == Kind::General && self.displacement.is_some() {
-                nodes.extend(self.with_spline(model, kernel, &gram, log_det));
-                nodes.extend(self.with_smooth(model, kernel, &gram, log_det));
-                nodes.extend(self.node(model, kernel, &gram, log_det, Departure::Natural));
+                nodes.extend(self.with_spline(model, &white));
+                nodes.extend(self.with_smooth(model, &white));
+                nodes.extend(self.node(model, &white, Departure::Natural));
             }
         }
-        Some(OfKernel { kernel, gram, nodes })
+        Some(OfKernel { kernel, gram: white.gram, nodes })
     }
 
     /// Rough splines of growing size.
-    fn with_spline(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+    fn with_spline(&self, model: &Model, white: &Whitened) -> Vec<Node> {
         let departure = if self.look == Look::First { Departure::Rough } else { Departure::Both };
-        self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
+        self.growing(departure, |departure| self.node(model, white, departure))
     }
 
     /// Smooth departures of every form and length, and of growing size.
-    fn with_smooth(&self, model: &Model, kernel: usize, gram: &Mat<f64>, log_det: f64) -> Vec<Node> {
+    fn with_smooth(&self, model: &Model, white: &Whitened) -> Vec<Node> {
         let seen = |process: &usize| self.displacement.is_some_and(|d| d.smooth[*process].1 > 0);
         let of = |process: usize| {
             let departure = move |variance: f64| Departure::Smooth { variance, process };
-            self.growing(departure, |departure| self.node(model, kernel, gram, log_det, departure))
+            self.growing(departure, |departure| self.node(model, white, departure))
         };
         (0..self.displacement.map_or(0, |d| d.smooth.len())).filter(seen).flat_map(of).collect()
     }
@@ -180,18 +192,18 @@ impl<'a> Evidence<'a> {
         nodes
     }
 
-    fn node(&self, model: &Model, k: usize, gram: &Mat<f64>, log_det: f64, departure: Departure) -> Option<Node> {
-        let (kind, kernel) = (model.kind(), self.kernels[k]);
+    fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
+        let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {
             return None;
         }
-        let variance = self.variance(kind, gram, departure)?.max(1e-18);
+        let variance = self.variance(kind, white, departure)?.max(1e-18);
         let tau = (variance * kernel.ratio).sqrt();
         let size = self.limit.log_prior(tau)?;
-        let system = self.system(kind, gram, variance, departure)?;
+        let system = self.system(kind, white, variance, departure)?;
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
-        let likelihood = -0.5 * (log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
+        let likelihood = -0.5 * (white.log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
         let log_evidence = likelihood
             + kernel.log_prior
             + size
@@ -200,7 +212,7 @@ impl<'a> Evidence<'a> {
         let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
         log_evidence.is_finite().then_some(Node {
             kind,
-            kernel: k,
+            kernel: white.kernel,
             ratio: kernel.ratio,
             length: kernel.length,
             departure,
@@ -231,14 +243,14 @@ impl<'a> Evidence<'a> {
 
     /// Variance of an average cell's independent error, restricted maximum likelihood. A natural departure has its size whatever the
     /// noise is, so its size in units of the noise needs the noise: once where a spline takes up most, else twice.
-    fn variance(&self, kind: Kind, gram: &Mat<f64>, departure: Departure) -> Option<f64> {
+    fn variance(&self, kind: Kind, white: &Whitened, departure: Departure) -> Option<f64> {
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if n < p + FEW {
-            return self.joint_variance(kind, gram);
+            return self.joint_variance(kind, white);
         }
         let rss = |departure: Departure, natural: f64| {
             let columns = self.columns(kind, departure, [departure.of_spline().sqrt(), natural]);
-            Some(reduced(columns, Grams { positions: gram, variance: 1.0, normals: None })?.rss)
+            Some(white.alone(columns, 1.0)?.rss)
         };
         let plain = rss(Departure::None, 0.0)?.max(1e-30);
         let of = |departure: Departure, natural: f64| {
@@ -257,11 +269,11 @@ impl<'a> Evidence<'a> {
 
     /// The same variance where the positions are too few to determine it alone: the fixed point of
     /// `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with x from positions and normals together.
-    fn joint_variance(&self, kind: Kind, gram: &Mat<f64>) -> Option<f64> {
-        let (y, p) = (column_of(kind), kind.unknowns());
+    fn joint_variance(&self, kind: Kind, white: &Whitened) -> Option<f64> {
+        let (y, p, gram) = (column_of(kind), kind.unknowns(), &white.gram);
         let mut variance = 1e-4;
         for _ in 0..30 {
-            let system = self.system(kind, gram, variance, Departure::None)?;
+            let system = self.system(kind, white, variance, Departure::None)?;
             let x = &system.x;
             let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
             let mut rss = 0.0;
@@ -283,9 +295,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// The normal equations of positions and normals together, with the displacement eliminated.
-    fn system(&self, kind: Kind, gram: &Mat<f64>, variance: f64, departure: Departure) -> Option<Reduced> {
+    fn system(&self, kind: Kind, white: &Whitened, variance: f64, departure: Departure) -> Option<Reduced> {
         let columns = self.columns(kind, departure, [(departure.of_spline() * variance).sqrt(), 1.0]);
-        reduced(columns, Grams { positions: gram, variance, normals: self.normals })
+        match self.normals {
+            Some(_) => reduced(columns, Grams { positions: &white.gram, variance, normals: self.normals }),
+            None => white.alone(columns, variance),
+        }
     }
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
@@ -305,9 +320,22 @@ impl<'a> Evidence<'a> {
 
     /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.
     pub(super) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
-        let gram = self.normals?;
+        Some(half_square(self.normals?, &self.coefficients(node)?))
+    }
+
+    /// Log likelihood of positions and normals under a node's likeliest surface, but for what the normals' errors add.
+    pub(super) fn log_likelihood(&self, node: &Node, factors: &Factors) -> Option<f64> {
+        let at = self.coefficients(node)?;
+        let misfit = half_square(self.grams[node.kernel].as_ref()?, &at) / node.variance
+            + self.normals.map_or(0.0, |gram| half_square(gram, &at));
+        let log_det = dense::log_det(factors.of(node.kernel)?) + self.cells.points.len() as f64 * node.variance.ln();
+        Some(-0.5 * log_det - misfit)
+    }
+
+    /// What every column of the equations is multiplied by in the residuals of a node's likeliest surface.
+    pub(super) fn coefficients(&self, node: &Node) -> Option<Vec<f64>> {
         let (y, p, first) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
-        let mut at = vec![0.0; gram.ncols()];
+        let mut at = vec![0.0; first + self.displacement.map_or(0, Displacement::columns)];
         at[y] = 1.0;
         if node.is_displaced() {
             let (mean, _) = self.joint_posterior(node)?;
@@ -316,8 +344,7 @@ impl<'a> Evidence<'a> {
         } else {
             at[y + 1..=y + p].copy_from_slice(&node.x);
         }
-        let used: Vec<usize> = (0..at.len()).filter(|&i| at[i] != 0.0).collect();
-        Some(0.5 * used.iter().map(|&i| used.iter().map(|&j| at[i] * gram[(i, j)] * at[j]).sum::<f64>()).sum::<f64>())
+        Some(at)
     }
 
     /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
@@ -340,19 +367,19 @@ impl<'a> Evidence<'a> {
     /// precision. The displacement's columns are scaled to unit prior variance.
     pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let gram = self.grams[node.kernel].as_ref()?;
-        let Columns { y, unknowns: p, z: (z, count), rough, factors } = self.columns_of(node);
-        let factor = |k: usize| factors[usize::from(k >= rough)];
-        let source = |i: usize| if i < p { (y + 1 + i, 1.0) } else { (z + i - p, factor(i - p)) };
-        let at = |i: usize, j: usize| gram[(i, j)] / node.variance + self.normals.map_or(0.0, |m| m[(i, j)]);
-        let precision = Mat::from_fn(p + count, p + count, |i, j| {
-            let ((a, sa), (b, sb)) = (source(i), source(j));
-            sa * sb * at(a, b) + f64::from(u8::from(i == j && i >= p))
-        });
+        let columns = self.columns_of(node);
+        let grams = Grams { positions: gram, variance: node.variance, normals: self.normals };
+        let (precision, mut mean) = joint(columns, grams);
         let lower = dense::cholesky(&precision)?;
-        let mut mean: Vec<f64> = (0..p + count).map(|i| -source(i).1 * at(source(i).0, y)).collect();
         dense::solve(&lower, &mut mean);
         Some((mean, lower))
     }
+}
+
+/// Half the square of what the columns of this Gram matrix give with these coefficients.
+fn half_square(gram: &Mat<f64>, at: &[f64]) -> f64 {
+    let used: Vec<usize> = (0..at.len()).filter(|&i| at[i] != 0.0).collect();
+    0.5 * used.iter().map(|&i| used.iter().map(|&j| at[i] * gram[(i, j)] * at[j]).sum::<f64>()).sum::<f64>()
 }
 
 /// Largest log evidence of every group.

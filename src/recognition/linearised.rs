@@ -10,6 +10,7 @@ use crate::vector::Vector;
 
 use super::cells::Cells;
 use super::displacement::Displacement;
+use super::gain::Gain;
 use super::model::{Kind, Model};
 use super::moved::Moved;
 use super::noise::Factors;
@@ -46,6 +47,8 @@ pub(super) struct Linearised {
     pub(super) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
     pub(super) normals: Option<Mat<f64>>,
+    /// Where all normals may be too steep by one factor.
+    pub(super) gain: Option<Gain>,
 }
 
 impl Linearised {
@@ -53,18 +56,34 @@ impl Linearised {
     pub(super) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
         let displacement = displacement_of(&models, cells, contacts);
         let rows = Rows::new(cells, &models, displacement.as_ref());
-        let normal_noise = NormalNoise::find(&rows, factors.normals(), 0.0);
-        let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&rows, factors.normals()));
-        Linearised { models, displacement, rows, normal_noise, normals }
+        let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
+        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain: None };
+        made.weigh_normals(noise, factors);
+        made
+    }
+
+    /// The same equations where all normals may be too steep by one factor; `None` without normals.
+    pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
+        let gain = Some(Gain::new(cells, &self.models)?);
+        let mut made = Linearised { gain, ..self.clone() };
+        made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
+        Some(made)
+    }
+
+    /// Lets the normals have errors of this covariance, and a gain.
+    fn weigh_normals(&mut self, noise: Option<NormalNoise>, factors: &FactorPair) {
+        self.normal_noise = noise;
+        let gain = self.gain.as_mut();
+        self.normals = self.normal_noise.as_mut().and_then(|noise| noise.gram(&self.rows, factors.normals(), gain));
     }
 
     /// The same equations with normals that err independently, by as much as differences between neighbours say; `None` where
     /// neighbours do not share errors anyway.
     pub(super) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
         self.normal_noise.filter(NormalNoise::is_shared)?;
-        let normal_noise = NormalNoise::of_differences(&self.rows, factors.normals());
-        let normals = normal_noise.as_ref().and_then(|noise| noise.gram(&self.rows, factors.normals()));
-        Some(Linearised { normal_noise, normals, ..self.clone() })
+        let mut made = self.clone();
+        made.weigh_normals(NormalNoise::of_differences(&self.rows, factors.normals()), factors);
+        Some(made)
     }
 
     /// What the errors of the normals add to the log evidence of every hypothesis.
@@ -86,15 +105,17 @@ impl Linearised {
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
-        let mut made = Linearised { models, displacement: Some(displacement), rows, normal_noise: None, normals: None };
+        let gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &models));
+        let displacement = Some(displacement);
+        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain };
         made.scatter_about(moved, factors);
         Some(made)
     }
 
     /// Lets the normals scatter about this displacement.
     pub(super) fn scatter_about(&mut self, moved: &Moved, factors: &FactorPair) {
-        self.normal_noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
-        self.normals = self.normal_noise.as_ref().and_then(|noise| noise.gram(&self.rows, factors.normals()));
+        let noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
+        self.weigh_normals(noise, factors);
     }
 
     /// The models, the general one in its new place.

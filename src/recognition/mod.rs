@@ -42,9 +42,11 @@ mod evidence;
 mod field;
 mod flexible;
 mod frame;
+mod gain;
 mod in_place;
 mod input;
 mod linearised;
+mod looks;
 mod misfit;
 mod model;
 mod moved;
@@ -84,6 +86,7 @@ mod taken_back;
 mod tests;
 mod turned_departure;
 mod weights;
+mod whitened;
 
 pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
@@ -107,9 +110,9 @@ pub(crate) use surface::RecognisedSurface;
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
-use evidence::{Evidence, Look};
 use input::Given;
 use linearised::{FactorPair, Linearised};
+use looks::At;
 use model::{Kind, Model};
 use noise::Limit;
 use patch::Patch;
@@ -179,39 +182,30 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
     let limit = Limit::new(&nearest, &patch.distances, relief);
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors);
-    let first = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
-    let again = second_look::moved(&plain, &first.1, &cells, &factors, limit)
-        .and_then(|moved| second_look::taken(&plain, &moved, &cells, &patch.points, &factors, limit));
-    let mut chosen = match &again {
-        Some(again) => (again, Evidence::new(&cells, again, &factors.positions, limit, Look::Second)),
-        None => (&plain, first),
-    };
-    let believed = second_look::with_normals_believed(chosen.0, &plain, &cells, &patch.points, &factors, limit);
-    let best = second_look::highest(&chosen.1.1) + chosen.0.log_share_of_normals();
-    if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > best) {
-        chosen = (believed, Evidence::new(&cells, believed, &factors.positions, limit, Look::Second));
-    }
-    let (linearised, (evidence, nodes)) = chosen;
-    let misfit = |kind: Kind| {
+    let misfit = |models: &[Model], kind: Kind| {
         let distance = |m: &Model| weighted_rms(&cells, m);
-        linearised.models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
+        models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
-    let weights = weights::weigh(&evidence, &linearised.rows, &nodes, relief, contacts_per_cell, misfit);
-    report::Findings {
-        patch: &patch,
-        evidence: &evidence,
-        nodes: &nodes,
-        weights: &weights,
-        relief,
-        normal_noise: linearised.normal_noise,
-        distances: &distances,
-        nearest: &nearest,
-        place_errors: errors,
-        doubt_of_places,
-        asked,
-    }
-    .recognition(options)
+    let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
+    looks::likeliest(at, &plain, |linearised, evidence, nodes| {
+        let misfit = |kind: Kind| misfit(&linearised.models, kind);
+        let weights = weights::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
+        report::Findings {
+            patch: &patch,
+            evidence,
+            nodes,
+            weights: &weights,
+            relief,
+            linearised,
+            distances: &distances,
+            nearest: &nearest,
+            place_errors: errors,
+            doubt_of_places,
+            asked,
+        }
+        .recognition(options)
+    })
 }
 
 /// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.

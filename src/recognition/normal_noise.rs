@@ -7,9 +7,10 @@
 use faer::Mat;
 
 use super::dense;
+use super::gain::Gain;
 use super::model::Kind;
 use super::noise::{Factors, Kernel};
-use super::rows::{Rows, column_of};
+use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Log likelihood below the best at which stronger correlations are not tried once it falls.
 const HOPELESS: f64 = 8.0;
@@ -91,23 +92,31 @@ impl NormalNoise {
         Some((likelihood, NormalNoise::new(kernel, rss / dof, n, log_det)))
     }
 
-    /// Gram matrix of the whitened normal rows.
-    pub(super) fn gram(&self, rows: &Rows, factors: &Factors) -> Option<Mat<f64>> {
-        let (mut gram, _) = whitened(rows, factors, self.kernel, (0, rows.columns))?;
+    /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.
+    pub(super) fn gram(&mut self, rows: &Rows, factors: &Factors, gain: Option<&mut Gain>) -> Option<Mat<f64>> {
+        let lower = factors.of(self.kernel)?;
+        let mut halves = rows.normals.clone()?;
+        halves.iter_mut().for_each(|half| dense::whiten(lower, half.as_mut()));
+        if let Some(gain) = gain {
+            self.log_share -= 0.5 * gain.taken_out(&mut halves, lower, self.variance);
+        }
+        let [mut gram, other] =
+            halves.map(|half| dense::gram_of_groups(half.as_ref(), first_of_displacement(), &rows.groups));
+        gram += other;
         for j in 0..gram.ncols() {
-            (0..gram.nrows()).for_each(|i| gram[(i, j)] /= self.variance);
+            gram.col_as_slice_mut(j).iter_mut().for_each(|v| *v /= self.variance);
         }
         Some(gram)
     }
 }
 
-/// Gram matrix of some columns (first, count) under `D + rho exp(-r/l)` and the log determinant of both parts' covariance.
-fn whitened(rows: &Rows, factors: &Factors, kernel: usize, columns: (usize, usize)) -> Option<(Mat<f64>, f64)> {
+/// Gram matrix of some columns (first, count) under `D + rho exp(-r/l)`, and the log determinant of both parts' covariance.
+fn whitened(rows: &Rows, factors: &Factors, kernel: usize, (first, count): (usize, usize)) -> Option<(Mat<f64>, f64)> {
     let halves = rows.normals.as_ref()?;
     let lower = factors.of(kernel)?;
-    let mut sum = Mat::<f64>::zeros(columns.1, columns.1);
+    let mut sum = Mat::<f64>::zeros(count, count);
     for half in halves {
-        let mut whitened = half.as_ref().subcols(columns.0, columns.1).to_owned();
+        let mut whitened = half.as_ref().subcols(first, count).to_owned();
         dense::whiten(lower, whitened.as_mut());
         sum += dense::gram(whitened.as_ref());
     }

@@ -9,10 +9,10 @@ use crate::vector::{Vector, cross};
 use super::dense;
 use super::evidence::{Evidence, curvatures};
 use super::field::Points;
+use super::linearised::Linearised;
 use super::misfit::{self, misfit};
 use super::model::{Kind, Model};
 use super::node::Node;
-use super::normal_noise::NormalNoise;
 use super::patch::Patch;
 use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
@@ -42,7 +42,7 @@ pub(super) struct Findings<'a> {
     pub(super) nodes: &'a [Node],
     pub(super) weights: &'a Weights,
     pub(super) relief: f64,
-    pub(super) normal_noise: Option<NormalNoise>,
+    pub(super) linearised: &'a Linearised,
     pub(super) distances: &'a Mat<f64>,
     /// A sample of the contacts, each with the one whose foot is nearest.
     pub(super) nearest: &'a [[usize; 2]],
@@ -150,7 +150,7 @@ impl Findings<'_> {
             tried,
             effective_contacts: self.effective_contacts(best),
             contacts: self.patch.points.len(),
-            notes: self.notes(&misfit, class),
+            notes: self.notes(best, &misfit, class),
             predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
             misfit,
         })
@@ -293,7 +293,7 @@ impl Findings<'_> {
             sd_z: scale * (best.variance * per_cell).sqrt(),
             sd_correlated: scale * best.tau(),
             correlation_length: (best.ratio > 0.0).then_some(scale * best.length),
-            sd_normal_deg: self.normal_noise.map(|n| (n.variance * per_normal).sqrt().to_degrees()),
+            sd_normal_deg: self.linearised.normal_noise.map(|n| (n.variance * per_normal).sqrt().to_degrees()),
         }
     }
 
@@ -309,8 +309,20 @@ impl Findings<'_> {
         (per_cell + best.ratio) * ones.iter().map(|v| v * v).sum::<f64>()
     }
 
-    fn notes(&self, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
+    /// What the normals are too steep by, in words; `None` where they may not be.
+    fn words_of_gain(&self, best: &Node) -> Option<String> {
+        let gain = self.linearised.gain.as_ref()?.mean(&self.evidence.coefficients(best)?)?;
+        let how = if gain > 0.0 { "steeper" } else { "flatter" };
+        Some(format!(
+            "the normals are {:.0} % {how} than the positions say, all alike: how strongly the surface bends was taken from the positions; \
+             --ignore-normals does without normals",
+            100.0 * gain.abs()
+        ))
+    }
+
+    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
         let mut notes = self.patch.notes.clone();
+        notes.extend(self.words_of_gain(best));
         if self.weights.displacement_is_error() {
             let read = match self.weights.taken_for_shape {
                 true => "is read as shape, but may be an error of the sensor: the intervals hold both",

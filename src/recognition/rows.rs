@@ -21,6 +21,8 @@ pub(super) struct Rows {
     /// Both tangential parts of the normals, each with a row for every cell.
     pub(super) normals: Option<[Mat<f64>; 2]>,
     pub(super) columns: usize,
+    /// First column and number of columns of every group of the displacement that stands together in some departure.
+    pub(super) groups: Vec<(usize, usize)>,
 }
 
 /// Column of a model's residuals; its Jacobian follows.
@@ -51,7 +53,9 @@ impl Rows {
             }
         }
         let halves = normals.map(|all| [0, n].map(|start| all.as_ref().subrows(start, n).to_owned()));
-        Rows { positions, normals: halves, columns }
+        let groups = displacement.map_or_else(Vec::new, Displacement::groups);
+        let groups = groups.into_iter().map(|(start, count)| (first + start, count)).collect();
+        Rows { positions, normals: halves, columns, groups }
     }
 }
 

@@ -5,6 +5,7 @@ use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
 use crate::vector::{Vector, cross, dot, unit};
 
+use super::evidence::{Evidence, Look};
 use super::*;
 
 /// Uniform and gaussian numbers of one seed.
