@@ -2,7 +2,7 @@
 # # Only the effects called for
 #
 # A real finger errs in many ways: its tip is not as large as the robot believes, it sinks in, it rubs, its sensor is noisy. palpate
-# can simulate thirteen such *effects*. A scene switches on those it names, and no other. This page switches them on one by one, and
+# can simulate fourteen such *effects*. A scene switches on those it names, and no other. This page switches them on one by one, and
 # asks of each: what does it do to S and R, and what does it cost to simulate?
 
 # %%
@@ -45,6 +45,7 @@ EFFECTS = {
     "force_noise": ("sigma = 0.03\nbias = [0.03, 0.0, 0.0]", "the force sensor errs by 3 %, and leans to one side"),
     "position_noise": ("sigma = 0.02", "places are off by 0.02 mm"),
     "normal_noise": ("sigma_deg = 2.0", "directions are off by 2 degrees"),
+    "slope_gain": ("relative = 0.05", "directions all lean 5 % too far"),
     "encoder": ("sigma_deg = 0.02\nresolution_deg = 0.02", "joint angles err, and come in steps"),
     "misalignment": ("rotation_deg = [0.0, 5.0, 0.0]", "the robot's base stands askew by 5 degrees"),
     "latency": ("distance = 0.2\njitter = 0.1", "places are read a moment too late"),
@@ -123,7 +124,8 @@ effects.round({"shift of S": 5, "spread of S": 5, "shift of R, %": 3, "spread of
 #   are off by 0.02 mm. (These weights trust directions.)
 # * **Noise does not only spread, it shifts.** Noisy directions make every surface look a little more bent than it is: R is never
 #   negative, so that errors do not cancel in it.
-# * **The size of the tip shifts and does not spread.** No repetition shows it. Measure your tips.
+# * **The size of the tip shifts and does not spread, and so do directions that all lean too far.** No repetition shows either. Measure
+#   your tips, and calibrate what tells directions. (`palpate fit` without a named model asks whether directions and places agree.)
 # * **Some effects do nothing to the shape.** A robot that stands askew, readings that come late or are lost do not change what kind of
 #   thing was touched.
 #

@@ -17,6 +17,7 @@ fn one_of_each() -> Vec<Effect> {
         Effect::force_noise(0.02).with_force_bias([0.01, 0.0, -0.01]).with_force_drift(0.005).with_force_steps(0.01),
         Effect::position_noise([0.02, 0.03, 0.04]),
         Effect::normal_noise(2.0),
+        Effect::slope_gain(0.3),
         Effect::encoder(0.01, 0.02),
         Effect::misalignment([1.0, -2.0, 0.5], [0.1, 0.0, -0.1]),
         Effect::latency(0.05, 0.02),
@@ -95,7 +96,7 @@ fn adding_an_effect_leaves_every_other_effects_draws_alone() {
             assert!(j < effects.len());
         }
     }
-    assert_eq!(pairs, 13 * 12);
+    assert_eq!(pairs, 14 * 13);
 }
 
 fn nearly_nothing(strength: f64) -> Vec<Effect> {
@@ -108,6 +109,7 @@ fn nearly_nothing(strength: f64) -> Vec<Effect> {
         Effect::force_noise(s).with_force_bias([s; 3]).with_force_drift(s).with_force_steps(s),
         Effect::position_noise([s; 3]),
         Effect::normal_noise(s),
+        Effect::slope_gain(s),
         Effect::encoder(s, s),
         Effect::misalignment([s; 3], [s; 3]),
         Effect::latency(s, s),

@@ -116,6 +116,7 @@ laws![
     force_noise,
     position_noise,
     normal_noise,
+    slope_gain,
     encoder,
     misalignment,
     latency,
@@ -366,6 +367,21 @@ fn three_joints() {
         (0..3).all(|i| (0..=i).all(|j| close(i, j)))
     });
     assert!(consistent, "covariance of the arm's tip is sigma^2 J J' for neither elbow");
+}
+
+/// Deterministic: the slopes -nx/nz and -ny/nz by the factor, the point where it was.
+fn slope_gain() {
+    for relative in [0.3, -0.2, 1e-9] {
+        let simulator = compiled(sphere(), one_site(1.0), Effect::slope_gain(relative));
+        let (point, normal) = touch(&simulator);
+        replicate(&simulator, |points, normals, _| {
+            assert_eq!(points[0], point);
+            let slope = |n: [f64; 3], k: usize| -n[k] / n[2];
+            let steeper = [0, 1, 2].map(|k| if k < 2 { slope(normals[0], k) } else { dot(normals[0], normals[0]) });
+            let expected = [0, 1, 2].map(|k| if k < 2 { (1.0 + relative) * slope(normal, k) } else { 1.0 });
+            assert_close("slopes and length", steeper, expected, 1e-15);
+        });
+    }
 }
 
 /// Deterministic: the rotation by an independent axis-angle formula, and the shift.

@@ -23,6 +23,7 @@ fn one_of_each() -> Vec<Effect> {
         Effect::force_noise(0.02).with_force_bias([0.01, 0.0, -0.01]).with_force_drift(0.005).with_force_steps(0.01),
         Effect::position_noise([0.02, 0.03, 0.04]),
         Effect::normal_noise(2.0),
+        Effect::slope_gain(0.3),
         Effect::encoder(0.01, 0.02),
         Effect::misalignment([1.0, -2.0, 0.5], [0.1, 0.0, -0.1]),
         Effect::latency(0.05, 0.02),

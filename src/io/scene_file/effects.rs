@@ -17,6 +17,7 @@ const READERS: &[(&str, Reader)] = &[
     ("force_noise", force_noise),
     ("position_noise", position_noise),
     ("normal_noise", normal_noise),
+    ("slope_gain", slope_gain),
     ("encoder", encoder),
     ("misalignment", misalignment),
     ("latency", latency),
@@ -99,6 +100,11 @@ fn force_noise(section: &Section) -> Result<Effect, SceneFileError> {
 fn normal_noise(section: &Section) -> Result<Effect, SceneFileError> {
     let sigma_deg = section.required("sigma_deg", "the sd per tangent axis, degrees, is needed")?;
     Ok(NormalNoise { sigma_deg }.into())
+}
+
+fn slope_gain(section: &Section) -> Result<Effect, SceneFileError> {
+    let relative = section.required("relative", "by how much slopes are too steep is needed: 0.3 is 30 %")?;
+    Ok(SlopeGain { relative }.into())
 }
 
 fn encoder(section: &Section) -> Result<Effect, SceneFileError> {

@@ -4,7 +4,7 @@
 //! ```text
 //! tip and skin    tip_radius_error, indentation          the tip's centre is C = P + (rho - delta) n
 //! force           friction, force_noise                  the normal is the sensed force's direction
-//! reading         position_noise, normal_noise
+//! reading         position_noise, normal_noise, slope_gain
 //! arm and frame   encoder, misalignment, latency
 //! along the path  finger_noise, slip, dropout
 //! rows of the fit row_noise
@@ -29,6 +29,7 @@ mod normal_noise;
 mod position_noise;
 mod row_noise;
 mod slip;
+mod slope_gain;
 mod tip_radius_error;
 
 #[cfg(feature = "cli")]
@@ -45,6 +46,7 @@ pub(crate) use normal_noise::NormalNoise;
 pub(crate) use position_noise::PositionNoise;
 pub(crate) use row_noise::RowNoise;
 pub(crate) use slip::Slip;
+pub(crate) use slope_gain::SlopeGain;
 pub(crate) use tip_radius_error::TipRadiusError;
 
 use super::batch::ContactBatch;
@@ -229,6 +231,8 @@ effects! {
     PositionNoise => "position_noise", Any;
     /// Isotropic errors of the normal.
     NormalNoise => "normal_noise", Any;
+    /// All slopes too steep by one factor.
+    SlopeGain => "slope_gain", Down;
     /// Errors of the joint encoders, carried to the tip by the arm's kinematics.
     Encoder => "encoder", Down;
     /// The robot's frame is not where the robot believes it to be.

@@ -71,6 +71,13 @@ pub(super) const EFFECTS: &[Entry] = &[
         },
     ),
     effect(
+        "effects.slope_gain",
+        "All slopes are measured too steep, or too flat, by one factor.",
+        keys! {
+            "relative" = "0.3", Required, Any, "by how much, relative to the slope: 0.3 is 30 % too steep, -0.2 is 20 % too flat";
+        },
+    ),
+    effect(
         "effects.encoder",
         "Joint encoders of the arm have steps and noise.",
         keys! {
