@@ -17,7 +17,7 @@
 
 use faer::Mat;
 
-use crate::vector::{Vector, dot, minus, scaled};
+use crate::vector::{along, dot, minus, scaled, unit};
 
 use super::cells::Cells;
 use super::dense;
@@ -47,17 +47,23 @@ pub(super) struct Gain {
 }
 
 impl Gain {
-    /// About the general surface; `None` without normals, or where positions are too few to tell by themselves how the surface bends.
-    pub(super) fn new(cells: &Cells, models: &[Model]) -> Option<Gain> {
+    /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
+    /// are too few to tell by themselves how the surface bends.
+    pub(super) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
         cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST)?;
         let general = models.iter().find(|m| m.kind() == Kind::General)?;
-        let of = |(p, tangent): (&Vector, &Vector)| {
-            let (_, n) = general.distance_and_normal(*p);
-            let steep = n[2];
-            dot(scaled(steep, minus(scaled(steep, n), [0.0, 0.0, 1.0])), *tangent)
+        let normal = |i: usize| {
+            let (_, n) = general.distance_and_normal(cells.points[i]);
+            let Some(slopes) = slopes else { return n };
+            unit((0..2).fold(n, |n, side| along(n, -slopes[side][i], cells.tangents[side][i])))
         };
-        let along = |tangents: &Vec<Vector>| cells.points.iter().zip(tangents).map(of).collect();
-        Some(Gain { steeper: cells.tangents.each_ref().map(along), told: None })
+        let of = |side: usize, i: usize| {
+            let n = normal(i);
+            let steep = n[2];
+            dot(scaled(steep, minus(scaled(steep, n), [0.0, 0.0, 1.0])), cells.tangents[side][i])
+        };
+        let steeper = [0, 1].map(|side| (0..cells.points.len()).map(|i| of(side, i)).collect());
+        Some(Gain { steeper, told: None })
     }
 
     /// Takes the gain out of both halves of the whitened rows of the normals, whose errors have this factor and variance; gives back

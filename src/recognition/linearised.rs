@@ -64,7 +64,7 @@ impl Linearised {
 
     /// The same equations where all normals may be too steep by one factor; `None` without normals.
     pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
-        let gain = Some(Gain::new(cells, &self.models)?);
+        let gain = Some(Gain::new(cells, &self.models, None)?);
         let mut made = Linearised { gain, ..self.clone() };
         made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
         Some(made)
@@ -105,15 +105,15 @@ impl Linearised {
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
-        let gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &models));
-        let displacement = Some(displacement);
+        let (displacement, gain) = (Some(displacement), self.gain.clone());
         let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain };
-        made.scatter_about(moved, factors);
+        made.scatter_about(moved, cells, factors);
         Some(made)
     }
 
     /// Lets the normals scatter about this displacement.
-    pub(super) fn scatter_about(&mut self, moved: &Moved, factors: &FactorPair) {
+    pub(super) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
+        self.gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &self.models, moved.slopes.as_ref()));
         let noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
         self.weigh_normals(noise, factors);
     }

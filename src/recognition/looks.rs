@@ -52,15 +52,16 @@ impl<'a> At<'a> {
         (again, height)
     }
 
-    /// Equations with a gain of the normals; `None` where it would explain too little even without departures, or is no likelier than
-    /// what was chosen: under the kernel of that, or where neighbours share no errors.
+    /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, or is no likelier
+    /// than what was chosen: under the kernel of that, or where neighbours share no errors.
     fn with_gain(&self, plain: &Linearised, chosen: &Seen) -> Option<(Linearised, Look)> {
         let gained = plain.with_gain(self.cells, self.factors)?;
         let of = |made: &Linearised| Evidence::of_plain_kinds(self.cells, made, &self.factors.positions, self.limit);
-        if of(&gained)? <= of(plain)? + RARE {
+        let likeliest = likeliest_node(chosen)?;
+        if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE {
             return None;
         }
-        let looked = [0, likeliest_node(chosen)?.kernel].map(|kernel| self.glance(&gained, kernel));
+        let looked = [0, likeliest.kernel].map(|kernel| self.glance(&gained, kernel));
         let (again, reached) = looked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let made = again.map_or((gained, Look::First), |again| (again, Look::Second));
         (reached > height(chosen) + RARE).then_some(made)

@@ -45,6 +45,7 @@ mod frame;
 mod gain;
 mod in_place;
 mod input;
+mod joint_posterior;
 mod linearised;
 mod looks;
 mod misfit;

@@ -114,7 +114,7 @@ pub(super) fn taken(
         let Some(again) = under_likeliest(&evidence, &made.rows, &nodes) else { break };
         let (before, stays) = (made.normal_noise, is_near(&again.base, &base));
         if stays {
-            made.scatter_about(&again, factors);
+            made.scatter_about(&again, cells, factors);
         } else if let Some(next) = plain.about(&again, cells, contacts, factors) {
             made = next;
             base = again.base;
