@@ -4,10 +4,10 @@
 
 The process is tinygp's on JAX: covariance, marginal likelihood, posterior mean and variance. Every contact gives three
 observations, its height and both slopes, with the covariance that an error of the normal has there; `Observed` is the kernel
-of tinygp's tutorial on derivative observations, over planes. The noise sds are given; s, a, b maximise the marginal likelihood before
-every round (SciPy's L-BFGS with JAX's gradient). The next touches are the candidates of the largest posterior variance of the
-height, one after the other. S and R are means over 8 x 8 points of the patch, from the posterior mean's first and second
-derivatives.
+of tinygp's tutorial on derivative observations, for two coordinates. The noise sds are given; s, a, b maximise the marginal
+likelihood before every round (SciPy's L-BFGS with JAX's gradient, from two starts). The next touches are the candidates of
+the largest posterior variance of the height, one after the other. S and R are means over 8 x 8 points of the patch, from the
+posterior mean's first and second derivatives.
 
     cargo bench --bench explore -- export OBJECTS NOISES FIRST > touched.csv
     python benches/peers/explore_gp.py touched.csv
@@ -17,7 +17,7 @@ derivatives.
 import os
 import sys
 
-# matrices of at most 180 rows: a second thread costs more than it gains
+# one core, which is what the README's time is of
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 import jax
@@ -34,7 +34,7 @@ RIGHT = (0.01, 0.02)
 KINDS = ["sphere", "cylinder", "saddle", "torus", "bump", "superquadric"]
 FIRST = [0, 10, 20, 210, 220, 230, 420, 430, 440]  # 3 x 3 of 21 x 21
 WIDE = 10.0  # c: next to no prior on height and tilt
-START = np.log([np.exp(2.0), 10.0, 10.0])  # s^2, a, b of the first round; later ones go on from the last
+START = np.log([np.exp(2.0), 10.0, 10.0])  # s^2, a, b where the first round starts; later ones start at the last's end, too
 BOUNDS = [(-8, 12), (0.0, 5.0), (0.0, 5.0)]  # of their logarithms
 ROOM = 15  # contacts are filled up to a multiple of it: four shapes are compiled, not twenty
 HEIGHT, SLOPES = np.array([1.0, 0, 0]), np.eye(3)[1:]
@@ -116,13 +116,15 @@ def contacts_of(touched, expected=np.empty((0, 2))):
     return np.tile(at, (3, 1)), what, covariance, np.concatenate([z, p, q])
 
 
-def learn(contacts, start):
+def learn(contacts, starts):
     def finite(log):
         value, slope = cost_and_slope(log, contacts)
         # where the factorisation breaks down the line search turns back
         return (float(value), np.asarray(slope)) if np.isfinite(value) else (1e10, np.zeros(3))
 
-    return minimize(finite, start, jac=True, method="L-BFGS-B", bounds=BOUNDS).x
+    # the likelihood has more than one maximum, and the last round's may no longer be the highest
+    found = [minimize(finite, start, jac=True, method="L-BFGS-B", bounds=BOUNDS) for start in starts]
+    return min(found, key=lambda end: end.fun).x
 
 
 def shape(log, contacts):
@@ -153,7 +155,7 @@ def until(run):
     done, log, before = list(FIRST), START, None
     while True:
         contacts = contacts_of(touched[done])
-        log = learn(contacts, log)
+        log = learn(contacts, [log, START])
         found = shape(log, contacts)
         right = abs(found[0] - s) <= RIGHT[0] and abs(found[1] / r - 1) <= RIGHT[1]
         if right and before is not None:

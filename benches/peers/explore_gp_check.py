@@ -73,7 +73,7 @@ def check(runs):
     cases = 0
     for (_, touched), count in zip(runs, [9, 12, 15, 27, 45, 60]):
         some = np.random.default_rng(count).permutation(len(touched))[:count]
-        found = gp.learn(gp.contacts_of(touched[some]), gp.START)
+        found = gp.learn(gp.contacts_of(touched[some]), [gp.START])
         for theta in [*LENGTHS, tuple(np.exp(found))]:
             one, other = (f(theta, touched[some], touched[:, :2]) for f in (closed_form, library))
             for name, a, b in zip(names, one, other):
