@@ -11,7 +11,7 @@ posterior mean's first and second derivatives.
 
     cargo bench --bench explore -- export OBJECTS NOISES FIRST > touched.csv
     python benches/peers/explore_gp.py touched.csv
-    python benches/peers/explore_gp.py touched.csv --check      # the process beside a closed form, explore_gp_check.py
+    python benches/peers/explore_gp_check.py touched.csv        # the process beside a closed form
 """
 
 import os
@@ -182,10 +182,6 @@ def quantile(counts, q):
 
 
 def main():
-    if "--check" in sys.argv:
-        import explore_gp_check
-
-        return explore_gp_check.check(read(sys.argv[1]))
     found = [until(run) for run in read(sys.argv[1])]
     counts = [c for _, c in found]
     never = 100 * np.mean([c > BUDGET for c in counts])

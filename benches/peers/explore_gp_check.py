@@ -1,5 +1,7 @@
 """tinygp's process of `explore_gp.py` beside the same process in closed form, in NumPy.
 
+    python benches/peers/explore_gp_check.py touched.csv
+
     cov(d^m f, d^n f') = (-1)^n s^2 H_(m+n)(x - x' / a) H(..) exp(..) / a^(m+n) ..      H: d^n exp(-t^2/2) = H_n exp(-t^2/2)
     mean = k K^-1 y,   variance = k(p, p) - k K^-1 k',   log likelihood = -(y' K^-1 y + log|2 pi K|) / 2
 
@@ -83,3 +85,7 @@ def check(runs):
     print(", ".join(f"{name} {value:.1e}" for name, value in worst.items()))
     if max(worst.values()) > WITHIN:
         sys.exit(f"they differ by more than {WITHIN:g}")
+
+
+if __name__ == "__main__":
+    check(gp.read(sys.argv[1]))
