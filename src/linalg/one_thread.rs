@@ -37,7 +37,7 @@ pub(crate) fn cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
     if a.nrows() <= SMALL { small_cholesky(a) } else { large_cholesky(a) }
 }
 
-/// By the kernel that takes one column after the other.
+/// By the kernel of small dense matrices.
 fn small_cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
     let n = a.nrows();
     let stride = n.next_multiple_of(8);

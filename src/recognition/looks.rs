@@ -61,8 +61,9 @@ impl<'a> At<'a> {
         if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE {
             return None;
         }
-        let looked = [0, likeliest.kernel].map(|kernel| self.glance(&gained, kernel));
-        let (again, reached) = looked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let kernels = if likeliest.kernel == 0 { &[0][..] } else { &[0, likeliest.kernel] };
+        let looked = kernels.iter().map(|kernel| self.glance(&gained, *kernel));
+        let (again, reached) = looked.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let made = again.map_or((gained, Look::First), |again| (again, Look::Second));
         (reached > height(chosen) + RARE).then_some(made)
     }

@@ -23,7 +23,7 @@ pub(super) struct Whitened {
     pub(super) gram: Mat<f64>,
     /// Log determinant of the covariance over the variance.
     pub(super) log_det: f64,
-    /// `Z Z'` of the columns from one on, so many of them, each when it is first asked for.
+    /// `Z Z'` of the columns that stand together, by the number of their first one; each when it is first asked for.
     products: Vec<OnceCell<Mat<f64>>>,
 }
 
