@@ -14,29 +14,20 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
-use crate::threads;
-
 use super::cells::Cells;
 use super::dense;
 use super::displacement::Displacement;
 use super::linearised::Linearised;
 use super::model::{Kind, Model};
-use super::node::{Departure, GROUPS, Node};
+use super::node::{Departure, Node, POWERS};
 use super::noise::{Factors, Kernel, Limit};
 use super::reduced::{Columns, Grams, Reduced, reduced};
-use super::rows::{Rows, column_of, first_of_displacement};
+use super::rows::{column_of, first_of_displacement};
 use super::whitened::Whitened;
-
-/// Variances of the displacement relative to that of a cell's position, in powers of ten.
-const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
 
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
 const FEW: usize = 3;
-
-/// Log evidence below the best at which stronger correlations, or larger displacements, are not tried once it falls: a
-/// weight of 3e-4.
-const HOPELESS: f64 = 8.0;
 
 /// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,13 +36,6 @@ pub(super) enum Look {
     First,
     /// Splines beside a natural departure.
     Second,
-}
-
-/// What one kernel gives.
-struct OfKernel {
-    kernel: usize,
-    gram: Mat<f64>,
-    nodes: Vec<Node>,
 }
 
 /// Everything that the evidence is computed from.
@@ -65,48 +49,10 @@ pub(super) struct Evidence<'a> {
     /// Gram matrix of the whitened normal rows.
     pub(super) normals: Option<&'a Mat<f64>>,
     limit: Limit,
-    look: Look,
+    pub(super) look: Look,
 }
 
 impl<'a> Evidence<'a> {
-    /// The evidence, and all nodes that the data and the limit of shared errors allow.
-    pub(super) fn new(
-        cells: &'a Cells,
-        linearised: &'a Linearised,
-        factors: &Factors,
-        limit: Limit,
-        look: Look,
-    ) -> (Evidence<'a>, Vec<Node>) {
-        let mut made = Evidence::unasked(cells, linearised, limit, look);
-        let rows = &linearised.rows;
-        let white = made.of_kernel(rows, factors, 0);
-        let best = white.as_ref().map_or([f64::NEG_INFINITY; GROUPS], |found| highest(&found.nodes));
-        let chains = threads::map(Kernel::CHAINS, 1, |chain| made.of_chain(rows, factors, chain, best));
-        let mut nodes = Vec::new();
-        for found in white.into_iter().chain(chains.into_iter().flatten()) {
-            made.grams[found.kernel] = Some(found.gram);
-            nodes.extend(found.nodes);
-        }
-        (made, nodes)
-    }
-
-    /// The evidence of the second look under one kernel alone.
-    pub(super) fn under(
-        cells: &'a Cells,
-        linearised: &'a Linearised,
-        factors: &Factors,
-        limit: Limit,
-        kernel: usize,
-    ) -> (Evidence<'a>, Vec<Node>) {
-        let mut made = Evidence::unasked(cells, linearised, limit, Look::Second);
-        let mut nodes = Vec::new();
-        if let Some(found) = made.of_kernel(&linearised.rows, factors, kernel) {
-            made.grams[kernel] = Some(found.gram);
-            nodes.extend(found.nodes);
-        }
-        (made, nodes)
-    }
-
     /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
     pub(super) fn of_plain_kinds(
         cells: &Cells,
@@ -122,7 +68,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Before any kernel is tried.
-    fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
+    pub(super) fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
@@ -130,69 +76,8 @@ impl<'a> Evidence<'a> {
         Evidence { cells, models, displacement, kernels, grams, normals, limit, look }
     }
 
-    /// The kernels of one length, from weakly to strongly shared errors, until no group of hypotheses has a chance.
-    fn of_chain(&self, rows: &Rows, factors: &Factors, chain: usize, mut best: [f64; GROUPS]) -> Vec<OfKernel> {
-        let (mut out, mut last) = (Vec::new(), best);
-        for kernel in Kernel::chain(chain) {
-            let Some(found) = self.of_kernel(rows, factors, kernel) else { continue };
-            let top = highest(&found.nodes);
-            out.push(found);
-            if (0..GROUPS).all(|j| top[j] < best[j] - HOPELESS && top[j] <= last[j] || top[j] == f64::NEG_INFINITY) {
-                break;
-            }
-            last = top;
-            (0..GROUPS).for_each(|j| best[j] = best[j].max(top[j]));
-        }
-        out
-    }
-
-    fn of_kernel(&self, rows: &Rows, factors: &Factors, kernel: usize) -> Option<OfKernel> {
-        let white = Whitened::new(rows, factors, kernel, first_of_displacement())?;
-        let mut nodes = Vec::new();
-        for model in self.models {
-            nodes.extend(self.node(model, &white, Departure::None));
-            if model.kind() == Kind::General && self.displacement.is_some() {
-                nodes.extend(self.with_spline(model, &white));
-                nodes.extend(self.with_smooth(model, &white));
-                nodes.extend(self.node(model, &white, Departure::Natural));
-            }
-        }
-        Some(OfKernel { kernel, gram: white.gram, nodes })
-    }
-
-    /// Rough splines of growing size.
-    fn with_spline(&self, model: &Model, white: &Whitened) -> Vec<Node> {
-        let departure = if self.look == Look::First { Departure::Rough } else { Departure::Both };
-        self.growing(departure, |departure| self.node(model, white, departure))
-    }
-
-    /// Smooth departures of every form and length, and of growing size.
-    fn with_smooth(&self, model: &Model, white: &Whitened) -> Vec<Node> {
-        let seen = |process: &usize| self.displacement.is_some_and(|d| d.smooth[*process].1 > 0);
-        let of = |process: usize| {
-            let departure = move |variance: f64| Departure::Smooth { variance, process };
-            self.growing(departure, |departure| self.node(model, white, departure))
-        };
-        (0..self.displacement.map_or(0, |d| d.smooth.len())).filter(seen).flat_map(of).collect()
-    }
-
-    /// Nodes of departures of growing size, until larger ones have no chance.
-    fn growing(&self, of: impl Fn(f64) -> Departure, node: impl Fn(Departure) -> Option<Node>) -> Vec<Node> {
-        let (mut last, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        let mut nodes = Vec::new();
-        for power in POWERS {
-            let Some(node) = node(of(10_f64.powi(power))) else { continue };
-            let here = node.log_evidence;
-            nodes.push(node);
-            if here < best - HOPELESS && here <= last {
-                break;
-            }
-            (last, best) = (here, best.max(here));
-        }
-        nodes
-    }
-
-    fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
+    /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
+    pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {
@@ -317,13 +202,6 @@ impl<'a> Evidence<'a> {
         let z = (first_of_displacement() + start, count);
         Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough, factors }
     }
-}
-
-/// Largest log evidence of every group.
-fn highest(nodes: &[Node]) -> [f64; GROUPS] {
-    let mut out = [f64::NEG_INFINITY; GROUPS];
-    nodes.iter().for_each(|n| out[n.group()] = out[n.group()].max(n.log_evidence));
-    out
 }
 
 /// Both curvatures of a model moved by x, the larger first.

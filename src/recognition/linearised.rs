@@ -70,6 +70,20 @@ impl Linearised {
         Some(made)
     }
 
+    /// The same equations, with a gain about the general surface under a displacement of these slopes, and errors of the normals as they
+    /// were without it.
+    pub(super) fn with_gain_about(
+        &self,
+        slopes: Option<&[Vec<f64>; 2]>,
+        cells: &Cells,
+        factors: &FactorPair,
+    ) -> Option<Linearised> {
+        let gain = Some(Gain::new(cells, &self.models, slopes)?);
+        let mut made = Linearised { gain, ..self.clone() };
+        made.weigh_normals(self.normal_noise, factors);
+        Some(made)
+    }
+
     /// Lets the normals have errors of this covariance, and a gain.
     fn weigh_normals(&mut self, noise: Option<NormalNoise>, factors: &FactorPair) {
         self.normal_noise = noise;

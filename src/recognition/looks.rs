@@ -13,8 +13,10 @@ use super::cells::Cells;
 use super::evidence::{Evidence, Look};
 use super::gain::RARE;
 use super::linearised::{FactorPair, Linearised};
+use super::moved::slopes;
 use super::node::Node;
 use super::noise::Limit;
+use super::search::Begun;
 use super::second_look::{highest, moved, taken, with_normals_believed};
 
 /// What every look is at.
@@ -30,8 +32,12 @@ pub(super) struct At<'a> {
 type Seen<'a> = (&'a Linearised, (Evidence<'a>, Vec<Node>));
 
 impl<'a> At<'a> {
+    fn begun(&self, made: &'a Linearised, look: Look) -> Begun<'a, 'a> {
+        Evidence::begun(self.cells, made, &self.factors.positions, self.limit, look)
+    }
+
     fn see(&self, made: &'a Linearised, look: Look) -> Seen<'a> {
-        (made, Evidence::new(self.cells, made, &self.factors.positions, self.limit, look))
+        (made, self.begun(made, look).finished())
     }
 
     /// The second look after a first one.
@@ -52,12 +58,25 @@ impl<'a> At<'a> {
         (again, height)
     }
 
-    /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, or is no likelier
-    /// than what was chosen: under the kernel of that, or where neighbours share no errors.
+    /// Whether a gain of the normals explains any of what was chosen better, that surface and the errors kept as they are.
+    fn gains(&self, chosen: &Seen, likeliest: &Node) -> Option<bool> {
+        let (made, (evidence, _)) = chosen;
+        let (mean, _) = evidence.joint_posterior(likeliest)?;
+        let weights = evidence.weights_of(likeliest, &mean[likeliest.kind.unknowns()..]);
+        let gained = made.with_gain_about(slopes(&made.rows, &weights).as_ref(), self.cells, self.factors)?;
+        let reached = Evidence::of_hypothesis(likeliest, self.cells, &gained, &self.factors.positions, self.limit)?;
+        Some(reached > height(chosen))
+    }
+
+    /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, nothing of a
+    /// displaced one, or is no likelier than what was chosen: under the kernel of that, or where neighbours share no errors.
     fn with_gain(&self, plain: &Linearised, chosen: &Seen) -> Option<(Linearised, Look)> {
+        let likeliest = likeliest_node(chosen)?;
+        if likeliest.is_displaced() && !self.gains(chosen, likeliest)? {
+            return None;
+        }
         let gained = plain.with_gain(self.cells, self.factors)?;
         let of = |made: &Linearised| Evidence::of_plain_kinds(self.cells, made, &self.factors.positions, self.limit);
-        let likeliest = likeliest_node(chosen)?;
         if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE {
             return None;
         }
@@ -92,9 +111,18 @@ fn is_believable(seen: &Seen) -> bool {
 
 /// Tells of the likeliest look.
 pub(super) fn likeliest<T>(at: At, plain: &Linearised, tell: impl FnOnce(&Linearised, &Evidence, &[Node]) -> T) -> T {
-    let first = at.see(plain, Look::First);
-    let again = at.again(plain, &first.1.1);
-    let mut chosen = again.as_ref().map_or(first, |again| at.see(again, Look::Second));
+    let begun = at.begun(plain, Look::First);
+    // where a displaced surface is far ahead, the second look needs no whole first one
+    let at_once = begun.displaced_at_once().and_then(|nodes| at.again(plain, &nodes));
+    let later;
+    let mut chosen = match &at_once {
+        Some(again) => at.see(again, Look::Second),
+        None => {
+            let first = begun.finished();
+            later = at.again(plain, &first.1);
+            later.as_ref().map_or((plain, first), |again| at.see(again, Look::Second))
+        }
+    };
     let believed = with_normals_believed(chosen.0, plain, at.cells, at.contacts, at.factors, at.limit);
     if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > height(&chosen)) {
         chosen = at.see(believed, Look::Second);

@@ -72,6 +72,7 @@ mod region;
 mod report;
 mod result;
 mod rows;
+mod search;
 mod second_look;
 #[cfg(feature = "cli")]
 mod shown;

@@ -10,6 +10,9 @@ use faer::Mat;
 
 use super::model::Kind;
 
+/// Variances of the displacement relative to that of a cell's position, in powers of ten.
+pub(super) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
+
 /// How a surface departs from its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Departure {
@@ -38,6 +41,21 @@ impl Departure {
             Departure::Rough(g) | Departure::Both(g) => g,
             Departure::Smooth { variance, .. } => variance,
             Departure::None | Departure::Natural => 0.0,
+        }
+    }
+
+    /// Whether it comes in sizes that are tried.
+    pub(super) fn has_size(self) -> bool {
+        matches!(self, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. })
+    }
+
+    /// The same departure with this variance over that of a position; one without a size as it is.
+    pub(super) fn of_size(self, variance: f64) -> Departure {
+        match self {
+            Departure::Rough(_) => Departure::Rough(variance),
+            Departure::Both(_) => Departure::Both(variance),
+            Departure::Smooth { process, .. } => Departure::Smooth { variance, process },
+            Departure::None | Departure::Natural => self,
         }
     }
 

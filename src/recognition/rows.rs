@@ -57,6 +57,13 @@ impl Rows {
         let groups = groups.into_iter().map(|(start, count)| (first + start, count)).collect();
         Rows { positions, normals: halves, columns, groups }
     }
+
+    /// The positions of the models alone, without a displacement.
+    pub(super) fn of_models(&self) -> Rows {
+        let columns = first_of_displacement();
+        let positions = self.positions.as_ref().subcols(0, columns).to_owned();
+        Rows { positions, normals: None, columns, groups: Vec::new() }
+    }
 }
 
 /// Residuals and Jacobian of one model from column `at` on.

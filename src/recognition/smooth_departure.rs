@@ -107,13 +107,13 @@ fn even(knots: &Knots) -> (Vec<f64>, Mat<f64>) {
 fn turned(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Option<Mat<f64>> {
     let across = knots[1].n_basis();
     let values = turned_departure::values(surface, knots, length);
-    let splines = values.iter().map(|values| {
-        let along_u = interpolated(&knots[0], values)?;
-        interpolated(&knots[1], &along_u.transpose().to_owned())
-    });
-    let splines = splines.collect::<Option<Vec<Mat<f64>>>>()?;
-    let count = knots[0].n_basis() * across;
-    Some(Mat::from_fn(count, splines.len(), |row, c| splines[c][(row % across, row / across)]))
+    let (of_u, count) = (knots[0].n_basis(), values.len());
+    // all terms side by side: one factor serves them all
+    let beside = Mat::from_fn(of_u, count * across, |i, j| values[j / across][(i, j % across)]);
+    let along_u = interpolated(&knots[0], &beside)?;
+    let turned = Mat::from_fn(across, count * of_u, |j, i| along_u[(i % of_u, (i / of_u) * across + j)]);
+    let splines = interpolated(&knots[1], &turned)?;
+    Some(Mat::from_fn(of_u * across, count, |row, c| splines[(row % across, c * of_u + row / across)]))
 }
 
 /// Variances of the process along one side and the coefficients of their directions, each times its standard deviation.

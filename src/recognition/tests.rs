@@ -339,7 +339,7 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let limit = Limit::new(&patch.nearest(), &patch.distances, relief(&cells, &models));
         let factors = FactorPair::new(&cells, &distances);
         let plain = Linearised::new(&cells, &patch.points, models, &factors);
-        let (_, nodes) = Evidence::new(&cells, &plain, &factors.positions, limit, Look::First);
+        let (_, nodes) = Evidence::begun(&cells, &plain, &factors.positions, limit, Look::First).finished();
         let best = |smooth: bool| {
             let own = nodes.iter().filter(|n| n.group() == 2 && n.departure.is_smooth() == smooth);
             own.map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)

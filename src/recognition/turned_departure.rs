@@ -37,7 +37,8 @@ pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f6
         let away = minus(surface.point(us[i], vs[j], 0.0), middle);
         axes.map(|axis| dot(away, axis) / length)
     };
-    let of = |term: fn(usize, [f64; 2]) -> f64, k| Mat::from_fn(us.len(), vs.len(), |i, j| term(k, place(i, j)));
+    let places: Vec<Vec<[f64; 2]>> = (0..us.len()).map(|i| (0..vs.len()).map(|j| place(i, j)).collect()).collect();
+    let of = |term: fn(usize, [f64; 2]) -> f64, k| Mat::from_fn(us.len(), vs.len(), |i, j| term(k, places[i][j]));
     (0..TERMS).flat_map(|k| [of(even, k), of(along_x, k), of(along_y, k)]).collect()
 }
 
