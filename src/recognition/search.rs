@@ -63,10 +63,9 @@ impl Course {
     /// `of_all` is the best of all departures.
     fn after(before: Option<Course>, nodes: &[(i32, Node)], of_all: f64) -> Option<Course> {
         let (power, top) = best_of(nodes)?;
-        if let Some(Course { best, last, .. }) = before {
-            if top < best.max(of_all) - HOPELESS && top <= last {
-                return None;
-            }
+        let is_over = |c: Course| top < c.best.max(of_all) - HOPELESS && top <= c.last;
+        if before.is_some_and(is_over) {
+            return None;
         }
         Some(Course { power, best: before.map_or(top, |before| before.best.max(top)), last: top })
     }
