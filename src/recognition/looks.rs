@@ -14,10 +14,10 @@ use super::evidence::{Evidence, Look};
 use super::gain::RARE;
 use super::linearised::{FactorPair, Linearised};
 use super::moved::slopes;
-use super::node::Node;
+use super::node::{self, Node, highest};
 use super::noise::Limit;
 use super::search::Begun;
-use super::second_look::{highest, moved, taken, with_normals_believed};
+use super::second_look::{moved, taken, with_normals_believed};
 
 /// What every look is at.
 #[derive(Clone, Copy)]
@@ -94,7 +94,7 @@ fn height(seen: &Seen) -> f64 {
 }
 
 fn likeliest_node<'s>(seen: &'s Seen) -> Option<&'s Node> {
-    seen.1.1.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+    node::likeliest(&seen.1.1)
 }
 
 /// Log likelihood of the contacts under the likeliest surface.

@@ -94,6 +94,16 @@ pub(super) struct Node {
     pub(super) dof: f64,
 }
 
+/// The node of the largest log evidence.
+pub(super) fn likeliest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> Option<&'n Node> {
+    nodes.into_iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+}
+
+/// Largest log evidence; minus infinity of no nodes.
+pub(super) fn highest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> f64 {
+    likeliest(nodes).map_or(f64::NEG_INFINITY, |node| node.log_evidence)
+}
+
 /// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone.
 pub(super) const GROUPS: usize = 4;
 

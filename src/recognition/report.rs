@@ -12,7 +12,7 @@ use super::field::Points;
 use super::linearised::Linearised;
 use super::misfit::{self, misfit};
 use super::model::{Kind, Model};
-use super::node::Node;
+use super::node::{self, Node};
 use super::patch::Patch;
 use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
@@ -177,8 +177,7 @@ impl Findings<'_> {
             .into_iter()
             .filter_map(|hypothesis| {
                 let own = |n: &Node| hypothesis_of(n) == hypothesis;
-                let best =
-                    self.nodes.iter().filter(|n| own(n)).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+                let best = node::likeliest(self.nodes.iter().filter(|n| own(n)))?;
                 let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
                 let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);
                 let weight = total(&self.weights.estimate, self.nodes, own);

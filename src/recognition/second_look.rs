@@ -20,7 +20,7 @@ use super::evidence::Evidence;
 use super::linearised::{FactorPair, Linearised};
 use super::model::Model;
 use super::moved::{Moved, slopes};
-use super::node::Node;
+use super::node::{Node, highest, likeliest};
 use super::noise::Limit;
 use super::normal_noise::NormalNoise;
 use super::rows::Rows;
@@ -49,7 +49,7 @@ pub(super) fn moved(
     factors: &FactorPair,
     limit: Limit,
 ) -> Option<Moved> {
-    let largest = nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let largest = highest(nodes);
     let share = |chosen: &dyn Fn(&Node) -> bool| {
         nodes.iter().filter(|n| chosen(n)).map(|n| (n.log_evidence - largest).exp()).sum::<f64>()
     };
@@ -62,7 +62,7 @@ pub(super) fn moved(
 
 /// The likeliest displaced node.
 fn displaced(nodes: &[Node]) -> Option<&Node> {
-    nodes.iter().filter(|n| n.is_displaced()).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+    likeliest(nodes.iter().filter(|n| n.is_displaced()))
 }
 
 /// The second look of whoever believes the normals, and the largest log evidence under it; `None` where the first reading has no
@@ -88,11 +88,6 @@ pub(super) fn with_normals_believed(
     let (_, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
     let log_evidence = highest(&nodes) + made.log_share_of_normals();
     Some((made, log_evidence))
-}
-
-/// Largest log evidence.
-pub(super) fn highest(nodes: &[Node]) -> f64 {
-    nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The equations about the moved surface; `None` where that has no chart to depart from. The displacement was found over the chart

@@ -36,7 +36,7 @@ use super::descent::median;
 use super::evidence::Evidence;
 use super::model::Kind;
 use super::neighbours::Neighbours;
-use super::node::{GROUPS, Node};
+use super::node::{GROUPS, Node, highest, likeliest};
 use super::rows::{Rows, column_of, first_of_displacement};
 use super::smooth_departure::is_free;
 
@@ -201,7 +201,7 @@ fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
 
 /// Shares in proportion to the evidence among the nodes chosen, 0 elsewhere; all 0 when none is chosen.
 fn shares(nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> Vec<f64> {
-    let largest = nodes.iter().filter(|n| chosen(n)).map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let largest = highest(nodes.iter().filter(|n| chosen(n)));
     let mut out: Vec<f64> =
         nodes.iter().map(|n| if chosen(n) { (n.log_evidence - largest).exp() } else { 0.0 }).collect();
     let sum: f64 = out.iter().sum();
@@ -235,11 +235,11 @@ fn raise(weights: &mut [f64], nodes: &[Node], chosen: impl Fn(&Node) -> bool, wi
 
 /// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.
 fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
-    let likeliest = |displaced: bool| {
+    let best = |displaced: bool| {
         let own = nodes.iter().filter(|n| n.is_displaced() == displaced);
-        own.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+        likeliest(own)
     };
-    let [plain, displaced] = [false, true].map(|d| evidence.misfit_of_normals(likeliest(d)?));
+    let [plain, displaced] = [false, true].map(|d| evidence.misfit_of_normals(best(d)?));
     Some(plain? - displaced?)
 }
 
@@ -367,7 +367,7 @@ fn departed(nodes: &[Node], weights: &mut [f64]) {
 
 /// Largest log evidence among the nodes chosen.
 fn best(nodes: &[Node], chosen: impl Fn(&Node) -> bool) -> f64 {
-    nodes.iter().filter(|n| chosen(n)).map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)
+    highest(nodes.iter().filter(|n| chosen(n)))
 }
 
 /// Root mean square of the likeliest displacement over the cells, without what the general surface could take up.
