@@ -50,6 +50,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             radii: None,
             class: None,
             class_probability: None,
+            class_by_area: None,
             k1: SpreadPart::default(),
             k2: SpreadPart::default(),
             direction_deg: None,

@@ -289,6 +289,7 @@ fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
         radii: None,
         class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
         class_probability: shares(&shape.class_probability),
+        class_by_area: None,
         k1: spread_part(shape.k1),
         k2: spread_part(shape.k2),
         direction_deg: shape.direction_deg,

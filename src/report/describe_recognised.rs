@@ -362,6 +362,7 @@ fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
         radii: found.radii,
         class: Some(found.class.name().into()),
         class_probability: shares(&every_class(&found.class_probability)),
+        class_by_area: None,
         k1: over_map(|p| p.k1, found.k1),
         k2: over_map(|p| p.k2, found.k2),
         direction_deg: found.direction.filter(|_| level).map(projected),

@@ -124,6 +124,9 @@ const MOST: f64 = 0.5;
 /// Variation of S over the patch from which on its mean may describe no part of it: two classes.
 const VARIED: f64 = 0.25;
 
+/// Share of the patch from which on a class that stands beside others is named.
+const NAMED: f64 = 0.1;
+
 /// Where S varies so much that the class of its mean is not the commonest one, or that no class has half of the patch:
 /// the class is taken back and what there is said instead. `shape_index` runs over the supported points of the map.
 pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iterator<Item = f64>) {
@@ -142,9 +145,8 @@ pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iter
     if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= MOST * all {
         return;
     }
-    let kinds = counts.iter().filter(|(_, n)| *n as f64 >= 0.1 * all);
-    let kinds: Vec<String> = kinds.map(|(c, n)| format!("{} {:.0} %", c.name(), 100.0 * *n as f64 / all)).collect();
-    document.fit.notes.push(format!("several kinds of shape stand side by side, by area: {}", kinds.join(", ")));
+    let by_area = counts.iter().map(|(class, n)| (*class, *n as f64 / all)).filter(|(_, share)| *share >= NAMED);
+    shape.class_by_area = shares(&by_area.collect::<Vec<_>>());
     (shape.class, shape.class_probability, shape.radius, shape.radius_interval) = (None, None, None, None);
     shape.radii = None;
 }

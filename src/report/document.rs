@@ -245,6 +245,10 @@ pub(crate) struct ShapePart {
     pub(crate) class: Option<String>,
     /// Probability of each class.
     pub(crate) class_probability: Option<Shares>,
+    /// Where several classes stand side by side and `class` is null: share of the patch of each that has a tenth of it or more, the
+    /// commonest first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) class_by_area: Option<Shares>,
     /// Larger principal curvature.
     pub k1: SpreadPart,
     /// Smaller principal curvature.

@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::document::ShapePart;
 use super::fold::folded;
 use super::table::significant;
+use super::words::of_the_patch;
 use crate::explore::{Exploration, ExploreOptions, Goal, Look, Stopped};
 use crate::fit::FitOptions;
 use crate::recognition::Estimate;
@@ -234,7 +235,9 @@ pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Writ
     }
     let _ = writeln!(text, "stopped    {}: {}", document.stopped, document.reason);
     if let Some(shape) = &document.shape {
-        let class = shape.class.as_deref().unwrap_or("none: S is undefined here, or several kinds stand side by side");
+        let several =
+            shape.class_by_area.as_ref().map(|by_area| format!("several side by side: {}", of_the_patch(by_area)));
+        let class = shape.class.clone().or(several).unwrap_or("none: S is undefined here".into());
         let _ = writeln!(text, "class      {class}");
     }
     for note in &document.notes {

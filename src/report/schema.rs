@@ -239,6 +239,7 @@ pub(super) fn full() -> FitDocument {
             radii: Some([0.5, 0.5]),
             class: Some("ridge".into()),
             class_probability: Some(Shares(shares)),
+            class_by_area: Some(Shares(vec![("ridge".into(), 0.5)])),
             k1: spread.clone(),
             k2: spread,
             direction_deg: Some(0.5),
@@ -322,7 +323,7 @@ fn emptied() -> FitDocument {
     document.fit.sigma = Some(SigmaPart::default());
     document.fit.lack_of_fit = Some(LackOfFitPart::default());
     document.fit.chosen = document.fit.chosen.map(|chosen| ChosenPart::new("height", chosen.why));
-    (document.shape.radius_interval, document.shape.radii) = (None, None);
+    (document.shape.radius_interval, document.shape.radii, document.shape.class_by_area) = (None, None, None);
     document.shape.intervals = Some(IntervalsPart::default());
     // a named fit has no probability of its own for the plane
     document.shape.class_probability.iter_mut().for_each(|shares| shares.0.retain(|(name, _)| name != "plane"));
@@ -350,7 +351,7 @@ fn bare() -> FitDocument {
     document.shape.curvedness = MeasurePart::default();
     document.shape.radius = None;
     document.shape.class = None;
-    document.shape.class_probability = None;
+    (document.shape.class_probability, document.shape.class_by_area) = (None, None);
     document.shape.k1 = SpreadPart::default();
     document.shape.k2 = SpreadPart::default();
     document.shape.direction_deg = None;

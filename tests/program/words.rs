@@ -63,6 +63,33 @@ fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
     assert!(told(here, "fit bar.csv --verbose").contains("support"));
 }
 
+/// A hill that levels out has a cap in the middle and bends the other way at its foot: an answer, though no one class describes it.
+#[test]
+fn several_shapes_side_by_side_are_an_answer() {
+    let directory = bench();
+    let here = directory.path();
+    let hill = BAR
+        .replace(
+            "kind = \"cylinder\"\nradius = 25.0\naxis_deg = 30.0",
+            "kind = \"gaussian\"\nheight = 3.0\nwidth = 5.0",
+        )
+        .replace("sigma = 0.05", "sigma = 0.005")
+        .replace("sigma_deg = 3.0", "sigma_deg = 0.3");
+    std::fs::write(here.join("hill.toml"), hill).unwrap();
+    told(here, "simulate hill.toml -o hill.csv");
+    let words = told(here, "fit hill.csv");
+    assert!(words.contains("several side by side: ") && words.contains(" % of the patch, "), "{words}");
+    for wrong in ["NO RESULT", "touch more", "axis ", "any direction"] {
+        assert!(!words.contains(wrong), "{wrong}: {words}");
+    }
+    assert!(words.contains("noise      measured points scatter by about"), "{words}");
+    let document: Value = serde_json::from_str(&told(here, "fit hill.csv --json")).unwrap();
+    let by_area = document["shape"]["class_by_area"].as_object().unwrap();
+    let shares: Vec<f64> = by_area.values().map(|share| share.as_f64().unwrap()).collect();
+    assert!(document["shape"]["class"].is_null() && shares.len() > 1, "{by_area:?}");
+    assert!(shares.iter().all(|share| *share >= 0.1) && shares.iter().sum::<f64>() <= 1.0 + 1e-12, "{by_area:?}");
+}
+
 /// The axis is where the thing lies, whichever of its curvatures is the larger one.
 #[test]
 fn a_groove_has_the_axis_of_the_bar_that_would_lie_in_it() {

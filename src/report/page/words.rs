@@ -6,7 +6,7 @@ use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::percent::percent;
 use crate::report::radius::radius_bounds;
 use crate::report::table::significant;
-use crate::report::words::like;
+use crate::report::words::{like, of_the_patch};
 
 /// The level of an interval in front of its name, where it is known: `95 % interval`, `an interval`.
 pub(super) fn named_level(level: Option<f64>) -> String {
@@ -28,9 +28,13 @@ pub(super) fn apart([lo, hi]: [f64; 2]) -> Option<[String; 2]> {
 pub(super) fn finding(document: &FitDocument) -> String {
     let (shape, lengths) = (&document.shape, Lengths::of(document));
     let Some(class) = shape.class.as_deref() else {
-        return if shape.shape_index.mean.is_some() {
-            "No single kind of shape: several stand side by side on this patch, so its mean describes no part of it."
-                .into()
+        return if let Some(by_area) = &shape.class_by_area {
+            format!(
+                "No single kind of shape: {}. Means over the whole patch describe no part of it.",
+                of_the_patch(by_area)
+            )
+        } else if shape.shape_index.mean.is_some() {
+            "No kind of shape describes the patch.".into()
         } else {
             "The shape index is undefined here, so the patch has no class.".into()
         };

@@ -1,7 +1,7 @@
 //! The class as a sentence: what such a surface looks like from the side that was touched, and how sure it is.
 
-use super::super::document::ShapePart;
-use super::numbers::chance;
+use super::super::document::{ShapePart, Shares};
+use super::numbers::{chance, of_hundred};
 
 /// What a class looks like from the side that was touched; empty for a word that is no class.
 pub(in crate::report) fn like(class: &str) -> &'static str {
@@ -23,7 +23,9 @@ pub(in crate::report) fn like(class: &str) -> &'static str {
 /// The class, what it looks like, and how sure it is.
 pub(super) fn sentence(shape: &ShapePart) -> String {
     let Some(class) = shape.class.as_deref() else {
-        return if shape.shape_index.mean.is_some() {
+        return if let Some(by_area) = &shape.class_by_area {
+            format!("several side by side: {}", of_the_patch(by_area))
+        } else if shape.shape_index.mean.is_some() {
             "NO RESULT: the contacts show none of the shapes; the notes say why".into()
         } else {
             "NO RESULT: these contacts are too few to tell; the notes say why".into()
@@ -38,6 +40,15 @@ pub(super) fn sentence(shape: &ShapePart) -> String {
     let like = like(class);
     let sure = probability(shape, class).map_or(String::new(), |p| format!(" ({} sure)", chance(p)));
     if like.is_empty() { format!("{class}{sure}") } else { format!("{class}: {like}{sure}") }
+}
+
+/// Classes that stand side by side, as `dome on 31 % of the patch, ridge on 20 %`.
+pub(in crate::report) fn of_the_patch(by_area: &Shares) -> String {
+    let each = by_area.0.iter().enumerate().map(|(k, (class, share))| {
+        let patch = if k == 0 { " of the patch" } else { "" };
+        format!("{class} on {}{patch}", of_hundred(*share))
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Probability of a class, where it is known.

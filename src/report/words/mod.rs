@@ -21,7 +21,7 @@ use std::io::Write;
 
 use super::document::FitDocument;
 
-pub(super) use class::like;
+pub(super) use class::{like, of_the_patch};
 pub(super) use map::small_maps;
 pub(super) use numbers::chance;
 pub(super) use table::OPEN;

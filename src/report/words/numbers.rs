@@ -17,6 +17,11 @@ pub(in crate::report) fn chance(probability: f64) -> String {
     }
 }
 
+/// A share in whole per cent.
+pub(super) fn of_hundred(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
 /// Formats values as many decimals long as `mean` needs; all with an exponent where `mean` is very small or large.
 pub(super) fn like(mean: f64, places: Option<usize>) -> impl Fn(f64) -> String {
     let places = places.unwrap_or_else(|| decimals(mean, DIGITS));

@@ -45,13 +45,18 @@ pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
     }
     let shown = document.fit.notes.iter().filter(|note| !document.fit.technical_notes.contains(note));
     // without a result the first note says why, and what the fit lacked besides is for --verbose
-    let most = if document.shape.class.is_some() { usize::MAX } else { 1 };
+    let most = if is_result(document) { usize::MAX } else { 1 };
     for note in shown.take(most) {
         text.add("note", note);
     }
     for words in next(document) {
         text.add("next", words);
     }
+}
+
+/// Whether there is an answer: a class, or several that stand side by side.
+fn is_result(document: &FitDocument) -> bool {
+    document.shape.class.is_some() || document.shape.class_by_area.is_some()
 }
 
 /// Where a ball or a pipe lies.
@@ -123,7 +128,9 @@ fn varies(document: &FitDocument) -> Option<String> {
 /// How far off the contacts are.
 fn noise(document: &FitDocument) -> Option<String> {
     let fit = &document.fit;
-    document.shape.class.as_ref()?;
+    if !is_result(document) {
+        return None;
+    }
     let length = |value: f64| {
         let text = significant(value, 2);
         document.unit.as_ref().map_or(text.clone(), |unit| format!("{text} {unit}"))
@@ -174,6 +181,10 @@ fn doubt(document: &FitDocument) -> Option<String> {
 fn next(document: &FitDocument) -> Vec<String> {
     let shape = &document.shape;
     let mut next = Vec::new();
+    if shape.class_by_area.is_some() {
+        next.push("S and R change over the patch: --out DIR draws them place by place; a smaller patch may show one shape alone".into());
+        return next;
+    }
     let Some(class) = shape.class.as_deref() else {
         next.push("touch more places, a dozen or more, spread over the patch, with surface normals if you can".into());
         return next;

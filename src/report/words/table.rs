@@ -145,6 +145,10 @@ fn radius(document: &FitDocument) -> Option<Row> {
 /// Along which direction a ridge or rut runs, or in which direction a saddle rises.
 fn axis(document: &FitDocument) -> Option<Row> {
     let shape = &document.shape;
+    // where several shapes stand side by side, the axis in the middle is that of no shape
+    if shape.class_by_area.is_some() {
+        return None;
+    }
     let saddle = shape.class.as_deref() == Some("saddle");
     let (label, degrees, vector) = if saddle {
         ("hollow along", shape.direction_deg, shape.direction)
