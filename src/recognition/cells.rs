@@ -13,8 +13,8 @@ use std::collections::HashMap;
 
 use crate::vector::{Vector, along, cross, unit};
 
-use super::descent::median;
 use super::model::Model;
+use super::statistics::median;
 
 /// Cells at most.
 const MOST: usize = 200;

@@ -12,6 +12,7 @@ use crate::vector::Vector;
 
 use super::dense;
 use super::model::{Kind, Model};
+use super::statistics::median;
 
 /// Huber's constant: 95 % efficiency for gaussian errors.
 pub(super) const HUBER: f64 = 1.345;
@@ -34,17 +35,6 @@ pub(super) struct Fitted {
     pub(super) model: Model,
     pub(super) distances: Vec<f64>,
     pub(super) scale: f64,
-}
-
-/// The median, by selection; 0 of an empty list.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    let n = values.len();
-    if n == 0 {
-        return 0.0;
-    }
-    let (below, middle, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
-    let middle = *middle;
-    if n % 2 == 1 { middle } else { 0.5 * (middle + below.iter().copied().fold(f64::NEG_INFINITY, f64::max)) }
 }
 
 /// Robust fit from a start.

@@ -10,9 +10,9 @@
 use crate::vector::cross;
 
 use super::cells::Cells;
-use super::descent::median;
 use super::patch::Patch;
 use super::place_errors::PlaceErrors;
+use super::statistics::median;
 
 /// Parameters of the robust surface.
 const UNKNOWNS: f64 = 6.0;

@@ -69,17 +69,20 @@ mod posterior;
 mod predictive;
 mod reduced;
 mod region;
+mod relief;
 mod report;
 mod result;
 mod rows;
 mod search;
 mod second_look;
+mod set_aside;
 #[cfg(feature = "cli")]
 mod shown;
 mod smooth_departure;
 mod spline;
 mod start;
 mod state;
+mod statistics;
 mod strayed;
 mod support;
 mod surface;
@@ -102,8 +105,8 @@ pub(crate) use own_axes::own_axes;
 #[cfg(feature = "cli")]
 pub(crate) use pointwise::Pointwise;
 pub(crate) use predictive::PredictiveDraw;
-pub(crate) use result::Dropped;
-pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
+pub use set_aside::NormalsUse;
 #[cfg(feature = "cli")]
 pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
@@ -117,8 +120,10 @@ use linearised::{FactorPair, Linearised};
 use looks::At;
 use model::{Kind, Model};
 use noise::Limit;
+use options::Asked;
 use patch::Patch;
 use place_errors::PlaceErrors;
+use relief::{relief, weighted_rms};
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -162,15 +167,6 @@ impl Recognition {
     }
 }
 
-/// Places that a caller asks about.
-#[derive(Clone, Copy, Debug, Default)]
-struct Asked<'a> {
-    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
-    means: Option<&'a [Vector]>,
-    /// Where touches are predicted, x and y of the input.
-    touches: &'a [[f64; 2]],
-}
-
 /// The steps, top to bottom.
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     let mut patch = Patch::new(given, options)?;
@@ -208,20 +204,4 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         }
         .recognition(options)
     })
-}
-
-/// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
-fn relief(cells: &cells::Cells, models: &[Model]) -> f64 {
-    /// A fiftieth of the patch's size.
-    const FLAT: f64 = 0.02;
-    let of = |kind: Kind| models.iter().find(|m| m.kind() == kind);
-    let (Some(plane), Some(general)) = (of(Kind::Plane), of(Kind::General)) else { return FLAT };
-    let heights: Vec<f64> = cells.points.iter().map(|p| plane.distance(*p) - general.distance(*p)).collect();
-    weights::standard_deviation(&heights).hypot(FLAT)
-}
-
-fn weighted_rms(cells: &cells::Cells, model: &Model) -> f64 {
-    let weighted: Vec<f64> =
-        cells.points.iter().zip(&cells.weights).map(|(p, w)| w.sqrt() * model.distance(*p)).collect();
-    weights::standard_deviation(&weighted)
 }

@@ -18,7 +18,7 @@ use crate::vector::{minus, norm};
 
 use super::cells::Cells;
 use super::dense;
-use super::descent::median;
+use super::statistics::median;
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
 const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];

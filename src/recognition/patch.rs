@@ -18,8 +18,9 @@ use super::input::Given;
 use super::model::{Kind, Model};
 use super::neighbours::Neighbours;
 use super::orientation::{Oriented, oriented};
+use super::set_aside::{Dropped, NormalsUse};
 use super::start::{Start, start, thinned};
-use super::{Dropped, NormalsUse, RecognitionError, RecognitionOptions};
+use super::{RecognitionError, RecognitionOptions};
 
 /// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
 /// 0.5.

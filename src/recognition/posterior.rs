@@ -37,6 +37,7 @@ use super::model::Kind;
 use super::node::Node;
 use super::predictive::{PredictiveDraw, measured, predicted};
 use super::state::{ChartPoint, State};
+use super::statistics::standard_deviation;
 use super::weights::Weights;
 use super::{Estimate, RecognitionOptions};
 
@@ -301,6 +302,6 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
     let states = drawn(evidence, (*i, node), joint.as_ref(), NOISE_DRAWS, seed, 0.0);
     let fields: Vec<Field> = states.iter().map(|state| points.field(state)).collect();
-    let sd = |pick: fn(&Field) -> f64| super::weights::standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
+    let sd = |pick: fn(&Field) -> f64| standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
     [sd(|f| f.s), sd(|f| f.r)]
 }

@@ -13,17 +13,21 @@ use super::linearised::Linearised;
 use super::misfit::{self, misfit};
 use super::model::{Kind, Model};
 use super::node::{self, Node};
+use super::options::Asked;
 use super::patch::Patch;
 use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
 use super::predictive;
 use super::region::Region;
+use super::relief::weighted_rms;
+use super::set_aside::Dropped;
 use super::state::{ChartPoint, State};
+use super::statistics::standard_deviation;
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
-    Asked, Dropped, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition,
-    RecognitionError, RecognitionOptions, Tried, weighted_rms,
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
+    RecognitionOptions, Tried,
 };
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
@@ -90,7 +94,7 @@ impl Findings<'_> {
         let misfit = self.misfit(best, &state)?;
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
-        let Some(super::Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
+        let Some(Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
         let around = |state: State| Region::new(self.patch, self.evidence, base, state, self.asked.means, options);
         let region = around(state);
         let mut found = self.summary_over(&region, best, options).ok_or_else(|| failed("averaging"))?;
@@ -223,7 +227,7 @@ impl Findings<'_> {
         let residuals = self.residuals(best, state);
         let weights = &self.evidence.cells.weights;
         let weighted: Vec<f64> = residuals.iter().zip(weights).map(|(d, w)| w.sqrt() * d).collect();
-        let size = super::weights::standard_deviation(&weighted);
+        let size = standard_deviation(&weighted);
         let outliers =
             100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
         let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);

@@ -16,7 +16,7 @@ use crate::vector::{Vector, dot};
 use super::beside::leaves_much_unsaid;
 use super::flexible::{Flexible, flexible};
 use super::own_axes::own_axes;
-use super::weights::standard_deviation;
+use super::statistics::standard_deviation;
 use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.

@@ -14,8 +14,9 @@ use std::f64::consts::FRAC_PI_2;
 use crate::vector::Vector;
 
 use super::dense;
-use super::descent::{Fitted, distances_of, median, robust};
+use super::descent::{Fitted, distances_of, robust};
 use super::model::{Kind, Model};
+use super::statistics::median;
 use super::taken_back::take_back;
 
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.

@@ -11,9 +11,9 @@
 use crate::vector::{Vector, dot, minus, norm};
 
 use super::cells::Cells;
-use super::descent::median;
 use super::neighbours::Neighbours;
 use super::start::thinned;
+use super::statistics::median;
 
 /// Contacts whose nearest neighbours are looked up.
 const SAMPLE: usize = 4000;

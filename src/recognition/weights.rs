@@ -32,13 +32,13 @@
 use faer::Mat;
 
 use super::dense;
-use super::descent::median;
 use super::evidence::Evidence;
 use super::model::Kind;
 use super::neighbours::Neighbours;
 use super::node::{GROUPS, Node, highest, likeliest};
 use super::rows::{Rows, column_of, first_of_displacement};
 use super::smooth_departure::is_free;
+use super::statistics::{median, standard_deviation};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
@@ -387,11 +387,4 @@ fn displacement_size(evidence: &Evidence, rows: &Rows, nodes: &[Node], weights: 
     dense::solve(&dense::cholesky(&normal)?, &mut along);
     (0..n).for_each(|i| f[i] -= (0..p).map(|a| column(i, a) * along[a]).sum::<f64>());
     Some(standard_deviation(&f))
-}
-
-/// Population standard deviation.
-pub(super) fn standard_deviation(values: &[f64]) -> f64 {
-    let n = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
 }
