@@ -10,7 +10,7 @@ use crate::curvature::ShapeClass;
 use crate::vector::{Vector, dot};
 
 use super::field::Field;
-use super::model::Kind;
+use super::kinds::Kind;
 
 /// Everything drawn for one node.
 pub(super) struct Drawn {

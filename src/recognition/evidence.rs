@@ -14,11 +14,11 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::dense;
-use super::displacement::Displacement;
+use super::departures::Displacement;
+use super::kinds::{Kind, Model};
 use super::linearised::Linearised;
-use super::model::{Kind, Model};
 use super::node::{Departure, Node, POWERS};
 use super::noise::{Factors, Kernel, Limit};
 use super::reduced::{Columns, Grams, Reduced, reduced};

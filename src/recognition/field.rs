@@ -8,8 +8,8 @@ use crate::curvature::shape_index;
 use crate::shape::spread;
 use crate::vector::{Vector, cross};
 
+use super::departures::{ChartPoint, State};
 use super::predictive::Place;
-use super::state::{ChartPoint, State};
 
 /// Means over the region of one surface, and S and R at the points asked for.
 pub(super) struct Field {

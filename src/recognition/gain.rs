@@ -19,9 +19,9 @@ use faer::Mat;
 
 use crate::vector::{along, dot, minus, scaled, unit};
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::dense;
-use super::model::{Kind, Model};
+use super::kinds::{Kind, Model};
 
 /// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
 /// counts.

@@ -9,9 +9,9 @@
 
 use crate::vector::cross;
 
-use super::cells::Cells;
-use super::patch::Patch;
+use super::contacts::Cells;
 use super::place_errors::PlaceErrors;
+use super::start::Patch;
 use super::statistics::median;
 
 /// Parameters of the robust surface.

@@ -8,7 +8,7 @@
 use faer::Mat;
 
 use super::dense;
-use super::displacement::Displacement;
+use super::departures::Displacement;
 use super::evidence::Evidence;
 use super::node::Node;
 use super::noise::Factors;

@@ -8,10 +8,10 @@ use faer::Mat;
 
 use crate::vector::Vector;
 
-use super::cells::Cells;
-use super::displacement::Displacement;
+use super::contacts::Cells;
+use super::departures::Displacement;
 use super::gain::Gain;
-use super::model::{Kind, Model};
+use super::kinds::{Kind, Model};
 use super::moved::Moved;
 use super::noise::Factors;
 use super::normal_noise::NormalNoise;

@@ -9,7 +9,7 @@
 
 use crate::vector::Vector;
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::evidence::{Evidence, Look};
 use super::gain::RARE;
 use super::linearised::{FactorPair, Linearised};

@@ -10,8 +10,7 @@
 use statrs::function::erf;
 
 use super::Misfit;
-use super::cells::Cells;
-use super::neighbours::Neighbours;
+use super::contacts::{Cells, Neighbours};
 
 /// Probability of shared errors, or of a displacement, above which the sentence mentions them.
 const CERTAIN: f64 = 0.95;

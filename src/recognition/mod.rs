@@ -28,40 +28,29 @@
 //! # Ok::<(), palpate::recognition::RecognitionError>(())
 //! ```
 
-mod believable_normals;
 mod beside;
-mod cells;
-mod constant_curvature;
+mod contacts;
 mod dense;
-mod descent;
-mod displacement;
+mod departures;
 mod drawn;
 mod error;
-mod estimated_normals;
 mod evidence;
 mod field;
 mod flexible;
-mod frame;
 mod gain;
 mod in_place;
-mod input;
 mod joint_posterior;
+mod kinds;
 mod linearised;
 mod looks;
 mod misfit;
-mod model;
 mod moved;
-mod natural_departure;
-mod neighbours;
 mod node;
 mod noise;
 mod normal_noise;
 mod options;
-mod orientation;
 mod over_plane;
 mod own_axes;
-mod paraboloid;
-mod patch;
 mod place_errors;
 #[cfg(feature = "cli")]
 mod pointwise;
@@ -69,34 +58,29 @@ mod posterior;
 mod predictive;
 mod reduced;
 mod region;
-mod relief;
 mod report;
 mod result;
 mod rows;
 mod search;
 mod second_look;
-mod set_aside;
 #[cfg(feature = "cli")]
 mod shown;
-mod smooth_departure;
 mod spline;
 mod start;
-mod state;
 mod statistics;
 mod strayed;
 mod support;
 mod surface;
-mod taken_back;
 #[cfg(test)]
 mod tests;
-mod turned_departure;
 mod weights;
 mod whitened;
 
 pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
-pub(crate) use neighbours::Neighbours;
+pub(crate) use contacts::Neighbours;
 // free-form parts are described by the same field as contacts that no simple shape explains
+pub use contacts::NormalsUse;
 #[cfg(feature = "cli")]
 pub(crate) use flexible::Flexible;
 pub(crate) use flexible::flexible;
@@ -106,7 +90,6 @@ pub(crate) use own_axes::own_axes;
 pub(crate) use pointwise::Pointwise;
 pub(crate) use predictive::PredictiveDraw;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
-pub use set_aside::NormalsUse;
 #[cfg(feature = "cli")]
 pub(crate) use shown::{FieldRequest, Shown, shown};
 pub use spline::RecognisedSpline;
@@ -115,15 +98,14 @@ pub(crate) use surface::RecognisedSurface;
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
-use input::Given;
+use contacts::{Given, check_options};
+use kinds::{Kind, Model};
 use linearised::{FactorPair, Linearised};
 use looks::At;
-use model::{Kind, Model};
 use noise::Limit;
 use options::Asked;
-use patch::Patch;
 use place_errors::PlaceErrors;
-use relief::{relief, weighted_rms};
+use start::{Patch, relief, weighted_rms};
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -140,7 +122,7 @@ impl Recognition {
         options: &RecognitionOptions,
         touches: &[[f64; 2]],
     ) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let asked = Asked { touches, ..Asked::default() };
         recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }
@@ -150,7 +132,7 @@ impl Recognition {
     /// # Errors
     /// As [`Recognition::of`].
     pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
         recognise_given(Given::from_grid(grid, options)?, &Asked::default(), &upward)
     }
@@ -161,7 +143,7 @@ impl Recognition {
         places: &[Vector],
         options: &RecognitionOptions,
     ) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let asked = Asked { means: Some(places), ..Asked::default() };
         recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }

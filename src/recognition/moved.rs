@@ -10,8 +10,8 @@ use faer::Mat;
 
 use crate::vector::{Vector, dot};
 
-use super::cells::{CellNormals, Cells};
-use super::model::{Kind, Model};
+use super::contacts::{CellNormals, Cells};
+use super::kinds::{Kind, Model};
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Where the general surface belongs under its displacement.

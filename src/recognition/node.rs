@@ -8,7 +8,7 @@ use std::mem::discriminant;
 
 use faer::Mat;
 
-use super::model::Kind;
+use super::kinds::Kind;
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
 pub(super) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;

@@ -16,7 +16,7 @@ use faer::Mat;
 
 use crate::vector::{minus, norm};
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::dense;
 use super::statistics::median;
 

@@ -8,7 +8,7 @@ use faer::Mat;
 
 use super::dense;
 use super::gain::Gain;
-use super::model::Kind;
+use super::kinds::Kind;
 use super::noise::{Factors, Kernel};
 use super::rows::{Rows, column_of, first_of_displacement};
 

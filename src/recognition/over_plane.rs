@@ -11,7 +11,7 @@
 use crate::bspline::linspace;
 use crate::vector::Vector;
 
-use super::state::ChartPoint;
+use super::departures::ChartPoint;
 use super::surface::RecognisedSurface;
 
 /// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.

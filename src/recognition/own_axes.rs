@@ -11,7 +11,7 @@ use crate::contact::{Contacts, Orientation};
 use crate::vector::{Vector, along, cross, dot, minus};
 
 use super::RecognitionOptions;
-use super::frame::patch_frame;
+use super::contacts::patch_frame;
 use super::support::hull;
 
 /// A later side of the hull counts as better when its rectangle is smaller by more than this share, so that rounding does

@@ -10,7 +10,7 @@
 //! between neighbours leave out how the shape departs from the robust surface. Each contact is in two pairs on average, hence the
 //! root. On a patch that stands upright the distances are errors across z, and ratios below 1 are not asked for.
 
-use super::patch::Patch;
+use super::start::Patch;
 use super::statistics::median;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.

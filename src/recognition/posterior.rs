@@ -29,17 +29,16 @@ use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
 use crate::threads;
 
-use super::dense;
+use super::departures::{ChartPoint, State};
 use super::drawn::{Drawn, classes, interval_of, pointwise, within_deg};
 use super::evidence::Evidence;
 use super::field::{Field, Points};
-use super::model::Kind;
+use super::kinds::Kind;
 use super::node::Node;
 use super::predictive::{PredictiveDraw, measured, predicted};
-use super::state::{ChartPoint, State};
 use super::statistics::standard_deviation;
 use super::weights::Weights;
-use super::{Estimate, RecognitionOptions};
+use super::{Estimate, RecognitionOptions, dense};
 
 /// Draws in all.
 const DRAWS: f64 = 400.0;

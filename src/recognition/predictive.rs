@@ -9,8 +9,8 @@
 
 use crate::vector::{Vector, cross, dot, minus, unit};
 
+use super::departures::{ChartPoint, State};
 use super::over_plane::at_places;
-use super::state::{ChartPoint, State};
 use super::surface::RecognisedSurface;
 
 /// Share of the draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R)

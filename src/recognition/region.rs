@@ -15,15 +15,13 @@ use std::sync::Arc;
 use crate::bspline::linspace;
 use crate::vector::Vector;
 
-use super::RecognitionOptions;
-use super::constant_curvature::ConstantCurvature;
-use super::displacement::Displacement;
+use super::departures::{ChartPoint, Displacement, State};
 use super::evidence::Evidence;
-use super::over_plane;
-use super::patch::Patch;
-use super::state::{ChartPoint, State};
+use super::kinds::ConstantCurvature;
+use super::start::Patch;
 use super::support::Support;
 use super::surface::RecognisedSurface;
+use super::{RecognitionOptions, over_plane};
 
 /// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of
 /// them.

@@ -6,28 +6,25 @@ use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::shape::radius_of;
 use crate::vector::{Vector, cross};
 
-use super::dense;
+use super::contacts::Dropped;
+use super::departures::{ChartPoint, State};
 use super::evidence::{Evidence, curvatures};
 use super::field::Points;
+use super::kinds::{Kind, Model};
 use super::linearised::Linearised;
 use super::misfit::{self, misfit};
-use super::model::{Kind, Model};
 use super::node::{self, Node};
 use super::options::Asked;
-use super::patch::Patch;
 use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
-use super::predictive;
 use super::region::Region;
-use super::relief::weighted_rms;
-use super::set_aside::Dropped;
-use super::state::{ChartPoint, State};
+use super::start::{Patch, weighted_rms};
 use super::statistics::standard_deviation;
 use super::surface::chart_point;
 use super::weights::{Weights, total};
 use super::{
     Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
-    RecognitionOptions, Tried,
+    RecognitionOptions, Tried, dense, predictive,
 };
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.

@@ -6,8 +6,8 @@ use statrs::function::erf;
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 
+use super::contacts::NormalsUse;
 use super::predictive::PredictiveDraw;
-use super::set_aside::NormalsUse;
 use super::surface::RecognisedSurface;
 
 /// The kinds of surface that are compared.

@@ -10,9 +10,9 @@ use faer::Mat;
 
 use crate::vector::{dot, minus};
 
-use super::cells::{CellNormals, Cells};
-use super::displacement::Displacement;
-use super::model::{Kind, Model};
+use super::contacts::{CellNormals, Cells};
+use super::departures::Displacement;
+use super::kinds::{Kind, Model};
 
 /// Columns of all models side by side.
 #[derive(Clone, Debug)]

@@ -12,14 +12,14 @@ use faer::Mat;
 
 use crate::threads;
 
-use super::cells::Cells;
+use super::contacts::Cells;
+use super::departures::is_free;
 use super::evidence::{Evidence, Look};
+use super::kinds::{Kind, Model};
 use super::linearised::Linearised;
-use super::model::{Kind, Model};
 use super::node::{Departure, Node, POWERS, highest, likeliest};
 use super::noise::{Factors, Kernel, Limit};
 use super::rows::{Rows, first_of_displacement};
-use super::smooth_departure::is_free;
 use super::whitened::Whitened;
 
 /// Log evidence below the best at which stronger correlations, or other sizes, are not tried once it falls: a weight of 3e-4.

@@ -14,17 +14,17 @@ use faer::Mat;
 
 use crate::vector::Vector;
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::dense;
+use super::departures::State;
 use super::evidence::Evidence;
+use super::kinds::Model;
 use super::linearised::{FactorPair, Linearised};
-use super::model::Model;
 use super::moved::{Moved, slopes};
 use super::node::{Node, highest, likeliest};
 use super::noise::Limit;
 use super::normal_noise::NormalNoise;
 use super::rows::Rows;
-use super::state::State;
 
 /// Probability of a displacement from which on the second look is taken.
 const LIKELY: f64 = 0.05;

@@ -13,7 +13,7 @@
 use crate::contact::Frame;
 use crate::vector::{Vector, along, cross, dot, minus, reject, scaled};
 
-use super::cells::Cells;
+use super::contacts::Cells;
 use super::place_errors::PlaceErrors;
 use super::start::thinned;
 

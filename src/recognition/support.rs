@@ -10,8 +10,7 @@
 
 use crate::vector::{Vector, dot, minus, norm};
 
-use super::cells::Cells;
-use super::neighbours::Neighbours;
+use super::contacts::{Cells, Neighbours};
 use super::start::thinned;
 use super::statistics::median;
 

@@ -9,10 +9,8 @@ use std::sync::Arc;
 
 use crate::contact::Frame;
 
-use super::constant_curvature::ConstantCurvature;
-use super::displacement::Displacement;
-use super::model::Kind;
-use super::state::{ChartPoint, State};
+use super::departures::{ChartPoint, Displacement, State};
+use super::kinds::{ConstantCurvature, Kind};
 use super::support::Support;
 
 /// The surface that was recognised, of whichever kind, in the input's coordinates.

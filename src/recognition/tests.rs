@@ -6,6 +6,7 @@ use crate::draws::EffectDraws;
 use crate::vector::{Vector, cross, dot, unit};
 
 use super::evidence::{Evidence, Look};
+use super::kinds::ConstantCurvature;
 use super::*;
 
 /// Uniform and gaussian numbers of one seed.
@@ -256,7 +257,7 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
     let moved = |k: f64| {
-        let base = constant_curvature::ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
+        let base = ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
         let moved = moved::Moved { base: Model::Constant(Kind::General, base), slopes: None, spent: 0.0, kernel: 0 };
         plain.about(&moved, &cells, &patch.points, &factors).is_some()
     };

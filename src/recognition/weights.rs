@@ -31,13 +31,13 @@
 
 use faer::Mat;
 
+use super::contacts::Neighbours;
 use super::dense;
+use super::departures::is_free;
 use super::evidence::Evidence;
-use super::model::Kind;
-use super::neighbours::Neighbours;
+use super::kinds::Kind;
 use super::node::{GROUPS, Node, highest, likeliest};
 use super::rows::{Rows, column_of, first_of_displacement};
-use super::smooth_departure::is_free;
 use super::statistics::{median, standard_deviation};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.

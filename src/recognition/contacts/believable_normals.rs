@@ -11,9 +11,9 @@
 
 use faer::{Mat, Side};
 
+use crate::recognition::kinds::Model;
 use crate::vector::{Vector, along, dot, minus, norm, reject, scaled};
 
-use super::model::Model;
 use super::neighbours::Neighbours;
 
 /// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
@@ -33,10 +33,10 @@ const OPPOSITE: f64 = 0.5;
 const BLUNDER: f64 = 0.5;
 
 /// Cosine below which a normal contradicts the surface: 60 degrees off.
-pub(super) const AGAINST: f64 = 0.5;
+pub(in crate::recognition) const AGAINST: f64 = 0.5;
 
 /// Whether the normals of these contacts follow from the positions.
-pub(super) fn derived_from_positions(
+pub(in crate::recognition) fn derived_from_positions(
     points: &[Vector],
     normals: &[Vector],
     surface: &Model,
@@ -106,7 +106,7 @@ fn both(
 }
 
 /// Normal of the plane through the nearest contacts, of either sign.
-pub(super) fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
+pub(in crate::recognition) fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
     let near = tree.nearest(place, NEAREST);
     let mut mean = [0.0; 3];
     for (_, i) in &near {

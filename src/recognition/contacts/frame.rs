@@ -10,9 +10,8 @@
 use faer::{Mat, Side};
 
 use crate::contact::Frame;
+use crate::recognition::{RecognitionError, RecognitionOptions};
 use crate::vector::{Vector, along, cross, dot, minus, norm, reject, scaled, unit_or_zero, unit_rescaled};
-
-use super::{RecognitionError, RecognitionOptions};
 
 /// Mean unit normals shorter than this do not tell a direction.
 const SHORT: f64 = 0.3;
@@ -22,7 +21,9 @@ const SHORT: f64 = 0.3;
 const THIN: f64 = 0.03;
 
 /// Mean, principal axes (narrowest first) and principal sds of points.
-pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
+pub(in crate::recognition) fn principal_axes(
+    points: &[Vector],
+) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
     let count = points.len() as f64;
     let first = points[0];
     let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
@@ -54,7 +55,7 @@ fn norm_of_largest(v: Vector) -> f64 {
 }
 
 /// The frame of the patch; `normals` are unit vectors on the free side, zero where unknown, or there are none.
-pub(super) fn patch_frame(
+pub(in crate::recognition) fn patch_frame(
     points: &[Vector],
     normals: Option<&[Vector]>,
     options: &RecognitionOptions,
@@ -78,7 +79,7 @@ pub(super) fn patch_frame(
 }
 
 /// Direction of the free side for contacts without normals.
-pub(super) fn free_side(origin: Vector, options: &RecognitionOptions) -> Vector {
+pub(in crate::recognition) fn free_side(origin: Vector, options: &RecognitionOptions) -> Vector {
     match (options.up, options.viewpoint) {
         (Some(up), _) => up,
         (None, Some(viewpoint)) => unit_rescaled(minus(viewpoint, origin)),
@@ -86,7 +87,7 @@ pub(super) fn free_side(origin: Vector, options: &RecognitionOptions) -> Vector 
     }
 }
 
-pub(super) fn mean_of(normals: &[Vector]) -> Vector {
+pub(in crate::recognition) fn mean_of(normals: &[Vector]) -> Vector {
     let known = normals.iter().filter(|n| **n != [0.0; 3]).count().max(1) as f64;
     normals.iter().fold([0.0; 3], |sum, n| along(sum, 1.0 / known, *n))
 }

@@ -15,9 +15,8 @@ use faer::Mat;
 use statrs::function::factorial::factorial;
 
 use crate::bspline::Knots;
+use crate::recognition::kinds::ConstantCurvature;
 use crate::vector::{cross, dot, minus, reject, unit};
-
-use super::constant_curvature::ConstantCurvature;
 
 /// Terms of either order; more change nothing at lengths of at least a half side of the patch.
 const TERMS: usize = 6;
@@ -26,7 +25,7 @@ const TERMS: usize = 6;
 const STEP: f64 = 1e-3;
 
 /// Values of every term at the sites of u (rows) and v (columns) of the splines.
-pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Vec<Mat<f64>> {
+pub(in crate::recognition) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Vec<Mat<f64>> {
     let [us, vs] = knots.each_ref().map(Knots::greville);
     let [u, v] = knots.each_ref().map(Knots::domain).map(|[lo, hi]| 0.5 * (lo + hi));
     let middle = surface.point(u, v, 0.0);

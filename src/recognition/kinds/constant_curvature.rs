@@ -18,12 +18,12 @@ use crate::vector::{Vector, cross, dot};
 const FLAT: f64 = 1e-9;
 
 /// A displacement along the normal with its derivatives: f, f_u, f_v, f_uu, f_uv, f_vv.
-pub(super) type Jet = [f64; 6];
+pub(in crate::recognition) type Jet = [f64; 6];
 
 /// One surface, with its rotation worked out.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ConstantCurvature {
-    pub(super) theta: [f64; 6],
+pub(in crate::recognition) struct ConstantCurvature {
+    pub(in crate::recognition) theta: [f64; 6],
     /// Rows of `exp([(a, b, 0)]x)` rotated by phi: X to (u, v, w + h).
     axes: [Vector; 3],
     /// Derivatives of the axes by a and by b.
@@ -40,7 +40,7 @@ struct Profile {
 }
 
 impl ConstantCurvature {
-    pub(super) fn new(theta: [f64; 6]) -> ConstantCurvature {
+    pub(in crate::recognition) fn new(theta: [f64; 6]) -> ConstantCurvature {
         let [_, a, b, _, _, phi] = theta;
         let [rotation, by_a, by_b] = rotation(a, b);
         let (sin, cos) = phi.sin_cos();
@@ -81,14 +81,14 @@ impl ConstantCurvature {
     }
 
     /// Signed distance and its gradient, the unit normal at the foot point.
-    pub(super) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
+    pub(in crate::recognition) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
         let local = self.local(x);
         let p = self.profile(local);
         (p.d, transposed(&self.axes, self.by_local(local, &p)))
     }
 
     /// Signed distance and its derivatives by theta.
-    pub(super) fn distance_by_theta(&self, x: Vector) -> (f64, [f64; 6]) {
+    pub(in crate::recognition) fn distance_by_theta(&self, x: Vector) -> (f64, [f64; 6]) {
         let [_, _, _, k1, _, _] = self.theta;
         let local @ [u, v, w] = self.local(x);
         let p = self.profile(local);
@@ -104,7 +104,7 @@ impl ConstantCurvature {
     }
 
     /// Arc lengths (u, v) of the foot point.
-    pub(super) fn chart(&self, x: Vector) -> [f64; 2] {
+    pub(in crate::recognition) fn chart(&self, x: Vector) -> [f64; 2] {
         let [_, _, _, k1, k2, _] = self.theta;
         let local @ [u, v, w] = self.local(x);
         let arc = |k: f64, across: f64, height: f64| {
@@ -114,7 +114,7 @@ impl ConstantCurvature {
     }
 
     /// Point at chart coordinates, `f` above the surface.
-    pub(super) fn point(&self, u: f64, v: f64, f: f64) -> Vector {
+    pub(in crate::recognition) fn point(&self, u: f64, v: f64, f: f64) -> Vector {
         let [h, _, _, k1, k2, _] = self.theta;
         let (s1, c1) = arc_end(k1, u);
         let (s2, c2) = arc_end(k2, v);
@@ -125,18 +125,18 @@ impl ConstantCurvature {
     }
 
     /// `|Q_v|` at chart coordinate u: 0 at a pole of the chart.
-    pub(super) fn width(&self, u: f64) -> f64 {
+    pub(in crate::recognition) fn width(&self, u: f64) -> f64 {
         1.0 - self.theta[4] * arc_end(self.theta[3], u).1
     }
 
     /// A direction in the chart's axes (u, v, normal) at the origin of the chart, in the axes of X.
-    pub(super) fn rotate_back(&self, direction: Vector) -> Vector {
+    pub(in crate::recognition) fn rotate_back(&self, direction: Vector) -> Vector {
         transposed(&self.axes, direction)
     }
 }
 
 /// First and second derivatives of `Q(u, v, f(u, v))` in the local axes.
-pub(super) fn derivatives(k1: f64, k2: f64, [u, v]: [f64; 2], jet: &Jet) -> Derivatives {
+pub(in crate::recognition) fn derivatives(k1: f64, k2: f64, [u, v]: [f64; 2], jet: &Jet) -> Derivatives {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     let (sin1, cos1) = (k1 * u).sin_cos();
     let (sin2, cos2) = (k2 * v).sin_cos();
@@ -160,7 +160,7 @@ pub(super) fn derivatives(k1: f64, k2: f64, [u, v]: [f64; 2], jet: &Jet) -> Deri
 ///
 /// A turn about the ring's axis changes no curvature, so they are taken at v = 0: there the derivatives lie in the
 /// planes of the axes, and one sine is enough.
-pub(super) fn bending(k1: f64, k2: f64, u: f64, jet: &Jet) -> Option<[f64; 2]> {
+pub(in crate::recognition) fn bending(k1: f64, k2: f64, u: f64, jet: &Jet) -> Option<[f64; 2]> {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     let (half_sin, half_cos) = (0.5 * k1 * u).sin_cos();
     let (sin, cos) = (2.0 * half_sin * half_cos, 1.0 - 2.0 * half_sin * half_sin);
@@ -179,7 +179,7 @@ pub(super) fn bending(k1: f64, k2: f64, u: f64, jet: &Jet) -> Option<[f64; 2]> {
 }
 
 /// Both principal curvatures, the larger first, without their directions; `None` where there is no tangent plane.
-pub(super) fn curvatures_of(q: &Derivatives) -> Option<[f64; 2]> {
+pub(in crate::recognition) fn curvatures_of(q: &Derivatives) -> Option<[f64; 2]> {
     let across = cross(q.u, q.v);
     let (ee, ff) = (dot(q.u, q.u), dot(q.u, q.v));
     let squared = dot(across, across);

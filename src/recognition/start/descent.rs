@@ -7,15 +7,14 @@
 //!
 //! J. J. More, *The Levenberg-Marquardt algorithm*, 1978. P. J. Huber, *Robust Statistics*, 1981.
 
+use crate::recognition::dense;
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::statistics::median;
 use crate::threads;
 use crate::vector::Vector;
 
-use super::dense;
-use super::model::{Kind, Model};
-use super::statistics::median;
-
 /// Huber's constant: 95 % efficiency for gaussian errors.
-pub(super) const HUBER: f64 = 1.345;
+pub(in crate::recognition) const HUBER: f64 = 1.345;
 
 /// Rounds of reweighting.
 const ROUNDS: usize = 25;
@@ -27,18 +26,18 @@ const STEPS: usize = 60;
 const DAMPING: [f64; 2] = [1e-4, 1e12];
 
 /// Points of one task; fewer, at 30 ns each, take less than handing them over.
-pub(super) const TASK: usize = 1 << 13;
+pub(in crate::recognition) const TASK: usize = 1 << 13;
 
 /// A fit with its distances and their robust scale.
 #[derive(Clone, Debug)]
-pub(super) struct Fitted {
-    pub(super) model: Model,
-    pub(super) distances: Vec<f64>,
-    pub(super) scale: f64,
+pub(in crate::recognition) struct Fitted {
+    pub(in crate::recognition) model: Model,
+    pub(in crate::recognition) distances: Vec<f64>,
+    pub(in crate::recognition) scale: f64,
 }
 
 /// Robust fit from a start.
-pub(super) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
+pub(in crate::recognition) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
     let mut model = Model::new(kind, kind.restricted(theta));
     let (mut last, mut damping) = (f64::INFINITY, DAMPING[0]);
     let mut weights = vec![1.0; points.len()];
@@ -62,7 +61,7 @@ pub(super) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
 }
 
 /// Least squares with given weights; also the weighted sum of squares.
-pub(super) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64; 6]) -> (Model, f64) {
+pub(in crate::recognition) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64; 6]) -> (Model, f64) {
     let mut model = Model::new(kind, kind.restricted(theta));
     let mut damping = DAMPING[0];
     for _ in 0..STEPS {
@@ -74,7 +73,7 @@ pub(super) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64;
     (model, cost)
 }
 
-pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
+pub(in crate::recognition) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     if points.len() <= TASK {
         return points.iter().map(|p| model.distance(*p)).collect();
     }
@@ -82,7 +81,7 @@ pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
 }
 
 /// 1.4826 times the median distance from the median.
-pub(super) fn scale_of(distances: &[f64]) -> f64 {
+pub(in crate::recognition) fn scale_of(distances: &[f64]) -> f64 {
     let middle = median(distances.to_vec());
     1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
 }

@@ -11,12 +11,12 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::recognition::dense;
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::statistics::median;
 use crate::vector::Vector;
 
-use super::dense;
 use super::descent::{Fitted, distances_of, robust};
-use super::model::{Kind, Model};
-use super::statistics::median;
 use super::taken_back::take_back;
 
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
@@ -24,20 +24,20 @@ const SAMPLE: usize = 3000;
 
 /// Result of the robust start.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
-    pub(super) general: Model,
-    pub(super) sphere: Model,
-    pub(super) cylinder: Model,
+pub(in crate::recognition) struct Start {
+    pub(in crate::recognition) general: Model,
+    pub(in crate::recognition) sphere: Model,
+    pub(in crate::recognition) cylinder: Model,
     /// Signed distances of all contacts from `general`.
-    pub(super) distances: Vec<f64>,
+    pub(in crate::recognition) distances: Vec<f64>,
     /// Whether a contact belongs to the surface.
-    pub(super) belongs: Vec<bool>,
+    pub(in crate::recognition) belongs: Vec<bool>,
     /// Numbers of the contacts that the start looked at.
-    pub(super) sample: Vec<usize>,
+    pub(in crate::recognition) sample: Vec<usize>,
 }
 
 /// At most `most` numbers of points, evenly spread over their lexicographic order.
-pub(super) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
+pub(in crate::recognition) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
     if points.len() <= most {
         return (0..points.len()).collect();
     }
@@ -52,7 +52,7 @@ pub(super) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
 }
 
 /// Fits the start.
-pub(super) fn start(points: &[Vector]) -> Start {
+pub(in crate::recognition) fn start(points: &[Vector]) -> Start {
     let sample = thinned(points, SAMPLE);
     let some: Vec<Vector> = sample.iter().map(|&i| points[i]).collect();
     let [sphere, cylinder, along, across] = quadric_starts(&some);

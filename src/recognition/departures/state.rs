@@ -6,25 +6,24 @@
 //! ```
 
 use crate::curvature::Principal;
+use crate::recognition::kinds::{ConstantCurvature, Jet, Kind, Model, bending, curvatures_of, derivatives};
 use crate::vector::{Vector, along, cross, norm_hypot};
 
-use super::constant_curvature::{ConstantCurvature, Jet, bending, curvatures_of, derivatives};
 use super::displacement::{JetRow, turned};
-use super::model::{Kind, Model};
 
 /// A point of the chart of the general surface.
 #[derive(Clone, Debug)]
-pub(super) struct ChartPoint {
-    pub(super) chart: [f64; 2],
+pub(in crate::recognition) struct ChartPoint {
+    pub(in crate::recognition) chart: [f64; 2],
     /// Its place on the general surface, patch coordinates.
-    pub(super) place: Vector,
+    pub(in crate::recognition) place: Vector,
     /// What the displacement needs there.
-    pub(super) row: Option<JetRow>,
+    pub(in crate::recognition) row: Option<JetRow>,
 }
 
 /// One surface.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct State {
+pub(in crate::recognition) struct State {
     model: Model,
     /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
@@ -36,20 +35,20 @@ pub(super) struct State {
 
 /// A surface at one point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bent {
-    pub(super) place: Vector,
-    pub(super) normal: Vector,
-    pub(super) k1: f64,
-    pub(super) k2: f64,
+pub(in crate::recognition) struct Bent {
+    pub(in crate::recognition) place: Vector,
+    pub(in crate::recognition) normal: Vector,
+    pub(in crate::recognition) k1: f64,
+    pub(in crate::recognition) k2: f64,
     /// Direction of k1, patch axes; `None` where it is undefined.
-    pub(super) direction: Option<Vector>,
+    pub(in crate::recognition) direction: Option<Vector>,
     /// Displacement along the normal.
-    pub(super) displacement: f64,
+    pub(in crate::recognition) displacement: f64,
 }
 
 impl State {
     /// A model moved by x, in the evidence's coordinates.
-    pub(super) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
+    pub(in crate::recognition) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
         let (kind, theta) = (model.kind(), model.theta());
         let mut moved = theta;
         (0..3).for_each(|i| moved[i] += x[i]);
@@ -83,7 +82,7 @@ impl State {
         State { model: Model::new(kind, moved), turn, twist, coefficients }
     }
 
-    pub(super) fn model(&self) -> &Model {
+    pub(in crate::recognition) fn model(&self) -> &Model {
         &self.model
     }
 
@@ -100,7 +99,7 @@ impl State {
     }
 
     /// Larger and smaller curvature at a chart point; `None` where the chart folds.
-    pub(super) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
+    pub(in crate::recognition) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
             (Model::Paraboloid(surface), _) => curvatures_of(&surface.derivatives(at.place[0], at.place[1])),
             (Model::Constant(_, surface), Some(_)) => {
@@ -113,7 +112,7 @@ impl State {
     }
 
     /// Larger and smaller curvature where they are the same everywhere.
-    pub(super) fn constant_curvatures(&self) -> Option<[f64; 2]> {
+    pub(in crate::recognition) fn constant_curvatures(&self) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
             (Model::Constant(_, surface), None) => {
                 let [_, _, _, k1, k2, _] = surface.theta;
@@ -136,7 +135,7 @@ impl State {
 
     /// Where the surface lies at a chart point, and its unit normal there: a part of [`State::at`], without its curvatures
     /// and directions where the surface is displaced.
-    pub(super) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
+    pub(in crate::recognition) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
         let Model::Constant(Kind::General, surface) = &self.model else {
             let bent = self.at(at);
             return (bent.place, bent.normal);
@@ -154,7 +153,7 @@ impl State {
     }
 
     /// Everything at a chart point.
-    pub(super) fn at(&self, at: &ChartPoint) -> Bent {
+    pub(in crate::recognition) fn at(&self, at: &ChartPoint) -> Bent {
         let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
         let displacement = self.jet(at)[0];
         let [k1, k2] = curvatures;

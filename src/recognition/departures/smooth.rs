@@ -8,7 +8,7 @@
 //!
 //! free      as above
 //! drawn     F_u o 1 and 1 o F_v                              varies along one side alone
-//! turned    angular order 0 and 1 about the middle           turned_departure.rs
+//! turned    angular order 0 and 1 about the middle           turned.rs
 //! ```
 //!
 //! A spline whose third derivatives cost expects every surface to bend as abruptly as its prior allows. What bodies show over
@@ -26,9 +26,10 @@ use faer::Mat;
 
 use crate::bspline::Knots;
 use crate::linalg;
+use crate::recognition::dense;
+use crate::recognition::kinds::ConstantCurvature;
 
-use super::constant_curvature::ConstantCurvature;
-use super::{dense, turned_departure};
+use super::turned;
 
 /// Lengths of the kernel, half sides of the chart's box. With a length of 0.7 beside them, S of a bump is 0.01 too high, and the work
 /// is a third more; with 4 nothing changes.
@@ -39,7 +40,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// How a process varies over the chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Form {
+pub(in crate::recognition) enum Form {
     /// In every direction.
     Free,
     /// Along one side alone: a profile that is drawn along the other, as an extruded bar's, or turned about an axis of that direction.
@@ -52,18 +53,18 @@ pub(super) enum Form {
 const FORMS: [Form; 4] = [Form::Free, Form::Drawn(0), Form::Drawn(1), Form::Turned];
 
 /// All forms with all lengths.
-pub(super) fn all() -> impl Iterator<Item = (Form, f64)> {
+pub(in crate::recognition) fn all() -> impl Iterator<Item = (Form, f64)> {
     FORMS.into_iter().flat_map(|form| LENGTHS.map(|length| (form, length)))
 }
 
 /// Whether the process of this number may vary in every direction.
-pub(super) fn is_free(process: usize) -> bool {
+pub(in crate::recognition) fn is_free(process: usize) -> bool {
     process < LENGTHS.len()
 }
 
 /// Weights of the rough columns for independent standard gaussians: the process without its part of second degree. `None` where a
 /// factor does not exist.
-pub(super) fn weights(
+pub(in crate::recognition) fn weights(
     surface: &ConstantCurvature,
     knots: &[Knots; 2],
     rough: &Mat<f64>,
@@ -106,7 +107,7 @@ fn even(knots: &Knots) -> (Vec<f64>, Mat<f64>) {
 /// Coefficients of the splines that take the turned process' values at the Greville sites, one a column.
 fn turned(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Option<Mat<f64>> {
     let across = knots[1].n_basis();
-    let values = turned_departure::values(surface, knots, length);
+    let values = turned::values(surface, knots, length);
     let (of_u, count) = (knots[0].n_basis(), values.len());
     // all terms side by side: one factor serves them all
     let beside = Mat::from_fn(of_u, count * across, |i, j| values[j / across][(i, j % across)]);

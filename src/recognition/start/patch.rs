@@ -7,20 +7,17 @@
 //! Refused are contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::contact::Frame;
+use crate::recognition::contacts::{
+    AGAINST, Cells, Dropped, Given, Neighbours, NormalsUse, Oriented, cells, derived_from_positions, mean_of, oriented,
+    patch_frame,
+};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::{RecognitionError, RecognitionOptions};
 use crate::threads;
 use crate::vector::{Vector, along, dot, minus, norm, scaled};
 
-use super::believable_normals::{AGAINST, derived_from_positions};
-use super::cells::{Cells, cells};
 use super::descent::{TASK, plain};
-use super::frame::{mean_of, patch_frame};
-use super::input::Given;
-use super::model::{Kind, Model};
-use super::neighbours::Neighbours;
-use super::orientation::{Oriented, oriented};
-use super::set_aside::{Dropped, NormalsUse};
-use super::start::{Start, start, thinned};
-use super::{RecognitionError, RecognitionOptions};
+use super::robust::{Start, start, thinned};
 
 /// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
 /// 0.5.
@@ -30,24 +27,24 @@ const ALL_AROUND: f64 = 0.3;
 const TOO_MANY_OUTLIERS: f64 = 0.25;
 
 /// Contacts that belong to the surface, in the frame of the patch, with the robust fit.
-pub(super) struct Patch {
-    pub(super) frame: Frame,
-    pub(super) points: Vec<Vector>,
+pub(in crate::recognition) struct Patch {
+    pub(in crate::recognition) frame: Frame,
+    pub(in crate::recognition) points: Vec<Vector>,
     /// Feet of the contacts on the robust general surface. What lies beside what is told by them: in space, contacts that err much
     /// lie apart because they err, and their distances from a surface would be a smooth function of their places.
-    pub(super) feet: Vec<Vector>,
+    pub(in crate::recognition) feet: Vec<Vector>,
     /// Signed distances from the robust general surface.
-    pub(super) distances: Vec<f64>,
+    pub(in crate::recognition) distances: Vec<f64>,
     /// Measured minus model normals where they are used.
     errors: Option<Vec<Option<Vector>>>,
     start: Start,
-    pub(super) dropped: Dropped,
-    pub(super) normals: NormalsUse,
-    pub(super) notes: Vec<String>,
+    pub(in crate::recognition) dropped: Dropped,
+    pub(in crate::recognition) normals: NormalsUse,
+    pub(in crate::recognition) notes: Vec<String>,
 }
 
 impl Patch {
-    pub(super) fn new(given: Given, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
+    pub(in crate::recognition) fn new(given: Given, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };
@@ -98,7 +95,7 @@ impl Patch {
     }
 
     /// A sample of the contacts, each with the one whose foot is nearest.
-    pub(super) fn nearest(&self) -> Vec<[usize; 2]> {
+    pub(in crate::recognition) fn nearest(&self) -> Vec<[usize; 2]> {
         const SAMPLE: usize = 4000;
         let tree = Neighbours::new(&self.feet);
         let beside = |i: usize| tree.nearest_other(i).map(|(_, j)| [i, j]);
@@ -106,17 +103,17 @@ impl Patch {
     }
 
     /// Cosine between the robust surface's normal at a place and the input's z.
-    pub(super) fn upright(&self, place: Vector) -> f64 {
+    pub(in crate::recognition) fn upright(&self, place: Vector) -> f64 {
         self.frame.rotate_back(self.start.general.distance_and_normal(place).1)[2]
     }
 
     /// Averaged contacts.
-    pub(super) fn cells(&self) -> Cells {
+    pub(in crate::recognition) fn cells(&self) -> Cells {
         cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref())
     }
 
     /// All models refitted to the cells, each from its likeliest starts.
-    pub(super) fn fitted(&self, cells: &Cells) -> Vec<Model> {
+    pub(in crate::recognition) fn fitted(&self, cells: &Cells) -> Vec<Model> {
         let general = self.start.general.theta();
         let [h, a, b, k1, k2, phi] = general;
         let across = phi + std::f64::consts::FRAC_PI_2;
@@ -140,7 +137,7 @@ impl Patch {
     }
 
     /// How many normals a cell averages, on the mean; with it a cell's noise gives that of a single normal.
-    pub(super) fn normals_per_cell(&self, cells: usize) -> f64 {
+    pub(in crate::recognition) fn normals_per_cell(&self, cells: usize) -> f64 {
         let used = self.errors.as_ref().map_or(0, |e| e.iter().filter(|e| e.is_some()).count());
         used as f64 / cells as f64
     }

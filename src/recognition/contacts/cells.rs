@@ -11,10 +11,9 @@
 
 use std::collections::HashMap;
 
+use crate::recognition::kinds::Model;
+use crate::recognition::statistics::median;
 use crate::vector::{Vector, along, cross, unit};
-
-use super::model::Model;
-use super::statistics::median;
 
 /// Cells at most.
 const MOST: usize = 200;
@@ -29,32 +28,37 @@ const ROOM: f64 = 1.05;
 
 /// Measured normals of the cells.
 #[derive(Clone, Debug)]
-pub(super) struct CellNormals {
-    pub(super) measured: Vec<Vector>,
+pub(in crate::recognition) struct CellNormals {
+    pub(in crate::recognition) measured: Vec<Vector>,
     /// Variance relative to that of an average cell.
-    pub(super) variance: Vec<f64>,
+    pub(in crate::recognition) variance: Vec<f64>,
 }
 
 /// The averaged contacts.
 #[derive(Clone, Debug)]
-pub(super) struct Cells {
-    pub(super) points: Vec<Vector>,
+pub(in crate::recognition) struct Cells {
+    pub(in crate::recognition) points: Vec<Vector>,
     /// Their feet on the robust surface, by which neighbours are told.
-    pub(super) feet: Vec<Vector>,
+    pub(in crate::recognition) feet: Vec<Vector>,
     /// Variance relative to that of an average cell.
-    pub(super) variance: Vec<f64>,
+    pub(in crate::recognition) variance: Vec<f64>,
     /// Weights of the plain refits: the counts, limited so that a crowded cell does not outvote the others.
-    pub(super) weights: Vec<f64>,
+    pub(in crate::recognition) weights: Vec<f64>,
     /// Two tangents of the robust surface.
-    pub(super) tangents: [Vec<Vector>; 2],
-    pub(super) normals: Option<CellNormals>,
+    pub(in crate::recognition) tangents: [Vec<Vector>; 2],
+    pub(in crate::recognition) normals: Option<CellNormals>,
     /// Cell of every contact.
-    pub(super) of: Vec<usize>,
+    pub(in crate::recognition) of: Vec<usize>,
 }
 
 /// Averages contacts whose feet on the surface share a voxel; `errors` are measured minus model normals, `None` where a normal is
 /// not used.
-pub(super) fn cells(points: &[Vector], feet: &[Vector], surface: &Model, errors: Option<&[Option<Vector>]>) -> Cells {
+pub(in crate::recognition) fn cells(
+    points: &[Vector],
+    feet: &[Vector],
+    surface: &Model,
+    errors: Option<&[Option<Vector>]>,
+) -> Cells {
     let (of, count) = membership(feet);
     let mut counts = vec![0.0; count];
     let mut sums = vec![[0.0; 3]; count];

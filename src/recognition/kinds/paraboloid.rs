@@ -13,24 +13,24 @@ use crate::vector::Vector;
 
 /// A paraboloid with the parameters above.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Paraboloid {
-    pub(super) theta: [f64; 6],
+pub(in crate::recognition) struct Paraboloid {
+    pub(in crate::recognition) theta: [f64; 6],
 }
 
 impl Paraboloid {
     /// Height and its two slopes.
-    pub(super) fn height(&self, x: f64, y: f64) -> [f64; 3] {
+    pub(in crate::recognition) fn height(&self, x: f64, y: f64) -> [f64; 3] {
         let [c0, c1, c2, a, c, b] = self.theta;
         [c0 + c1 * x + c2 * y + 0.5 * (a * x * x + c * y * y) + b * x * y, c1 + a * x + b * y, c2 + b * x + c * y]
     }
 
-    pub(super) fn distance_and_normal(&self, p: Vector) -> (f64, Vector) {
+    pub(in crate::recognition) fn distance_and_normal(&self, p: Vector) -> (f64, Vector) {
         let [q, qx, qy] = self.height(p[0], p[1]);
         let length = (1.0 + qx * qx + qy * qy).sqrt();
         ((p[2] - q) / length, [-qx / length, -qy / length, 1.0 / length])
     }
 
-    pub(super) fn distance_by_theta(&self, p: Vector) -> (f64, [f64; 6]) {
+    pub(in crate::recognition) fn distance_by_theta(&self, p: Vector) -> (f64, [f64; 6]) {
         let [x, y, z] = p;
         let [q, qx, qy] = self.height(x, y);
         let squared = 1.0 + qx * qx + qy * qy;
@@ -48,7 +48,7 @@ impl Paraboloid {
     }
 
     /// Derivatives of `(x, y, q(x, y))`.
-    pub(super) fn derivatives(&self, x: f64, y: f64) -> Derivatives {
+    pub(in crate::recognition) fn derivatives(&self, x: f64, y: f64) -> Derivatives {
         let [_, qx, qy] = self.height(x, y);
         let [_, _, _, a, c, b] = self.theta;
         Derivatives::of_height(qx, qy, a, b, c)

@@ -3,25 +3,24 @@
 //! Contacts are sorted by their coordinates first, so that the order in which they come changes no bit of the answer.
 
 use crate::contact::{ContactError, Contacts, Grid, Orientation};
+use crate::recognition::{RecognitionError, RecognitionOptions};
 use crate::vector::{Vector, unit_rescaled};
-
-use super::{RecognitionError, RecognitionOptions};
 
 /// Contacts needed without and with normals: the general surface has six parameters, and three more tell the noise.
 const NEEDED: [usize; 2] = [9, 4];
 
 /// Positions and normals in the input's coordinates.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Given {
-    pub(super) points: Vec<Vector>,
+pub(in crate::recognition) struct Given {
+    pub(in crate::recognition) points: Vec<Vector>,
     /// Unit normals, zero where there is none.
-    pub(super) normals: Option<Vec<Vector>>,
-    pub(super) missing: usize,
+    pub(in crate::recognition) normals: Option<Vec<Vector>>,
+    pub(in crate::recognition) missing: usize,
     /// Whether there were normals that the caller asked to ignore.
-    pub(super) ignored: bool,
+    pub(in crate::recognition) ignored: bool,
 }
 
-pub(super) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
+pub(in crate::recognition) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
     let wrong = |option, value, expected| Err(RecognitionError::Option { option, value, expected });
     if !(options.level > 0.0 && options.level < 1.0) {
         return wrong("level", options.level.to_string(), "a level lies between 0 and 1");
@@ -43,7 +42,10 @@ pub(super) fn check_options(options: &RecognitionOptions) -> Result<(), Recognit
 }
 
 impl Given {
-    pub(super) fn from_contacts(contacts: &Contacts, options: &RecognitionOptions) -> Result<Given, RecognitionError> {
+    pub(in crate::recognition) fn from_contacts(
+        contacts: &Contacts,
+        options: &RecognitionOptions,
+    ) -> Result<Given, RecognitionError> {
         let has_normals = contacts.orientation != Orientation::None;
         if has_normals && !options.use_normals {
             let positions = Contacts { orientation: Orientation::None, ..contacts.clone() };
@@ -67,7 +69,10 @@ impl Given {
         Given { points, normals, ..Given::default() }.sorted()
     }
 
-    pub(super) fn from_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Given, RecognitionError> {
+    pub(in crate::recognition) fn from_grid(
+        grid: &Grid,
+        options: &RecognitionOptions,
+    ) -> Result<Given, RecognitionError> {
         grid.check()?;
         let slopes = grid.zx.as_ref().zip(grid.zy.as_ref());
         let mut given = Given { ignored: slopes.is_some() && !options.use_normals, ..Given::default() };

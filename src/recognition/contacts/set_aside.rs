@@ -32,15 +32,15 @@ impl NormalsUse {
 /// Contacts and normals that were set aside or changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Dropped {
+pub(in crate::recognition) struct Dropped {
     /// Contacts too far off the surface to belong to it.
-    pub(super) outliers: usize,
+    pub(in crate::recognition) outliers: usize,
     /// Missing pixels of a grid.
-    pub(super) missing: usize,
+    pub(in crate::recognition) missing: usize,
     /// Normals of length zero.
-    pub(super) normals_of_length_zero: usize,
+    pub(in crate::recognition) normals_of_length_zero: usize,
     /// Normals more than 60 degrees off the surface's.
-    pub(super) normals_against: usize,
+    pub(in crate::recognition) normals_against: usize,
     /// Normals that were reversed to agree with their neighbours.
-    pub(super) normals_flipped: usize,
+    pub(in crate::recognition) normals_flipped: usize,
 }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992. Such normals tell nothing new:
-//! they follow from the positions, and [`Recognition::of`](super::Recognition::of) uses them for the free side alone.
+//! they follow from the positions, and [`Recognition::of`](crate::recognition::Recognition::of) uses them for the free side alone.
 
 use crate::contact::{ContactError, Contacts, Orientation};
 use crate::vector::Vector;

@@ -28,20 +28,20 @@ const MAJORITY: f64 = 0.6;
 
 /// Oriented normals with what was done to them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Oriented {
+pub(in crate::recognition) struct Oriented {
     /// Unit normals; zero where there is none.
-    pub(super) normals: Vec<Vector>,
-    pub(super) of_length_zero: usize,
-    pub(super) flipped: usize,
+    pub(in crate::recognition) normals: Vec<Vector>,
+    pub(in crate::recognition) of_length_zero: usize,
+    pub(in crate::recognition) flipped: usize,
     /// Share of the signs that agreed with the side taken.
-    pub(super) majority: f64,
+    pub(in crate::recognition) majority: f64,
     /// Whether neighbours agree at all.
-    pub(super) consistent: bool,
+    pub(in crate::recognition) consistent: bool,
 }
 
 impl Oriented {
     /// What a user should know of the signs.
-    pub(super) fn note(&self) -> Option<String> {
+    pub(in crate::recognition) fn note(&self) -> Option<String> {
         (self.consistent && self.majority < MAJORITY).then(|| {
             format!(
                 "about half of the normals point to the other side ({:.0} % agree): the free side, and with it the sign of S, \
@@ -53,7 +53,11 @@ impl Oriented {
 }
 
 /// Orients unit normals, zero where unknown, at their points.
-pub(super) fn oriented(points: &[Vector], mut normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+pub(in crate::recognition) fn oriented(
+    points: &[Vector],
+    mut normals: Vec<Vector>,
+    viewpoint: Option<Vector>,
+) -> Oriented {
     let of_length_zero = normals.iter().filter(|n| **n == [0.0; 3]).count();
     let known = normals.len() - of_length_zero;
     if known == 0 {

@@ -9,17 +9,16 @@
 //!
 //! The corners of a bump bend the other way than its middle. Without this step they were left out, and with them what told
 //! S there. A blunder stays out: no neighbour lies off the surface as it does, and the departure is held to its natural size
-//! ([`super::natural_departure`]). Huber's weights: P. J. Huber, *Robust Statistics*, 1981.
+//! (`departures/natural.rs`). Huber's weights: P. J. Huber, *Robust Statistics*, 1981.
 
 use faer::Mat;
 
+use crate::recognition::dense;
+use crate::recognition::departures::{NATURAL_TERMS, POLE, natural_size};
+use crate::recognition::kinds::ConstantCurvature;
 use crate::vector::Vector;
 
-use super::constant_curvature::ConstantCurvature;
-use super::dense;
 use super::descent::{HUBER, scale_of};
-use super::displacement::POLE;
-use super::natural_departure::{TERMS, size};
 
 /// Powers of degrees 0 to 2, whose size is free: the robust surface is moved by what it takes for outliers.
 const FREE: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
@@ -36,7 +35,7 @@ const FEWEST: usize = 18;
 
 /// Marks as belonging what the departure explains; `sample` are the contacts that it is fitted to, and `distances` those of
 /// all contacts from `surface`.
-pub(super) fn take_back(
+pub(in crate::recognition) fn take_back(
     surface: &ConstantCurvature,
     points: &[Vector],
     distances: &[f64],
@@ -66,7 +65,7 @@ struct Departure {
     /// Middle of the chart.
     middle: [f64; 2],
     /// Prior standard deviation of every term; infinite where the size is free.
-    sizes: [f64; FREE.len() + TERMS.len()],
+    sizes: [f64; FREE.len() + NATURAL_TERMS.len()],
     /// Coefficients of the terms, each times its power.
     coefficients: Vec<f64>,
 }
@@ -78,9 +77,10 @@ impl Departure {
             let along = charts.iter().map(|c| c[k]);
             0.5 * (along.clone().fold(f64::INFINITY, f64::min) + along.fold(f64::NEG_INFINITY, f64::max))
         });
-        let sizes =
-            std::array::from_fn(|j| if j < FREE.len() { f64::INFINITY } else { size(surface, TERMS[j - FREE.len()]) });
-        let mut found = Departure { middle, sizes, coefficients: vec![0.0; FREE.len() + TERMS.len()] };
+        let sizes = std::array::from_fn(|j| {
+            if j < FREE.len() { f64::INFINITY } else { natural_size(surface, NATURAL_TERMS[j - FREE.len()]) }
+        });
+        let mut found = Departure { middle, sizes, coefficients: vec![0.0; FREE.len() + NATURAL_TERMS.len()] };
         let rows: Vec<_> = charts.iter().map(|c| found.terms(*c)).collect();
         let mut left = distances.to_vec();
         let mut last = f64::INFINITY;
@@ -98,10 +98,10 @@ impl Departure {
     }
 
     /// The terms at a chart point.
-    fn terms(&self, [u, v]: [f64; 2]) -> [f64; FREE.len() + TERMS.len()] {
+    fn terms(&self, [u, v]: [f64; 2]) -> [f64; FREE.len() + NATURAL_TERMS.len()] {
         let [u, v] = [u - self.middle[0], v - self.middle[1]];
         std::array::from_fn(|j| {
-            let [a, b] = if j < FREE.len() { FREE[j] } else { TERMS[j - FREE.len()] };
+            let [a, b] = if j < FREE.len() { FREE[j] } else { NATURAL_TERMS[j - FREE.len()] };
             u.powi(a as i32) * v.powi(b as i32)
         })
     }
@@ -113,7 +113,7 @@ impl Departure {
     /// Coefficients under these weights and a noise of `scale`.
     fn weighted(
         &self,
-        rows: &[[f64; FREE.len() + TERMS.len()]],
+        rows: &[[f64; FREE.len() + NATURAL_TERMS.len()]],
         distances: &[f64],
         weights: &[f64],
         scale: f64,

@@ -9,8 +9,8 @@
 //! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
 //! of prior size has mean square 1.
 //!
-//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural_departure`]), and some hundred
-//! those of processes that are smooth in all their derivatives ([`smooth_departure`]). All are combinations of the same splines.
+//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural`]), and some hundred
+//! those of processes that are smooth in all their derivatives ([`smooth`]). All are combinations of the same splines.
 //!
 //! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
 //! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
@@ -20,11 +20,11 @@ use faer::Mat;
 
 use crate::bspline::{Knots, gram};
 use crate::linalg;
+use crate::recognition::contacts::Cells;
+use crate::recognition::kinds::{ConstantCurvature, Jet};
 use crate::vector::{Vector, along};
 
-use super::cells::Cells;
-use super::constant_curvature::{ConstantCurvature, Jet};
-use super::{natural_departure, smooth_departure};
+use super::{natural, smooth};
 
 const DEGREE: usize = 4;
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
@@ -40,7 +40,7 @@ const FEWEST: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
-pub(super) const POLE: f64 = 0.5;
+pub(in crate::recognition) const POLE: f64 = 0.5;
 
 /// Share of the largest mean square at the cells below which a column of a smooth departure is left out. With a tenth of it there are a
 /// quarter more columns and the same intervals.
@@ -51,26 +51,30 @@ const MARGIN: f64 = 0.02;
 
 /// Columns of the displacement at the cells, and the matrix from the columns' weights to spline coefficients.
 #[derive(Clone, Debug)]
-pub(super) struct Displacement {
+pub(in crate::recognition) struct Displacement {
     knots: [Knots; 2],
     /// 81 x columns.
     to_coefficients: Mat<f64>,
     /// Number of columns with the prior above.
-    pub(super) rough: usize,
+    pub(in crate::recognition) rough: usize,
     /// Number of columns of natural departures, which follow.
-    pub(super) natural: usize,
+    pub(in crate::recognition) natural: usize,
     /// First column and number of columns of every smooth departure.
-    pub(super) smooth: Vec<(usize, usize)>,
+    pub(in crate::recognition) smooth: Vec<(usize, usize)>,
     /// Rows of the distances.
-    pub(super) positions: Mat<f64>,
+    pub(in crate::recognition) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
-    pub(super) normals: Option<Mat<f64>>,
+    pub(in crate::recognition) normals: Option<Mat<f64>>,
 }
 
 impl Displacement {
     /// The displacement over the cells of a general surface, where the data and the chart allow one.
     /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it.
-    pub(super) fn new(surface: &ConstantCurvature, cells: &Cells, contacts: &[Vector]) -> Option<Displacement> {
+    pub(in crate::recognition) fn new(
+        surface: &ConstantCurvature,
+        cells: &Cells,
+        contacts: &[Vector],
+    ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
         if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
             return None;
@@ -89,7 +93,7 @@ impl Displacement {
         let size = (square_sum(&positions) / charts.len() as f64).sqrt();
         scale(&mut rough, 1.0 / size);
         scale(&mut positions, -1.0 / size);
-        let natural = natural_departure::columns(&knots, surface);
+        let natural = natural::columns(&knots, surface);
         let mut natural_positions = at_cells(&natural);
         scale(&mut natural_positions, -1.0);
         let mut made = Displacement {
@@ -101,8 +105,8 @@ impl Displacement {
             smooth: Vec::new(),
             normals: None,
         };
-        for process in smooth_departure::all() {
-            let weights = smooth_departure::weights(surface, &made.knots, &rough, process);
+        for process in smooth::all() {
+            let weights = smooth::weights(surface, &made.knots, &rough, process);
             made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
         }
         let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
@@ -126,13 +130,13 @@ impl Displacement {
     }
 
     /// Number of columns.
-    pub(super) fn columns(&self) -> usize {
+    pub(in crate::recognition) fn columns(&self) -> usize {
         self.to_coefficients.ncols()
     }
 
     /// First column and number of columns of every group that stands together in some departure: rough and natural columns, and those
     /// of every smooth departure.
-    pub(super) fn groups(&self) -> Vec<(usize, usize)> {
+    pub(in crate::recognition) fn groups(&self) -> Vec<(usize, usize)> {
         std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().copied()).collect()
     }
 
@@ -156,7 +160,7 @@ impl Displacement {
     }
 
     /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
-    pub(super) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
+    pub(in crate::recognition) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.to_coefficients.nrows()];
         for (j, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             out.iter_mut().zip(self.to_coefficients.col_as_slice(j)).for_each(|(out, c)| *out += w * c);
@@ -165,7 +169,7 @@ impl Displacement {
     }
 
     /// The basis functions at a chart point, with which many displacements can be evaluated there.
-    pub(super) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
+    pub(in crate::recognition) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])
     }
 }
@@ -200,7 +204,7 @@ impl CellCharts {
 
 /// The 25 basis functions at one chart point with their derivatives.
 #[derive(Clone, Debug)]
-pub(super) struct JetRow {
+pub(in crate::recognition) struct JetRow {
     first: [usize; 2],
     values: [[[f64; WIDTH]; 3]; 2],
     across: usize,
@@ -233,7 +237,7 @@ impl JetRow {
     }
 
     /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
-    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
+    pub(in crate::recognition) fn jet(&self, coefficients: &[f64]) -> Jet {
         let mut out = [0.0; 6];
         let [us, vs] = &self.values;
         for a in 0..WIDTH {
@@ -252,7 +256,7 @@ impl JetRow {
 }
 
 /// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
-pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
+pub(in crate::recognition) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     [
         f,
