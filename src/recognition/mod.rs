@@ -33,48 +33,34 @@ mod contacts;
 mod dense;
 mod departures;
 mod drawn;
+mod equations;
 mod error;
 mod evidence;
 mod field;
 mod flexible;
-mod gain;
-mod in_place;
-mod joint_posterior;
 mod kinds;
-mod linearised;
-mod looks;
 mod misfit;
-mod moved;
-mod node;
 mod noise;
-mod normal_noise;
 mod options;
 mod over_plane;
 mod own_axes;
-mod place_errors;
 #[cfg(feature = "cli")]
 mod pointwise;
 mod posterior;
 mod predictive;
-mod reduced;
 mod region;
 mod report;
 mod result;
-mod rows;
-mod search;
-mod second_look;
 #[cfg(feature = "cli")]
 mod shown;
 mod spline;
 mod start;
 mod statistics;
-mod strayed;
 mod support;
 mod surface;
 #[cfg(test)]
 mod tests;
 mod weights;
-mod whitened;
 
 pub use error::RecognitionError;
 // parts of a cloud are found among neighbours, too
@@ -99,13 +85,9 @@ use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
 use contacts::{Given, check_options};
+use evidence::At;
 use kinds::{Kind, Model};
-use linearised::{FactorPair, Linearised};
-use looks::At;
-use noise::Limit;
 use options::Asked;
-use place_errors::PlaceErrors;
-use start::{Patch, relief, weighted_rms};
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -151,24 +133,24 @@ impl Recognition {
 
 /// The steps, top to bottom.
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    let mut patch = Patch::new(given, options)?;
+    let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();
-    let errors = PlaceErrors::of(&patch, &nearest, options.sigma_xy);
-    let mut cells = in_place::weighed(patch.cells(), &patch, &errors);
-    let doubt_of_places = strayed::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
+    let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy);
+    let mut cells = noise::weighed(patch.cells(), &patch, &errors);
+    let doubt_of_places = noise::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
     let models = patch.fitted(&cells);
-    let relief = relief(&cells, &models);
+    let relief = start::relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = Limit::new(&nearest, &patch.distances, relief);
-    let factors = FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, models, &factors);
+    let limit = noise::Limit::new(&nearest, &patch.distances, relief);
+    let factors = evidence::FactorPair::new(&cells, &distances);
+    let plain = evidence::Linearised::new(&cells, &patch.points, models, &factors);
     let misfit = |models: &[Model], kind: Kind| {
-        let distance = |m: &Model| weighted_rms(&cells, m);
+        let distance = |m: &Model| start::weighted_rms(&cells, m);
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
     let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
-    looks::likeliest(at, &plain, |linearised, evidence, nodes| {
+    evidence::likeliest_look(at, &plain, |linearised, evidence, nodes| {
         let misfit = |kind: Kind| misfit(&linearised.models, kind);
         let weights = weights::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
         report::Findings {

@@ -31,10 +31,9 @@ use crate::threads;
 
 use super::departures::{ChartPoint, State};
 use super::drawn::{Drawn, classes, interval_of, pointwise, within_deg};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Node};
 use super::field::{Field, Points};
 use super::kinds::Kind;
-use super::node::Node;
 use super::predictive::{PredictiveDraw, measured, predicted};
 use super::statistics::standard_deviation;
 use super::weights::Weights;

@@ -8,14 +8,12 @@ use crate::vector::{Vector, cross};
 
 use super::contacts::Dropped;
 use super::departures::{ChartPoint, State};
-use super::evidence::{Evidence, curvatures};
+use super::evidence::{self, Evidence, Linearised, Node, curvatures};
 use super::field::Points;
 use super::kinds::{Kind, Model};
-use super::linearised::Linearised;
 use super::misfit::{self, misfit};
-use super::node::{self, Node};
+use super::noise::PlaceErrors;
 use super::options::Asked;
-use super::place_errors::PlaceErrors;
 use super::posterior::{Summary, likeliest, summary};
 use super::region::Region;
 use super::start::{Patch, weighted_rms};
@@ -178,7 +176,7 @@ impl Findings<'_> {
             .into_iter()
             .filter_map(|hypothesis| {
                 let own = |n: &Node| hypothesis_of(n) == hypothesis;
-                let best = node::likeliest(self.nodes.iter().filter(|n| own(n)))?;
+                let best = evidence::likeliest(self.nodes.iter().filter(|n| own(n)))?;
                 let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
                 let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);
                 let weight = total(&self.weights.estimate, self.nodes, own);

@@ -34,10 +34,9 @@ use faer::Mat;
 use super::contacts::Neighbours;
 use super::dense;
 use super::departures::is_free;
-use super::evidence::Evidence;
+use super::equations::{Rows, column_of, first_of_displacement};
+use super::evidence::{Evidence, GROUPS, Node, highest, likeliest};
 use super::kinds::Kind;
-use super::node::{GROUPS, Node, highest, likeliest};
-use super::rows::{Rows, column_of, first_of_displacement};
 use super::statistics::{median, standard_deviation};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.

@@ -12,9 +12,9 @@
 use faer::{Mat, Side};
 
 use crate::recognition::kinds::Model;
-use crate::vector::{Vector, along, dot, minus, norm, reject, scaled};
 
 use super::neighbours::Neighbours;
+use crate::vector::{Vector, along, dot, minus, norm, reject, scaled};
 
 /// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
 const DENSE: usize = 200;

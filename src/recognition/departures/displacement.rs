@@ -22,9 +22,9 @@ use crate::bspline::{Knots, gram};
 use crate::linalg;
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{ConstantCurvature, Jet};
-use crate::vector::{Vector, along};
 
 use super::{natural, smooth};
+use crate::vector::{Vector, along};
 
 const DEGREE: usize = 4;
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is

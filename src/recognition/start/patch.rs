@@ -13,11 +13,11 @@ use crate::recognition::contacts::{
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions};
-use crate::threads;
-use crate::vector::{Vector, along, dot, minus, norm, scaled};
 
 use super::descent::{TASK, plain};
 use super::robust::{Start, start, thinned};
+use crate::threads;
+use crate::vector::{Vector, along, dot, minus, norm, scaled};
 
 /// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
 /// 0.5.

@@ -14,10 +14,10 @@ use std::f64::consts::FRAC_PI_2;
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::statistics::median;
-use crate::vector::Vector;
 
 use super::descent::{Fitted, distances_of, robust};
 use super::taken_back::take_back;
+use crate::vector::Vector;
 
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
 const SAMPLE: usize = 3000;

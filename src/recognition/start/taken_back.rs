@@ -16,9 +16,9 @@ use faer::Mat;
 use crate::recognition::dense;
 use crate::recognition::departures::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
-use crate::vector::Vector;
 
 use super::descent::{HUBER, scale_of};
+use crate::vector::Vector;
 
 /// Powers of degrees 0 to 2, whose size is free: the robust surface is moved by what it takes for outliers.
 const FREE: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];

@@ -7,22 +7,22 @@
 
 use faer::Mat;
 
-use super::dense;
-use super::departures::Displacement;
-use super::evidence::Evidence;
+use crate::recognition::dense;
+use crate::recognition::departures::Displacement;
+use crate::recognition::equations::{Columns, Grams, column_of, first_of_displacement, joint};
+use crate::recognition::noise::Factors;
+
+use super::marginal_likelihood::Evidence;
 use super::node::Node;
-use super::noise::Factors;
-use super::reduced::{Columns, Grams, joint};
-use super::rows::{column_of, first_of_displacement};
 
 impl Evidence<'_> {
     /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.
-    pub(super) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
+    pub(in crate::recognition) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
         Some(half_square(self.normals?, &self.coefficients(node)?))
     }
 
     /// Log likelihood of positions and normals under a node's likeliest surface, but for what the normals' errors add.
-    pub(super) fn log_likelihood(&self, node: &Node, factors: &Factors) -> Option<f64> {
+    pub(in crate::recognition) fn log_likelihood(&self, node: &Node, factors: &Factors) -> Option<f64> {
         let at = self.coefficients(node)?;
         let misfit = half_square(self.grams[node.kernel].as_ref()?, &at) / node.variance
             + self.normals.map_or(0.0, |gram| half_square(gram, &at));
@@ -31,7 +31,7 @@ impl Evidence<'_> {
     }
 
     /// What every column of the equations is multiplied by in the residuals of a node's likeliest surface.
-    pub(super) fn coefficients(&self, node: &Node) -> Option<Vec<f64>> {
+    pub(in crate::recognition) fn coefficients(&self, node: &Node) -> Option<Vec<f64>> {
         let (y, p, first) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
         let mut at = vec![0.0; first + self.displacement.map_or(0, Displacement::columns)];
         at[y] = 1.0;
@@ -46,7 +46,7 @@ impl Evidence<'_> {
     }
 
     /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
-    pub(super) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
+    pub(in crate::recognition) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
         let first = first_of_displacement();
         let Columns { z: (start, _), rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
         let mut out = vec![0.0; self.displacement.map_or(0, Displacement::columns)];
@@ -63,7 +63,7 @@ impl Evidence<'_> {
 
     /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
     /// precision. The displacement's columns are scaled to unit prior variance.
-    pub(super) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
+    pub(in crate::recognition) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let gram = self.grams[node.kernel].as_ref()?;
         let columns = self.columns_of(node);
         let grams = Grams { positions: gram, variance: node.variance, normals: self.normals };

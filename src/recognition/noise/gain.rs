@@ -17,11 +17,10 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::dense;
+use crate::recognition::kinds::{Kind, Model};
 use crate::vector::{along, dot, minus, scaled, unit};
-
-use super::contacts::Cells;
-use super::dense;
-use super::kinds::{Kind, Model};
 
 /// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
 /// counts.
@@ -35,11 +34,11 @@ const MOST: f64 = 3.0;
 const FEWEST: usize = 12;
 
 /// Log odds against such a sensor: one in twenty.
-pub(super) const RARE: f64 = 3.0;
+pub(in crate::recognition) const RARE: f64 = 3.0;
 
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]
-pub(super) struct Gain {
+pub(in crate::recognition) struct Gain {
     /// v along both tangents.
     steeper: [Vec<f64>; 2],
     /// c and k of the rows that it was taken out of.
@@ -49,7 +48,7 @@ pub(super) struct Gain {
 impl Gain {
     /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
     /// are too few to tell by themselves how the surface bends.
-    pub(super) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
+    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
         cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST)?;
         let general = models.iter().find(|m| m.kind() == Kind::General)?;
         let normal = |i: usize| {
@@ -68,7 +67,12 @@ impl Gain {
 
     /// Takes the gain out of both halves of the whitened rows of the normals, whose errors have this factor and variance; gives back
     /// `log(GAIN^2 k)`. Taken out of the Gram matrix, it would leave nothing but rounding of contacts without noise.
-    pub(super) fn taken_out(&mut self, halves: &mut [Mat<f64>; 2], lower: &Mat<f64>, variance: f64) -> f64 {
+    pub(in crate::recognition) fn taken_out(
+        &mut self,
+        halves: &mut [Mat<f64>; 2],
+        lower: &Mat<f64>,
+        variance: f64,
+    ) -> f64 {
         let mut steeper = self.steeper.clone();
         steeper.iter_mut().for_each(|v| dense::forward_in_columns(lower, v));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -89,12 +93,12 @@ impl Gain {
     }
 
     /// Whether a sensor may be so wrong.
-    pub(super) fn is_believable(&self, coefficients: &[f64]) -> bool {
+    pub(in crate::recognition) fn is_believable(&self, coefficients: &[f64]) -> bool {
         self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST * GAIN)
     }
 
     /// Mean of the gain where the columns have these coefficients.
-    pub(super) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
+    pub(in crate::recognition) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
         let (c, k) = self.told.as_ref()?;
         Some(c.iter().zip(coefficients).map(|(c, x)| c * x).sum::<f64>() / k)
     }

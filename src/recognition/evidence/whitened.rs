@@ -9,27 +9,25 @@ use std::cell::OnceCell;
 use faer::Mat;
 
 use crate::linalg;
-
-use super::dense;
-use super::noise::Factors;
-use super::reduced::{Columns, Grams, Reduced, reduced, reduced_in_cells};
-use super::rows::Rows;
+use crate::recognition::dense;
+use crate::recognition::equations::{Columns, Grams, Reduced, Rows, reduced, reduced_in_cells};
+use crate::recognition::noise::Factors;
 
 /// Positions under one kernel.
-pub(super) struct Whitened {
-    pub(super) kernel: usize,
+pub(in crate::recognition) struct Whitened {
+    pub(in crate::recognition) kernel: usize,
     rows: Mat<f64>,
     /// `W'W` where some equations read it ([`dense::gram_of_groups`]).
-    pub(super) gram: Mat<f64>,
+    pub(in crate::recognition) gram: Mat<f64>,
     /// Log determinant of the covariance over the variance.
-    pub(super) log_det: f64,
+    pub(in crate::recognition) log_det: f64,
     /// `Z Z'` of the columns that stand together, by the number of their first one; each when it is first asked for.
     products: Vec<OnceCell<Mat<f64>>>,
 }
 
 impl Whitened {
     /// `None` where the covariance is not positive definite.
-    pub(super) fn new(rows: &Rows, factors: &Factors, kernel: usize, first: usize) -> Option<Whitened> {
+    pub(in crate::recognition) fn new(rows: &Rows, factors: &Factors, kernel: usize, first: usize) -> Option<Whitened> {
         let lower = factors.of(kernel)?;
         let mut whitened = rows.positions.clone();
         dense::whiten(lower, whitened.as_mut());
@@ -39,7 +37,7 @@ impl Whitened {
     }
 
     /// The equations of the positions alone.
-    pub(super) fn alone(&self, columns: Columns, variance: f64) -> Option<Reduced> {
+    pub(in crate::recognition) fn alone(&self, columns: Columns, variance: f64) -> Option<Reduced> {
         let (first, count) = columns.z;
         if count <= self.rows.nrows() {
             return reduced(columns, Grams { positions: &self.gram, variance, normals: None });

@@ -8,35 +8,34 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::{CellNormals, Cells};
+use crate::recognition::departures::Displacement;
+use crate::recognition::kinds::{Kind, Model};
 use crate::vector::{dot, minus};
-
-use super::contacts::{CellNormals, Cells};
-use super::departures::Displacement;
-use super::kinds::{Kind, Model};
 
 /// Columns of all models side by side.
 #[derive(Clone, Debug)]
-pub(super) struct Rows {
-    pub(super) positions: Mat<f64>,
+pub(in crate::recognition) struct Rows {
+    pub(in crate::recognition) positions: Mat<f64>,
     /// Both tangential parts of the normals, each with a row for every cell.
-    pub(super) normals: Option<[Mat<f64>; 2]>,
-    pub(super) columns: usize,
+    pub(in crate::recognition) normals: Option<[Mat<f64>; 2]>,
+    pub(in crate::recognition) columns: usize,
     /// First column and number of columns of every group of the displacement that stands together in some departure.
-    pub(super) groups: Vec<(usize, usize)>,
+    pub(in crate::recognition) groups: Vec<(usize, usize)>,
 }
 
 /// Column of a model's residuals; its Jacobian follows.
-pub(super) fn column_of(kind: Kind) -> usize {
+pub(in crate::recognition) fn column_of(kind: Kind) -> usize {
     Kind::ALL.iter().take_while(|k| **k != kind).map(|k| 1 + k.unknowns()).sum()
 }
 
 /// First column of the displacement.
-pub(super) fn first_of_displacement() -> usize {
+pub(in crate::recognition) fn first_of_displacement() -> usize {
     Kind::ALL.iter().map(|k| 1 + k.unknowns()).sum()
 }
 
 impl Rows {
-    pub(super) fn new(cells: &Cells, models: &[Model], displacement: Option<&Displacement>) -> Rows {
+    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], displacement: Option<&Displacement>) -> Rows {
         let n = cells.points.len();
         let first = first_of_displacement();
         let columns = first + displacement.map_or(0, Displacement::columns);
@@ -59,7 +58,7 @@ impl Rows {
     }
 
     /// The positions of the models alone, without a displacement.
-    pub(super) fn of_models(&self) -> Rows {
+    pub(in crate::recognition) fn of_models(&self) -> Rows {
         let columns = first_of_displacement();
         let positions = self.positions.as_ref().subcols(0, columns).to_owned();
         Rows { positions, normals: None, columns, groups: Vec::new() }

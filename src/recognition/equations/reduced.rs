@@ -9,46 +9,45 @@
 
 use faer::Mat;
 
+use crate::recognition::dense;
 use crate::simd::{Isa, factor_dense};
-
-use super::dense;
 
 /// Columns are padded to whole sets of the widest lanes.
 const LANES: usize = 8;
 
 /// The equations after elimination.
-pub(super) struct Reduced {
+pub(in crate::recognition) struct Reduced {
     /// Lower factor of H, p x p.
-    pub(super) lower: Mat<f64>,
+    pub(in crate::recognition) lower: Mat<f64>,
     /// The step that solves them.
-    pub(super) x: Vec<f64>,
-    pub(super) rss: f64,
+    pub(in crate::recognition) x: Vec<f64>,
+    pub(in crate::recognition) rss: f64,
     /// Log determinant of the displacement's precision.
-    pub(super) log_det: f64,
+    pub(in crate::recognition) log_det: f64,
 }
 
 /// Which rows and columns of a Gram matrix belong to the equations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Columns {
+pub(in crate::recognition) struct Columns {
     /// Column of y; the model's follow.
-    pub(super) y: usize,
+    pub(in crate::recognition) y: usize,
     /// Parameters of the model.
-    pub(super) unknowns: usize,
+    pub(in crate::recognition) unknowns: usize,
     /// First column of the displacement, and how many are used.
-    pub(super) z: (usize, usize),
+    pub(in crate::recognition) z: (usize, usize),
     /// How many of those are a rough spline's or a smooth departure's; natural departures follow.
-    pub(super) rough: usize,
+    pub(in crate::recognition) rough: usize,
     /// Factors of the former and of the latter.
-    pub(super) factors: [f64; 2],
+    pub(in crate::recognition) factors: [f64; 2],
 }
 
 /// Gram matrices of positions and normals, summed where they are read.
 #[derive(Clone, Copy)]
-pub(super) struct Grams<'a> {
-    pub(super) positions: &'a Mat<f64>,
+pub(in crate::recognition) struct Grams<'a> {
+    pub(in crate::recognition) positions: &'a Mat<f64>,
     /// Variance of a position: its rows are divided by it.
-    pub(super) variance: f64,
-    pub(super) normals: Option<&'a Mat<f64>>,
+    pub(in crate::recognition) variance: f64,
+    pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
 }
 
 impl Grams<'_> {
@@ -101,7 +100,7 @@ impl Columns {
 }
 
 /// Eliminates the displacement and then the parameters by one factor; y is a row below it. `None` unless positive definite.
-pub(super) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
+pub(in crate::recognition) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
     let (p, count) = (columns.unknowns, columns.z.1);
     let m = count + p;
     let mut joint = Bordered::new(m, 1);
@@ -123,7 +122,7 @@ pub(super) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
 }
 
 /// The equations in the order parameters, displacement: their precision's lower triangle and right-hand side.
-pub(super) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>, Vec<f64>) {
+pub(in crate::recognition) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>, Vec<f64>) {
     let (p, count) = (columns.unknowns, columns.z.1);
     let m = p + count;
     let place = |i: usize| if i < count { p + i } else { i - count };
@@ -146,7 +145,7 @@ pub(super) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>, Vec<f64>) {
 /// ```
 ///
 /// `products` are Z Z' of the columns with the first and with the second factor, before the factors.
-pub(super) fn reduced_in_cells(
+pub(in crate::recognition) fn reduced_in_cells(
     columns: Columns,
     rows: &Mat<f64>,
     variance: f64,

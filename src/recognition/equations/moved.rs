@@ -8,28 +8,28 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::{CellNormals, Cells};
+use crate::recognition::kinds::{Kind, Model};
 use crate::vector::{Vector, dot};
 
-use super::contacts::{CellNormals, Cells};
-use super::kinds::{Kind, Model};
 use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Where the general surface belongs under its displacement.
-pub(super) struct Moved {
-    pub(super) base: Model,
+pub(in crate::recognition) struct Moved {
+    pub(in crate::recognition) base: Model,
     /// Slopes of the displacement along both tangents of every cell; `None` where no normals are used. They are kept in place of
     /// the weights of its columns, because those belong to one chart and the moved surface has another.
-    pub(super) slopes: Option<[Vec<f64>; 2]>,
+    pub(in crate::recognition) slopes: Option<[Vec<f64>; 2]>,
     /// Degrees of freedom that the displacement takes from the normals.
-    pub(super) spent: f64,
+    pub(in crate::recognition) spent: f64,
     /// Kernel of the errors that positions share.
-    pub(super) kernel: usize,
+    pub(in crate::recognition) kernel: usize,
 }
 
 impl Moved {
     /// Takes, in the rows of the general surface, the mean distance of a cell's contacts in place of the distance of their
     /// mean: the moved surface bends otherwise than the one about which the contacts were averaged.
-    pub(super) fn average(&self, rows: &mut Rows, cells: &Cells, contacts: &[Vector]) {
+    pub(in crate::recognition) fn average(&self, rows: &mut Rows, cells: &Cells, contacts: &[Vector]) {
         if contacts.len() == cells.points.len() {
             return;
         }
@@ -44,7 +44,7 @@ impl Moved {
 
     /// Multiplies the measured normals, in the rows of the general surface, by the length of `n - grad f`: the rows then
     /// ask for `n - grad f` itself and not for its direction.
-    pub(super) fn lengthen(&self, rows: &mut Rows, cells: &Cells) {
+    pub(in crate::recognition) fn lengthen(&self, rows: &mut Rows, cells: &Cells) {
         let (Some(halves), Some(CellNormals { measured, .. })) = (&mut rows.normals, &cells.normals) else { return };
         let Some([a, b]) = &self.slopes else { return };
         let y = column_of(Kind::General);
@@ -57,7 +57,7 @@ impl Moved {
     }
 
     /// Rows in which the normals are free of the displacement.
-    pub(super) fn without_displacement(&self, rows: &Rows) -> Rows {
+    pub(in crate::recognition) fn without_displacement(&self, rows: &Rows) -> Rows {
         let mut out = rows.clone();
         let y = column_of(Kind::General);
         for (half, slopes) in out.normals.iter_mut().flatten().zip(self.slopes.iter().flatten()) {
@@ -68,7 +68,7 @@ impl Moved {
 }
 
 /// Slopes along both tangents of every cell of the displacement whose columns have these weights.
-pub(super) fn slopes(rows: &Rows, weights: &[f64]) -> Option<[Vec<f64>; 2]> {
+pub(in crate::recognition) fn slopes(rows: &Rows, weights: &[f64]) -> Option<[Vec<f64>; 2]> {
     let z = first_of_displacement();
     let of = |half: &Mat<f64>| {
         let at = |i: usize| weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum();

@@ -7,12 +7,12 @@
 //!
 //! Only the ratios enter: how large the errors are is told by the contacts, as always.
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::start::Patch;
+use crate::recognition::statistics::median;
 use crate::vector::cross;
 
-use super::contacts::Cells;
-use super::place_errors::PlaceErrors;
-use super::start::Patch;
-use super::statistics::median;
+use super::places::PlaceErrors;
 
 /// Parameters of the robust surface.
 const UNKNOWNS: f64 = 6.0;
@@ -21,7 +21,7 @@ const UNKNOWNS: f64 = 6.0;
 const LEAST: f64 = 0.1;
 
 /// The cells with variances and weights that count these errors, input units.
-pub(super) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
+pub(in crate::recognition) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
     if !errors.weigh {
         return cells;
     }

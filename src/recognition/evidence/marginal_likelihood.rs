@@ -14,15 +14,15 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
-use super::contacts::Cells;
-use super::dense;
-use super::departures::Displacement;
-use super::kinds::{Kind, Model};
+use crate::recognition::contacts::Cells;
+use crate::recognition::dense;
+use crate::recognition::departures::Displacement;
+use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::noise::{Factors, Kernel, Limit};
+
 use super::linearised::Linearised;
 use super::node::{Departure, Node, POWERS};
-use super::noise::{Factors, Kernel, Limit};
-use super::reduced::{Columns, Grams, Reduced, reduced};
-use super::rows::{column_of, first_of_displacement};
 use super::whitened::Whitened;
 
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
@@ -31,7 +31,7 @@ const FEW: usize = 3;
 
 /// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Look {
+pub(in crate::recognition) enum Look {
     /// Splines alone: whether there is a displacement.
     First,
     /// Splines beside a natural departure.
@@ -39,22 +39,22 @@ pub(super) enum Look {
 }
 
 /// Everything that the evidence is computed from.
-pub(super) struct Evidence<'a> {
-    pub(super) cells: &'a Cells,
-    pub(super) models: &'a [Model],
-    pub(super) displacement: Option<&'a Displacement>,
-    pub(super) kernels: Vec<Kernel>,
+pub(in crate::recognition) struct Evidence<'a> {
+    pub(in crate::recognition) cells: &'a Cells,
+    pub(in crate::recognition) models: &'a [Model],
+    pub(in crate::recognition) displacement: Option<&'a Displacement>,
+    pub(in crate::recognition) kernels: Vec<Kernel>,
     /// Gram matrix of the whitened position rows under every kernel that was tried.
-    pub(super) grams: Vec<Option<Mat<f64>>>,
+    pub(in crate::recognition) grams: Vec<Option<Mat<f64>>>,
     /// Gram matrix of the whitened normal rows.
-    pub(super) normals: Option<&'a Mat<f64>>,
+    pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
     limit: Limit,
-    pub(super) look: Look,
+    pub(in crate::recognition) look: Look,
 }
 
 impl<'a> Evidence<'a> {
     /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
-    pub(super) fn of_plain_kinds(
+    pub(in crate::recognition) fn of_plain_kinds(
         cells: &Cells,
         linearised: &Linearised,
         factors: &Factors,
@@ -68,7 +68,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// Before any kernel is tried.
-    pub(super) fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
+    pub(in crate::recognition) fn unasked(
+        cells: &'a Cells,
+        linearised: &'a Linearised,
+        limit: Limit,
+        look: Look,
+    ) -> Evidence<'a> {
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
@@ -77,7 +82,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
-    pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
+    pub(in crate::recognition) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {
@@ -189,7 +194,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
-    pub(super) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
+    pub(in crate::recognition) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
         let (start, count, rough) = match (departure, self.displacement) {
             (Departure::None, _) | (_, None) => (0, 0, 0),
             (Departure::Natural, Some(d)) => (d.rough, d.natural, 0),
@@ -205,7 +210,7 @@ impl<'a> Evidence<'a> {
 }
 
 /// Both curvatures of a model moved by x, the larger first.
-pub(super) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
+pub(in crate::recognition) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
     let theta = model.theta();
     let (a, c, b) = match model.kind() {
         Kind::Plane => return [0.0; 2],

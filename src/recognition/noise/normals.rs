@@ -6,31 +6,32 @@
 
 use faer::Mat;
 
-use super::dense;
+use crate::recognition::dense;
+use crate::recognition::equations::{Rows, column_of, first_of_displacement};
+use crate::recognition::kinds::Kind;
+
+use super::covariance::{Factors, Kernel};
 use super::gain::Gain;
-use super::kinds::Kind;
-use super::noise::{Factors, Kernel};
-use super::rows::{Rows, column_of, first_of_displacement};
 
 /// Log likelihood below the best at which stronger correlations are not tried once it falls.
 const HOPELESS: f64 = 8.0;
 
 /// The covariance found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NormalNoise {
+pub(in crate::recognition) struct NormalNoise {
     /// Number of the kernel.
     kernel: usize,
     /// Variance of an average cell's independent error.
-    pub(super) variance: f64,
+    pub(in crate::recognition) variance: f64,
     /// What it adds to the log evidence of every hypothesis: `-(log det Sigma_n)/2 + log prior(rho, l)`.
-    pub(super) log_share: f64,
+    pub(in crate::recognition) log_share: f64,
 }
 
 impl NormalNoise {
     /// By restricted likelihood; `None` without normals or where no covariance can be factored.
     ///
     /// `spent` are degrees of freedom that a displacement has taken from the normals.
-    pub(super) fn find(rows: &Rows, factors: &Factors, spent: f64) -> Option<NormalNoise> {
+    pub(in crate::recognition) fn find(rows: &Rows, factors: &Factors, spent: f64) -> Option<NormalNoise> {
         let mut best = NormalNoise::under(rows, factors, 0, spent);
         for chain in 0..Kernel::CHAINS {
             let mut last = f64::NEG_INFINITY;
@@ -51,7 +52,7 @@ impl NormalNoise {
     }
 
     /// Independent errors that are as large as differences between neighbours say; `None` without normals.
-    pub(super) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
+    pub(in crate::recognition) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
         let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
         let (y, n) = (column_of(Kind::General), own.len());
         let nearest =
@@ -71,7 +72,7 @@ impl NormalNoise {
     }
 
     /// Whether neighbours share errors.
-    pub(super) fn is_shared(&self) -> bool {
+    pub(in crate::recognition) fn is_shared(&self) -> bool {
         self.kernel != 0
     }
 
@@ -93,7 +94,12 @@ impl NormalNoise {
     }
 
     /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.
-    pub(super) fn gram(&mut self, rows: &Rows, factors: &Factors, gain: Option<&mut Gain>) -> Option<Mat<f64>> {
+    pub(in crate::recognition) fn gram(
+        &mut self,
+        rows: &Rows,
+        factors: &Factors,
+        gain: Option<&mut Gain>,
+    ) -> Option<Mat<f64>> {
         let lower = factors.of(self.kernel)?;
         let mut halves = rows.normals.clone()?;
         halves.iter_mut().for_each(|half| dense::whiten(lower, half.as_mut()));

@@ -10,16 +10,16 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::departures::is_free;
+use crate::recognition::equations::{Rows, first_of_displacement};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::noise::{Factors, Kernel, Limit};
 use crate::threads;
 
-use super::contacts::Cells;
-use super::departures::is_free;
-use super::evidence::{Evidence, Look};
-use super::kinds::{Kind, Model};
 use super::linearised::Linearised;
+use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Departure, Node, POWERS, highest, likeliest};
-use super::noise::{Factors, Kernel, Limit};
-use super::rows::{Rows, first_of_displacement};
 use super::whitened::Whitened;
 
 /// Log evidence below the best at which stronger correlations, or other sizes, are not tried once it falls: a weight of 3e-4.
@@ -87,7 +87,7 @@ struct OfKernel {
 }
 
 /// A search that has asked the kinds without a departure everywhere, and departures where neighbours share no errors.
-pub(super) struct Begun<'a, 'f> {
+pub(in crate::recognition) struct Begun<'a, 'f> {
     evidence: Evidence<'a>,
     rows: &'a Rows,
     factors: &'f Factors<'f>,
@@ -100,7 +100,7 @@ pub(super) struct Begun<'a, 'f> {
 impl<'a> Begun<'a, '_> {
     /// Nodes from which a second look can start, where a displaced surface is far ahead of the kinds without a departure under every
     /// kernel: those kinds and the likeliest of the other families. `None` elsewhere.
-    pub(super) fn displaced_at_once(&self) -> Option<Vec<Node>> {
+    pub(in crate::recognition) fn displaced_at_once(&self) -> Option<Vec<Node>> {
         let white = self.white.as_ref()?;
         let likeliest = likeliest(&white.nodes)?;
         if likeliest.log_evidence < highest(&self.plain) + HOPELESS {
@@ -117,7 +117,7 @@ impl<'a> Begun<'a, '_> {
     /// The evidence, and all nodes that the data and the limit of shared errors allow. Where departures are outdone without shared errors
     /// and with those that the kinds without one need most, they are asked there alone: errors that neighbours share take up what would
     /// speak for a departure.
-    pub(super) fn finished(self) -> (Evidence<'a>, Vec<Node>) {
+    pub(in crate::recognition) fn finished(self) -> (Evidence<'a>, Vec<Node>) {
         let Begun { mut evidence, rows, factors, plain: mut nodes, displaced, white } = self;
         let courses = after(white.as_ref(), &displaced);
         let outdone = |found: &OfKernel| {
@@ -139,7 +139,7 @@ impl<'a> Begun<'a, '_> {
 
 impl<'a> Evidence<'a> {
     /// Begins with all that these equations and the limit of shared errors allow.
-    pub(super) fn begun<'f>(
+    pub(in crate::recognition) fn begun<'f>(
         cells: &'a Cells,
         linearised: &'a Linearised,
         factors: &'f Factors<'f>,
@@ -156,7 +156,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The evidence of the second look under one kernel alone.
-    pub(super) fn under(
+    pub(in crate::recognition) fn under(
         cells: &'a Cells,
         linearised: &'a Linearised,
         factors: &Factors,
@@ -172,7 +172,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Log evidence of a node's hypothesis under these equations, with what the errors of the normals add.
-    pub(super) fn of_hypothesis(
+    pub(in crate::recognition) fn of_hypothesis(
         node: &Node,
         cells: &Cells,
         linearised: &Linearised,

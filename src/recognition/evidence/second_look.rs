@@ -12,19 +12,17 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::dense;
+use crate::recognition::departures::State;
+use crate::recognition::equations::{Moved, Rows, slopes};
+use crate::recognition::kinds::Model;
+use crate::recognition::noise::{Limit, NormalNoise};
 use crate::vector::Vector;
 
-use super::contacts::Cells;
-use super::dense;
-use super::departures::State;
-use super::evidence::Evidence;
-use super::kinds::Model;
 use super::linearised::{FactorPair, Linearised};
-use super::moved::{Moved, slopes};
+use super::marginal_likelihood::Evidence;
 use super::node::{Node, highest, likeliest};
-use super::noise::Limit;
-use super::normal_noise::NormalNoise;
-use super::rows::Rows;
 
 /// Probability of a displacement from which on the second look is taken.
 const LIKELY: f64 = 0.05;
@@ -42,7 +40,7 @@ const SETTLED: f64 = 0.1;
 const NEAR: f64 = 0.005;
 
 /// The move under the likeliest displaced node, with a natural departure beside its spline; `None` where displacements are unlikely.
-pub(super) fn moved(
+pub(in crate::recognition) fn moved(
     plain: &Linearised,
     nodes: &[Node],
     cells: &Cells,
@@ -72,7 +70,7 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
 /// wherever contacts lie close to each other, as along the path of a finger, and such a difference passes for an error that
 /// neighbours share. No displacement is likely then, and the errors are never asked again. Which of the two readings is right is
 /// told by their evidence.
-pub(super) fn with_normals_believed(
+pub(in crate::recognition) fn with_normals_believed(
     chosen: &Linearised,
     plain: &Linearised,
     cells: &Cells,
@@ -94,7 +92,7 @@ pub(super) fn with_normals_believed(
 /// of another surface, and normals that scatter about it seem noisier than they are. Displacement and noise are therefore found
 /// again, in turns, under the covariance of positions that was the likeliest, and the equations are placed again where the curvatures
 /// move.
-pub(super) fn taken(
+pub(in crate::recognition) fn taken(
     plain: &Linearised,
     moved: &Moved,
     cells: &Cells,

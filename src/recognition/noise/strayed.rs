@@ -11,11 +11,11 @@
 //! 4; the formula is M. C. K. Tweedie's (B. Efron, *J. Amer. Statist. Assoc.* 106 (2011) 1602).
 
 use crate::contact::Frame;
+use crate::recognition::contacts::Cells;
+use crate::recognition::start::thinned;
 use crate::vector::{Vector, along, cross, dot, minus, reject, scaled};
 
-use super::contacts::Cells;
-use super::place_errors::PlaceErrors;
-use super::start::thinned;
+use super::places::PlaceErrors;
 
 /// Variance, in units of the patch's size squared, below which nothing is moved: R would change by 3e-5.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -29,7 +29,7 @@ const FACTOR: [f64; 2] = [0.5, 2.0];
 /// Moves cells and contacts along the surface to where they most likely were, and says by which share of R that may be wrong.
 ///
 /// Slopes over places that err with the variance s^2 are too small by s^2 over the variance of the measured places.
-pub(super) fn set_back(
+pub(in crate::recognition) fn set_back(
     cells: &mut Cells,
     contacts: &mut [Vector],
     feet: &[Vector],

@@ -10,8 +10,8 @@
 //! between neighbours leave out how the shape departs from the robust surface. Each contact is in two pairs on average, hence the
 //! root. On a patch that stands upright the distances are errors across z, and ratios below 1 are not asked for.
 
-use super::start::Patch;
-use super::statistics::median;
+use crate::recognition::start::Patch;
+use crate::recognition::statistics::median;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
 const ENOUGH: usize = 100;
@@ -40,23 +40,23 @@ const BLUNDER: f64 = 6.0;
 
 /// Variances of one contact's place, in units of the patch's size.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlaceErrors {
+pub(in crate::recognition) struct PlaceErrors {
     /// Along the input's z.
-    pub(super) along_z: f64,
+    pub(in crate::recognition) along_z: f64,
     /// Along each of the input's x and y.
-    pub(super) across: f64,
+    pub(in crate::recognition) across: f64,
     /// Standard deviation of the variance across: how well it is known.
-    pub(super) doubt: f64,
+    pub(in crate::recognition) doubt: f64,
     /// Whether those across are known, or the contacts show that they are larger, so that contacts on slopes weigh less.
-    pub(super) weigh: bool,
+    pub(in crate::recognition) weigh: bool,
     /// Whether it is the contacts that show it.
-    pub(super) shown: bool,
+    pub(in crate::recognition) shown: bool,
 }
 
 impl PlaceErrors {
     /// Of the contacts of a patch, some of them with the one whose foot is nearest; `declared` is the known sd in x and in y, input units, and 0 where
     /// it is not known.
-    pub(super) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
+    pub(in crate::recognition) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
         let pairs = pairs(patch, nearest);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
         if declared > 0.0 {

@@ -6,26 +6,22 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::departures::Displacement;
+use crate::recognition::equations::{Moved, Rows};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::noise::{Factors, Gain, NormalNoise};
 use crate::vector::Vector;
 
-use super::contacts::Cells;
-use super::departures::Displacement;
-use super::gain::Gain;
-use super::kinds::{Kind, Model};
-use super::moved::Moved;
-use super::noise::Factors;
-use super::normal_noise::NormalNoise;
-use super::rows::Rows;
-
 /// Factors of the covariances of positions and of normals.
-pub(super) struct FactorPair<'a> {
-    pub(super) positions: Factors<'a>,
+pub(in crate::recognition) struct FactorPair<'a> {
+    pub(in crate::recognition) positions: Factors<'a>,
     /// `None` where every cell has as many normals as positions: one factor then serves both.
     normals: Option<Factors<'a>>,
 }
 
 impl<'a> FactorPair<'a> {
-    pub(super) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
+    pub(in crate::recognition) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
         let own = cells.normals.as_ref().filter(|normals| normals.variance != cells.variance);
         FactorPair {
             positions: Factors::new(&cells.variance, distances),
@@ -40,20 +36,25 @@ impl<'a> FactorPair<'a> {
 
 /// Models with their equations.
 #[derive(Clone)]
-pub(super) struct Linearised {
-    pub(super) models: Vec<Model>,
-    pub(super) displacement: Option<Displacement>,
-    pub(super) rows: Rows,
-    pub(super) normal_noise: Option<NormalNoise>,
+pub(in crate::recognition) struct Linearised {
+    pub(in crate::recognition) models: Vec<Model>,
+    pub(in crate::recognition) displacement: Option<Displacement>,
+    pub(in crate::recognition) rows: Rows,
+    pub(in crate::recognition) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
-    pub(super) normals: Option<Mat<f64>>,
+    pub(in crate::recognition) normals: Option<Mat<f64>>,
     /// Where all normals may be too steep by one factor.
-    pub(super) gain: Option<Gain>,
+    pub(in crate::recognition) gain: Option<Gain>,
 }
 
 impl Linearised {
     /// Equations about these models.
-    pub(super) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
+    pub(in crate::recognition) fn new(
+        cells: &Cells,
+        contacts: &[Vector],
+        models: Vec<Model>,
+        factors: &FactorPair,
+    ) -> Linearised {
         let displacement = displacement_of(&models, cells, contacts);
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
@@ -63,7 +64,7 @@ impl Linearised {
     }
 
     /// The same equations where all normals may be too steep by one factor; `None` without normals.
-    pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
+    pub(in crate::recognition) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
         let gain = Some(Gain::new(cells, &self.models, None)?);
         let mut made = Linearised { gain, ..self.clone() };
         made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
@@ -72,7 +73,7 @@ impl Linearised {
 
     /// The same equations, with a gain about the general surface under a displacement of these slopes, and errors of the normals as they
     /// were without it.
-    pub(super) fn with_gain_about(
+    pub(in crate::recognition) fn with_gain_about(
         &self,
         slopes: Option<&[Vec<f64>; 2]>,
         cells: &Cells,
@@ -93,7 +94,7 @@ impl Linearised {
 
     /// The same equations with normals that err independently, by as much as differences between neighbours say; `None` where
     /// neighbours do not share errors anyway.
-    pub(super) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
+    pub(in crate::recognition) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
         self.normal_noise.filter(NormalNoise::is_shared)?;
         let mut made = self.clone();
         made.weigh_normals(NormalNoise::of_differences(&self.rows, factors.normals()), factors);
@@ -101,13 +102,13 @@ impl Linearised {
     }
 
     /// What the errors of the normals add to the log evidence of every hypothesis.
-    pub(super) fn log_share_of_normals(&self) -> f64 {
+    pub(in crate::recognition) fn log_share_of_normals(&self) -> f64 {
         self.normal_noise.map_or(0.0, |noise| noise.log_share)
     }
 
     /// Equations about the moved models, with normals that scatter about the displacement which moved them; `None` where the moved
     /// surface has no chart that a displacement could stand on.
-    pub(super) fn about(
+    pub(in crate::recognition) fn about(
         &self,
         moved: &Moved,
         cells: &Cells,
@@ -126,7 +127,7 @@ impl Linearised {
     }
 
     /// Lets the normals scatter about this displacement.
-    pub(super) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
+    pub(in crate::recognition) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
         self.gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &self.models, moved.slopes.as_ref()));
         let noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
         self.weigh_normals(noise, factors);

@@ -2,30 +2,29 @@
 //! normals that are all too steep.
 //!
 //! ```text
-//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> a gain of the normals (gain.rs)
+//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> a gain of the normals (noise/gain.rs)
 //! taken: the last whose highest log evidence, less log(20) for a gain, exceeds that of the look before;
 //!        a gain only where the log likelihood of its likeliest surface does so, too
 //! ```
 
+use crate::recognition::contacts::Cells;
+use crate::recognition::equations::slopes;
+use crate::recognition::noise::{Limit, RARE_GAIN};
 use crate::vector::Vector;
 
-use super::contacts::Cells;
-use super::evidence::{Evidence, Look};
-use super::gain::RARE;
 use super::linearised::{FactorPair, Linearised};
-use super::moved::slopes;
-use super::node::{self, Node, highest};
-use super::noise::Limit;
+use super::marginal_likelihood::{Evidence, Look};
+use super::node::{Node, highest, likeliest};
 use super::search::Begun;
 use super::second_look::{moved, taken, with_normals_believed};
 
 /// What every look is at.
 #[derive(Clone, Copy)]
-pub(super) struct At<'a> {
-    pub(super) cells: &'a Cells,
-    pub(super) contacts: &'a [Vector],
-    pub(super) factors: &'a FactorPair<'a>,
-    pub(super) limit: Limit,
+pub(in crate::recognition) struct At<'a> {
+    pub(in crate::recognition) cells: &'a Cells,
+    pub(in crate::recognition) contacts: &'a [Vector],
+    pub(in crate::recognition) factors: &'a FactorPair<'a>,
+    pub(in crate::recognition) limit: Limit,
 }
 
 /// A look: its equations, their evidence, all nodes.
@@ -77,14 +76,14 @@ impl<'a> At<'a> {
         }
         let gained = plain.with_gain(self.cells, self.factors)?;
         let of = |made: &Linearised| Evidence::of_plain_kinds(self.cells, made, &self.factors.positions, self.limit);
-        if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE {
+        if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE_GAIN {
             return None;
         }
         let kernels = if likeliest.kernel == 0 { &[0][..] } else { &[0, likeliest.kernel] };
         let looked = kernels.iter().map(|kernel| self.glance(&gained, *kernel));
         let (again, reached) = looked.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let made = again.map_or((gained, Look::First), |again| (again, Look::Second));
-        (reached > height(chosen) + RARE).then_some(made)
+        (reached > height(chosen) + RARE_GAIN).then_some(made)
     }
 }
 
@@ -94,7 +93,7 @@ fn height(seen: &Seen) -> f64 {
 }
 
 fn likeliest_node<'s>(seen: &'s Seen) -> Option<&'s Node> {
-    node::likeliest(&seen.1.1)
+    likeliest(&seen.1.1)
 }
 
 /// Log likelihood of the contacts under the likeliest surface.
@@ -110,7 +109,11 @@ fn is_believable(seen: &Seen) -> bool {
 }
 
 /// Tells of the likeliest look.
-pub(super) fn likeliest<T>(at: At, plain: &Linearised, tell: impl FnOnce(&Linearised, &Evidence, &[Node]) -> T) -> T {
+pub(in crate::recognition) fn likeliest_look<T>(
+    at: At,
+    plain: &Linearised,
+    tell: impl FnOnce(&Linearised, &Evidence, &[Node]) -> T,
+) -> T {
     let begun = at.begun(plain, Look::First);
     // where a displaced surface is far ahead, the second look needs no whole first one
     let at_once = begun.displaced_at_once().and_then(|nodes| at.again(plain, &nodes));
@@ -130,8 +133,8 @@ pub(super) fn likeliest<T>(at: At, plain: &Linearised, tell: impl FnOnce(&Linear
     let gained = at.with_gain(plain, &chosen);
     if let Some((gained, look)) = &gained {
         let seen = at.see(gained, *look);
-        let fits_better = fits(&seen, at.factors) > fits(&chosen, at.factors).map(|other| other + RARE);
-        if fits_better && is_believable(&seen) && height(&seen) > height(&chosen) + RARE {
+        let fits_better = fits(&seen, at.factors) > fits(&chosen, at.factors).map(|other| other + RARE_GAIN);
+        if fits_better && is_believable(&seen) && height(&seen) > height(&chosen) + RARE_GAIN {
             chosen = seen;
         }
     }
