@@ -28,58 +28,38 @@
 //! # Ok::<(), palpate::recognition::RecognitionError>(())
 //! ```
 
-mod beside;
+mod answer;
+mod beyond;
 mod contacts;
 mod dense;
 mod departures;
-mod drawn;
 mod equations;
 mod error;
 mod evidence;
-mod field;
-mod flexible;
 mod kinds;
-mod misfit;
 mod noise;
 mod options;
-mod over_plane;
-mod own_axes;
-#[cfg(feature = "cli")]
-mod pointwise;
-mod posterior;
-mod predictive;
 mod region;
-mod report;
 mod result;
-#[cfg(feature = "cli")]
-mod shown;
-mod spline;
 mod start;
 mod statistics;
-mod support;
-mod surface;
 #[cfg(test)]
 mod tests;
-mod weights;
 
-pub use error::RecognitionError;
+pub use beyond::RecognisedSpline;
+// free-form parts are described by the same field as contacts that no simple shape explains
+#[cfg(feature = "cli")]
+pub(crate) use beyond::{FieldRequest, Flexible, Pointwise, Shown, shown};
+pub(crate) use beyond::{flexible, own_axes};
 // parts of a cloud are found among neighbours, too
 pub(crate) use contacts::Neighbours;
-// free-form parts are described by the same field as contacts that no simple shape explains
 pub use contacts::NormalsUse;
-#[cfg(feature = "cli")]
-pub(crate) use flexible::Flexible;
-pub(crate) use flexible::flexible;
+pub use error::RecognitionError;
 pub use options::RecognitionOptions;
-pub(crate) use own_axes::own_axes;
+pub(crate) use region::PredictiveDraw;
 #[cfg(feature = "cli")]
-pub(crate) use pointwise::Pointwise;
-pub(crate) use predictive::PredictiveDraw;
+pub(crate) use region::RecognisedSurface;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
-#[cfg(feature = "cli")]
-pub(crate) use shown::{FieldRequest, Shown, shown};
-pub use spline::RecognisedSpline;
-pub(crate) use surface::RecognisedSurface;
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
@@ -152,8 +132,8 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
     let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
     evidence::likeliest_look(at, &plain, |linearised, evidence, nodes| {
         let misfit = |kind: Kind| misfit(&linearised.models, kind);
-        let weights = weights::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
-        report::Findings {
+        let weights = answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
+        answer::Findings {
             patch: &patch,
             evidence,
             nodes,

@@ -7,8 +7,7 @@ use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 
 use super::contacts::NormalsUse;
-use super::predictive::PredictiveDraw;
-use super::surface::RecognisedSurface;
+use super::region::{PredictiveDraw, RecognisedSurface};
 
 /// The kinds of surface that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -14,6 +14,7 @@ use faer::{Mat, Side};
 use crate::recognition::kinds::Model;
 
 use super::neighbours::Neighbours;
+
 use crate::vector::{Vector, along, dot, minus, norm, reject, scaled};
 
 /// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
@@ -106,7 +107,7 @@ fn both(
 }
 
 /// Normal of the plane through the nearest contacts, of either sign.
-pub(in crate::recognition) fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
+pub(super) fn plane_normal(tree: &Neighbours, points: &[Vector], place: Vector) -> Option<Vector> {
     let near = tree.nearest(place, NEAREST);
     let mut mean = [0.0; 3];
     for (_, i) in &near {

@@ -21,9 +21,7 @@ const SHORT: f64 = 0.3;
 const THIN: f64 = 0.03;
 
 /// Mean, principal axes (narrowest first) and principal sds of points.
-pub(in crate::recognition) fn principal_axes(
-    points: &[Vector],
-) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
+pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
     let count = points.len() as f64;
     let first = points[0];
     let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
@@ -79,7 +77,7 @@ pub(in crate::recognition) fn patch_frame(
 }
 
 /// Direction of the free side for contacts without normals.
-pub(in crate::recognition) fn free_side(origin: Vector, options: &RecognitionOptions) -> Vector {
+pub(super) fn free_side(origin: Vector, options: &RecognitionOptions) -> Vector {
     match (options.up, options.viewpoint) {
         (Some(up), _) => up,
         (None, Some(viewpoint)) => unit_rescaled(minus(viewpoint, origin)),

@@ -34,7 +34,7 @@ pub(in crate::recognition) struct Oriented {
     pub(in crate::recognition) of_length_zero: usize,
     pub(in crate::recognition) flipped: usize,
     /// Share of the signs that agreed with the side taken.
-    pub(in crate::recognition) majority: f64,
+    pub(super) majority: f64,
     /// Whether neighbours agree at all.
     pub(in crate::recognition) consistent: bool,
 }

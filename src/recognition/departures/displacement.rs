@@ -24,6 +24,7 @@ use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{ConstantCurvature, Jet};
 
 use super::{natural, smooth};
+
 use crate::vector::{Vector, along};
 
 const DEGREE: usize = 4;
@@ -237,7 +238,7 @@ impl JetRow {
     }
 
     /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
-    pub(in crate::recognition) fn jet(&self, coefficients: &[f64]) -> Jet {
+    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
         let mut out = [0.0; 6];
         let [us, vs] = &self.values;
         for a in 0..WIDTH {
@@ -256,7 +257,7 @@ impl JetRow {
 }
 
 /// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
-pub(in crate::recognition) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
+pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     [
         f,

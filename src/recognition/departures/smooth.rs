@@ -40,7 +40,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// How a process varies over the chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) enum Form {
+pub(super) enum Form {
     /// In every direction.
     Free,
     /// Along one side alone: a profile that is drawn along the other, as an extruded bar's, or turned about an axis of that direction.

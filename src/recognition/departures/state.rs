@@ -9,6 +9,7 @@ use crate::curvature::Principal;
 use crate::recognition::kinds::{ConstantCurvature, Jet, Kind, Model, bending, curvatures_of, derivatives};
 
 use super::displacement::{JetRow, turned};
+
 use crate::vector::{Vector, along, cross, norm_hypot};
 
 /// A point of the chart of the general surface.

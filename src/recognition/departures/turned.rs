@@ -25,7 +25,7 @@ const TERMS: usize = 6;
 const STEP: f64 = 1e-3;
 
 /// Values of every term at the sites of u (rows) and v (columns) of the splines.
-pub(in crate::recognition) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Vec<Mat<f64>> {
+pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Vec<Mat<f64>> {
     let [us, vs] = knots.each_ref().map(Knots::greville);
     let [u, v] = knots.each_ref().map(Knots::domain).map(|[lo, hi]| 0.5 * (lo + hi));
     let middle = surface.point(u, v, 0.0);

@@ -10,9 +10,9 @@ use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::kinds::{Kind, Model};
-use crate::vector::{Vector, dot};
 
 use super::rows::{Rows, column_of, first_of_displacement};
+use crate::vector::{Vector, dot};
 
 /// Where the general surface belongs under its displacement.
 pub(in crate::recognition) struct Moved {

@@ -22,7 +22,7 @@ impl Evidence<'_> {
     }
 
     /// Log likelihood of positions and normals under a node's likeliest surface, but for what the normals' errors add.
-    pub(in crate::recognition) fn log_likelihood(&self, node: &Node, factors: &Factors) -> Option<f64> {
+    pub(super) fn log_likelihood(&self, node: &Node, factors: &Factors) -> Option<f64> {
         let at = self.coefficients(node)?;
         let misfit = half_square(self.grams[node.kernel].as_ref()?, &at) / node.variance
             + self.normals.map_or(0.0, |gram| half_square(gram, &at));

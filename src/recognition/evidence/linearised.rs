@@ -38,7 +38,7 @@ impl<'a> FactorPair<'a> {
 #[derive(Clone)]
 pub(in crate::recognition) struct Linearised {
     pub(in crate::recognition) models: Vec<Model>,
-    pub(in crate::recognition) displacement: Option<Displacement>,
+    pub(super) displacement: Option<Displacement>,
     pub(in crate::recognition) rows: Rows,
     pub(in crate::recognition) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
@@ -64,7 +64,7 @@ impl Linearised {
     }
 
     /// The same equations where all normals may be too steep by one factor; `None` without normals.
-    pub(in crate::recognition) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
+    pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
         let gain = Some(Gain::new(cells, &self.models, None)?);
         let mut made = Linearised { gain, ..self.clone() };
         made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
@@ -73,7 +73,7 @@ impl Linearised {
 
     /// The same equations, with a gain about the general surface under a displacement of these slopes, and errors of the normals as they
     /// were without it.
-    pub(in crate::recognition) fn with_gain_about(
+    pub(super) fn with_gain_about(
         &self,
         slopes: Option<&[Vec<f64>; 2]>,
         cells: &Cells,
@@ -94,7 +94,7 @@ impl Linearised {
 
     /// The same equations with normals that err independently, by as much as differences between neighbours say; `None` where
     /// neighbours do not share errors anyway.
-    pub(in crate::recognition) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
+    pub(super) fn with_normals_believed(&self, factors: &FactorPair) -> Option<Linearised> {
         self.normal_noise.filter(NormalNoise::is_shared)?;
         let mut made = self.clone();
         made.weigh_normals(NormalNoise::of_differences(&self.rows, factors.normals()), factors);
@@ -102,7 +102,7 @@ impl Linearised {
     }
 
     /// What the errors of the normals add to the log evidence of every hypothesis.
-    pub(in crate::recognition) fn log_share_of_normals(&self) -> f64 {
+    pub(super) fn log_share_of_normals(&self) -> f64 {
         self.normal_noise.map_or(0.0, |noise| noise.log_share)
     }
 
@@ -127,7 +127,7 @@ impl Linearised {
     }
 
     /// Lets the normals scatter about this displacement.
-    pub(in crate::recognition) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
+    pub(super) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
         self.gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &self.models, moved.slopes.as_ref()));
         let noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
         self.weigh_normals(noise, factors);

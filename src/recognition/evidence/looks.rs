@@ -10,13 +10,13 @@
 use crate::recognition::contacts::Cells;
 use crate::recognition::equations::slopes;
 use crate::recognition::noise::{Limit, RARE_GAIN};
-use crate::vector::Vector;
 
 use super::linearised::{FactorPair, Linearised};
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Node, highest, likeliest};
 use super::search::Begun;
 use super::second_look::{moved, taken, with_normals_believed};
+use crate::vector::Vector;
 
 /// What every look is at.
 #[derive(Clone, Copy)]

@@ -45,16 +45,16 @@ pub(in crate::recognition) struct Evidence<'a> {
     pub(in crate::recognition) displacement: Option<&'a Displacement>,
     pub(in crate::recognition) kernels: Vec<Kernel>,
     /// Gram matrix of the whitened position rows under every kernel that was tried.
-    pub(in crate::recognition) grams: Vec<Option<Mat<f64>>>,
+    pub(super) grams: Vec<Option<Mat<f64>>>,
     /// Gram matrix of the whitened normal rows.
     pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
     limit: Limit,
-    pub(in crate::recognition) look: Look,
+    pub(super) look: Look,
 }
 
 impl<'a> Evidence<'a> {
     /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
-    pub(in crate::recognition) fn of_plain_kinds(
+    pub(super) fn of_plain_kinds(
         cells: &Cells,
         linearised: &Linearised,
         factors: &Factors,
@@ -68,12 +68,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Before any kernel is tried.
-    pub(in crate::recognition) fn unasked(
-        cells: &'a Cells,
-        linearised: &'a Linearised,
-        limit: Limit,
-        look: Look,
-    ) -> Evidence<'a> {
+    pub(super) fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
@@ -82,7 +77,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
-    pub(in crate::recognition) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
+    pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
         if self.normals.is_none() && n < p + FEW {

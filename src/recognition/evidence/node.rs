@@ -11,7 +11,7 @@ use faer::Mat;
 use crate::recognition::kinds::Kind;
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
-pub(in crate::recognition) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
+pub(super) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
 
 /// How a surface departs from its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub(in crate::recognition) enum Departure {
 
 impl Departure {
     /// Variance of the rough spline or the smooth departure over that of a position; 0 without one.
-    pub(in crate::recognition) fn of_spline(self) -> f64 {
+    pub(super) fn of_spline(self) -> f64 {
         match self {
             Departure::Rough(g) | Departure::Both(g) => g,
             Departure::Smooth { variance, .. } => variance,
@@ -45,12 +45,12 @@ impl Departure {
     }
 
     /// Whether it comes in sizes that are tried.
-    pub(in crate::recognition) fn has_size(self) -> bool {
+    pub(super) fn has_size(self) -> bool {
         matches!(self, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. })
     }
 
     /// The same departure with this variance over that of a position; one without a size as it is.
-    pub(in crate::recognition) fn of_size(self, variance: f64) -> Departure {
+    pub(super) fn of_size(self, variance: f64) -> Departure {
         match self {
             Departure::Rough(_) => Departure::Rough(variance),
             Departure::Both(_) => Departure::Both(variance),

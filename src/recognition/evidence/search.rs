@@ -15,12 +15,12 @@ use crate::recognition::departures::is_free;
 use crate::recognition::equations::{Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};
-use crate::threads;
 
 use super::linearised::Linearised;
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Departure, Node, POWERS, highest, likeliest};
 use super::whitened::Whitened;
+use crate::threads;
 
 /// Log evidence below the best at which stronger correlations, or other sizes, are not tried once it falls: a weight of 3e-4.
 const HOPELESS: f64 = 8.0;
@@ -100,7 +100,7 @@ pub(in crate::recognition) struct Begun<'a, 'f> {
 impl<'a> Begun<'a, '_> {
     /// Nodes from which a second look can start, where a displaced surface is far ahead of the kinds without a departure under every
     /// kernel: those kinds and the likeliest of the other families. `None` elsewhere.
-    pub(in crate::recognition) fn displaced_at_once(&self) -> Option<Vec<Node>> {
+    pub(super) fn displaced_at_once(&self) -> Option<Vec<Node>> {
         let white = self.white.as_ref()?;
         let likeliest = likeliest(&white.nodes)?;
         if likeliest.log_evidence < highest(&self.plain) + HOPELESS {
@@ -156,7 +156,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The evidence of the second look under one kernel alone.
-    pub(in crate::recognition) fn under(
+    pub(super) fn under(
         cells: &'a Cells,
         linearised: &'a Linearised,
         factors: &Factors,
@@ -172,7 +172,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Log evidence of a node's hypothesis under these equations, with what the errors of the normals add.
-    pub(in crate::recognition) fn of_hypothesis(
+    pub(super) fn of_hypothesis(
         node: &Node,
         cells: &Cells,
         linearised: &Linearised,

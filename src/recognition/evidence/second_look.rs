@@ -18,11 +18,11 @@ use crate::recognition::departures::State;
 use crate::recognition::equations::{Moved, Rows, slopes};
 use crate::recognition::kinds::Model;
 use crate::recognition::noise::{Limit, NormalNoise};
-use crate::vector::Vector;
 
 use super::linearised::{FactorPair, Linearised};
 use super::marginal_likelihood::Evidence;
 use super::node::{Node, highest, likeliest};
+use crate::vector::Vector;
 
 /// Probability of a displacement from which on the second look is taken.
 const LIKELY: f64 = 0.05;
@@ -70,7 +70,7 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
 /// wherever contacts lie close to each other, as along the path of a finger, and such a difference passes for an error that
 /// neighbours share. No displacement is likely then, and the errors are never asked again. Which of the two readings is right is
 /// told by their evidence.
-pub(in crate::recognition) fn with_normals_believed(
+pub(super) fn with_normals_believed(
     chosen: &Linearised,
     plain: &Linearised,
     cells: &Cells,
@@ -92,7 +92,7 @@ pub(in crate::recognition) fn with_normals_believed(
 /// of another surface, and normals that scatter about it seem noisier than they are. Displacement and noise are therefore found
 /// again, in turns, under the covariance of positions that was the likeliest, and the equations are placed again where the curvatures
 /// move.
-pub(in crate::recognition) fn taken(
+pub(super) fn taken(
     plain: &Linearised,
     moved: &Moved,
     cells: &Cells,

@@ -14,13 +14,13 @@ use crate::recognition::equations::{Columns, Grams, Reduced, Rows, reduced, redu
 use crate::recognition::noise::Factors;
 
 /// Positions under one kernel.
-pub(in crate::recognition) struct Whitened {
-    pub(in crate::recognition) kernel: usize,
+pub(super) struct Whitened {
+    pub(super) kernel: usize,
     rows: Mat<f64>,
     /// `W'W` where some equations read it ([`dense::gram_of_groups`]).
     pub(in crate::recognition) gram: Mat<f64>,
     /// Log determinant of the covariance over the variance.
-    pub(in crate::recognition) log_det: f64,
+    pub(super) log_det: f64,
     /// `Z Z'` of the columns that stand together, by the number of their first one; each when it is first asked for.
     products: Vec<OnceCell<Mat<f64>>>,
 }
@@ -37,7 +37,7 @@ impl Whitened {
     }
 
     /// The equations of the positions alone.
-    pub(in crate::recognition) fn alone(&self, columns: Columns, variance: f64) -> Option<Reduced> {
+    pub(super) fn alone(&self, columns: Columns, variance: f64) -> Option<Reduced> {
         let (first, count) = columns.z;
         if count <= self.rows.nrows() {
             return reduced(columns, Grams { positions: &self.gram, variance, normals: None });

@@ -88,7 +88,7 @@ impl ConstantCurvature {
     }
 
     /// Signed distance and its derivatives by theta.
-    pub(in crate::recognition) fn distance_by_theta(&self, x: Vector) -> (f64, [f64; 6]) {
+    pub(super) fn distance_by_theta(&self, x: Vector) -> (f64, [f64; 6]) {
         let [_, _, _, k1, _, _] = self.theta;
         let local @ [u, v, w] = self.local(x);
         let p = self.profile(local);

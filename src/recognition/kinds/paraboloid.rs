@@ -30,7 +30,7 @@ impl Paraboloid {
         ((p[2] - q) / length, [-qx / length, -qy / length, 1.0 / length])
     }
 
-    pub(in crate::recognition) fn distance_by_theta(&self, p: Vector) -> (f64, [f64; 6]) {
+    pub(super) fn distance_by_theta(&self, p: Vector) -> (f64, [f64; 6]) {
         let [x, y, z] = p;
         let [q, qx, qy] = self.height(x, y);
         let squared = 1.0 + qx * qx + qy * qy;

@@ -67,12 +67,7 @@ impl Gain {
 
     /// Takes the gain out of both halves of the whitened rows of the normals, whose errors have this factor and variance; gives back
     /// `log(GAIN^2 k)`. Taken out of the Gram matrix, it would leave nothing but rounding of contacts without noise.
-    pub(in crate::recognition) fn taken_out(
-        &mut self,
-        halves: &mut [Mat<f64>; 2],
-        lower: &Mat<f64>,
-        variance: f64,
-    ) -> f64 {
+    pub(super) fn taken_out(&mut self, halves: &mut [Mat<f64>; 2], lower: &Mat<f64>, variance: f64) -> f64 {
         let mut steeper = self.steeper.clone();
         steeper.iter_mut().for_each(|v| dense::forward_in_columns(lower, v));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

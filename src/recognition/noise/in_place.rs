@@ -10,9 +10,9 @@
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::Patch;
 use crate::recognition::statistics::median;
-use crate::vector::cross;
 
 use super::places::PlaceErrors;
+use crate::vector::cross;
 
 /// Parameters of the robust surface.
 const UNKNOWNS: f64 = 6.0;

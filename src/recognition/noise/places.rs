@@ -42,13 +42,13 @@ const BLUNDER: f64 = 6.0;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::recognition) struct PlaceErrors {
     /// Along the input's z.
-    pub(in crate::recognition) along_z: f64,
+    pub(super) along_z: f64,
     /// Along each of the input's x and y.
     pub(in crate::recognition) across: f64,
     /// Standard deviation of the variance across: how well it is known.
-    pub(in crate::recognition) doubt: f64,
+    pub(super) doubt: f64,
     /// Whether those across are known, or the contacts show that they are larger, so that contacts on slopes weigh less.
-    pub(in crate::recognition) weigh: bool,
+    pub(super) weigh: bool,
     /// Whether it is the contacts that show it.
     pub(in crate::recognition) shown: bool,
 }

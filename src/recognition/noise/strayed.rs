@@ -13,9 +13,9 @@
 use crate::contact::Frame;
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::thinned;
-use crate::vector::{Vector, along, cross, dot, minus, reject, scaled};
 
 use super::places::PlaceErrors;
+use crate::vector::{Vector, along, cross, dot, minus, reject, scaled};
 
 /// Variance, in units of the patch's size squared, below which nothing is moved: R would change by 3e-5.
 const NEGLIGIBLE: f64 = 1e-5;

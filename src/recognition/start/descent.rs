@@ -14,7 +14,7 @@ use crate::threads;
 use crate::vector::Vector;
 
 /// Huber's constant: 95 % efficiency for gaussian errors.
-pub(in crate::recognition) const HUBER: f64 = 1.345;
+pub(super) const HUBER: f64 = 1.345;
 
 /// Rounds of reweighting.
 const ROUNDS: usize = 25;
@@ -26,18 +26,18 @@ const STEPS: usize = 60;
 const DAMPING: [f64; 2] = [1e-4, 1e12];
 
 /// Points of one task; fewer, at 30 ns each, take less than handing them over.
-pub(in crate::recognition) const TASK: usize = 1 << 13;
+pub(super) const TASK: usize = 1 << 13;
 
 /// A fit with its distances and their robust scale.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Fitted {
+pub(super) struct Fitted {
     pub(in crate::recognition) model: Model,
     pub(in crate::recognition) distances: Vec<f64>,
-    pub(in crate::recognition) scale: f64,
+    pub(super) scale: f64,
 }
 
 /// Robust fit from a start.
-pub(in crate::recognition) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
+pub(super) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
     let mut model = Model::new(kind, kind.restricted(theta));
     let (mut last, mut damping) = (f64::INFINITY, DAMPING[0]);
     let mut weights = vec![1.0; points.len()];
@@ -61,7 +61,7 @@ pub(in crate::recognition) fn robust(points: &[Vector], kind: Kind, theta: [f64;
 }
 
 /// Least squares with given weights; also the weighted sum of squares.
-pub(in crate::recognition) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64; 6]) -> (Model, f64) {
+pub(super) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64; 6]) -> (Model, f64) {
     let mut model = Model::new(kind, kind.restricted(theta));
     let mut damping = DAMPING[0];
     for _ in 0..STEPS {
@@ -73,7 +73,7 @@ pub(in crate::recognition) fn plain(points: &[Vector], weights: &[f64], kind: Ki
     (model, cost)
 }
 
-pub(in crate::recognition) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
+pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     if points.len() <= TASK {
         return points.iter().map(|p| model.distance(*p)).collect();
     }
@@ -81,7 +81,7 @@ pub(in crate::recognition) fn distances_of(model: &Model, points: &[Vector]) -> 
 }
 
 /// 1.4826 times the median distance from the median.
-pub(in crate::recognition) fn scale_of(distances: &[f64]) -> f64 {
+pub(super) fn scale_of(distances: &[f64]) -> f64 {
     let middle = median(distances.to_vec());
     1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
 }

@@ -16,6 +16,7 @@ use crate::recognition::{RecognitionError, RecognitionOptions};
 
 use super::descent::{TASK, plain};
 use super::robust::{Start, start, thinned};
+
 use crate::threads;
 use crate::vector::{Vector, along, dot, minus, norm, scaled};
 

@@ -17,6 +17,7 @@ use crate::recognition::statistics::median;
 
 use super::descent::{Fitted, distances_of, robust};
 use super::taken_back::take_back;
+
 use crate::vector::Vector;
 
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
@@ -24,16 +25,16 @@ const SAMPLE: usize = 3000;
 
 /// Result of the robust start.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Start {
-    pub(in crate::recognition) general: Model,
-    pub(in crate::recognition) sphere: Model,
-    pub(in crate::recognition) cylinder: Model,
+pub(super) struct Start {
+    pub(super) general: Model,
+    pub(super) sphere: Model,
+    pub(super) cylinder: Model,
     /// Signed distances of all contacts from `general`.
     pub(in crate::recognition) distances: Vec<f64>,
     /// Whether a contact belongs to the surface.
-    pub(in crate::recognition) belongs: Vec<bool>,
+    pub(super) belongs: Vec<bool>,
     /// Numbers of the contacts that the start looked at.
-    pub(in crate::recognition) sample: Vec<usize>,
+    pub(super) sample: Vec<usize>,
 }
 
 /// At most `most` numbers of points, evenly spread over their lexicographic order.
@@ -52,7 +53,7 @@ pub(in crate::recognition) fn thinned(points: &[Vector], most: usize) -> Vec<usi
 }
 
 /// Fits the start.
-pub(in crate::recognition) fn start(points: &[Vector]) -> Start {
+pub(super) fn start(points: &[Vector]) -> Start {
     let sample = thinned(points, SAMPLE);
     let some: Vec<Vector> = sample.iter().map(|&i| points[i]).collect();
     let [sphere, cylinder, along, across] = quadric_starts(&some);

@@ -18,6 +18,7 @@ use crate::recognition::departures::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
 
 use super::descent::{HUBER, scale_of};
+
 use crate::vector::Vector;
 
 /// Powers of degrees 0 to 2, whose size is free: the robust surface is moved by what it takes for outliers.
@@ -35,7 +36,7 @@ const FEWEST: usize = 18;
 
 /// Marks as belonging what the departure explains; `sample` are the contacts that it is fitted to, and `distances` those of
 /// all contacts from `surface`.
-pub(in crate::recognition) fn take_back(
+pub(super) fn take_back(
     surface: &ConstantCurvature,
     points: &[Vector],
     distances: &[f64],

@@ -8,9 +8,9 @@
 use std::sync::Arc;
 
 use crate::contact::Frame;
+use crate::recognition::departures::{ChartPoint, Displacement, State};
+use crate::recognition::kinds::{ConstantCurvature, Kind};
 
-use super::departures::{ChartPoint, Displacement, State};
-use super::kinds::{ConstantCurvature, Kind};
 use super::support::Support;
 
 /// The surface that was recognised, of whichever kind, in the input's coordinates.
@@ -24,7 +24,7 @@ pub(crate) struct RecognisedSurface {
     pub v: [f64; 2],
     pub(super) base: ConstantCurvature,
     pub(super) displacement: Option<Displacement>,
-    pub(super) state: State,
+    pub(in crate::recognition) state: State,
     pub(super) support: Arc<Support<'static>>,
 }
 
@@ -65,13 +65,13 @@ impl RecognisedSurface {
         self.frame.scale * (self.state.model().distance(local) - displaced)
     }
 
-    pub(super) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {
+    pub(in crate::recognition) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {
         chart_point(&self.base, self.displacement.as_ref(), [u, v])
     }
 }
 
 /// A chart point of the general surface with what the displacement needs there.
-pub(super) fn chart_point(
+pub(in crate::recognition) fn chart_point(
     base: &ConstantCurvature,
     displacement: Option<&Displacement>,
     chart: [f64; 2],

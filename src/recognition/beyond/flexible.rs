@@ -17,9 +17,8 @@
 
 use crate::contact::{Contacts, Frame, Orientation};
 use crate::fit::{Fit, FitError, FitOptions, fit_contacts, fit_contacts_over};
+use crate::recognition::start::thinned;
 use crate::vector::Vector;
-
-use super::start::thinned;
 
 /// Blocks each way, and the number of groups that are left out one after the other.
 const BLOCKS: usize = 6;

@@ -31,13 +31,13 @@
 
 use faer::Mat;
 
-use super::contacts::Neighbours;
-use super::dense;
-use super::departures::is_free;
-use super::equations::{Rows, column_of, first_of_displacement};
-use super::evidence::{Evidence, GROUPS, Node, highest, likeliest};
-use super::kinds::Kind;
-use super::statistics::{median, standard_deviation};
+use crate::recognition::contacts::Neighbours;
+use crate::recognition::dense;
+use crate::recognition::departures::is_free;
+use crate::recognition::equations::{Rows, column_of, first_of_displacement};
+use crate::recognition::evidence::{Evidence, GROUPS, Node, highest, likeliest};
+use crate::recognition::kinds::Kind;
+use crate::recognition::statistics::{median, standard_deviation};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
@@ -99,7 +99,7 @@ const SIMPLE: f64 = 2.0;
 
 /// Weights of all nodes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Weights {
+pub(in crate::recognition) struct Weights {
     /// Of the estimate.
     pub(super) estimate: Vec<f64>,
     /// Of the interval.
@@ -115,7 +115,7 @@ pub(super) struct Weights {
     /// Log evidence by which a displaced surface is ahead.
     pub(super) gap: f64,
     /// Log likelihood by which all normals prefer the displaced surface.
-    pub(super) normals: f64,
+    pub(in crate::recognition) normals: f64,
     /// Number of cells.
     cells: f64,
     /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
@@ -140,7 +140,7 @@ impl Weights {
 }
 
 /// Weighs the nodes; `misfit` is the root mean square distance of a kind's fit.
-pub(super) fn weigh(
+pub(in crate::recognition) fn weigh(
     evidence: &Evidence,
     rows: &Rows,
     nodes: &[Node],

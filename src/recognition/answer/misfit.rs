@@ -9,8 +9,8 @@
 
 use statrs::function::erf;
 
-use super::Misfit;
-use super::contacts::{Cells, Neighbours};
+use crate::recognition::Misfit;
+use crate::recognition::contacts::{Cells, Neighbours};
 
 /// Probability of shared errors, or of a displacement, above which the sentence mentions them.
 const CERTAIN: f64 = 0.95;
@@ -22,7 +22,7 @@ pub(super) struct Findings {
     /// Posterior probability that neighbours share errors.
     pub(super) correlated: f64,
     /// Size of those errors over relief.
-    pub(super) tau: f64,
+    pub(in crate::recognition) tau: f64,
     /// Displacement over relief, where it was read as shape and is certain.
     pub(super) displacement: Option<f64>,
 }

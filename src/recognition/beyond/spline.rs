@@ -15,11 +15,10 @@ use crate::contact::{Contacts, Grid};
 use crate::fit::{
     Fit, FitError, FitOptions, FrameChoice, Objective, OutsideDomain, SlopeWeights, fit_contacts, fit_grid,
 };
+use crate::recognition::Recognition;
 use crate::shape::UvSupport;
 use crate::surface::{HeightField, Parametric};
 use crate::vector::{Vector, minus, norm};
-
-use super::Recognition;
 
 /// Samples each way: a few for every unknown of the finest spline below.
 const SAMPLES: usize = 33;
@@ -182,8 +181,8 @@ fn support(found: &Recognition, scale: f64) -> UvSupport {
 
 #[cfg(test)]
 mod tests {
-    use super::super::RecognitionOptions;
     use super::*;
+    use crate::recognition::RecognitionOptions;
     use crate::vector::dot;
 
     /// Contacts with normals on a cylinder of radius 5 along y, up to `reach` radians to both sides.

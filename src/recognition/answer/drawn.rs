@@ -7,20 +7,20 @@
 //! ```
 
 use crate::curvature::ShapeClass;
+use crate::recognition::kinds::Kind;
 use crate::vector::{Vector, dot};
 
 use super::field::Field;
-use super::kinds::Kind;
 
 /// Everything drawn for one node.
 pub(super) struct Drawn {
-    pub(super) kind: Kind,
+    pub(in crate::recognition) kind: Kind,
     pub(super) displaced: bool,
     /// Weights of the node in estimate and interval.
-    pub(super) weights: [f64; 2],
+    pub(in crate::recognition) weights: [f64; 2],
     pub(super) likeliest: Field,
     /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
-    pub(super) columns: Option<(Vec<f64>, Vec<f64>)>,
+    pub(in crate::recognition) columns: Option<(Vec<f64>, Vec<f64>)>,
     pub(super) draws: Vec<Field>,
     /// What touches would measure on the first of the draws.
     pub(super) touches: Vec<Vec<[f64; 3]>>,

@@ -8,11 +8,10 @@
 //! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the paths of
 //! a few fingers are far apart, and what lies between two of them is still the touched surface.
 
+use crate::recognition::contacts::{Cells, Neighbours};
+use crate::recognition::start::thinned;
+use crate::recognition::statistics::median;
 use crate::vector::{Vector, dot, minus, norm};
-
-use super::contacts::{Cells, Neighbours};
-use super::start::thinned;
-use super::statistics::median;
 
 /// Contacts whose nearest neighbours are looked up.
 const SAMPLE: usize = 4000;
@@ -36,7 +35,7 @@ pub(super) struct Support<'a> {
 
 impl<'a> Support<'a> {
     /// Of contacts, by their feet, with their chart positions.
-    pub(super) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+    pub(in crate::recognition) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
         let tree = Neighbours::new(feet);
         let sample = thinned(feet, SAMPLE);
         let mut nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
@@ -74,7 +73,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Convex hull, to the left around (A. M. Andrew, 1979).
-pub(super) fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub(in crate::recognition) fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = near_the_outline(points);
     sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();

@@ -11,9 +11,8 @@
 //! as well as all N do, so that shared errors count. Normals are not counted, which makes both larger than they need be.
 
 use crate::contact::Contacts;
+use crate::recognition::{MapPoint, Recognition, dense};
 use crate::shape::PointSds;
-
-use super::{MapPoint, Recognition, dense};
 
 /// Coefficients of the quadratic.
 const TERMS: usize = 6;

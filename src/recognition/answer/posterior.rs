@@ -27,17 +27,17 @@ use statrs::function::erf;
 
 use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
+use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::evidence::{Evidence, Node};
+use crate::recognition::kinds::Kind;
+use crate::recognition::region::{PredictiveDraw, measured, predicted};
+use crate::recognition::statistics::standard_deviation;
+use crate::recognition::{Estimate, RecognitionOptions, dense};
 use crate::threads;
 
-use super::departures::{ChartPoint, State};
 use super::drawn::{Drawn, classes, interval_of, pointwise, within_deg};
-use super::evidence::{Evidence, Node};
 use super::field::{Field, Points};
-use super::kinds::Kind;
-use super::predictive::{PredictiveDraw, measured, predicted};
-use super::statistics::standard_deviation;
 use super::weights::Weights;
-use super::{Estimate, RecognitionOptions, dense};
 
 /// Draws in all.
 const DRAWS: f64 = 400.0;

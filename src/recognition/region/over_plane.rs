@@ -9,9 +9,9 @@
 //! the same wherever it can. Steeper patches keep the grid of their chart.
 
 use crate::bspline::linspace;
+use crate::recognition::departures::ChartPoint;
 use crate::vector::Vector;
 
-use super::departures::ChartPoint;
 use super::surface::RecognisedSurface;
 
 /// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.

@@ -11,13 +11,13 @@
 
 use crate::contact::{Contacts, Frame, Orientation};
 use crate::fit::FitOptions;
+use crate::recognition::statistics::standard_deviation;
+use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
 use crate::vector::{Vector, dot};
 
 use super::beside::leaves_much_unsaid;
 use super::flexible::{Flexible, flexible};
 use super::own_axes::own_axes;
-use super::statistics::standard_deviation;
-use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
 const PREDICTED: f64 = 0.5;

@@ -8,11 +8,10 @@
 //! rectangle of least area lies along a side of the convex hull (H. Freeman and R. Shapira, *Commun. ACM* 18 (1975) 409).
 
 use crate::contact::{Contacts, Orientation};
+use crate::recognition::RecognitionOptions;
+use crate::recognition::contacts::patch_frame;
+use crate::recognition::region::hull;
 use crate::vector::{Vector, along, cross, dot, minus};
-
-use super::RecognitionOptions;
-use super::contacts::patch_frame;
-use super::support::hull;
 
 /// A later side of the hull counts as better when its rectangle is smaller by more than this share, so that rounding does
 /// not choose between the sides of a lattice.

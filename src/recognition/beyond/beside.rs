@@ -11,9 +11,8 @@
 //! The kinds that are recognised do not have this bias in common.
 
 use crate::fit::{Fit, ModelReading, Reading, richer_reading};
+use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
 use crate::vector::Vector;
-
-use super::{Recognition, RecognitionError, RecognitionOptions};
 
 /// Contacts that are recognised at most. More would narrow a reading that is dominated by the kind of surface, and
 /// would take longer than the fit.

@@ -13,15 +13,16 @@
 use std::sync::Arc;
 
 use crate::bspline::linspace;
+use crate::recognition::RecognitionOptions;
+use crate::recognition::departures::{ChartPoint, Displacement, State};
+use crate::recognition::evidence::Evidence;
+use crate::recognition::kinds::ConstantCurvature;
+use crate::recognition::start::Patch;
 use crate::vector::Vector;
 
-use super::departures::{ChartPoint, Displacement, State};
-use super::evidence::Evidence;
-use super::kinds::ConstantCurvature;
-use super::start::Patch;
+use super::over_plane;
 use super::support::Support;
 use super::surface::RecognisedSurface;
-use super::{RecognitionOptions, over_plane};
 
 /// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of
 /// them.
@@ -32,20 +33,20 @@ const LATTICE: usize = 16;
 const FEW: usize = 8;
 
 /// The reported surface with its points.
-pub(super) struct Region {
-    pub(super) surface: RecognisedSurface,
-    pub(super) map: Vec<ChartPoint>,
+pub(in crate::recognition) struct Region {
+    pub(in crate::recognition) surface: RecognisedSurface,
+    pub(in crate::recognition) map: Vec<ChartPoint>,
     /// Whether contacts support a point of the map.
-    pub(super) supported: Vec<bool>,
-    pub(super) lattice: Vec<ChartPoint>,
+    pub(in crate::recognition) supported: Vec<bool>,
+    pub(in crate::recognition) lattice: Vec<ChartPoint>,
     /// Numbers of the lattice's points within the map, where they are a part of it.
-    pub(super) within_map: Option<Vec<usize>>,
+    pub(in crate::recognition) within_map: Option<Vec<usize>>,
     /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
-    pub(super) over: Option<[[f64; 2]; 2]>,
+    pub(in crate::recognition) over: Option<[[f64; 2]; 2]>,
 }
 
 impl Region {
-    pub(super) fn new(
+    pub(in crate::recognition) fn new(
         patch: &Patch,
         evidence: &Evidence,
         base: &ConstantCurvature,

@@ -3,27 +3,25 @@
 use faer::Mat;
 
 use crate::curvature::{ShapeClass, curvedness, shape_index};
+use crate::recognition::contacts::Dropped;
+use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::evidence::{self, Evidence, Linearised, Node, curvatures};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::noise::PlaceErrors;
+use crate::recognition::options::Asked;
+use crate::recognition::region::{RecognisedSurface, Region, chart_point, places};
+use crate::recognition::start::{Patch, weighted_rms};
+use crate::recognition::statistics::standard_deviation;
+use crate::recognition::{
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Tried, dense,
+};
 use crate::shape::radius_of;
 use crate::vector::{Vector, cross};
 
-use super::contacts::Dropped;
-use super::departures::{ChartPoint, State};
-use super::evidence::{self, Evidence, Linearised, Node, curvatures};
 use super::field::Points;
-use super::kinds::{Kind, Model};
 use super::misfit::{self, misfit};
-use super::noise::PlaceErrors;
-use super::options::Asked;
 use super::posterior::{Summary, likeliest, summary};
-use super::region::Region;
-use super::start::{Patch, weighted_rms};
-use super::statistics::standard_deviation;
-use super::surface::chart_point;
 use super::weights::{Weights, total};
-use super::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, RecognisedSurface, Recognition, RecognitionError,
-    RecognitionOptions, Tried, dense, predictive,
-};
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;
@@ -35,21 +33,21 @@ const LARGE: f64 = 0.25;
 const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
 
 /// Everything that was found, in the frame of the patch.
-pub(super) struct Findings<'a> {
-    pub(super) patch: &'a Patch,
-    pub(super) evidence: &'a Evidence<'a>,
-    pub(super) nodes: &'a [Node],
-    pub(super) weights: &'a Weights,
-    pub(super) relief: f64,
-    pub(super) linearised: &'a Linearised,
-    pub(super) distances: &'a Mat<f64>,
+pub(in crate::recognition) struct Findings<'a> {
+    pub(in crate::recognition) patch: &'a Patch,
+    pub(in crate::recognition) evidence: &'a Evidence<'a>,
+    pub(in crate::recognition) nodes: &'a [Node],
+    pub(in crate::recognition) weights: &'a Weights,
+    pub(in crate::recognition) relief: f64,
+    pub(in crate::recognition) linearised: &'a Linearised,
+    pub(in crate::recognition) distances: &'a Mat<f64>,
     /// A sample of the contacts, each with the one whose foot is nearest.
-    pub(super) nearest: &'a [[usize; 2]],
-    pub(super) place_errors: PlaceErrors,
+    pub(in crate::recognition) nearest: &'a [[usize; 2]],
+    pub(in crate::recognition) place_errors: PlaceErrors,
     /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
-    pub(super) doubt_of_places: f64,
+    pub(in crate::recognition) doubt_of_places: f64,
     /// Places that the caller asks about.
-    pub(super) asked: &'a Asked<'a>,
+    pub(in crate::recognition) asked: &'a Asked<'a>,
 }
 
 /// The points that contacts support.
@@ -80,7 +78,10 @@ fn failed(step: &'static str) -> RecognitionError {
 
 impl Findings<'_> {
     /// The whole answer.
-    pub(super) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+    pub(in crate::recognition) fn recognition(
+        &self,
+        options: &RecognitionOptions,
+    ) -> Result<Recognition, RecognitionError> {
         let tried = self.tried();
         let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
         let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
@@ -164,7 +165,7 @@ impl Findings<'_> {
             map,
             within: region.within_map.as_deref().filter(|_| map.len() == region.map.len()),
             middle: Some(region.surface.chart_point(u, v)),
-            touched: &predictive::places(&region.surface, self.asked.touches),
+            touched: &places(&region.surface, self.asked.touches),
         };
         summary(self.evidence, self.nodes, self.weights, best, &over, options)
     }
