@@ -111,7 +111,9 @@ impl Recognition {
     }
 }
 
-/// The steps, top to bottom.
+/// The steps, top to bottom, each in its room: the contacts are put in order (`contacts`), a robust surface says which of them belong
+/// together (`start`), how they err is told (`noise`), every kind of surface with its departures (`kinds`, `departures`) is asked how
+/// probable it is (`equations`, `evidence`), and the answer is told over the part that contacts support (`region`, `answer`).
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
     let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();

@@ -4,8 +4,9 @@
 //! mean S = sum w_node (mean of S over supported points)        interval = quantiles over drawn surfaces under the weights v
 //! ```
 //!
-//! `weights.rs` comes first: those of the estimate and those of the interval. `field.rs` is what one surface shows, `drawn.rs` what many
-//! show together, and `posterior.rs` draws them. `misfit.rs` looks for a pattern in the residuals, and `report.rs` puts all into the result.
+//! `weights.rs` comes first: those of the estimate and those of the interval. `field.rs` is what one surface shows, `drawn.rs` what
+//! many show together, and `posterior.rs` draws them. `misfit.rs` looks for a pattern in the residuals, and `report.rs` puts all
+//! into the result.
 
 mod drawn;
 mod field;

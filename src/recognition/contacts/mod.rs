@@ -5,9 +5,9 @@
 //! cell = mean of the contacts in one voxel, at most 200 of them
 //! ```
 //!
-//! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and `frame.rs`
-//! finds the frame. About a first surface, `believable_normals.rs` tells whether the normals are measurements, and `cells.rs`
-//! averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts that have none.
+//! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
+//! `frame.rs` finds the frame. About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
+//! `cells.rs` averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts without any.
 
 mod believable_normals;
 mod cells;

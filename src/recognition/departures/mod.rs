@@ -4,9 +4,9 @@
 //! Q(u, v) = point at arc lengths (u, v), moved by f(u, v) along the normal        f(u, v) = sum_ij c_ij N_i(u) N_j(v)
 //! ```
 //!
-//! `displacement.rs` comes first, with the splines and the prior of third derivatives that cost. `natural.rs` has the prior of natural size,
-//! and `smooth.rs`, with `turned.rs` for bodies that were turned, those of processes that are smooth in all their derivatives.
-//! `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends.
+//! `displacement.rs` comes first, with the splines and the prior of third derivatives that cost. `natural.rs` has the prior of
+//! natural size, and `smooth.rs`, with `turned.rs` for bodies that were turned, those of processes that are smooth in all their
+//! derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends.
 
 mod displacement;
 mod natural;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! `node.rs` says what a hypothesis is. `linearised.rs` collects what the evidence is computed from, `whitened.rs` brings it under one
-//! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again about a
-//! displaced surface, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
+//! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again
+//! about a displaced surface, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
 
 mod joint_posterior;
 mod linearised;

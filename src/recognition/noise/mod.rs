@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Errors of places come first: `places.rs` asks how large they are, `in_place.rs` weighs contacts on slopes by them, and `strayed.rs`
-//! sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals, and `gain.rs` for a
-//! sensor whose slopes are all too steep.
+//! sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
+//! and `gain.rs` for a sensor whose slopes are all too steep.
 
 mod covariance;
 mod gain;

@@ -4,8 +4,9 @@
 //! minimise sum_i w_i d(theta; P_i)^2        w_i = min(1, 1.345 s/|d_i|)        s = 1.4826 median |d - median d|
 //! ```
 //!
-//! `descent.rs` makes one such fit and `robust.rs` chooses among several. `taken_back.rs` keeps contacts that lie off it only because the
-//! surface departs from constant curvatures. `patch.rs` puts these steps together, and `relief.rs` says how far the patch is from a plane.
+//! `descent.rs` makes one such fit and `robust.rs` chooses among several. `taken_back.rs` keeps contacts that lie off it only because
+//! the surface departs from constant curvatures. `patch.rs` puts these steps together, and `relief.rs` says how far the patch is
+//! from a plane.
 
 mod descent;
 mod patch;
