@@ -28,97 +28,46 @@
 //! # Ok::<(), palpate::recognition::RecognitionError>(())
 //! ```
 
-mod believable_normals;
-mod beside;
-mod cells;
-mod constant_curvature;
+mod answer;
+mod beyond;
+mod contacts;
 mod dense;
-mod descent;
-mod displacement;
-mod drawn;
+mod departures;
+mod equations;
 mod error;
-mod estimated_normals;
 mod evidence;
-mod field;
-mod flexible;
-mod frame;
-mod gain;
-mod in_place;
-mod input;
-mod joint_posterior;
-mod linearised;
-mod looks;
-mod misfit;
-mod model;
-mod moved;
-mod natural_departure;
-mod neighbours;
-mod node;
+mod kinds;
 mod noise;
-mod normal_noise;
 mod options;
-mod orientation;
-mod over_plane;
-mod own_axes;
-mod paraboloid;
-mod patch;
-mod place_errors;
-#[cfg(feature = "cli")]
-mod pointwise;
-mod posterior;
-mod predictive;
-mod reduced;
 mod region;
-mod report;
 mod result;
-mod rows;
-mod search;
-mod second_look;
-#[cfg(feature = "cli")]
-mod shown;
-mod smooth_departure;
-mod spline;
 mod start;
-mod state;
-mod strayed;
-mod support;
-mod surface;
-mod taken_back;
+mod statistics;
 #[cfg(test)]
 mod tests;
-mod turned_departure;
-mod weights;
-mod whitened;
 
-pub use error::RecognitionError;
-// parts of a cloud are found among neighbours, too
-pub(crate) use neighbours::Neighbours;
+pub use beyond::RecognisedSpline;
 // free-form parts are described by the same field as contacts that no simple shape explains
 #[cfg(feature = "cli")]
-pub(crate) use flexible::Flexible;
-pub(crate) use flexible::flexible;
+pub(crate) use beyond::{FieldRequest, Flexible, Pointwise, Shown, shown};
+pub(crate) use beyond::{flexible, own_axes};
+// parts of a cloud are found among neighbours, too
+pub(crate) use contacts::Neighbours;
+pub use contacts::NormalsUse;
+pub use error::RecognitionError;
 pub use options::RecognitionOptions;
-pub(crate) use own_axes::own_axes;
+pub(crate) use region::PredictiveDraw;
 #[cfg(feature = "cli")]
-pub(crate) use pointwise::Pointwise;
-pub(crate) use predictive::PredictiveDraw;
-pub(crate) use result::Dropped;
-pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition, Tried};
-#[cfg(feature = "cli")]
-pub(crate) use shown::{FieldRequest, Shown, shown};
-pub use spline::RecognisedSpline;
-pub(crate) use surface::RecognisedSurface;
+pub(crate) use region::RecognisedSurface;
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
 use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
-use input::Given;
-use linearised::{FactorPair, Linearised};
-use looks::At;
-use model::{Kind, Model};
-use noise::Limit;
-use patch::Patch;
-use place_errors::PlaceErrors;
+use contacts::{Given, check_options};
+use evidence::At;
+use kinds::{Kind, Model};
+use options::Asked;
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -135,7 +84,7 @@ impl Recognition {
         options: &RecognitionOptions,
         touches: &[[f64; 2]],
     ) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let asked = Asked { touches, ..Asked::default() };
         recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }
@@ -145,7 +94,7 @@ impl Recognition {
     /// # Errors
     /// As [`Recognition::of`].
     pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
         recognise_given(Given::from_grid(grid, options)?, &Asked::default(), &upward)
     }
@@ -156,44 +105,37 @@ impl Recognition {
         places: &[Vector],
         options: &RecognitionOptions,
     ) -> Result<Recognition, RecognitionError> {
-        input::check_options(options)?;
+        check_options(options)?;
         let asked = Asked { means: Some(places), ..Asked::default() };
         recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
     }
 }
 
-/// Places that a caller asks about.
-#[derive(Clone, Copy, Debug, Default)]
-struct Asked<'a> {
-    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
-    means: Option<&'a [Vector]>,
-    /// Where touches are predicted, x and y of the input.
-    touches: &'a [[f64; 2]],
-}
-
-/// The steps, top to bottom.
+/// The steps, top to bottom, each in its room: the contacts are put in order (`contacts`), a robust surface says which of them belong
+/// together (`start`), how they err is told (`noise`), every kind of surface with its departures (`kinds`, `departures`) is asked how
+/// probable it is (`equations`, `evidence`), and the answer is told over the part that contacts support (`region`, `answer`).
 fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
-    let mut patch = Patch::new(given, options)?;
+    let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();
-    let errors = PlaceErrors::of(&patch, &nearest, options.sigma_xy);
-    let mut cells = in_place::weighed(patch.cells(), &patch, &errors);
-    let doubt_of_places = strayed::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
+    let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy);
+    let mut cells = noise::weighed(patch.cells(), &patch, &errors);
+    let doubt_of_places = noise::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
     let models = patch.fitted(&cells);
-    let relief = relief(&cells, &models);
+    let relief = start::relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = Limit::new(&nearest, &patch.distances, relief);
-    let factors = FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, models, &factors);
+    let limit = noise::Limit::new(&nearest, &patch.distances, relief);
+    let factors = evidence::FactorPair::new(&cells, &distances);
+    let plain = evidence::Linearised::new(&cells, &patch.points, models, &factors);
     let misfit = |models: &[Model], kind: Kind| {
-        let distance = |m: &Model| weighted_rms(&cells, m);
+        let distance = |m: &Model| start::weighted_rms(&cells, m);
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
     let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
-    looks::likeliest(at, &plain, |linearised, evidence, nodes| {
+    evidence::likeliest_look(at, &plain, |linearised, evidence, nodes| {
         let misfit = |kind: Kind| misfit(&linearised.models, kind);
-        let weights = weights::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
-        report::Findings {
+        let weights = answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
+        answer::Findings {
             patch: &patch,
             evidence,
             nodes,
@@ -208,20 +150,4 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         }
         .recognition(options)
     })
-}
-
-/// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
-fn relief(cells: &cells::Cells, models: &[Model]) -> f64 {
-    /// A fiftieth of the patch's size.
-    const FLAT: f64 = 0.02;
-    let of = |kind: Kind| models.iter().find(|m| m.kind() == kind);
-    let (Some(plane), Some(general)) = (of(Kind::Plane), of(Kind::General)) else { return FLAT };
-    let heights: Vec<f64> = cells.points.iter().map(|p| plane.distance(*p) - general.distance(*p)).collect();
-    weights::standard_deviation(&heights).hypot(FLAT)
-}
-
-fn weighted_rms(cells: &cells::Cells, model: &Model) -> f64 {
-    let weighted: Vec<f64> =
-        cells.points.iter().zip(&cells.weights).map(|(p, w)| w.sqrt() * model.distance(*p)).collect();
-    weights::standard_deviation(&weighted)
 }

@@ -1,5 +1,7 @@
 //! What a caller may say to a recognition; everything else is taken from the data.
 
+use crate::vector::Vector;
+
 /// Options of [`Recognition::of`](super::Recognition::of). The defaults serve a user who names nothing.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -69,4 +71,13 @@ impl RecognitionOptions {
     pub fn with_sigma_xy(self, sigma_xy: f64) -> RecognitionOptions {
         RecognitionOptions { sigma_xy, ..self }
     }
+}
+
+/// Places that a caller asks about.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Asked<'a> {
+    /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
+    pub(super) means: Option<&'a [Vector]>,
+    /// Where touches are predicted, x and y of the input.
+    pub(super) touches: &'a [[f64; 2]],
 }

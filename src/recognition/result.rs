@@ -6,8 +6,8 @@ use statrs::function::erf;
 use crate::contact::Frame;
 use crate::curvature::ShapeClass;
 
-use super::predictive::PredictiveDraw;
-use super::surface::RecognisedSurface;
+use super::contacts::NormalsUse;
+use super::region::{PredictiveDraw, RecognisedSurface};
 
 /// The kinds of surface that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -116,51 +116,6 @@ impl Estimate {
         self.interval = [(self.mean - lo).max(0.0), self.mean + hi];
         (self.u, self.u_model) = (self.u.hypot(own), self.u_model.hypot(own));
     }
-}
-
-/// What the normals were used for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum NormalsUse {
-    /// They are measurements of their own, and used as data.
-    Believed,
-    /// They were computed from the positions, and only tell the free side.
-    DerivedFromPositions,
-    /// Too many of them contradict the surface; only positions are used.
-    Contradicting,
-    /// There are none.
-    Absent,
-    /// The caller asked not to use them.
-    Ignored,
-}
-
-impl NormalsUse {
-    /// The words used in every output.
-    pub fn name(self) -> &'static str {
-        match self {
-            NormalsUse::Believed => "used",
-            NormalsUse::DerivedFromPositions => "derived from the positions, not used",
-            NormalsUse::Contradicting => "contradicting the positions, not used",
-            NormalsUse::Absent => "absent",
-            NormalsUse::Ignored => "ignored",
-        }
-    }
-}
-
-/// Contacts and normals that were set aside or changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Dropped {
-    /// Contacts too far off the surface to belong to it.
-    pub outliers: usize,
-    /// Missing pixels of a grid.
-    pub missing: usize,
-    /// Normals of length zero.
-    pub normals_of_length_zero: usize,
-    /// Normals more than 60 degrees off the surface's.
-    pub normals_against: usize,
-    /// Normals that were reversed to agree with their neighbours.
-    pub normals_flipped: usize,
 }
 
 /// What the residuals tell of the sensor.

@@ -5,7 +5,11 @@ use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
 use crate::vector::{Vector, cross, dot, unit};
 
-use super::evidence::{Evidence, Look};
+use super::equations::Moved;
+use super::evidence::{Evidence, FactorPair, Linearised, Look};
+use super::kinds::ConstantCurvature;
+use super::noise::Limit;
+use super::start::{Patch, relief};
 use super::*;
 
 /// Uniform and gaussian numbers of one seed.
@@ -256,8 +260,8 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let factors = FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
     let moved = |k: f64| {
-        let base = constant_curvature::ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
-        let moved = moved::Moved { base: Model::Constant(Kind::General, base), slopes: None, spent: 0.0, kernel: 0 };
+        let base = ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
+        let moved = Moved { base: Model::Constant(Kind::General, base), slopes: None, spent: 0.0, kernel: 0 };
         plain.about(&moved, &cells, &patch.points, &factors).is_some()
     };
     assert!(moved(-0.1) && !moved(-1.5));

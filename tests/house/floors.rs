@@ -1,9 +1,9 @@
-//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. No two
-//! files import each other.
+//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. So do the inner
+//! rooms of a room that has some, whichever way their paths are written. No two files import each other.
 
 mod files;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
@@ -38,6 +38,31 @@ const FLOORS: [(&str, u8); 27] = [
     ("cli", 9),
     ("main", 10),
 ];
+
+/// Floors of the inner rooms, of rooms that have some; a file that stands beside them is held like an inner room. The room's own
+/// `mod.rs` stands above all of them, and only tests stand above that.
+const INNER: [(&str, &[(&str, u8)]); 1] = [(
+    "recognition",
+    &[
+        ("dense", 0),
+        ("error", 0),
+        ("options", 0),
+        ("statistics", 0),
+        ("kinds", 1),
+        ("contacts", 2),
+        ("departures", 3),
+        ("start", 4),
+        ("equations", 4),
+        ("noise", 5),
+        ("evidence", 6),
+        ("region", 7),
+        ("result", 8),
+        ("answer", 9),
+        ("beyond", 10),
+        ("mod", 11),
+        ("tests", 12),
+    ],
+)];
 
 /// Every `crate::room` named in a file, `use crate::{a, b}` included; a `mod tests` may look anywhere for its oracle.
 fn rooms_named(source: &str) -> Vec<String> {
@@ -97,6 +122,25 @@ fn faults(room: &str, source: &str) -> Vec<String> {
         .collect()
 }
 
+/// Imports between the inner rooms of a room that do not go strictly downwards; `sources` are `(path below src, text)`.
+fn inner_faults(room: &str, floors: &[(&str, u8)], sources: &[(String, String)]) -> Vec<String> {
+    let inner = |file: &str| {
+        let inside = file.strip_prefix(room)?.strip_prefix('/')?;
+        inside.split('/').next().map(|first| first.trim_end_matches(".rs").to_string())
+    };
+    let floor = |name: &str| floors.iter().find(|(known, _)| *known == name).map(|(_, floor)| *floor);
+    let standing: BTreeSet<String> = sources.iter().filter_map(|(file, _)| inner(file)).collect();
+    let nowhere = standing.iter().filter(|name| floor(name).is_none());
+    let mut found: Vec<String> = nowhere.map(|name| format!("{room}/{name} stands on no floor")).collect();
+    for [from, to] in files::imports(sources) {
+        let (Some(own), Some(other)) = (inner(&from), inner(&to)) else { continue };
+        if own != other && floor(&other) >= floor(&own) {
+            found.push(format!("{from} imports {to}, which is not below {room}/{own}"));
+        }
+    }
+    found
+}
+
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("src is there") {
         let path = entry.expect("an entry").path();
@@ -138,8 +182,8 @@ fn an_upward_import_is_caught() {
     assert_eq!(faults("cellar", "").len(), 1);
 }
 
-#[test]
-fn no_two_files_import_each_other() {
+/// All files of the library as `(path below src, text)`.
+fn library() -> Vec<(String, String)> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut paths = Vec::new();
     sources(&src, &mut paths);
@@ -150,22 +194,55 @@ fn no_two_files_import_each_other() {
         let inside = path.strip_prefix(&src).expect("below src").to_string_lossy().replace('\\', "/");
         (inside, std::fs::read_to_string(path).expect("readable"))
     };
-    let found = files::circles(&paths.iter().map(read).collect::<Vec<_>>());
+    paths.iter().map(read).collect()
+}
+
+/// The files of a fixture, each behind a line `// file: NAME`.
+fn fixture_files(fixture: &str) -> Vec<(String, String)> {
+    let named = |part: &str| {
+        let (name, text) = part.split_once('\n').expect("a name and a text");
+        (name.trim().to_string(), text.to_string())
+    };
+    fixture.split("// file: ").skip(1).map(named).collect()
+}
+
+#[test]
+fn inner_rooms_import_strictly_downwards() {
+    let library = library();
+    for (room, floors) in INNER {
+        let found = inner_faults(room, floors, &library);
+        assert!(found.is_empty(), "{found:#?}");
+        let gone = floors.iter().filter(|(name, _)| {
+            let [folder, file] = [format!("{room}/{name}/mod.rs"), format!("{room}/{name}.rs")];
+            !library.iter().any(|(path, _)| *path == folder || *path == file)
+        });
+        assert_eq!(gone.count(), 0, "a floor of {room} on which nothing stands");
+    }
+}
+
+#[test]
+fn an_upward_import_between_inner_rooms_is_caught() {
+    let files = fixture_files(include_str!("../fixtures/inner_upward_import.rs.txt"));
+    let floors = [("cellar", 0), ("stairs", 1), ("hall", 1), ("attic", 2), ("mod", 3)];
+    let expected = [
+        "house/cellar/stone.rs imports house/attic/roof.rs, which is not below house/cellar",
+        "house/cellar/stone.rs imports house/hall.rs, which is not below house/cellar",
+        "house/hall.rs imports house/stairs.rs, which is not below house/hall",
+        "house/stairs.rs imports house/mod.rs, which is not below house/stairs",
+    ];
+    assert_eq!(inner_faults("house", &floors, &files), expected);
+    assert!(inner_faults("house", &floors[..4], &files).contains(&"house/mod stands on no floor".to_string()));
+}
+
+#[test]
+fn no_two_files_import_each_other() {
+    let found = files::circles(&library());
     assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
 fn files_that_import_each_other_are_caught() {
-    let fixture = include_str!("../fixtures/file_circle.rs.txt");
-    let sources: Vec<(String, String)> = fixture
-        .split("// file: ")
-        .skip(1)
-        .map(|part| {
-            let (name, text) = part.split_once('\n').expect("a name and a text");
-            (name.trim().to_string(), text.to_string())
-        })
-        .collect();
-    let found = files::circles(&sources);
+    let found = files::circles(&fixture_files(include_str!("../fixtures/file_circle.rs.txt")));
     let expected: [&[&str]; 3] = [
         &["chain/first.rs", "chain/second.rs", "chain/third.rs"],
         &["ring/driver.rs", "ring/loss.rs"],

@@ -52,6 +52,17 @@ fn reached<'a>(from: &'a String, edges: &'a BTreeSet<[String; 2]>) -> BTreeSet<&
 
 /// `[importer, imported]` for every pair of files that are not parent and child.
 fn edges(sources: &[(String, String)]) -> BTreeSet<[String; 2]> {
+    let is_kin = |a: &[String], b: &[String]| a.len() == b.len() + 1 && a.starts_with(b);
+    let mut found = imports(sources);
+    found.retain(|[from, to]| {
+        let [from, to] = [module_of(from), module_of(to)];
+        !is_kin(&from, &to) && !is_kin(&to, &from)
+    });
+    found
+}
+
+/// `[importer, imported]` for every pair of files; `sources` are `(path below src, text)`.
+pub(super) fn imports(sources: &[(String, String)]) -> BTreeSet<[String; 2]> {
     let mut found = Crate::default();
     for (file, text) in sources {
         let tokens: TokenStream = text.parse().expect("the file parses");
@@ -59,9 +70,7 @@ fn edges(sources: &[(String, String)]) -> BTreeSet<[String; 2]> {
     }
     let resolved = found.mentions.iter().filter_map(|mention| {
         let target = found.resolve(&mention.module, &mention.path, 0)?;
-        let [from, to] = [module_of(&mention.file), module_of(&target)];
-        let is_kin = |a: &[String], b: &[String]| a.len() == b.len() + 1 && a.starts_with(b);
-        (target != mention.file && !is_kin(&from, &to) && !is_kin(&to, &from)).then(|| [mention.file.clone(), target])
+        (target != mention.file).then(|| [mention.file.clone(), target])
     });
     resolved.collect()
 }

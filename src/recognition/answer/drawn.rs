@@ -1,0 +1,127 @@
+//! What the surfaces drawn at random say: intervals, angles, shares of the classes and scatter at every point.
+//!
+//! ```text
+//! quantile(p) = least value v with   sum of shares of draws <= v   >=   p sum of all shares
+//! share of a draw = weight of its node / draws of the node
+//! mirrored draw   = 2 likeliest - draw
+//! ```
+
+use crate::curvature::ShapeClass;
+use crate::recognition::kinds::Kind;
+use crate::vector::{Vector, dot};
+
+use super::field::Field;
+
+/// Everything drawn for one node.
+pub(super) struct Drawn {
+    pub(in crate::recognition) kind: Kind,
+    pub(super) displaced: bool,
+    /// Weights of the node in estimate and interval.
+    pub(in crate::recognition) weights: [f64; 2],
+    pub(super) likeliest: Field,
+    /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
+    pub(in crate::recognition) columns: Option<(Vec<f64>, Vec<f64>)>,
+    pub(super) draws: Vec<Field>,
+    /// What touches would measure on the first of the draws.
+    pub(super) touches: Vec<Vec<[f64; 3]>>,
+}
+
+/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
+/// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of R therefore count half as they
+/// are and half mirrored at the likeliest. S takes the wider end of both ways on either side, because it ends at 1 where
+/// mirrored draws pile up.
+pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
+    if !of_s {
+        return quantiles(found, pick, level, Some([0.0, f64::INFINITY]));
+    }
+    let [lo, hi] = quantiles(found, pick, level, None)?;
+    let [low, high] = quantiles(found, pick, level, Some([-1.0, 1.0]))?;
+    Some([lo.min(low), hi.max(high)])
+}
+
+/// Both quantiles of the draws under the interval's weights. With `mirrored`, the range of the quantity, a displaced
+/// surface's draws count half as they are and half mirrored at its likeliest value.
+fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let mut values: Vec<(f64, f64)> = Vec::new();
+    for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
+        let share = drawn.weights[1] / drawn.draws.len() as f64;
+        let twice = mirrored.is_some() && drawn.displaced;
+        let share = if twice { 0.5 * share } else { share };
+        values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
+        if let Some([least, most]) = mirrored.filter(|_| drawn.displaced) {
+            let about = 2.0 * pick(&drawn.likeliest);
+            values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).clamp(least, most), share)));
+        }
+    }
+    values.retain(|(value, share)| value.is_finite() && *share > 0.0);
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some([quantile(&values, 0.5 * (1.0 - level))?, quantile(&values, 0.5 * (1.0 + level))?])
+}
+
+/// The value that a part `level` of the weights does not exceed, of values in order with their weights.
+fn quantile(ordered: &[(f64, f64)], level: f64) -> Option<f64> {
+    let sum: f64 = ordered.iter().map(|(_, share)| share).sum();
+    let mut below = 0.0;
+    let reached = ordered.iter().find(|(_, share)| {
+        below += share;
+        below >= level * sum
+    });
+    reached.or(ordered.last()).map(|(value, _)| *value)
+}
+
+/// The angle from this direction, degrees, that a part `level` of the draws does not exceed.
+pub(super) fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64) -> Option<f64> {
+    let angle = |field: &Field| {
+        let along = field.directions.map_or(0.0, |of| dot(of[which], own).abs());
+        along.min(1.0).acos().to_degrees()
+    };
+    let mut angles: Vec<(f64, f64)> = Vec::new();
+    for drawn in found.iter().filter(|drawn| !drawn.draws.is_empty()) {
+        let share = drawn.weights[1] / drawn.draws.len() as f64;
+        angles.extend(drawn.draws.iter().map(|field| (angle(field), share)));
+    }
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    quantile(&angles, level)
+}
+
+/// Shares of the classes: that of the plane by the evidence, because a surface so near to a plane that it cannot be told from
+/// one is called plane; those of the others, which have the rest, under the interval's weights.
+pub(super) fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
+    let all = |of: usize, of_plane: bool| -> f64 {
+        found.iter().filter(|d| !of_plane || d.kind == Kind::Plane).map(|d| d.weights[of]).sum()
+    };
+    let plane = all(0, true) / all(0, false);
+    let curved = all(1, false) - all(1, true);
+    let mut out: Vec<(ShapeClass, f64)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0.0)).collect();
+    for drawn in found.iter().filter(|d| d.kind != Kind::Plane && d.weights[1] > 0.0) {
+        let share = (1.0 - plane) * drawn.weights[1] / (curved * drawn.draws.len().max(1) as f64);
+        for field in &drawn.draws {
+            let class = ShapeClass::of_shape_index(field.s);
+            out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);
+        }
+    }
+    out.push((ShapeClass::Plane, plane));
+    let sum: f64 = out.iter().map(|c| c.1).sum();
+    out.iter_mut().for_each(|c| c.1 /= sum);
+    out.retain(|c| c.1 > 0.0);
+    out.sort_by(|a, b| b.1.total_cmp(&a.1));
+    out
+}
+
+/// Standard deviations of S and R at every point over all draws.
+pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 2]> {
+    let sd = |i: usize, k: usize| {
+        let (mut all, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        // about the first value, so that the squares do not cancel
+        let about = found.first().map_or(0.0, |d| d.likeliest.at[i][k]);
+        for drawn in found.iter().filter(|d| k == 1 || d.kind != Kind::Plane) {
+            let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
+            for field in &drawn.draws {
+                let value = field.at[i][k] - about;
+                (all, sum, squares) = (all + share, sum + share * value, squares + share * value * value);
+            }
+        }
+        if all > 0.0 { (squares / all - (sum / all).powi(2)).max(0.0).sqrt() } else { 0.0 }
+    };
+    (0..points).map(|i| [sd(i, 0), sd(i, 1)]).collect()
+}

@@ -1,0 +1,336 @@
+//! A smooth displacement f along the normal of the general surface: how the shape departs from two constant curvatures.
+//!
+//! ```text
+//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 5 x 5 segments over the chart, 81 coefficients
+//! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
+//! ```
+//!
+//! A displacement of second degree has no penalty. The general surface's own parameters represent it already, so it is
+//! left out: the columns are the eigenvectors of the penalty with positive eigenvalues, scaled so that a displacement
+//! of prior size has mean square 1.
+//!
+//! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural`]), and some hundred
+//! those of processes that are smooth in all their derivatives ([`smooth`]). All are combinations of the same splines.
+//!
+//! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
+//! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
+//! place.
+
+use faer::Mat;
+
+use crate::bspline::{Knots, gram};
+use crate::linalg;
+use crate::recognition::contacts::Cells;
+use crate::recognition::kinds::{ConstantCurvature, Jet};
+
+use super::{natural, smooth};
+
+use crate::vector::{Vector, along};
+
+const DEGREE: usize = 4;
+/// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
+/// then taken for shared errors. Five take twice the time.
+const SEGMENTS: usize = 5;
+const WIDTH: usize = DEGREE + 1;
+
+/// Order of the derivatives that are penalised.
+const ORDER: usize = 3;
+
+/// Cells needed. Below 16 the prior decides most of f, which is right where an interval asks what else the surface may be.
+const FEWEST: usize = 9;
+
+/// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
+/// them.
+pub(in crate::recognition) const POLE: f64 = 0.5;
+
+/// Share of the largest mean square at the cells below which a column of a smooth departure is left out. With a tenth of it there are a
+/// quarter more columns and the same intervals.
+const UNSEEN: f64 = 1e-5;
+
+/// Margin of the chart's box, relative to its width.
+const MARGIN: f64 = 0.02;
+
+/// Columns of the displacement at the cells, and the matrix from the columns' weights to spline coefficients.
+#[derive(Clone, Debug)]
+pub(in crate::recognition) struct Displacement {
+    knots: [Knots; 2],
+    /// 81 x columns.
+    to_coefficients: Mat<f64>,
+    /// Number of columns with the prior above.
+    pub(in crate::recognition) rough: usize,
+    /// Number of columns of natural departures, which follow.
+    pub(in crate::recognition) natural: usize,
+    /// First column and number of columns of every smooth departure.
+    pub(in crate::recognition) smooth: Vec<(usize, usize)>,
+    /// Rows of the distances.
+    pub(in crate::recognition) positions: Mat<f64>,
+    /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
+    pub(in crate::recognition) normals: Option<Mat<f64>>,
+}
+
+impl Displacement {
+    /// The displacement over the cells of a general surface, where the data and the chart allow one.
+    /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it.
+    pub(in crate::recognition) fn new(
+        surface: &ConstantCurvature,
+        cells: &Cells,
+        contacts: &[Vector],
+    ) -> Option<Displacement> {
+        let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
+        if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+            return None;
+        }
+        let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
+        let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
+        let mut rough = penalised_columns(&knots)?;
+        let means = CellCharts::new(&outline, cells);
+        let at_cells = |columns: &Mat<f64>| {
+            product(&knots, &means.places, columns, |i, row| {
+                let [uu, uv, vv] = means.spreads[i];
+                row[0] + 0.5 * (uu * row[3] + vv * row[5]) + uv * row[4]
+            })
+        };
+        let mut positions = at_cells(&rough);
+        let size = (square_sum(&positions) / charts.len() as f64).sqrt();
+        scale(&mut rough, 1.0 / size);
+        scale(&mut positions, -1.0 / size);
+        let natural = natural::columns(&knots, surface);
+        let mut natural_positions = at_cells(&natural);
+        scale(&mut natural_positions, -1.0);
+        let mut made = Displacement {
+            knots,
+            to_coefficients: beside(&rough, &natural),
+            positions: beside(&positions, &natural_positions),
+            rough: rough.ncols(),
+            natural: natural.ncols(),
+            smooth: Vec::new(),
+            normals: None,
+        };
+        for process in smooth::all() {
+            let weights = smooth::weights(surface, &made.knots, &rough, process);
+            made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
+        }
+        let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
+        Some(Displacement { normals, ..made })
+    }
+
+    /// Adds the columns of a smooth departure, but for those that hardly show at the cells. `positions` are the rough columns there.
+    fn add_smooth(&mut self, rough: &Mat<f64>, positions: &Mat<f64>, weights: &Mat<f64>) {
+        let at_cells = linalg::product(positions.as_ref(), weights.as_ref());
+        let squares: Vec<f64> =
+            (0..at_cells.ncols()).map(|j| at_cells.col_as_slice(j).iter().map(|v| v * v).sum()).collect();
+        let largest = squares.iter().copied().fold(0.0, f64::max);
+        let kept: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] > UNSEEN * largest).collect();
+        let sum: f64 = kept.iter().map(|&j| squares[j]).sum();
+        let size = (sum / at_cells.nrows() as f64).sqrt();
+        let scaled = |m: &Mat<f64>| Mat::from_fn(m.nrows(), kept.len(), |i, k| m[(i, kept[k])] / size);
+        self.smooth.push((self.positions.ncols(), kept.len()));
+        self.positions = beside(&self.positions, &scaled(&at_cells));
+        let coefficients = linalg::product(rough.as_ref(), scaled(weights).as_ref());
+        self.to_coefficients = beside(&self.to_coefficients, &coefficients);
+    }
+
+    /// Number of columns.
+    pub(in crate::recognition) fn columns(&self) -> usize {
+        self.to_coefficients.ncols()
+    }
+
+    /// First column and number of columns of every group that stands together in some departure: rough and natural columns, and those
+    /// of every smooth departure.
+    pub(in crate::recognition) fn groups(&self) -> Vec<(usize, usize)> {
+        std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().copied()).collect()
+    }
+
+    /// Derivatives of f along both tangents of every cell.
+    fn normal_rows(&self, surface: &ConstantCurvature, cells: &Cells, charts: &[[f64; 2]]) -> Mat<f64> {
+        let step = 1e-4;
+        let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |_, row| row[k]));
+        let n = charts.len();
+        let along_chart = |(side, i): (usize, usize)| {
+            let (p, tangent) = (cells.points[i], cells.tangents[side][i]);
+            let ahead = surface.chart(along(p, step, tangent));
+            let behind = surface.chart(along(p, -step, tangent));
+            [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step))
+        };
+        let places = (0..2).flat_map(|side| (0..n).map(move |i| (side, i)));
+        let steps: Vec<[f64; 2]> = places.map(along_chart).collect();
+        Mat::from_fn(2 * n, self.columns(), |row, j| {
+            let [du, dv] = steps[row];
+            du * slopes[0][(row % n, j)] + dv * slopes[1][(row % n, j)]
+        })
+    }
+
+    /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
+    pub(in crate::recognition) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.to_coefficients.nrows()];
+        for (j, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            out.iter_mut().zip(self.to_coefficients.col_as_slice(j)).for_each(|(out, c)| *out += w * c);
+        }
+        out
+    }
+
+    /// The basis functions at a chart point, with which many displacements can be evaluated there.
+    pub(in crate::recognition) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
+        JetRow::new(&self.knots, [u, v])
+    }
+}
+
+/// Where the contacts of every cell lie in the chart: a cell's mean distance is the mean of f over them, and f bends within
+/// a cell.
+struct CellCharts {
+    /// Mean places.
+    places: Vec<[f64; 2]>,
+    /// Mean squares and products about them: uu, uv, vv.
+    spreads: Vec<[f64; 3]>,
+}
+
+impl CellCharts {
+    /// Of the chart positions of all contacts.
+    fn new(charts: &[[f64; 2]], cells: &Cells) -> CellCharts {
+        let count = cells.points.len();
+        let (mut counts, mut places, mut spreads) = (vec![0.0; count], vec![[0.0; 2]; count], vec![[0.0; 3]; count]);
+        for (&cell, chart) in cells.of.iter().zip(charts) {
+            counts[cell] += 1.0;
+            (0..2).for_each(|k| places[cell][k] += chart[k]);
+        }
+        places.iter_mut().zip(&counts).for_each(|(place, n)| place.iter_mut().for_each(|v| *v /= n));
+        for (&cell, chart) in cells.of.iter().zip(charts) {
+            let [u, v] = [0, 1].map(|k| chart[k] - places[cell][k]);
+            spreads[cell].iter_mut().zip([u * u, u * v, v * v]).for_each(|(sum, product)| *sum += product);
+        }
+        spreads.iter_mut().zip(&counts).for_each(|(spread, n)| spread.iter_mut().for_each(|v| *v /= n));
+        CellCharts { places, spreads }
+    }
+}
+
+/// The 25 basis functions at one chart point with their derivatives.
+#[derive(Clone, Debug)]
+pub(in crate::recognition) struct JetRow {
+    first: [usize; 2],
+    values: [[[f64; WIDTH]; 3]; 2],
+    across: usize,
+}
+
+impl JetRow {
+    fn new(knots: &[Knots; 2], place: [f64; 2]) -> JetRow {
+        let mut made = JetRow { first: [0; 2], values: [[[0.0; WIDTH]; 3]; 2], across: knots[1].n_basis() };
+        for side in 0..2 {
+            // outside of the box the displacement keeps its value at the edge: nothing supports it there
+            let [lo, hi] = ends(&knots[side]);
+            let mut flat = [0.0; 3 * WIDTH];
+            made.first[side] = knots[side].derivatives(place[side].clamp(lo, hi), 2, &mut flat);
+            for k in 0..3 {
+                made.values[side][k].copy_from_slice(&flat[k * WIDTH..(k + 1) * WIDTH]);
+            }
+        }
+        made
+    }
+
+    /// Number of the coefficient of the a-th and b-th basis function that do not vanish here.
+    fn coefficient(&self, a: usize, b: usize) -> usize {
+        (self.first[0] + a) * self.across + self.first[1] + b
+    }
+
+    /// The jet of that basis function alone.
+    fn jet_of(&self, a: usize, b: usize) -> Jet {
+        let [us, vs] = &self.values;
+        [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(u, v)| us[u][a] * vs[v][b])
+    }
+
+    /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
+    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
+        let mut out = [0.0; 6];
+        let [us, vs] = &self.values;
+        for a in 0..WIDTH {
+            let start = self.coefficient(a, 0);
+            let row = &coefficients[start..start + WIDTH];
+            let along_v = [0, 1, 2].map(|k| row.iter().zip(&vs[k]).map(|(c, b)| c * b).sum::<f64>());
+            out[0] += us[0][a] * along_v[0];
+            out[1] += us[1][a] * along_v[0];
+            out[2] += us[0][a] * along_v[1];
+            out[3] += us[2][a] * along_v[0];
+            out[4] += us[1][a] * along_v[1];
+            out[5] += us[0][a] * along_v[2];
+        }
+        out
+    }
+}
+
+/// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
+pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
+    let [f, fu, fv, fuu, fuv, fvv] = *jet;
+    [
+        f,
+        c * fu + s * fv,
+        c * fv - s * fu,
+        c * c * fuu + 2.0 * c * s * fuv + s * s * fvv,
+        (c * c - s * s) * fuv + c * s * (fvv - fuu),
+        s * s * fuu - 2.0 * c * s * fuv + c * c * fvv,
+    ]
+}
+
+fn ends(knots: &Knots) -> [f64; 2] {
+    let t = knots.as_slice();
+    [t[0], t[t.len() - 1]]
+}
+
+fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
+    let lo = charts.iter().map(|c| c[side]).fold(f64::INFINITY, f64::min);
+    let hi = charts.iter().map(|c| c[side]).fold(f64::NEG_INFINITY, f64::max);
+    let margin = MARGIN * (hi - lo);
+    Knots::uniform(DEGREE, SEGMENTS, lo - margin, hi + margin).ok()
+}
+
+/// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
+fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(usize, Jet) -> f64) -> Mat<f64> {
+    let mut basis = Mat::<f64>::zeros(charts.len(), columns.nrows());
+    for (i, chart) in charts.iter().enumerate() {
+        let row = JetRow::new(knots, *chart);
+        for a in 0..WIDTH {
+            for b in 0..WIDTH {
+                basis[(i, row.coefficient(a, b))] = pick(i, row.jet_of(a, b));
+            }
+        }
+    }
+    linalg::product(basis.as_ref(), columns.as_ref())
+}
+
+/// Eigenvectors of the penalty with positive eigenvalues, divided by the roots of those.
+fn penalised_columns(knots: &[Knots; 2]) -> Option<Mat<f64>> {
+    let [nu, nv] = [0, 1].map(|side| knots[side].n_basis());
+    let full = |side: usize, order: usize| {
+        let bands = gram(&knots[side], order);
+        move |i: usize, j: usize| {
+            let (i, j) = (i.max(j), i.min(j));
+            bands[i].get(i - j).copied().unwrap_or(0.0)
+        }
+    };
+    let mut penalty = Mat::<f64>::zeros(nu * nv, nu * nv);
+    for (k, binomial) in [1.0, 3.0, 3.0, 1.0].into_iter().enumerate() {
+        let (u, v) = (full(0, k), full(1, ORDER - k));
+        for i in 0..nu * nv {
+            for j in 0..=i {
+                penalty[(i, j)] += binomial * u(i / nv, j / nv) * v(i % nv, j % nv);
+            }
+        }
+    }
+    let eigen = linalg::eigen(penalty.as_ref())?;
+    let count = nu * nv;
+    let largest = eigen.values[count - 1];
+    let kept: Vec<usize> = (0..count).filter(|&k| eigen.values[k] > 1e-9 * largest).collect();
+    Some(Mat::from_fn(count, kept.len(), |i, j| eigen.vectors[(i, kept[j])] / eigen.values[kept[j]].sqrt()))
+}
+
+fn beside(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols() + b.ncols(), |i, j| if j < a.ncols() { a[(i, j)] } else { b[(i, j - a.ncols())] })
+}
+
+fn square_sum(m: &Mat<f64>) -> f64 {
+    (0..m.ncols()).map(|j| (0..m.nrows()).map(|i| m[(i, j)] * m[(i, j)]).sum::<f64>()).sum()
+}
+
+fn scale(m: &mut Mat<f64>, by: f64) {
+    for j in 0..m.ncols() {
+        (0..m.nrows()).for_each(|i| m[(i, j)] *= by);
+    }
+}

@@ -1,0 +1,241 @@
+//! How probable every hypothesis is: its marginal likelihood under every covariance, in closed form.
+//!
+//! ```text
+//! whitened y, J, Z;  Z with prior identity is eliminated:  G = I + Z'Z,  H = J'J - J'Z G^-1 Z'J,  x = -H^-1 (J'y - J'Z G^-1 Z'y)
+//! log ev = -(log det Sigma + log det G + RSS + log det(H/2 pi))/2 + log prior(node) + log prior(shape)
+//! p(R) = (2/pi)/(1 + R^2)    sphere p(R)/2    cylinder p(R)/(2 sqrt2 pi |k|)    general p(R)/(2 pi^2 R max(|k1 - k2|, its sd))
+//! ```
+//!
+//! S and direction are uniform a priori and R half-Cauchy in units of the patch's size, so that no class is favoured.
+//! R. E. Kass, A. E. Raftery, *Bayes factors*, J. Amer. Statist. Assoc. 90 (1995) 773; restricted likelihood: H. D.
+//! Patterson, R. Thompson, *Biometrika* 58 (1971) 545.
+
+use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
+
+use faer::Mat;
+
+use crate::recognition::contacts::Cells;
+use crate::recognition::dense;
+use crate::recognition::departures::Displacement;
+use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::noise::{Factors, Kernel, Limit};
+
+use super::linearised::Linearised;
+use super::node::{Departure, Node, POWERS};
+use super::whitened::Whitened;
+
+/// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
+/// them.
+const FEW: usize = 3;
+
+/// Which splines are tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::recognition) enum Look {
+    /// Splines alone: whether there is a displacement.
+    First,
+    /// Splines beside a natural departure.
+    Second,
+}
+
+/// Everything that the evidence is computed from.
+pub(in crate::recognition) struct Evidence<'a> {
+    pub(in crate::recognition) cells: &'a Cells,
+    pub(in crate::recognition) models: &'a [Model],
+    pub(in crate::recognition) displacement: Option<&'a Displacement>,
+    pub(in crate::recognition) kernels: Vec<Kernel>,
+    /// Gram matrix of the whitened position rows under every kernel that was tried.
+    pub(super) grams: Vec<Option<Mat<f64>>>,
+    /// Gram matrix of the whitened normal rows.
+    pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
+    limit: Limit,
+    pub(super) look: Look,
+}
+
+impl<'a> Evidence<'a> {
+    /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
+    pub(super) fn of_plain_kinds(
+        cells: &Cells,
+        linearised: &Linearised,
+        factors: &Factors,
+        limit: Limit,
+    ) -> Option<f64> {
+        let made = Evidence::unasked(cells, linearised, limit, Look::First);
+        let white = Whitened::new(&linearised.rows, factors, 0, first_of_displacement())?;
+        let nodes = made.models.iter().filter_map(|model| made.node(model, &white, Departure::None));
+        let highest = nodes.map(|node| node.log_evidence).max_by(f64::total_cmp)?;
+        Some(highest + linearised.log_share_of_normals())
+    }
+
+    /// Before any kernel is tried.
+    pub(super) fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
+        let kernels = Kernel::all();
+        let grams = kernels.iter().map(|_| None).collect();
+        let Linearised { models, displacement, normals, .. } = linearised;
+        let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
+        Evidence { cells, models, displacement, kernels, grams, normals, limit, look }
+    }
+
+    /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
+    pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
+        let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
+        let (n, p) = (self.cells.points.len(), kind.unknowns());
+        if self.normals.is_none() && n < p + FEW {
+            return None;
+        }
+        let variance = self.variance(kind, white, departure)?.max(1e-18);
+        let tau = (variance * kernel.ratio).sqrt();
+        let size = self.limit.log_prior(tau)?;
+        let system = self.system(kind, white, variance, departure)?;
+        let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
+        let likelihood = -0.5 * (white.log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
+        let log_evidence = likelihood
+            + kernel.log_prior
+            + size
+            + self.share(kind, departure)
+            + shape_prior(model, &system.x, &system.lower);
+        let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
+        log_evidence.is_finite().then_some(Node {
+            kind,
+            kernel: white.kernel,
+            ratio: kernel.ratio,
+            length: kernel.length,
+            departure,
+            variance,
+            log_evidence,
+            x: system.x,
+            precision: system.lower,
+            dof: (rows.saturating_sub(p)).max(1) as f64,
+        })
+    }
+
+    /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
+    /// have a quarter each of general's prior; of the last, rough splines and smooth departures have half each.
+    fn share(&self, kind: Kind, departure: Departure) -> f64 {
+        let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
+        match (kind, departure) {
+            (Kind::General, Departure::Rough(_) | Departure::Both(_)) => {
+                -displaced - 2.0 * LN_2 - (POWERS.count() as f64).ln()
+            }
+            (Kind::General, Departure::Smooth { .. }) => {
+                let processes = self.displacement.map_or(1, |d| d.smooth.len());
+                -displaced - 2.0 * LN_2 - ((POWERS.count() * processes) as f64).ln()
+            }
+            (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
+            _ => 0.0,
+        }
+    }
+
+    /// Variance of an average cell's independent error, restricted maximum likelihood. A natural departure has its size whatever the
+    /// noise is, so its size in units of the noise needs the noise: once where a spline takes up most, else twice.
+    fn variance(&self, kind: Kind, white: &Whitened, departure: Departure) -> Option<f64> {
+        let (n, p) = (self.cells.points.len(), kind.unknowns());
+        if n < p + FEW {
+            return self.joint_variance(kind, white);
+        }
+        let rss = |departure: Departure, natural: f64| {
+            let columns = self.columns(kind, departure, [departure.of_spline().sqrt(), natural]);
+            Some(white.alone(columns, 1.0)?.rss)
+        };
+        let plain = rss(Departure::None, 0.0)?.max(1e-30);
+        let of = |departure: Departure, natural: f64| {
+            Some((rss(departure, natural)?.max(1e-12 * plain) / (n - p) as f64).max(1e-18))
+        };
+        match departure {
+            Departure::None => Some(plain / (n - p) as f64),
+            Departure::Rough(_) | Departure::Smooth { .. } => of(departure, 0.0),
+            Departure::Both(g) => of(departure, of(Departure::Rough(g), 0.0)?.sqrt().recip()),
+            Departure::Natural => {
+                let first = of(departure, (plain / (n - p) as f64).max(1e-18).sqrt().recip())?;
+                of(departure, first.sqrt().recip())
+            }
+        }
+    }
+
+    /// The same variance where the positions are too few to determine it alone: the fixed point of
+    /// `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with x from positions and normals together.
+    fn joint_variance(&self, kind: Kind, white: &Whitened) -> Option<f64> {
+        let (y, p, gram) = (column_of(kind), kind.unknowns(), &white.gram);
+        let mut variance = 1e-4;
+        for _ in 0..30 {
+            let system = self.system(kind, white, variance, Departure::None)?;
+            let x = &system.x;
+            let full = |i: usize| if i == 0 { 1.0 } else { x[i - 1] };
+            let mut rss = 0.0;
+            for i in 0..=p {
+                (0..=p).for_each(|j| rss += full(i) * full(j) * gram[(y + i, y + j)]);
+            }
+            let mut along = Mat::from_fn(p, p, |i, j| gram[(y + 1 + i, y + 1 + j)] / variance);
+            dense::whiten(&system.lower, along.as_mut());
+            let mut across = along.transpose().to_owned();
+            dense::whiten(&system.lower, across.as_mut());
+            let taken: f64 = (0..p).map(|i| across[(i, i)]).sum();
+            let next = rss.max(1e-30) / (self.cells.points.len() as f64 - taken).max(0.5);
+            if (next - variance).abs() < 1e-6 * variance {
+                break;
+            }
+            variance = next;
+        }
+        Some(variance)
+    }
+
+    /// The normal equations of positions and normals together, with the displacement eliminated.
+    fn system(&self, kind: Kind, white: &Whitened, variance: f64, departure: Departure) -> Option<Reduced> {
+        let columns = self.columns(kind, departure, [(departure.of_spline() * variance).sqrt(), 1.0]);
+        match self.normals {
+            Some(_) => reduced(columns, Grams { positions: &white.gram, variance, normals: self.normals }),
+            None => white.alone(columns, variance),
+        }
+    }
+
+    /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
+    pub(in crate::recognition) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
+        let (start, count, rough) = match (departure, self.displacement) {
+            (Departure::None, _) | (_, None) => (0, 0, 0),
+            (Departure::Natural, Some(d)) => (d.rough, d.natural, 0),
+            (Departure::Rough(_), Some(d)) => (0, d.rough, d.rough),
+            (Departure::Both(_), Some(d)) => (0, d.rough + d.natural, d.rough),
+            (Departure::Smooth { process, .. }, Some(d)) => {
+                (d.smooth[process].0, d.smooth[process].1, d.smooth[process].1)
+            }
+        };
+        let z = (first_of_displacement() + start, count);
+        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough, factors }
+    }
+}
+
+/// Both curvatures of a model moved by x, the larger first.
+pub(in crate::recognition) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
+    let theta = model.theta();
+    let (a, c, b) = match model.kind() {
+        Kind::Plane => return [0.0; 2],
+        Kind::Sphere => return [theta[3] + x[3]; 2],
+        Kind::Cylinder => (theta[3] + x[3], 0.0, 0.0),
+        Kind::General => (theta[3] + x[3], theta[4] + x[4], x[5]),
+        Kind::Paraboloid => (theta[3] + x[3], theta[4] + x[4], theta[5] + x[5]),
+    };
+    let (mean, half) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+    [mean + half, mean - half]
+}
+
+/// Log density of the shape's parameters in the evidence's coordinates.
+fn shape_prior(model: &Model, x: &[f64], lower: &Mat<f64>) -> f64 {
+    let [k1, k2] = curvatures(model, x);
+    let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt().max(1e-6);
+    let density = FRAC_2_PI / (1.0 + r * r);
+    match model.kind() {
+        Kind::Plane => 0.0,
+        Kind::Sphere => (0.5 * density).ln(),
+        Kind::Cylinder => (0.5 * density / (SQRT_2 * PI)).ln() - (k1 - k2).abs().max(1e-6).ln(),
+        Kind::General | Kind::Paraboloid => {
+            // sd of k1 - k2 = |(A - C, 2 B)|
+            let mut sd = 0.0;
+            for direction in [[0.0, 0.0, 0.0, 1.0, -1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 2.0]] {
+                let mut along = direction;
+                dense::forward(lower, &mut along);
+                sd += along.iter().map(|v| v * v).sum::<f64>();
+            }
+            (density / (2.0 * PI * PI * r)).ln() - (k1 - k2).max(sd.sqrt()).ln()
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! How probable every hypothesis is.
+//!
+//! ```text
+//! log ev = -(log det Sigma + log det(I + Z'Z) + RSS + log det(H/2 pi))/2 + log prior(node) + log prior(shape)
+//! P(hypothesis | contacts) ~ sum of exp(log ev) over its nodes
+//! ```
+//!
+//! `node.rs` says what a hypothesis is. `linearised.rs` collects what the evidence is computed from, `whitened.rs` brings it under one
+//! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again
+//! about a displaced surface, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
+
+mod joint_posterior;
+mod linearised;
+mod looks;
+mod marginal_likelihood;
+mod node;
+mod search;
+mod second_look;
+mod whitened;
+
+pub(in crate::recognition) use linearised::{FactorPair, Linearised};
+pub(in crate::recognition) use looks::{At, likeliest_look};
+#[cfg(test)]
+pub(in crate::recognition) use marginal_likelihood::Look;
+pub(in crate::recognition) use marginal_likelihood::{Evidence, curvatures};
+pub(in crate::recognition) use node::{GROUPS, Node, highest, likeliest};

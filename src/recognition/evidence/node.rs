@@ -1,0 +1,135 @@
+//! One hypothesis under one covariance: a kind of surface, how it departs from that kind, and how probable both are.
+//!
+//! ```text
+//! surface = kind + f        f = 0, natural departure, rough spline, both, or smooth departure
+//! ```
+
+use std::mem::discriminant;
+
+use faer::Mat;
+
+use crate::recognition::kinds::Kind;
+
+/// Variances of the displacement relative to that of a cell's position, in powers of ten.
+pub(super) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
+
+/// How a surface departs from its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::recognition) enum Departure {
+    None,
+    /// By third and fourth derivatives of natural size.
+    Natural,
+    /// By a spline, whose variance is so many times that of a position.
+    Rough(f64),
+    /// By both. A spline that is smoothed by its third derivatives pulls them to zero at the edges of the patch, where nothing lies
+    /// beyond; a natural departure beside it keeps them. S of a bump, whose edges bend the other way, was 0.02 too high with 200
+    /// contacts and 0.04 with 2,000, and is 0.003 and 0.002 too high (`benches/runs/coverage.md`).
+    Both(f64),
+    /// By a smooth departure.
+    Smooth {
+        /// Its variance over that of a position.
+        variance: f64,
+        /// Number of its process: form and length.
+        process: usize,
+    },
+}
+
+impl Departure {
+    /// Variance of the rough spline or the smooth departure over that of a position; 0 without one.
+    pub(super) fn of_spline(self) -> f64 {
+        match self {
+            Departure::Rough(g) | Departure::Both(g) => g,
+            Departure::Smooth { variance, .. } => variance,
+            Departure::None | Departure::Natural => 0.0,
+        }
+    }
+
+    /// Whether it comes in sizes that are tried.
+    pub(super) fn has_size(self) -> bool {
+        matches!(self, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. })
+    }
+
+    /// The same departure with this variance over that of a position; one without a size as it is.
+    pub(super) fn of_size(self, variance: f64) -> Departure {
+        match self {
+            Departure::Rough(_) => Departure::Rough(variance),
+            Departure::Both(_) => Departure::Both(variance),
+            Departure::Smooth { process, .. } => Departure::Smooth { variance, process },
+            Departure::None | Departure::Natural => self,
+        }
+    }
+
+    /// Whether it is a smooth departure.
+    pub(in crate::recognition) fn is_smooth(self) -> bool {
+        matches!(self, Departure::Smooth { .. })
+    }
+
+    /// Number of the process of a smooth departure.
+    pub(in crate::recognition) fn process(self) -> Option<usize> {
+        if let Departure::Smooth { process, .. } = self { Some(process) } else { None }
+    }
+
+    /// Whether both have the same prior but for its size.
+    pub(in crate::recognition) fn is_like(self, other: Departure) -> bool {
+        discriminant(&self) == discriminant(&other) && self.process() == other.process()
+    }
+}
+
+/// One hypothesis under one covariance.
+#[derive(Clone, Debug)]
+pub(in crate::recognition) struct Node {
+    pub(in crate::recognition) kind: Kind,
+    /// Number of its kernel.
+    pub(in crate::recognition) kernel: usize,
+    pub(in crate::recognition) ratio: f64,
+    pub(in crate::recognition) length: f64,
+    pub(in crate::recognition) departure: Departure,
+    /// Variance of an average cell's independent error.
+    pub(in crate::recognition) variance: f64,
+    pub(in crate::recognition) log_evidence: f64,
+    /// Step from the fitted model, in the evidence's coordinates.
+    pub(in crate::recognition) x: Vec<f64>,
+    /// Lower factor of the precision of x.
+    pub(in crate::recognition) precision: Mat<f64>,
+    pub(in crate::recognition) dof: f64,
+}
+
+/// The node of the largest log evidence.
+pub(in crate::recognition) fn likeliest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> Option<&'n Node> {
+    nodes.into_iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+}
+
+/// Largest log evidence; minus infinity of no nodes.
+pub(in crate::recognition) fn highest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> f64 {
+    likeliest(nodes).map_or(f64::NEG_INFINITY, |node| node.log_evidence)
+}
+
+/// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone.
+pub(in crate::recognition) const GROUPS: usize = 4;
+
+impl Node {
+    /// Number of the node's group.
+    pub(in crate::recognition) fn group(&self) -> usize {
+        match (self.kind, self.departure) {
+            (Kind::General, Departure::Natural) => 3,
+            (Kind::General, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. }) => 2,
+            (Kind::General | Kind::Paraboloid, _) => 1,
+            _ => 0,
+        }
+    }
+
+    /// Whether the surface departs from its kind at all.
+    pub(in crate::recognition) fn is_displaced(&self) -> bool {
+        self.departure != Departure::None
+    }
+
+    /// Whether it does so by a natural departure alone.
+    pub(in crate::recognition) fn is_natural(&self) -> bool {
+        self.departure == Departure::Natural
+    }
+
+    /// Standard deviation of the errors that neighbours share.
+    pub(in crate::recognition) fn tau(&self) -> f64 {
+        (self.variance * self.ratio).sqrt()
+    }
+}

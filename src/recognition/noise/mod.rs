@@ -1,0 +1,23 @@
+//! How measurements err: independently, as their neighbours do, in their places, and by one factor.
+//!
+//! ```text
+//! cov e = s^2 (D + rho exp(-r/l))        var d = s_z^2 n_z^2 + s_xy^2 (1 - n_z^2)        slopes measured = (1 + g) slopes true
+//! ```
+//!
+//! Errors of places come first: `places.rs` asks how large they are, `in_place.rs` weighs contacts on slopes by them, and `strayed.rs`
+//! sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
+//! and `gain.rs` for a sensor whose slopes are all too steep.
+
+mod covariance;
+mod gain;
+mod in_place;
+mod normals;
+mod places;
+mod strayed;
+
+pub(in crate::recognition) use covariance::{Factors, Kernel, Limit, distances_between};
+pub(in crate::recognition) use gain::{Gain, RARE as RARE_GAIN};
+pub(in crate::recognition) use in_place::weighed;
+pub(in crate::recognition) use normals::NormalNoise;
+pub(in crate::recognition) use places::PlaceErrors;
+pub(in crate::recognition) use strayed::set_back;

@@ -1,0 +1,130 @@
+//! The covariance of normals' tangential errors, found once under the general surface and kept.
+//!
+//! ```text
+//! Sigma_n = s_n^2 (D_n + rho exp(-r/l)) for either tangential part; rho, l by restricted likelihood over the grid
+//! ```
+
+use faer::Mat;
+
+use crate::recognition::dense;
+use crate::recognition::equations::{Rows, column_of, first_of_displacement};
+use crate::recognition::kinds::Kind;
+
+use super::covariance::{Factors, Kernel};
+use super::gain::Gain;
+
+/// Log likelihood below the best at which stronger correlations are not tried once it falls.
+const HOPELESS: f64 = 8.0;
+
+/// The covariance found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::recognition) struct NormalNoise {
+    /// Number of the kernel.
+    kernel: usize,
+    /// Variance of an average cell's independent error.
+    pub(in crate::recognition) variance: f64,
+    /// What it adds to the log evidence of every hypothesis: `-(log det Sigma_n)/2 + log prior(rho, l)`.
+    pub(in crate::recognition) log_share: f64,
+}
+
+impl NormalNoise {
+    /// By restricted likelihood; `None` without normals or where no covariance can be factored.
+    ///
+    /// `spent` are degrees of freedom that a displacement has taken from the normals.
+    pub(in crate::recognition) fn find(rows: &Rows, factors: &Factors, spent: f64) -> Option<NormalNoise> {
+        let mut best = NormalNoise::under(rows, factors, 0, spent);
+        for chain in 0..Kernel::CHAINS {
+            let mut last = f64::NEG_INFINITY;
+            for kernel in Kernel::chain(chain) {
+                let Some(found) = NormalNoise::under(rows, factors, kernel, spent) else { continue };
+                let here = found.0;
+                let largest = best.map_or(f64::NEG_INFINITY, |(largest, _)| largest);
+                if here > largest {
+                    best = Some(found);
+                }
+                if here < largest - HOPELESS && here <= last {
+                    break;
+                }
+                last = here;
+            }
+        }
+        best.map(|(_, found)| found)
+    }
+
+    /// Independent errors that are as large as differences between neighbours say; `None` without normals.
+    pub(in crate::recognition) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
+        let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
+        let (y, n) = (column_of(Kind::General), own.len());
+        let nearest =
+            |i: usize| (0..n).filter(|&j| j != i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]));
+        let pairs: Vec<[usize; 2]> = (0..n).filter_map(|i| Some([i, nearest(i)?])).collect();
+        let square = |half: &Mat<f64>, [i, j]: [usize; 2]| (half[(i, y)] - half[(j, y)]).powi(2) / (own[i] + own[j]);
+        let sum: f64 = halves.iter().flat_map(|half| pairs.iter().map(|&pair| square(half, pair))).sum();
+        let variance = (sum / (2 * pairs.len()).max(1) as f64).max(1e-24);
+        let log_det = 2.0 * dense::log_det(factors.of(0)?);
+        Some(NormalNoise::new(0, variance, n, log_det))
+    }
+
+    /// Errors under a kernel; the log determinant is that of both parts' covariance over the variance.
+    fn new(kernel: usize, variance: f64, cells: usize, log_det: f64) -> NormalNoise {
+        let log_share = Kernel::all()[kernel].log_prior - 0.5 * (log_det + 2.0 * cells as f64 * variance.ln());
+        NormalNoise { kernel, variance, log_share }
+    }
+
+    /// Whether neighbours share errors.
+    pub(in crate::recognition) fn is_shared(&self) -> bool {
+        self.kernel != 0
+    }
+
+    /// Log likelihood and variance under one kernel.
+    fn under(rows: &Rows, factors: &Factors, kernel: usize, spent: f64) -> Option<(f64, NormalNoise)> {
+        let n = factors.variance().len();
+        let p = Kind::General.unknowns() - 1;
+        let own = (column_of(Kind::General), 1 + Kind::General.unknowns());
+        let (gram, log_det) = whitened(rows, factors, kernel, own)?;
+        // the height h does not move normals: its column, the first, is left out
+        let jj = dense::cholesky(&Mat::from_fn(p, p, |i, j| gram[(2 + i, 2 + j)]))?;
+        let mut along: Vec<f64> = (0..p).map(|i| gram[(2 + i, 0)]).collect();
+        dense::forward(&jj, &mut along);
+        let rss = (gram[(0, 0)] - along.iter().map(|v| v * v).sum::<f64>()).max(1e-24);
+        let dof = ((2 * n).saturating_sub(p) as f64 - spent).max(1.0);
+        let prior = Kernel::all()[kernel].log_prior;
+        let likelihood = -0.5 * (log_det + dense::log_det(&jj) + dof * (rss / dof).ln()) + prior;
+        Some((likelihood, NormalNoise::new(kernel, rss / dof, n, log_det)))
+    }
+
+    /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.
+    pub(in crate::recognition) fn gram(
+        &mut self,
+        rows: &Rows,
+        factors: &Factors,
+        gain: Option<&mut Gain>,
+    ) -> Option<Mat<f64>> {
+        let lower = factors.of(self.kernel)?;
+        let mut halves = rows.normals.clone()?;
+        halves.iter_mut().for_each(|half| dense::whiten(lower, half.as_mut()));
+        if let Some(gain) = gain {
+            self.log_share -= 0.5 * gain.taken_out(&mut halves, lower, self.variance);
+        }
+        let [mut gram, other] =
+            halves.map(|half| dense::gram_of_groups(half.as_ref(), first_of_displacement(), &rows.groups));
+        gram += other;
+        for j in 0..gram.ncols() {
+            gram.col_as_slice_mut(j).iter_mut().for_each(|v| *v /= self.variance);
+        }
+        Some(gram)
+    }
+}
+
+/// Gram matrix of some columns (first, count) under `D + rho exp(-r/l)`, and the log determinant of both parts' covariance.
+fn whitened(rows: &Rows, factors: &Factors, kernel: usize, (first, count): (usize, usize)) -> Option<(Mat<f64>, f64)> {
+    let halves = rows.normals.as_ref()?;
+    let lower = factors.of(kernel)?;
+    let mut sum = Mat::<f64>::zeros(count, count);
+    for half in halves {
+        let mut whitened = half.as_ref().subcols(first, count).to_owned();
+        dense::whiten(lower, whitened.as_mut());
+        sum += dense::gram(whitened.as_ref());
+    }
+    Some((sum, 2.0 * dense::log_det(lower)))
+}

@@ -1,0 +1,26 @@
+//! How far the patch is from a plane, and how far the cells are from a model.
+//!
+//! ```text
+//! relief = sd of d_plane(P) - d_general(P) over the cells P        misfit = sd of sqrt(w) d(P), w the cells' weights
+//! ```
+
+use crate::recognition::contacts::Cells;
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::statistics::standard_deviation;
+
+/// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
+pub(in crate::recognition) fn relief(cells: &Cells, models: &[Model]) -> f64 {
+    /// A fiftieth of the patch's size.
+    const FLAT: f64 = 0.02;
+    let of = |kind: Kind| models.iter().find(|m| m.kind() == kind);
+    let (Some(plane), Some(general)) = (of(Kind::Plane), of(Kind::General)) else { return FLAT };
+    let heights: Vec<f64> = cells.points.iter().map(|p| plane.distance(*p) - general.distance(*p)).collect();
+    standard_deviation(&heights).hypot(FLAT)
+}
+
+/// Root mean square distance of the cells from a model, about the mean distance.
+pub(in crate::recognition) fn weighted_rms(cells: &Cells, model: &Model) -> f64 {
+    let weighted: Vec<f64> =
+        cells.points.iter().zip(&cells.weights).map(|(p, w)| w.sqrt() * model.distance(*p)).collect();
+    standard_deviation(&weighted)
+}
