@@ -72,7 +72,9 @@ pub(super) fn ticks(lo: f64, hi: f64, most: usize) -> Vec<(f64, String)> {
     let first = ((lo - 1e-9 * span) / step).ceil() as i64;
     let last = ((hi + 1e-9 * span) / step).floor() as i64;
     let word = |value: f64| {
-        if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
+        if value == 0.0 && !(1e-4..1e6).contains(&step) {
+            "0".into()
+        } else if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
             format!("{value:.1e}")
         } else {
             format!("{value:.places$}")

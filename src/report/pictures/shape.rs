@@ -174,7 +174,9 @@ impl<'a> Panel<'a> {
             for column in 0..columns {
                 let at = [share(column, columns), 1.0 - share(row, rows)];
                 let value = known_between(map.values, self.size, at);
-                let colour = value.map_or(UNKNOWN, |value| {
+                // of a flat patch S says nothing, which is not that nothing is known there, nor that it is a saddle
+                let flat = self.view.flat.is_some() && map.ends.is_none();
+                let colour = value.map_or(if flat { FAINT } else { UNKNOWN }, |value| {
                     let r = known_between(&self.view.curvedness, self.size, at).unwrap_or(f64::NAN);
                     (map.colour)(value, r)
                 });
