@@ -150,6 +150,7 @@ def test_recognition_names_what_it_chose(noisy: Columns) -> None:
     found = palpate.fit(noisy)
     assert found.chosen is not None and found.chosen["hypothesis"] == "cylinder"
     assert found.shape.class_name == "ridge" and abs(found.shape.radius - 6) < 0.3
+    assert found.shape.class_by_area == {}
     z = found.surface(0.0, 0.0)[0, 0]
     assert abs(z) < 0.05
 
@@ -172,3 +173,12 @@ def test_a_unit_is_said_and_nothing_is_converted(noisy: Columns) -> None:
             palpate.fit(*columns, normals=normals(noisy), unit=wrong)
     with pytest.raises(TypeError):
         palpate.fit(*columns, unit=3)
+
+
+def test_shapes_side_by_side_have_their_shares() -> None:
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(-6, 6, 12), np.linspace(-6, 6, 12)))
+    bump = 3 * np.exp(-(x**2 + y**2) / 50)
+    normal = np.column_stack([x * bump / 25, y * bump / 25, np.ones_like(x)])
+    shape = palpate.fit(x, y, bump, normals=normal).shape
+    assert shape.class_name is None and len(shape.class_by_area) > 1
+    assert all(0.1 <= share <= 1 for share in shape.class_by_area.values())

@@ -94,7 +94,7 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
             let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
             let (found, chosen) = fit_input(input, fit).map_err(|refused| match refused {
                 // no model was named: what one would need is of no use
-                FitError::TooFew { .. } => Refusal::Shape(format!("{error}: {MORE}")),
+                FitError::TooFew { .. } | FitError::Collinear { .. } => Refusal::Shape(format!("{error}: {MORE}")),
                 refused => Refusal::Fit(refused),
             })?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })

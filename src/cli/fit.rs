@@ -32,7 +32,7 @@ pub(super) struct FitArgs {
     /// One row a file: name, contacts, class, S and R with their uncertainty and interval, radius, notes, or why there is no answer
     #[arg(long, value_name = "F.csv", conflicts_with = "save")]
     table: Option<PathBuf>,
-    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
     #[arg(long)]
     skip_invalid: bool,
     /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
@@ -55,9 +55,9 @@ pub(super) struct FitArgs {
 
 impl FitArgs {
     /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
-    /// length zero and counts them.
+    /// length zero and counts them. Normals that are not used may be anything.
     fn read_options(&self) -> ReadOptions {
-        let keep_zero_normals = !self.fit.names_a_model();
+        let keep_zero_normals = !self.fit.names_a_model() || self.preparation.needs_no_normals();
         ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
     }
 }

@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::contact::{Contacts, Grid};
 use crate::io::scene_file::builtin_text;
-use crate::io::{Input, read_input, write_atomically};
+use crate::io::{Input, ReadOptions, read_input, write_atomically};
 use crate::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 use crate::report::{
     PartsBody, PartsDocument, PointShapesFormat, Provenance, write_json, write_parts_csv, write_parts_page,
@@ -158,7 +158,9 @@ fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
         return Err(Failure::Input(format!("--seed is for scenes, and {} is a file of contacts", args.input)));
     }
     let path = PathBuf::from(&args.input);
-    let mut reading = read_input(&path, &args.reading.options(args.skip_invalid))?;
+    let keep_zero_normals = args.preparation.needs_no_normals();
+    let options = ReadOptions { keep_zero_normals, ..args.reading.options(args.skip_invalid) };
+    let mut reading = read_input(&path, &options)?;
     let mut notes = reading.notes.clone();
     notes.extend(args.preparation.apply(&mut reading)?);
     if reading.skipped > 0 {

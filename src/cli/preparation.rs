@@ -38,6 +38,11 @@ impl PreparationFlags {
         self.normals.is_some()
     }
 
+    /// The file's normals are not used.
+    pub(super) fn needs_no_normals(&self) -> bool {
+        self.ignore_normals || self.estimates_normals()
+    }
+
     /// Does all that was asked for; notes say what was done.
     pub(super) fn apply(&self, reading: &mut Reading) -> Result<Vec<String>, Failure> {
         let mut notes = Vec::new();

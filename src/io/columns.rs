@@ -1,7 +1,8 @@
 //! The column rules that CSV, PLY and NPZ share: which names make contacts, and which rows are fit to use.
 //!
 //! `x,y,z` and optionally `nx,ny,nz` or `zx,zy` (not both), `finger`, `station`, `wz,wx,wy`. Without `z` but with
-//! slopes or normals the heights are zero with weight zero: slopes only.
+//! slopes or normals the heights are zero with weight zero: slopes only. A normal that is zero, or all of whose three cells are
+//! empty or NaN, is not known.
 
 use std::collections::HashSet;
 
@@ -201,6 +202,7 @@ impl Columns {
         (numbers, unit): (Runs, Unit),
         options: &ReadOptions,
     ) -> Result<Reading, IoError> {
+        self.unknown_normals();
         let kept = self.sound_rows(file, options, &|row| unit.place(numbers.get(row)))?;
         let left = kept.as_ref().map_or(self.len(), Vec::len);
         let skipped = self.len() - left;
@@ -219,6 +221,17 @@ impl Columns {
             notes: Vec::new(),
             viewpoint: None,
         })
+    }
+
+    /// Three cells that are empty or NaN are a normal that is not known, which is written as zero.
+    fn unknown_normals(&mut self) {
+        let all_unknown = |row: usize| [Nx, Ny, Nz].iter().all(|c| self.get(*c).is_some_and(|v| v[row].is_nan()));
+        let unknown: Vec<usize> = (0..self.len()).filter(|&row| all_unknown(row)).collect();
+        for column in [Nx, Ny, Nz] {
+            if let Some(values) = self.get_mut(column) {
+                unknown.iter().for_each(|&row| values[row] = 0.0);
+            }
+        }
     }
 
     /// The rows without a fault, `None` where that is every row.

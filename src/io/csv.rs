@@ -6,8 +6,10 @@ use std::io::Write;
 use crate::contact::Contacts;
 
 use super::columns::{Column, Columns, Need, columns_of};
+use super::finger_names::FingerNames;
 use super::place::{Place, Runs, Unit};
-use super::table_form::{Separator, is_aside, table_form};
+use super::separator::Separator;
+use super::table_form::{is_aside, table_form};
 use super::watch::tell_line;
 use super::{IoError, ReadOptions, Reading, ending};
 
@@ -17,14 +19,14 @@ pub(super) struct Table {
     /// Line of each row.
     pub(super) lines: Runs,
     /// What was assumed because nothing said it.
-    note: Option<String>,
+    notes: Vec<String>,
 }
 
 /// Contacts from the bytes of a CSV file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
     let table = read_columns(file, bytes, Need::Contacts, options)?;
     let reading = table.columns.into_reading(file, (table.lines, Unit::Line), options)?;
-    Ok(Reading { notes: table.note.into_iter().collect(), ..reading })
+    Ok(Reading { notes: table.notes, ..reading })
 }
 
 /// The known columns of a table and the line of each row. Fields that are no number become NaN under `skip_invalid`.
@@ -51,9 +53,10 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
         })
         .collect();
     let mut lines = Runs::default();
+    let mut reader = RowReader { file, separator: form.separator, slots: &slots, fingers: None };
     for (line, row) in rows {
         tell_line(text, row);
-        match read_row(file, line, row, form.separator, &slots, &mut targets) {
+        match reader.read_row(line, row, &mut targets) {
             Ok(()) => {}
             Err(fault) if !options.skip_invalid => return Err(fault),
             Err(_) => targets.iter_mut().for_each(|(_, values)| {
@@ -66,41 +69,69 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
     for (column, values) in targets {
         columns.set(column, values);
     }
-    Ok(Table { columns, lines, note: form.note })
+    let notes = form.note.into_iter().chain(reader.fingers.as_ref().and_then(FingerNames::note)).collect();
+    Ok(Table { columns, lines, notes })
 }
 
-fn read_row(
-    file: &str,
-    line: usize,
-    row: &str,
+/// Reads the fields of one row after another.
+struct RowReader<'a> {
+    file: &'a str,
     separator: Separator,
-    slots: &[Option<usize>],
-    targets: &mut [(Column, Vec<f64>)],
-) -> Result<(), IoError> {
-    let mut found = 0;
-    let mut push = |field: &str| {
-        if let Some(&Some(slot)) = slots.get(found) {
-            let (column, values) = &mut targets[slot];
-            let value = separator.number(field).ok_or_else(|| IoError::NotANumber {
-                file: file.into(),
-                place: Place::Line(line),
-                column: column.name(),
-                text: field.trim().into(),
-            })?;
-            values.push(value);
+    /// Per field of a row: which target it goes to.
+    slots: &'a [Option<usize>],
+    /// Set by the first row that has a finger.
+    fingers: Option<FingerNames>,
+}
+
+impl RowReader<'_> {
+    fn read_row(&mut self, line: usize, row: &str, targets: &mut [(Column, Vec<f64>)]) -> Result<(), IoError> {
+        let (file, separator, slots) = (self.file, self.separator, self.slots);
+        let wrong = |column: Column, text: &str| IoError::NotANumber {
+            file: file.into(),
+            place: Place::Line(line),
+            column: column.name(),
+            text: text.trim().into(),
+        };
+        // cells of the normal that are empty
+        let mut empty: Vec<Column> = Vec::new();
+        let mut found = 0;
+        let mut push = |field: &str| {
+            if let Some(&Some(slot)) = slots.get(found) {
+                let (column, values) = &mut targets[slot];
+                if matches!(column, Column::Nx | Column::Ny | Column::Nz) && field.trim().is_empty() {
+                    empty.push(*column);
+                    values.push(f64::NAN);
+                } else {
+                    values.push(self.value(*column, field).ok_or_else(|| wrong(*column, field))?);
+                }
+            }
+            found += 1;
+            Ok(())
+        };
+        match separator.character() {
+            _ if row.contains('"') => separator.fields(row).iter().try_for_each(|field| push(field))?,
+            Some(character) => row.split(character).try_for_each(&mut push)?,
+            None => row.split_whitespace().try_for_each(&mut push)?,
         }
-        found += 1;
-        Ok(())
-    };
-    match separator.character() {
-        _ if row.contains('"') => separator.fields(row).iter().try_for_each(|field| push(field))?,
-        Some(character) => row.split(character).try_for_each(&mut push)?,
-        None => row.split_whitespace().try_for_each(&mut push)?,
+        let expected = slots.len();
+        match empty[..] {
+            // part of a normal is no normal
+            [first] | [first, _] => Err(wrong(first, "")),
+            _ if found != expected => Err(IoError::FieldCount { file: file.into(), line, found, expected }),
+            _ => Ok(()),
+        }
     }
-    if found == slots.len() {
-        return Ok(());
+
+    fn value(&mut self, column: Column, field: &str) -> Option<f64> {
+        let number = self.separator.number(field);
+        match column {
+            Column::Finger => {
+                let fingers = self.fingers.get_or_insert_with(|| FingerNames::begun_by(number));
+                fingers.number_of(field.trim(), number)
+            }
+            _ => number,
+        }
     }
-    Err(IoError::FieldCount { file: file.into(), line, found, expected: slots.len() })
 }
 
 fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, IoError> {

@@ -123,7 +123,10 @@ pub enum IoError {
         expected: usize,
     },
     /// A field is no number.
-    #[error("{file}, {place}, column {column}: {text:?} is not a number; write one such as -0.25 (or skip_invalid)")]
+    #[error(
+        "{file}, {place}, column {column}: {text:?} is not a number; {} (or skip_invalid)",
+        instead_of(column, text)
+    )]
     NotANumber {
         /// Name of the input.
         file: String,
@@ -146,8 +149,11 @@ pub enum IoError {
         /// The value.
         value: f64,
     },
-    /// A normal without direction.
-    #[error("{file}, {place}: the normal (nx,ny,nz) is zero; any other length will do (or skip_invalid)")]
+    /// A normal without direction, where every contact needs one.
+    #[error(
+        "{file}, {place}: the normal (nx,ny,nz) is zero or empty, which says that it is not known; a fit that names no model takes such \
+         contacts, here every row needs a normal, of any length (or skip_invalid)"
+    )]
     ZeroNormal {
         /// Name of the input.
         file: String,
@@ -273,6 +279,19 @@ impl IoError {
             }
             _ => &[],
         }
+    }
+}
+
+/// What to write in place of a field that is no number.
+fn instead_of(column: &str, text: &str) -> &'static str {
+    match column {
+        "nx" | "ny" | "nz" if text.is_empty() => {
+            "where a normal is not known, leave all three of nx,ny,nz empty, or write 0,0,0"
+        }
+        "finger" | "station" => {
+            "fingers and stations are whole numbers; without the column, or under another name, the rest is read"
+        }
+        _ => "write one such as -0.25",
     }
 }
 

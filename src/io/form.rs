@@ -3,6 +3,8 @@
 //! What is of no format that is read is told what it looks like: whoever typed the wrong name wants to hear "a JPEG image",
 //! not "line 1 is not a header".
 
+use super::separator::declared_separator;
+
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
@@ -168,6 +170,9 @@ fn is_toml(text: &str) -> bool {
         return false;
     };
     let name = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+    if declared_separator(line).is_some() {
+        return false;
+    }
     let table = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
     table.is_some_and(name) || line.split_once('=').is_some_and(|(key, value)| name(key.trim()) && !value.is_empty())
 }
@@ -178,7 +183,7 @@ mod tests {
 
     #[test]
     fn formats_are_known_by_their_first_bytes() {
-        let cases: [(&[u8], Form); 14] = [
+        let cases: [(&[u8], Form); 15] = [
             (b"BM,x,y,z\n1,2,3,4\n", Form::Table),
             (b"x,y,z\n", Form::Table),
             (b"", Form::Table),
@@ -193,6 +198,7 @@ mod tests {
             (b"\x93NUMPY\x01\0", Form::Npy),
             (b"off,on,x\n", Form::Table),
             (b"[x],[y],[z]\n", Form::Table),
+            (b"sep=;\nx;y;z\n", Form::Table),
         ];
         for (bytes, form) in cases {
             assert_eq!(form_of(bytes, ""), Ok(form), "{:?}", String::from_utf8_lossy(bytes));

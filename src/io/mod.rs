@@ -18,6 +18,7 @@ mod columns;
 mod csv;
 mod depth;
 mod error;
+mod finger_names;
 mod form;
 mod imported;
 mod limits;
@@ -32,6 +33,7 @@ mod records;
 mod remark;
 mod same_file;
 pub(crate) mod scene_file;
+mod separator;
 mod study_file;
 mod support_map;
 mod surface_file;
@@ -76,9 +78,11 @@ pub use write::{ContactFormat, write_contacts};
 /// How contacts are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file.
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. Where normals may be
+    /// unknown, a row whose three normal cells are empty or NaN has no number missing.
     pub skip_invalid: bool,
-    /// Read normals of length zero as normals that are not known, instead of refusing the file.
+    /// Read normals of length zero, and those whose three cells are empty or NaN, as normals that are not known, instead of
+    /// refusing the file.
     pub keep_zero_normals: bool,
     /// The camera of a depth image that does not bring its own.
     pub intrinsics: Option<Intrinsics>,

@@ -7,67 +7,14 @@
 //!                  comment          and no names  count of columns
 //! ```
 //!
-//! The separator is the one that makes the most sense of the line with the names: most columns that palpate knows, then
+//! A first line `sep=;`, as spreadsheets write and want it, names the separator. Otherwise it is the one that makes the most sense of the line with the names: most columns that palpate knows, then
 //! the order comma, semicolon, tab, blank. Numbers may have a decimal comma wherever the comma does not separate.
 
 use std::borrow::Cow;
 
 use super::columns::{Column, Need};
+use super::separator::{SEPARATORS, Separator, declared_separator};
 use super::{IoError, names};
-
-/// What stands between two fields.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Separator {
-    Comma,
-    Semicolon,
-    Tab,
-    /// Any run of blanks and tabs.
-    Blank,
-}
-
-const SEPARATORS: [Separator; 4] = [Separator::Comma, Separator::Semicolon, Separator::Tab, Separator::Blank];
-
-impl Separator {
-    /// The character, but for blanks.
-    pub(super) fn character(self) -> Option<char> {
-        match self {
-            Separator::Comma => Some(','),
-            Separator::Semicolon => Some(';'),
-            Separator::Tab => Some('\t'),
-            Separator::Blank => None,
-        }
-    }
-
-    /// Fields of one row, trimmed; separators between double quotes do not separate.
-    pub(super) fn fields(self, row: &str) -> Vec<Cow<'_, str>> {
-        let mut quoted = false;
-        let between = |c: char| {
-            quoted ^= c == '"';
-            !quoted && self.character().map_or(c.is_whitespace(), |separator| c == separator)
-        };
-        let fields = row.split(between).map(|field| {
-            let field = field.trim();
-            match field.strip_prefix('"').and_then(|f| f.strip_suffix('"')) {
-                Some(inner) => Cow::Owned(inner.replace("\"\"", "\"")),
-                None => Cow::Borrowed(field),
-            }
-        });
-        // a run of blanks is one separator
-        fields.filter(|field| self != Separator::Blank || !field.is_empty()).collect()
-    }
-
-    /// A number; with a decimal comma where the comma separates nothing.
-    pub(super) fn number(self, text: &str) -> Option<f64> {
-        // most fields have no blanks to trim
-        let plain = text.parse().or_else(|_| text.trim().parse()).ok();
-        if plain.is_some() || self == Separator::Comma {
-            return plain;
-        }
-        let (whole, fraction) = text.trim().split_once(',')?;
-        let is_decimal = !whole.contains('.') && !fraction.contains([',', '.']);
-        is_decimal.then(|| format!("{whole}.{fraction}").parse().ok()).flatten()
-    }
-}
 
 /// The layout of one table.
 #[derive(Debug)]
@@ -92,14 +39,23 @@ pub(super) fn is_aside(line: &str) -> bool {
 /// [`IoError::Empty`] and [`IoError::NoHeader`].
 pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Result<TableForm, IoError> {
     let lines = || text.split('\n').map(str::trim).enumerate();
-    let (at, first) = lines().find(|(_, line)| !is_aside(line)).ok_or_else(|| IoError::Empty { file: file.into() })?;
+    let mut said = lines().filter(|(_, line)| !is_aside(line));
+    let mut next = || said.next().ok_or_else(|| IoError::Empty { file: file.into() });
+    let (mut at, mut first) = next()?;
+    let declared = declared_separator(first);
+    if declared.is_some() {
+        (at, first) = next()?;
+    }
     /// Longest line of names: room for a hundred thousand columns.
     const MOST_LINE: usize = 1 << 20;
     if first.len() > MOST_LINE {
         return Err(no_header(file, at + 1, first));
     }
-    if let Some(named) = names_in_line(file, first)? {
+    if let Some(named) = names_in_line(file, first, declared.as_slice())? {
         return Ok(TableForm { first_row: at + 1, note: None, ..named });
+    }
+    if declared.is_some() {
+        return Err(no_header(file, at + 1, first));
     }
     // a number stands where names should be
     let asides: Vec<&str> = lines().take(at).map(|(_, line)| line).filter(|line| !line.is_empty()).collect();
@@ -124,10 +80,10 @@ fn no_header(file: &str, line: usize, header: &str) -> IoError {
     IoError::NoHeader { file: file.into(), line, text, example: "x,y,z,nx,ny,nz" }
 }
 
-/// The names in a line and what separates them; `None` where the line holds a number.
-fn names_in_line(file: &str, line: &str) -> Result<Option<TableForm>, IoError> {
+/// The names in a line and what separates them, one of `declared` where there is any; `None` where the line holds a number.
+fn names_in_line(file: &str, line: &str, declared: &[Separator]) -> Result<Option<TableForm>, IoError> {
     let mut best: Option<(usize, TableForm)> = None;
-    for separator in SEPARATORS {
+    for &separator in if declared.is_empty() { &SEPARATORS[..] } else { declared } {
         let fields = separator.fields(line);
         let fields: Vec<&str> = fields.iter().map(Cow::as_ref).collect();
         let found = names::in_our_words(file, &fields);
@@ -150,7 +106,7 @@ fn names_in_line(file: &str, line: &str) -> Result<Option<TableForm>, IoError> {
 /// The layout where the comment `aside` names the fields of `row`, as CloudCompare and others write it.
 fn named_by_aside(file: &str, aside: &str, row: &str) -> Option<TableForm> {
     let inner = aside.trim_start_matches(['#', '/']).trim();
-    let form = names_in_line(file, inner).ok()??;
+    let form = names_in_line(file, inner, &[]).ok()??;
     let separator = SEPARATORS.into_iter().find(|separator| {
         let fields = separator.fields(row);
         fields.len() == form.names.len() && fields.iter().all(|f| separator.number(f).is_some())
@@ -209,12 +165,21 @@ mod tests {
     }
 
     #[test]
-    fn decimal_commas_are_numbers_where_commas_separate_nothing() {
-        assert_eq!(Separator::Semicolon.number(" -1,25e1"), Some(-12.5));
-        assert_eq!(Separator::Blank.number("1.25"), Some(1.25));
-        for (separator, text) in [(Separator::Comma, "1,5"), (Separator::Tab, "1.234,5"), (Separator::Tab, "1,2,3")] {
-            assert_eq!(separator.number(text), None, "{text}");
+    fn a_spreadsheet_may_name_its_separator() {
+        for (text, separator) in [
+            ("sep=;\r\nx;y;z\n", Separator::Semicolon),
+            ("\"SEP=,\"\nx,y,z\n", Separator::Comma),
+            ("sep=\t\nx\ty\tz\n", Separator::Tab),
+        ] {
+            let form = form(text, "csv");
+            assert_eq!(
+                (form.separator, form.names.join(","), form.first_row),
+                (separator, "x,y,z".into(), 2),
+                "{text:?}"
+            );
         }
+        let numbers = table_form("f", "sep=;\n1;2;3\n", "xyz", Need::Contacts);
+        assert!(matches!(numbers, Err(IoError::NoHeader { line: 2, .. })), "{numbers:?}");
     }
 
     #[test]

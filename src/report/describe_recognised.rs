@@ -264,10 +264,22 @@ fn rms(found: &Recognition, input: &Input) -> Option<f64> {
 
 /// Contacts and normals that were set aside or changed, in words.
 fn set_aside(found: &Recognition) -> Vec<String> {
+    let known = found.contacts + found.outliers - found.normals_of_length_zero;
+    // without a viewpoint the side of most normals is taken
+    let by_viewpoint = 2 * found.normals_flipped > known;
+    let reversed = match found.normals_flipped {
+        flipped if flipped >= known => "pointed away from the viewpoint: all reversed",
+        _ if by_viewpoint => "pointed away from the viewpoint, or to the other side than the neighbours: reversed",
+        _ => "pointed to the other side than the neighbours: reversed",
+    };
     let counted = [
         (found.outliers, "contact", "too far off the surface to belong to it: left out"),
-        (found.normals_of_length_zero, "normal", "of length 0: left out"),
-        (found.normals_flipped, "normal", "pointed to the other side than the neighbours: reversed"),
+        (
+            found.normals_of_length_zero,
+            "normal",
+            "of length 0 or empty: not known, these contacts count by their places alone",
+        ),
+        (found.normals_flipped, "normal", reversed),
         (found.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
     let plural = |count: usize| if count == 1 { "" } else { "s" };

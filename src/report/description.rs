@@ -18,7 +18,7 @@ use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Share
 use super::maps::write_maps_npz;
 use super::surface_view::SurfaceView;
 use super::table::significant;
-use super::words::small_maps;
+use super::words::{flat_r, named, small_maps};
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
 pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
@@ -106,16 +106,30 @@ pub(crate) fn inverse_crime_remark(truth: &Truth) -> Option<String> {
     Some(format!("{INVERSE_CRIME}: the surface is imported from {label}, of the same kind as the fit"))
 }
 
+/// What pages and pictures draw: the view, flat where the answer is a plane.
+pub(super) fn shown_view(description: &dyn Description) -> SurfaceView {
+    let (view, shape) = (description.view(), &description.document().shape);
+    if shape.class.as_deref() != Some(ShapeClass::Plane.name()) {
+        return view;
+    }
+    view.flattened(shape.curvedness.interval.map_or(0.0, |[_, most]| most))
+}
+
 /// One line for the top of a picture.
 pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     let shape = &document.shape;
-    let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), |v| significant(v, 4));
     // a path is known by its last part
     let name = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
-    let class = shape.class.as_deref().unwrap_or("undefined");
+    let mean = |letter: &str, part: &MeasurePart| part.mean.map(|v| format!(", {letter} = {}", significant(v, 4)));
+    let numbers = match (flat_r(shape), &shape.class_by_area) {
+        (Some(r), _) => format!(", R {r}"),
+        // means over several shapes are those of none
+        (None, Some(_)) => String::new(),
+        (None, None) => [mean("S", &shape.shape_index), mean("R", &shape.curvedness)].into_iter().flatten().collect(),
+    };
     let crime = document.fit.notes.iter().any(|note| note.starts_with(INVERSE_CRIME));
     let warning = if crime { format!(" ({INVERSE_CRIME})") } else { String::new() };
-    format!("{name}: {class}, S = {}, R = {}{warning}", mean(&shape.shape_index), mean(&shape.curvedness))
+    format!("{name}: {}{numbers}{warning}", named(shape))
 }
 
 /// Share of the patch that the commonest class must have for the class to be said.

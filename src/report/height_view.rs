@@ -51,6 +51,7 @@ pub(super) fn height_view(
         closed: [false; 2],
         net: ([gx.len(), gy.len()], net.collect()),
         contacts: fitted.map(|(_, input, _)| contacts(surface, frame, input)),
+        flat: None,
     }
 }
 

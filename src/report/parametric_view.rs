@@ -32,5 +32,6 @@ pub(super) fn parametric_view(surface: &Parametric, maps: &ParametricMaps) -> Su
         closed: [knots[0].is_closed(), knots[1].is_closed()],
         net: ([net.nrows(), net.ncols()], net.iter().copied().collect()),
         contacts: None,
+        flat: None,
     }
 }

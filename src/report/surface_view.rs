@@ -40,6 +40,25 @@ pub(crate) struct SurfaceView {
     pub net: ([usize; 2], Vec<Vector>),
     /// The contacts, where the page is about a fit of some.
     pub contacts: Option<ContactsView>,
+    /// Upper end of the scale of R where the patch is flat: S is undefined then, and what is left of R is rounding or noise.
+    pub flat: Option<f64>,
+}
+
+impl SurfaceView {
+    /// Shows a patch that was found to be flat as one: without S, and R on a scale up to its upper bound.
+    pub(super) fn flattened(mut self, most: f64) -> SurfaceView {
+        /// R of rounding: the patch rises by a millionth of its size at most.
+        const ROUNDING: f64 = 1e-6;
+        self.shape_index.fill(f64::NAN);
+        if let Some([s, _]) = &mut self.uncertainty {
+            s.fill(f64::NAN);
+        }
+        let largest = self.curvedness.iter().copied().filter(|r| r.is_finite()).fold(most, f64::max);
+        let span = |places: &Vec<f64>| places.first().zip(places.last()).map_or(0.0, |(lo, hi)| hi - lo);
+        let size = self.places.iter().map(span).fold(0.0, f64::max);
+        self.flat = Some(if size > 0.0 { largest.max(ROUNDING / size) } else { largest.max(f64::MIN_POSITIVE) });
+        self
+    }
 }
 
 /// Contacts and their residuals.

@@ -56,12 +56,23 @@ fn shape_lines(document: &FitDocument, lines: &mut Lines) {
             likely.iter().map(|(name, share)| format!("{name} {share:.3}")).collect::<Vec<_>>().join(", "),
         );
     }
+    if let Some(shares) = &shape.class_by_area {
+        let shares = shares.0.iter().map(|(name, share)| format!("{name} {share:.3}"));
+        lines.add("by area", format!("{} of the patch", shares.collect::<Vec<_>>().join(", ")));
+        // the direction in the middle is that of none of them
+        return support_lines(document, lines);
+    }
     if let Some(direction) = shape.direction_deg {
         lines.add("k1", format!("along {direction:.1} deg from +x towards +y, the direction of the larger curvature"));
     }
     if let Some([x, y, z]) = shape.direction {
         lines.add("k1", format!("along ({x:.3}, {y:.3}, {z:.3}) in space, the direction of the larger curvature"));
     }
+    support_lines(document, lines);
+}
+
+fn support_lines(document: &FitDocument, lines: &mut Lines) {
+    let shape = &document.shape;
     let [n, m] = shape.grid;
     let used = (shape.support * (n * m) as f64).round();
     lines.add("support", format!("{used} of {n} x {m} grid points lie among the contacts"));

@@ -13,6 +13,7 @@ mod formats;
 mod frontier;
 mod fuzz_seeds;
 mod hostile;
+mod newcomers_files;
 mod npz;
 mod parts;
 mod readers;

@@ -83,11 +83,40 @@ fn several_shapes_side_by_side_are_an_answer() {
         assert!(!words.contains(wrong), "{wrong}: {words}");
     }
     assert!(words.contains("noise      measured points scatter by about"), "{words}");
+    told(here, "fit hill.csv --out out --pictures svg --quiet");
+    let (title, page) = (title_of(&here.join("out")), read(&here.join("out/report.html")));
+    assert!(title.ends_with(" side by side") && !title.contains("undefined"), "{title}");
+    assert!(page.contains(">several<") && !page.contains("Axis, degrees"), "{title}");
     let document: Value = serde_json::from_str(&told(here, "fit hill.csv --json")).unwrap();
     let by_area = document["shape"]["class_by_area"].as_object().unwrap();
     let shares: Vec<f64> = by_area.values().map(|share| share.as_f64().unwrap()).collect();
     assert!(document["shape"]["class"].is_null() && shares.len() > 1, "{by_area:?}");
     assert!(shares.iter().all(|share| *share >= 0.1) && shares.iter().sum::<f64>() <= 1.0 + 1e-12, "{by_area:?}");
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// The first words of the picture of S and R in a folder.
+fn title_of(folder: &Path) -> String {
+    let picture = read(&folder.join("shape.svg"));
+    let (_, rest) = picture.split_once("<text").and_then(|(_, rest)| rest.split_once('>')).unwrap();
+    rest.split_once('<').unwrap().0.to_string()
+}
+
+/// What a plane leaves of S and R is rounding: neither is drawn as if it were a shape, and the title says what the words say.
+#[test]
+fn pictures_of_a_plane_are_flat() {
+    let directory = bench();
+    let here = directory.path();
+    let words = told(here, "fit plate.csv --out out --pictures svg");
+    let below =
+        words.lines().find_map(|line| line.split_once("below ")).unwrap().1.split(' ').next().unwrap().to_string();
+    assert_eq!(title_of(&here.join("out")), format!("plate.csv: plane, R below {below}"));
+    let (picture, page) = (read(&here.join("out/shape.svg")), read(&here.join("out/report.html")));
+    assert!(picture.contains("S is undefined: the patch is flat") && !picture.contains("u(S)"));
+    assert!(!picture.contains("e-1") && page.contains(&format!(">below {below}<")) && !page.contains(">undefined<"));
 }
 
 /// The axis is where the thing lies, whichever of its curvatures is the larger one.

@@ -48,7 +48,8 @@ class Shape:
     """What the patch looks like, over the points of the shape grid that the data support.
 
     shape_index: S from -1 (cup) over 0 (saddle) to 1 (cap). curvedness: R, 1/length. class_name: one of cup, trough,
-    rut, saddle rut, saddle, saddle ridge, ridge, dome, cap, plane. radius: of a cap, cup, ridge or rut. direction_deg: of
+    rut, saddle rut, saddle, saddle ridge, ridge, dome, cap, plane; None where several stand side by side, and class_by_area says
+    which, each with its share of the patch (empty where there is one class). radius: of a cap, cup, ridge or rut. direction_deg: of
     k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
     in space. axis_deg and axis: the same of the direction along a ridge or rut, or of the longer way of a dome or
     trough.
@@ -58,6 +59,7 @@ class Shape:
     curvedness: Measure
     class_name: str | None
     class_probability: dict[str, float]
+    class_by_area: dict[str, float]
     k1: Spread
     k2: Spread
     radius: float | None
@@ -88,6 +90,7 @@ class Shape:
             curvedness=Measure._of(part["R"]),
             class_name=part["class"],
             class_probability=dict(part["class_probability"] or {}),
+            class_by_area=dict(part.get("class_by_area") or {}),
             k1=Spread(part["k1"]["mean"], part["k1"]["sd"]),
             k2=Spread(part["k2"]["mean"], part["k2"]["sd"]),
             radius=part["radius"],

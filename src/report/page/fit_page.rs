@@ -8,7 +8,7 @@ use super::shell::Page;
 use super::surface_sections::{cards, fields, maps, numbers, residuals, stage, trust};
 use super::view_data::view_data;
 use super::words::finding;
-use crate::report::description::{Description, INVERSE_CRIME};
+use crate::report::description::{Description, INVERSE_CRIME, shown_view};
 use crate::report::document::FitDocument;
 use crate::report::json::write_json;
 use crate::report::table::write_table;
@@ -19,7 +19,7 @@ use crate::report::words::write_words;
 /// # Errors
 /// What the system says of memory.
 pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String, String)> {
-    let (view, document) = (description.view(), description.document());
+    let (view, document) = (shown_view(description), description.document());
     let fields = fields(&view, document);
     let mut sections = cards(document);
     sections.push_str(&stage(&view, &fields));

@@ -13,10 +13,11 @@ use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
 use super::words::{apart, certificate, interval_of, named_level, noise};
 use crate::report::document::{FitDocument, MeasurePart, ShapePart, SpreadPart};
+use crate::report::percent::percent;
 use crate::report::radius::radius_bounds;
 use crate::report::surface_view::{ContactsView, SurfaceView};
 use crate::report::table::significant;
-use crate::report::words::{OPEN, chance};
+use crate::report::words::{OPEN, chance, flat_r, likelier, of_patch, radius_of_class};
 
 /// What a surface can be coloured by: S where it has one, R, and their uncertainties where they are known.
 pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<Field<'a>> {
@@ -32,7 +33,8 @@ pub(super) fn fields<'a>(view: &'a SurfaceView, document: &FitDocument) -> Vec<F
     let values = &view.curvedness[..];
     let stops = &VIRIDIS[..];
     let name = format!("curvedness R ({inverse})");
-    all.push(Field { key: "R", name, values, ends: ends(values), stops, fading: None });
+    let from_zero = view.flat.map(|most| [0.0, most]);
+    all.push(Field { key: "R", name, values, ends: from_zero.unwrap_or(ends(values)), stops, fading: None });
     if let Some([s, r]) = &view.uncertainty {
         let name = format!("uncertainty of R ({inverse})");
         let named = [("uS", "uncertainty of S".into(), &s[..]), ("uR", name, &r[..])];
@@ -54,20 +56,18 @@ pub(super) fn cards(document: &FitDocument) -> String {
         lines
     };
     let mean = |part: &MeasurePart| part.mean.map_or("undefined".into(), shown);
-    let class = shape.class.as_deref().unwrap_or("none");
-    let sure = shape.class_probability.as_ref().and_then(|shares| {
-        let share = shares.0.iter().find(|(name, _)| name == class)?.1;
-        Some(format!("{} sure", chance(share)))
-    });
     let mut out = String::from("<div class=\"cards\">\n");
-    out.push_str(&card("Class", class, &sure.into_iter().collect::<Vec<_>>()));
-    out.push_str(&card("S, shape index", &mean(&shape.shape_index), &lines(&shape.shape_index)));
-    out.push_str(&card(
-        &format!("R, curvedness ({})", lengths.inverse()),
-        &mean(&shape.curvedness),
-        &lines(&shape.curvedness),
-    ));
-    if let Some(radius) = shape.radius {
+    out.push_str(&class_card(shape));
+    let r_name = format!("R, curvedness ({})", lengths.inverse());
+    if let Some(r) = flat_r(shape) {
+        let sure = shape.curvedness.level.map(|level| format!("{} sure", percent(level)));
+        out.push_str(&card("S, shape index", "none", &["a flat surface has none".into()]));
+        out.push_str(&card(&r_name, &r, &sure.into_iter().collect::<Vec<_>>()));
+    } else {
+        out.push_str(&card("S, shape index", &mean(&shape.shape_index), &lines(&shape.shape_index)));
+        out.push_str(&card(&r_name, &mean(&shape.curvedness), &lines(&shape.curvedness)));
+    }
+    if let Some(radius) = radius_of_class(shape) {
         let level = named_level(shape.curvedness.level);
         let between = match radius_bounds(shape) {
             [Some(lo), Some(hi)] => apart([lo, hi]).map(|[lo, hi]| format!("{level} interval {lo} to {hi}")),
@@ -81,8 +81,30 @@ pub(super) fn cards(document: &FitDocument) -> String {
     out
 }
 
+/// The class with how sure it is; all of them where several stand side by side or the contacts leave it open.
+fn class_card(shape: &ShapePart) -> String {
+    if let Some(by_area) = &shape.class_by_area {
+        let lines: Vec<String> = by_area.0.iter().map(|(name, share)| of_patch(name, *share)).collect();
+        return card("Classes", "several", &lines);
+    }
+    let class = shape.class.as_deref().unwrap_or("none");
+    if let Some((other, [own, likely])) = likelier(shape) {
+        let lines = [(other, likely), (class, own)].map(|(name, share)| format!("{name} {}", chance(share)));
+        return card("Class", &format!("{class} or {other}"), &lines);
+    }
+    let sure = shape.class_probability.as_ref().and_then(|shares| {
+        let share = shares.0.iter().find(|(name, _)| name == class)?.1;
+        Some(format!("{} sure", chance(share)))
+    });
+    card("Class", class, &sure.into_iter().collect::<Vec<_>>())
+}
+
 /// The way along a ridge or rut, and how well it is known.
 fn axis_card(shape: &ShapePart) -> Option<String> {
+    // where several shapes stand side by side, the axis in the middle is that of no shape
+    if shape.class_by_area.is_some() {
+        return None;
+    }
     let level = named_level(shape.curvedness.level);
     let within = shape.axis_within_deg;
     let open = || "may run any way".to_string();
@@ -101,9 +123,14 @@ fn axis_card(shape: &ShapePart) -> Option<String> {
     Some(card("Axis, along x, y, z", &format!("{x:.2}, {y:.2}, {z:.2}"), &between.into_iter().collect::<Vec<_>>()))
 }
 
+/// A number that is rounding beside `size` is zero.
+fn beside(value: f64, size: f64) -> f64 {
+    if value.abs() <= 1e-9 * size.abs() { 0.0 } else { value }
+}
+
 /// How much a quantity differs from place to place; rounding is no variation.
 fn variation(sd: f64, mean: Option<f64>) -> String {
-    if sd <= 1e-9 * mean.unwrap_or(0.0).abs() {
+    if beside(sd, mean.unwrap_or(0.0)) == 0.0 {
         return "the same all over the patch".into();
     }
     format!("varies by {} over the patch", significant(sd, 2))
@@ -173,20 +200,23 @@ pub(super) fn maps(view: &SurfaceView, fields: &[Field], document: &FitDocument)
 pub(super) fn numbers(document: &FitDocument) -> String {
     let (shape, inverse) = (&document.shape, Lengths::of(document).inverse());
     let number = |v: Option<f64>| v.map_or("-".into(), shown);
-    let measured = |name: &str, part: &MeasurePart, truth: Option<f64>| {
+    // S runs from -1 to 1, curvatures are rounding where they are nothing beside R
+    let size = shape.curvedness.mean.unwrap_or(0.0);
+    let measured = |name: &str, part: &MeasurePart, size: f64, truth: Option<f64>| {
         let interval = part
             .interval
             .map_or("-".into(), |[lo, hi]| format!("{} to {}", precise(lo, hi - lo), precise(hi, hi - lo)));
         let u = part.u.map_or("-".into(), |u| significant(u, 2));
-        vec![name.into(), number(part.mean), u, interval, number(part.sd), number(truth)]
+        vec![name.into(), number(part.mean), u, interval, number(part.sd.map(|v| beside(v, size))), number(truth)]
     };
     let curvature = |name: &str, part: &SpreadPart| {
-        vec![name.into(), number(part.mean), "-".into(), "-".into(), number(part.sd), "-".into()]
+        let [mean, sd] = [part.mean, part.sd].map(|value| number(value.map(|v| beside(v, size))));
+        vec![name.into(), mean, "-".into(), "-".into(), sd, "-".into()]
     };
     let truth = document.truth.as_ref();
     let mut rows = vec![
-        measured("S, shape index", &shape.shape_index, truth.and_then(|t| t.shape_index)),
-        measured(&format!("R, curvedness ({inverse})"), &shape.curvedness, truth.and_then(|t| t.curvedness)),
+        measured("S, shape index", &shape.shape_index, 1.0, truth.and_then(|t| t.shape_index)),
+        measured(&format!("R, curvedness ({inverse})"), &shape.curvedness, size, truth.and_then(|t| t.curvedness)),
         curvature(&format!("k1, larger curvature ({inverse})"), &shape.k1),
         curvature(&format!("k2, smaller curvature ({inverse})"), &shape.k2),
     ];

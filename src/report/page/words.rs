@@ -6,7 +6,7 @@ use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::percent::percent;
 use crate::report::radius::radius_bounds;
 use crate::report::table::significant;
-use crate::report::words::{like, of_the_patch};
+use crate::report::words::{chance, like, likelier, of_the_patch, radius_of_class};
 
 /// The level of an interval in front of its name, where it is known: `95 % interval`, `an interval`.
 pub(super) fn named_level(level: Option<f64>) -> String {
@@ -39,8 +39,15 @@ pub(super) fn finding(document: &FitDocument) -> String {
             "The shape index is undefined here, so the patch has no class.".into()
         };
     };
-    let mut words = format!("The patch is a {class}: {}.", like(class));
-    if let Some(radius) = shape.radius {
+    let mut words = match likelier(shape) {
+        Some((other, [_, sure])) => format!(
+            "The patch lies between a {class} and a {other}: the mean of S is that of a {class}, but {} of the surfaces that explain \
+             the contacts are a {other}.",
+            chance(sure)
+        ),
+        None => format!("The patch is a {class}: {}.", like(class)),
+    };
+    if let Some(radius) = radius_of_class(shape) {
         let sure = shape.curvedness.level.map_or(String::new(), |level| format!(", {} sure", percent(level)));
         let between = match radius_bounds(shape) {
             [Some(lo), Some(hi)] => apart([lo, hi])

@@ -16,7 +16,7 @@ mod sweep;
 
 use std::io::Write;
 
-use super::description::{Description, headline};
+use super::description::{Description, headline, shown_view};
 use super::document::FitDocument;
 use super::drawing::Drawing;
 use super::surface_view::SurfaceView;
@@ -65,10 +65,15 @@ impl SurfacePictures {
     pub(crate) fn new(description: &dyn Description, document: &FitDocument, name: &str) -> SurfacePictures {
         let part = &document.shape;
         SurfacePictures {
-            view: description.view(),
+            view: shown_view(description),
             title: headline(name, document),
             unit: document.unit.clone(),
-            across_deg: part.axis_deg.map(|axis| (axis + 90.0) % 180.0).or(part.direction_deg),
+            // where several shapes stand side by side, the axis in the middle is that of no shape
+            across_deg: part
+                .axis_deg
+                .map(|axis| (axis + 90.0) % 180.0)
+                .or(part.direction_deg)
+                .filter(|_| part.class_by_area.is_none()),
         }
     }
 

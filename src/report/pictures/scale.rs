@@ -72,7 +72,9 @@ pub(super) fn ticks(lo: f64, hi: f64, most: usize) -> Vec<(f64, String)> {
     let first = ((lo - 1e-9 * span) / step).ceil() as i64;
     let last = ((hi + 1e-9 * span) / step).floor() as i64;
     let word = |value: f64| {
-        if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
+        if value == 0.0 && !(1e-4..1e6).contains(&step) {
+            "0".into()
+        } else if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
             format!("{value:.1e}")
         } else {
             format!("{value:.places$}")
@@ -166,12 +168,22 @@ pub(super) fn number_bar(
 ) -> Vec<f64> {
     bar(drawing, [x, y], height, &|t| along(stops, t));
     let axis = Axis { lo, hi, from: y + height, to: y };
-    let ticks = axis.ticks(6);
+    let mut ticks = axis.ticks(6);
+    // words that would be cut at the picture's edge are written short
+    let room = drawing.size[0] - (x + BAR + 6.0);
+    if ticks.iter().any(|(_, word)| width_of(word, SMALL) > room) {
+        ticks.iter_mut().for_each(|(value, word)| *word = powered(*value));
+    }
     for (value, word) in &ticks {
         drawing.line(&[[x + BAR, axis.at(*value)], [x + BAR + 3.0, axis.at(*value)]], 0.8, BLACK);
         drawing.word([x + BAR + 6.0, axis.at(*value)], word.as_str(), SMALL, Anchor::Start);
     }
     ticks.into_iter().map(|(value, _)| value).collect()
+}
+
+/// A round number as a power of ten, `1.5e-5`, and 0 as that.
+fn powered(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}").replacen(".0e", "e", 1) }
 }
 
 /// Text that fits into so many letters: its middle is left out where it is longer.
@@ -259,6 +271,20 @@ mod tests {
         let words: Vec<String> = side_by_side(&narrow, 5).into_iter().map(|(_, word)| word).collect();
         assert_eq!(words, ["-0.02", "0.00", "0.02"]);
         assert_eq!(side_by_side(&Axis { to: 400.0, ..narrow }, 5).len(), 5);
+    }
+
+    #[test]
+    fn numbers_beside_a_scale_end_before_the_edge() {
+        for most in [4.3e-18, 4.8e-5, 0.0021, 0.35, 12.0, 250_000.0] {
+            let mut drawing = picture(200.0);
+            number_bar(&mut drawing, [440.0, 20.0], 150.0, [0.0, most], &[[0; 3], [255; 3]]);
+            for shape in &drawing.shapes {
+                if let crate::report::drawing::Shape::Word { at, text, size, .. } = shape {
+                    assert!(at[0] + width_of(text, *size) <= WIDTH, "{most}: {text}");
+                }
+            }
+        }
+        assert_eq!([0.0, 1.5e-5, 2e-18].map(powered), ["0", "1.5e-5", "2e-18"]);
     }
 
     #[test]

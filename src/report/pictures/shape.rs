@@ -86,8 +86,12 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
     if view.axes == ["u", "v"] {
         words.push("u, v: the patch's own two directions".into());
     }
+    if view.flat.is_some() {
+        words.push("S is undefined: the patch is flat".into());
+    }
     if rows > 1 {
-        words.push(format!("u(S), u(R): {}", view.uncertainty_words));
+        let which = if view.flat.is_some() { "u(R)" } else { "u(S), u(R)" };
+        words.push(format!("{which}: {}", view.uncertainty_words));
     }
     foot(&mut drawing, &words);
     drawing
@@ -100,8 +104,8 @@ fn maps<'a>(view: &'a SurfaceView, unit: Option<&str>) -> Vec<Map<'a>> {
         let strength = if largest_r > 0.0 && r.is_finite() { (r / (FADE * largest_r)).min(1.0) } else { 0.0 };
         mix(FAINT, along(&DIVERGING, stepped(0.5 * (s + 1.0))), stepped(strength))
     };
-    let numbers = |caption: String, values: &'a [f64]| {
-        let most = largest(values);
+    let numbers = |caption: String, values: &'a [f64], most: Option<f64>| {
+        let most = most.unwrap_or(largest(values));
         // of a plane, or of numbers without noise, nothing is left but zero
         let most = if most > 0.0 { most } else { 1.0 };
         let colour = Box::new(move |v: f64, _| along(&VIRIDIS, stepped(v / most)));
@@ -109,11 +113,13 @@ fn maps<'a>(view: &'a SurfaceView, unit: Option<&str>) -> Vec<Map<'a>> {
     };
     let mut maps = vec![
         Map { caption: "S, shape index".into(), values: &view.shape_index, colour: Box::new(faded), ends: None },
-        numbers(with_unit("R, curvedness", unit, -1), &view.curvedness),
+        numbers(with_unit("R, curvedness", unit, -1), &view.curvedness, view.flat),
     ];
     if let Some([s, r]) = &view.uncertainty {
-        maps.push(numbers("u(S), standard uncertainty".into(), s));
-        maps.push(numbers(with_unit("u(R)", unit, -1), r));
+        if view.flat.is_none() {
+            maps.push(numbers("u(S), standard uncertainty".into(), s, None));
+        }
+        maps.push(numbers(with_unit("u(R)", unit, -1), r, None));
     }
     maps
 }
@@ -168,7 +174,9 @@ impl<'a> Panel<'a> {
             for column in 0..columns {
                 let at = [share(column, columns), 1.0 - share(row, rows)];
                 let value = known_between(map.values, self.size, at);
-                let colour = value.map_or(UNKNOWN, |value| {
+                // of a flat patch S says nothing, which is not that nothing is known there, nor that it is a saddle
+                let flat = self.view.flat.is_some() && map.ends.is_none();
+                let colour = value.map_or(if flat { FAINT } else { UNKNOWN }, |value| {
                     let r = known_between(&self.view.curvedness, self.size, at).unwrap_or(f64::NAN);
                     (map.colour)(value, r)
                 });

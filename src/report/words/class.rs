@@ -20,6 +20,33 @@ pub(in crate::report) fn like(class: &str) -> &'static str {
     }
 }
 
+/// A class of less probability than this is not what the contacts show, though the mean of S lies in it.
+const UNLIKELY: f64 = 0.1;
+
+/// The likelier class where the class of the mean of S has nearly no probability, with the probabilities of both.
+pub(in crate::report) fn likelier(shape: &ShapePart) -> Option<(&str, [f64; 2])> {
+    let own = probability(shape, shape.class.as_deref()?)?;
+    second(shape).filter(|(_, other)| own < UNLIKELY && *other >= own).map(|(name, other)| (name, [own, other]))
+}
+
+/// The radius, unless the class that it belongs to has nearly no probability.
+pub(in crate::report) fn radius_of_class(shape: &ShapePart) -> Option<f64> {
+    shape.radius.filter(|_| likelier(shape).is_none())
+}
+
+/// The class in few words, for a title: all of them where there are several.
+pub(in crate::report) fn named(shape: &ShapePart) -> String {
+    match (shape.class.as_deref(), likelier(shape), &shape.class_by_area) {
+        (Some(class), Some((other, _)), _) => format!("between {class} and {other}"),
+        (Some(class), None, _) => class.into(),
+        (None, _, Some(by_area)) => {
+            let names: Vec<&str> = by_area.0.iter().map(|(name, _)| name.as_str()).collect();
+            format!("{} side by side", names.join(", "))
+        }
+        (None, _, None) => "no class".into(),
+    }
+}
+
 /// The class, what it looks like, and how sure it is.
 pub(super) fn sentence(shape: &ShapePart) -> String {
     let Some(class) = shape.class.as_deref() else {
@@ -31,6 +58,14 @@ pub(super) fn sentence(shape: &ShapePart) -> String {
             "NO RESULT: these contacts are too few to tell; the notes say why".into()
         };
     };
+    if let Some((other, [p, q])) = likelier(shape) {
+        return format!(
+            "between {class} and {other}: the mean of S is that of a {class}, but {} of the surfaces that explain the contacts are a \
+             {other}, {} a {class}",
+            chance(q),
+            chance(p)
+        );
+    }
     if let (Some(p), Some((other, q))) = (probability(shape, class), second(shape))
         && q >= p
     {
@@ -49,6 +84,11 @@ pub(in crate::report) fn of_the_patch(by_area: &Shares) -> String {
         format!("{class} on {}{patch}", of_hundred(*share))
     });
     each.collect::<Vec<_>>().join(", ")
+}
+
+/// A class with its share of the patch, as `dome on 31 % of the patch`.
+pub(in crate::report) fn of_patch(class: &str, share: f64) -> String {
+    format!("{class} on {} of the patch", of_hundred(share))
 }
 
 /// Probability of a class, where it is known.

@@ -21,10 +21,10 @@ use std::io::Write;
 
 use super::document::FitDocument;
 
-pub(super) use class::{like, of_the_patch};
+pub(super) use class::{like, likelier, named, of_patch, of_the_patch, radius_of_class};
 pub(super) use map::small_maps;
 pub(super) use numbers::chance;
-pub(super) use table::OPEN;
+pub(super) use table::{OPEN, flat_r};
 use wrap::Labelled;
 
 /// Writes the first output; `name` is the scene or the file.
@@ -48,6 +48,7 @@ pub(crate) fn write_words(name: &str, document: &FitDocument, out: &mut dyn Writ
 
 #[cfg(test)]
 mod tests {
+    use super::super::document::Shares;
     use super::super::schema::full;
     use super::*;
 
@@ -68,6 +69,34 @@ mod tests {
                 assert!(line.chars().count() <= most && line == line.trim_end(), "{line}");
             }
         }
+    }
+
+    /// The mean of S may lie in a class that nearly no surface which explains the contacts has.
+    #[test]
+    fn a_class_without_probability_is_not_said_as_found() {
+        let mut document = full();
+        let shape = &mut document.shape;
+        (shape.class, shape.class_by_area) = (Some("ridge".into()), None);
+        (shape.radius, shape.radii, shape.centre) = (Some(8.9), None, Some([0.0; 3]));
+        let shares = |cap: f64, ridge: f64| Some(Shares(vec![("cap".into(), cap), ("ridge".into(), ridge)]));
+        shape.class_probability = shares(0.57, 0.004);
+        let text = written(&document);
+        for words in ["between ridge and cap: the mean of S is that of a ridge, but 57 %", "shows on a larger patch"] {
+            assert!(text.replace("\n           ", " ").contains(words), "{words}: {text}");
+        }
+        for words in
+            ["do not tell which", "leave the class open", "pipe or bar that fits", "0.707/radius", "the axis goes"]
+        {
+            assert!(!text.contains(words), "{words}: {text}");
+        }
+        assert_eq!(named(&document.shape), "between ridge and cap");
+        // where both are likely, nobody can tell, and the radius stands
+        document.shape.class_probability = shares(0.5, 0.4);
+        let text = written(&document).replace("\n           ", " ");
+        assert!(
+            text.contains("do not tell which (40 % and 50 % sure)") && text.contains("pipe or bar that fits"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::super::document::{FitDocument, MeasurePart};
 use super::super::table::{decimals, significant};
-use super::class::{probability, second};
+use super::class::{likelier, probability, radius_of_class, second};
 use super::numbers::{DIGITS, chance};
 use super::wrap::Labelled;
 
@@ -62,7 +62,7 @@ fn is_result(document: &FitDocument) -> bool {
 /// Where a ball or a pipe lies.
 fn place(document: &FitDocument) -> Option<String> {
     let shape = &document.shape;
-    let (centre, radius) = (shape.centre?, shape.radius?);
+    let (centre, radius) = (shape.centre?, radius_of_class(shape)?);
     let what = match shape.class.as_deref() {
         Some("cap" | "cup") => "the middle of the ball is at",
         Some("ridge" | "rut") => "the axis goes through",
@@ -193,7 +193,11 @@ fn next(document: &FitDocument) -> Vec<String> {
         next.extend(flat(document));
         return next;
     }
-    if let (Some(p), Some((other, q))) = (probability(shape, class).filter(|p| *p < SETTLED), second(shape)) {
+    if let Some((other, _)) = likelier(shape) {
+        next.push(format!(
+            "whether it is a {other} or more of a {class} shows on a larger patch: touch farther out, or more densely"
+        ));
+    } else if let (Some(p), Some((other, q))) = (probability(shape, class).filter(|p| *p < SETTLED), second(shape)) {
         next.push(format!(
             "the contacts leave the class open: {class} {}, {other} {}; contacts over a larger patch would tell",
             chance(p),

@@ -1,9 +1,10 @@
 //! The values in columns: what was found, between which bounds the truth lies, what the number means.
 
-use super::super::document::{FitDocument, MeasurePart};
+use super::super::document::{FitDocument, MeasurePart, ShapePart};
 use super::super::percent::percent;
 use super::super::radius::radius_bounds;
 use super::super::table::{decimals, significant};
+use super::class::{likelier, radius_of_class};
 use super::numbers::{DIGITS, like};
 
 /// Most decimals beyond those of the value that are spent on telling the ends of an interval apart.
@@ -88,18 +89,22 @@ fn curvedness(document: &FitDocument) -> Row {
     if shape.curvedness.mean.is_none() {
         return Row { label, value: "-".into(), meaning: "not known".into(), ..Row::default() };
     }
-    let meaning = match shape.class.as_deref() {
+    let meaning = match shape.class.as_deref().filter(|_| likelier(shape).is_none()) {
         Some("ridge" | "rut") => format!("{per}; 0.707/radius; 0 is flat"),
         Some("cap" | "cup") => format!("{per}; 1/radius; 0 is flat"),
         _ => format!("{per}; 0 is flat"),
     };
-    // a plane's R is zero within its bounds: the upper one says all
-    if let (Some("plane"), Some([_, hi])) = (shape.class.as_deref(), shape.curvedness.interval) {
-        let value = if hi > 0.0 { format!("below {}", significant(hi, 2)) } else { "0".into() };
+    if let Some(value) = flat_r(shape) {
         let level = shape.curvedness.level.map_or(String::new(), |level| format!("{} sure; ", percent(level)));
         return Row { label, value, meaning: level + &meaning, ..Row::default() };
     }
     Row { meaning, ..measure(label, &shape.curvedness, None) }
+}
+
+/// R of a plane, in words: it is zero within its bounds, so that the upper one says all.
+pub(in crate::report) fn flat_r(shape: &ShapePart) -> Option<String> {
+    let [_, most] = shape.curvedness.interval.filter(|_| shape.class.as_deref() == Some("plane"))?;
+    Some(if most > 0.0 { format!("below {}", significant(most, 2)) } else { "0".into() })
 }
 
 fn measure(label: &'static str, part: &MeasurePart, places: Option<usize>) -> Row {
@@ -131,7 +136,7 @@ fn radius(document: &FitDocument) -> Option<Row> {
             ..Row::default()
         });
     }
-    let radius = shape.radius?;
+    let radius = radius_of_class(shape)?;
     let between = match radius_bounds(shape) {
         [Some(lo), Some(hi)] => bounds(radius, None, [lo, hi]),
         [Some(lo), None] => format!("above {}", significant(lo, DIGITS)),
