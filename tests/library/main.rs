@@ -4,6 +4,7 @@ mod departures;
 mod differential;
 mod effects_together;
 mod explore;
+mod few_and_lines;
 mod guide;
 mod hard_cases;
 mod objects;

@@ -64,7 +64,15 @@ pub(in crate::recognition) fn patch_frame(
     }
     let mean = normals.map(mean_of);
     let up = match mean {
-        Some(mean) if norm(mean) > SHORT => unit_or_zero(mean),
+        Some(mean) if norm(mean) > SHORT => {
+            let up = unit_or_zero(mean);
+            // the path of one finger over a bent surface is an arc, which is no line but still no patch
+            let [across, along] = spreads_across(points, origin, up);
+            if across <= THIN * along {
+                return Err(RecognitionError::Collinear { across, along });
+            }
+            up
+        }
         Some(mean) => along_sign(axes[0], dot(axes[0], mean)),
         None => along_sign(axes[0], dot(axes[0], free_side(origin, options))),
     };
@@ -74,6 +82,20 @@ pub(in crate::recognition) fn patch_frame(
     let third: f64 = points.iter().map(|p| (dot(minus(*p, origin), side) / scale).powi(3)).sum();
     let side = along_sign(side, third);
     Ok(Frame { origin, axes: [side, cross(up, side), up], scale })
+}
+
+/// Least and largest principal sd of points in the plane across a direction.
+fn spreads_across(points: &[Vector], origin: Vector, up: Vector) -> [f64; 2] {
+    let axis = if up[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let first = unit_or_zero(cross(up, axis));
+    let second = cross(up, first);
+    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+    for p in points {
+        let [u, v] = [first, second].map(|side| dot(minus(*p, origin), side));
+        (a, b, c) = (a + u * u, b + u * v, c + v * v);
+    }
+    let (mean, half) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+    [mean - half, mean + half].map(|sum| (sum.max(0.0) / points.len() as f64).sqrt())
 }
 
 /// Direction of the free side for contacts without normals.

@@ -20,6 +20,7 @@ use crate::recognition::departures::Displacement;
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};
+use crate::recognition::start::OF_NORMAL;
 
 use super::linearised::Linearised;
 use super::node::{Departure, Node, POWERS};
@@ -28,6 +29,14 @@ use super::whitened::Whitened;
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
 const FEW: usize = 3;
+
+/// Contacts below which normals count little for the errors of positions, and how much: with all of them, intervals of R hold the
+/// truth in 88 to 93 of 100 patches of 4 to 8 contacts.
+const TOUCHES: usize = 12;
+const OF_FEW: f64 = 0.25;
+
+/// Degrees of freedom that the errors of few positions have from those of the normals.
+const SUPPOSED: f64 = 1.0;
 
 /// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +57,8 @@ pub(in crate::recognition) struct Evidence<'a> {
     pub(super) grams: Vec<Option<Mat<f64>>>,
     /// Gram matrix of the whitened normal rows.
     pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
+    /// Variance of the errors of an average cell's normal.
+    normal_variance: Option<f64>,
     limit: Limit,
     pub(super) look: Look,
 }
@@ -73,7 +84,8 @@ impl<'a> Evidence<'a> {
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
         let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
-        Evidence { cells, models, displacement, kernels, grams, normals, limit, look }
+        let normal_variance = linearised.normal_noise.map(|noise| noise.variance);
+        Evidence { cells, models, displacement, kernels, grams, normals, normal_variance, limit, look }
     }
 
     /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
@@ -94,7 +106,6 @@ impl<'a> Evidence<'a> {
             + size
             + self.share(kind, departure)
             + shape_prior(model, &system.x, &system.lower);
-        let rows = n + if self.normals.is_some() { 2 * n } else { 0 };
         log_evidence.is_finite().then_some(Node {
             kind,
             kernel: white.kernel,
@@ -105,8 +116,15 @@ impl<'a> Evidence<'a> {
             log_evidence,
             x: system.x,
             precision: system.lower,
-            dof: (rows.saturating_sub(p)).max(1) as f64,
+            dof: (self.rows_of_noise() - p as f64).max(1.0),
         })
+    }
+
+    /// Rows that tell how large errors are. The errors of few positions are told by normals only through what sensors are like.
+    fn rows_of_noise(&self) -> f64 {
+        let n = self.cells.points.len();
+        let of_normals = if self.normals.is_some() { 2.0 * n as f64 } else { 0.0 };
+        n as f64 + if n < TOUCHES { OF_FEW * of_normals } else { of_normals }
     }
 
     /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
@@ -137,7 +155,9 @@ impl<'a> Evidence<'a> {
             let columns = self.columns(kind, departure, [departure.of_spline().sqrt(), natural]);
             Some(white.alone(columns, 1.0)?.rss)
         };
-        let plain = rss(Departure::None, 0.0)?.max(1e-30);
+        // a ring of contacts does not determine a surface without its normals
+        let Some(plain) = rss(Departure::None, 0.0) else { return self.joint_variance(kind, white) };
+        let plain = plain.max(1e-30);
         let of = |departure: Departure, natural: f64| {
             Some((rss(departure, natural)?.max(1e-12 * plain) / (n - p) as f64).max(1e-18))
         };
@@ -153,9 +173,11 @@ impl<'a> Evidence<'a> {
     }
 
     /// The same variance where the positions are too few to determine it alone: the fixed point of
-    /// `s^2 = RSS(x)/(n - tr H^-1 Jz'Jz/s^2)` with x from positions and normals together.
+    /// `s^2 = (RSS(x) + (s_n/5)^2)/(n - tr H^-1 Jz'Jz/s^2 + 1)` with x from positions and normals together, and one degree of freedom for
+    /// what sensors are like: four contacts always lie on a sphere, and would have no errors at all.
     fn joint_variance(&self, kind: Kind, white: &Whitened) -> Option<f64> {
         let (y, p, gram) = (column_of(kind), kind.unknowns(), &white.gram);
+        let supposed = SUPPOSED * OF_NORMAL * OF_NORMAL * self.normal_variance?;
         let mut variance = 1e-4;
         for _ in 0..30 {
             let system = self.system(kind, white, variance, Departure::None)?;
@@ -170,7 +192,7 @@ impl<'a> Evidence<'a> {
             let mut across = along.transpose().to_owned();
             dense::whiten(&system.lower, across.as_mut());
             let taken: f64 = (0..p).map(|i| across[(i, i)]).sum();
-            let next = rss.max(1e-30) / (self.cells.points.len() as f64 - taken).max(0.5);
+            let next = (rss.max(1e-30) + supposed) / (self.cells.points.len() as f64 - taken + SUPPOSED);
             if (next - variance).abs() < 1e-6 * variance {
                 break;
             }

@@ -9,12 +9,11 @@
 
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::statistics::median;
+use crate::recognition::statistics::{HUBER, median};
 use crate::threads;
 use crate::vector::Vector;
 
-/// Huber's constant: 95 % efficiency for gaussian errors.
-pub(super) const HUBER: f64 = 1.345;
+use super::directions::Directions;
 
 /// Rounds of reweighting.
 const ROUNDS: usize = 25;
@@ -36,15 +35,15 @@ pub(super) struct Fitted {
     pub(super) scale: f64,
 }
 
-/// Robust fit from a start.
-pub(super) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
+/// Robust fit from a start, to positions, or to positions and normals.
+pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: Kind, theta: [f64; 6]) -> Fitted {
     let mut model = Model::new(kind, kind.restricted(theta));
     let (mut last, mut damping) = (f64::INFINITY, DAMPING[0]);
     let mut weights = vec![1.0; points.len()];
     let mut distances = distances_of(&model, points);
     for _ in 0..ROUNDS {
         for _ in 0..3 {
-            if !step(&mut model, points, &weights, &mut damping) {
+            if !step(&mut model, (points, normals.as_ref()), &weights, &mut damping) {
                 break;
             }
         }
@@ -55,21 +54,28 @@ pub(super) fn robust(points: &[Vector], kind: Kind, theta: [f64; 6]) -> Fitted {
         }
         last = scale;
         weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = (HUBER * scale / d.abs()).min(1.0));
+        normals.iter_mut().for_each(|normals| normals.weigh(&model, points));
     }
     let scale = scale_of(&distances);
     Fitted { model, distances, scale }
 }
 
 /// Least squares with given weights; also the weighted sum of squares.
-pub(super) fn plain(points: &[Vector], weights: &[f64], kind: Kind, theta: [f64; 6]) -> (Model, f64) {
+pub(super) fn plain(
+    points: &[Vector],
+    normals: Option<&Directions>,
+    weights: &[f64],
+    kind: Kind,
+    theta: [f64; 6],
+) -> (Model, f64) {
     let mut model = Model::new(kind, kind.restricted(theta));
     let mut damping = DAMPING[0];
     for _ in 0..STEPS {
-        if !step(&mut model, points, weights, &mut damping) {
+        if !step(&mut model, (points, normals), weights, &mut damping) {
             break;
         }
     }
-    let cost = cost(&model, points, weights);
+    let cost = cost(&model, (points, normals), weights);
     (model, cost)
 }
 
@@ -86,12 +92,16 @@ pub(super) fn scale_of(distances: &[f64]) -> f64 {
     1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
 }
 
-fn cost(model: &Model, points: &[Vector], weights: &[f64]) -> f64 {
-    points.iter().zip(weights).map(|(p, w)| w * model.distance(*p).powi(2)).sum()
+/// Positions, and normals where they take part.
+type Measured<'a> = (&'a [Vector], Option<&'a Directions>);
+
+fn cost(model: &Model, (points, normals): Measured, weights: &[f64]) -> f64 {
+    let of_positions: f64 = points.iter().zip(weights).map(|(p, w)| w * model.distance(*p).powi(2)).sum();
+    normals.map_or(of_positions, |normals| of_positions + normals.cost(model, points))
 }
 
 /// One accepted step; `false` when none lowers the cost by more than rounding.
-fn step(model: &mut Model, points: &[Vector], weights: &[f64], damping: &mut f64) -> bool {
+fn step(model: &mut Model, (points, normals): Measured, weights: &[f64], damping: &mut f64) -> bool {
     let p = model.kind().unknowns();
     let mut normal = [[0.0; 6]; 6];
     let mut gradient = [0.0; 6];
@@ -105,6 +115,10 @@ fn step(model: &mut Model, points: &[Vector], weights: &[f64], damping: &mut f64
             (0..=i).for_each(|j| normal[i][j] += weighted * by[j]);
         }
     }
+    if let Some(normals) = normals {
+        before += normals.cost(model, points);
+        normals.add(model, points, &mut normal, &mut gradient);
+    }
     if !before.is_finite() {
         return false;
     }
@@ -115,7 +129,7 @@ fn step(model: &mut Model, points: &[Vector], weights: &[f64], damping: &mut f64
         let step = dense::solve_small(damped, gradient, p);
         let moved = step.map(|step| Model::new(model.kind(), model.kind().moved(model.theta(), &step[..p])));
         if let Some(moved) = moved {
-            let after = cost(&moved, points, weights);
+            let after = cost(&moved, (points, normals), weights);
             if after < before {
                 *model = moved;
                 *damping = (*damping * 0.1).max(1e-14);

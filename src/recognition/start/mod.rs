@@ -4,16 +4,19 @@
 //! minimise sum_i w_i d(theta; P_i)^2        w_i = min(1, 1.345 s/|d_i|)        s = 1.4826 median |d - median d|
 //! ```
 //!
-//! `descent.rs` makes one such fit and `robust.rs` chooses among several. `taken_back.rs` keeps contacts that lie off it only because
+//! `descent.rs` makes one such fit and `robust.rs` chooses among several; `directions.rs` adds normals where positions alone do not
+//! determine a surface. `taken_back.rs` keeps contacts that lie off it only because
 //! the surface departs from constant curvatures. `patch.rs` puts these steps together, and `relief.rs` says how far the patch is
 //! from a plane.
 
 mod descent;
+mod directions;
 mod patch;
 mod relief;
 mod robust;
 mod taken_back;
 
+pub(in crate::recognition) use directions::OF_NORMAL;
 pub(in crate::recognition) use patch::Patch;
 pub(in crate::recognition) use relief::{relief, weighted_rms};
 pub(in crate::recognition) use robust::thinned;

@@ -15,6 +15,7 @@ use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions};
 
 use super::descent::{TASK, plain};
+use super::directions::Directions;
 use super::robust::{Start, start, thinned};
 
 use crate::threads;
@@ -61,7 +62,7 @@ impl Patch {
         }
         let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
         let normals: Option<Vec<Vector>> = normals.map(|n| n.iter().map(|n| frame.rotate(*n)).collect());
-        let start = start(&points);
+        let start = start(&points, normals.as_deref());
         dropped.outliers = start.belongs.iter().filter(|b| !**b).count();
         let outliers = dropped.outliers as f64 / points.len() as f64;
         if outliers > TOO_MANY_OUTLIERS {
@@ -130,8 +131,11 @@ impl Patch {
             (Kind::General, vec![general, [h, a, b, k2, k1, across]]),
             (Kind::Paraboloid, vec![[h, -b, a, xx, yy, xy]]),
         ];
+        let told = cells.normals.as_ref().filter(|_| self.start.with_normals);
+        let normals = told.map(|normals| Directions::new(&normals.measured));
         let best = |(kind, starts): (Kind, Vec<[f64; 6]>)| {
-            let fits = starts.into_iter().map(|theta| plain(&cells.points, &cells.weights, kind, theta));
+            let fits =
+                starts.into_iter().map(|theta| plain(&cells.points, normals.as_ref(), &cells.weights, kind, theta));
             fits.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(model, _)| model)
         };
         starts.into_iter().filter_map(best).collect()

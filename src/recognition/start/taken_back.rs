@@ -16,8 +16,9 @@ use faer::Mat;
 use crate::recognition::dense;
 use crate::recognition::departures::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
+use crate::recognition::statistics::HUBER;
 
-use super::descent::{HUBER, scale_of};
+use super::descent::scale_of;
 
 use crate::vector::Vector;
 
