@@ -1,7 +1,7 @@
 //! Contacts that positions alone do not make a surface of: one ring, two rows, one row, four to ten touches. Their normals tell.
 
-use palpate::Contacts;
 use palpate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
+use palpate::{Contacts, Orientation};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -105,6 +105,30 @@ fn few_touches_have_errors_too() {
         held += usize::from(lo <= 1.0 / RADIUS && 1.0 / RADIUS <= hi);
     }
     assert!(held >= 53, "{held} of 60");
+}
+
+/// A normal that is not known says nothing of the errors of the others. It was a normal without errors, and those that scatter by 2
+/// degrees had 0.01.
+#[test]
+fn normals_that_are_not_known_have_no_errors() {
+    let mut held = 0;
+    for seed in 0..20 {
+        let mut contacts = touched(&rows(8.0), true, [0.05, 2.0], seed);
+        let more = touched(&rows(3.0), true, [0.05, 2.0], 1000 + seed);
+        let Orientation::Normals { nx, ny, nz } = &mut contacts.orientation else { panic!("no normals") };
+        let zeros = || std::iter::repeat_n(0.0, more.len());
+        [nx, ny, nz].into_iter().for_each(|column| column.extend(zeros()));
+        contacts.x.extend(&more.x);
+        contacts.y.extend(&more.y);
+        contacts.z.extend(&more.z);
+        let found = of(&contacts).unwrap();
+        assert_eq!(found.normals_of_length_zero, more.len());
+        let sd = found.noise.sd_normal_deg.unwrap();
+        assert!((1.4..2.6).contains(&sd), "{seed}: {sd}");
+        let [lo, hi] = found.curvedness.interval;
+        held += usize::from(lo <= 1.0 / RADIUS && 1.0 / RADIUS <= hi);
+    }
+    assert!(held >= 17, "{held} of 20");
 }
 
 /// Waves of 0.47 rms whose neighbours differ by 0.01 are no errors of a sensor, and what they are on is not flat.

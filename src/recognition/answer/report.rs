@@ -287,7 +287,7 @@ impl Findings<'_> {
         let cells = self.evidence.cells;
         let scale = self.patch.frame.scale;
         let per_cell = self.patch.points.len() as f64 / cells.points.len() as f64;
-        let per_normal = self.patch.normals_per_cell(cells.points.len());
+        let per_normal = self.patch.normals_per_cell(cells);
         NoiseFound {
             sd_z: scale * (best.variance * per_cell).sqrt(),
             sd_correlated: scale * best.tau(),

@@ -26,12 +26,34 @@ const HALVINGS: usize = 20;
 /// would decide on which side they count.
 const ROOM: f64 = 1.05;
 
+/// Variance of a cell without normals, relative to that of an average one: its rows stay, and have no weight. With a hundredth of a normal's
+/// weight they were measurements without errors, and normals that scatter by 2 degrees had 0.01.
+const UNKNOWN: f64 = 1e8;
+
+/// Whether cells with normals of this relative variance have any.
+pub(in crate::recognition) fn is_known(variance: f64) -> bool {
+    variance < UNKNOWN
+}
+
 /// Measured normals of the cells.
 #[derive(Clone, Debug)]
 pub(in crate::recognition) struct CellNormals {
     pub(in crate::recognition) measured: Vec<Vector>,
     /// Variance relative to that of an average cell.
     pub(in crate::recognition) variance: Vec<f64>,
+}
+
+impl CellNormals {
+    /// Those that are known, and zero where there is none.
+    pub(in crate::recognition) fn where_known(&self) -> Vec<Vector> {
+        let pairs = self.measured.iter().zip(&self.variance);
+        pairs.map(|(normal, variance)| if is_known(*variance) { *normal } else { [0.0; 3] }).collect()
+    }
+
+    /// How many cells have any.
+    pub(in crate::recognition) fn known(&self) -> usize {
+        self.variance.iter().filter(|variance| is_known(**variance)).count()
+    }
 }
 
 /// The averaged contacts.
@@ -110,10 +132,9 @@ fn cell_normals(of: &[usize], centres: &[Vector], surface: &Model, errors: &[Opt
     let measured = (0..centres.len())
         .map(|c| along(surface.distance_and_normal(centres[c]).1, 1.0 / counts[c].max(1.0), sums[c]))
         .collect();
-    // a cell without normals counts as a hundredth of a normal, so that it has hardly any weight
-    counts.iter_mut().for_each(|c| *c = c.max(0.01));
-    let mean = counts.iter().sum::<f64>() / counts.len() as f64;
-    CellNormals { measured, variance: counts.iter().map(|c| mean / c).collect() }
+    let mean = counts.iter().sum::<f64>() / counts.iter().filter(|c| **c > 0.0).count().max(1) as f64;
+    let variance = |c: &f64| if *c > 0.0 { mean / c } else { UNKNOWN };
+    CellNormals { measured, variance: counts.iter().map(variance).collect() }
 }
 
 /// Cell of every point, and the number of cells.

@@ -19,7 +19,7 @@ mod orientation;
 mod set_aside;
 
 pub(in crate::recognition) use believable_normals::{AGAINST, derived_from_positions};
-pub(in crate::recognition) use cells::{CellNormals, Cells, cells};
+pub(in crate::recognition) use cells::{CellNormals, Cells, cells, is_known};
 pub(in crate::recognition) use frame::{mean_of, patch_frame};
 pub(in crate::recognition) use input::{Given, check_options};
 pub(crate) use neighbours::Neighbours;

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
+use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::dense;
 use crate::recognition::departures::Displacement;
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
@@ -123,7 +123,8 @@ impl<'a> Evidence<'a> {
     /// Rows that tell how large errors are. The errors of few positions are told by normals only through what sensors are like.
     fn rows_of_noise(&self) -> f64 {
         let n = self.cells.points.len();
-        let of_normals = if self.normals.is_some() { 2.0 * n as f64 } else { 0.0 };
+        let known = self.cells.normals.as_ref().filter(|_| self.normals.is_some()).map_or(0, CellNormals::known);
+        let of_normals = 2.0 * known as f64;
         n as f64 + if n < TOUCHES { OF_FEW * of_normals } else { of_normals }
     }
 

@@ -6,6 +6,7 @@
 
 use faer::Mat;
 
+use crate::recognition::contacts::is_known;
 use crate::recognition::dense;
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::kinds::Kind;
@@ -54,18 +55,18 @@ impl NormalNoise {
     /// Independent errors that are as large as differences between neighbours say; `None` without normals.
     pub(in crate::recognition) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
         let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
-        let (y, n) = (column_of(Kind::General), own.len());
-        let nearest =
-            |i: usize| (0..n).filter(|&j| j != i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]));
-        let pairs: Vec<[usize; 2]> = (0..n).filter_map(|i| Some([i, nearest(i)?])).collect();
+        let (y, known) = (column_of(Kind::General), known(own));
+        let others = |i: usize| known.iter().copied().filter(move |&j| j != i);
+        let nearest = |i: usize| others(i).min_by(|&j, &k| distances[(i, j)].total_cmp(&distances[(i, k)]));
+        let pairs: Vec<[usize; 2]> = known.iter().filter_map(|&i| Some([i, nearest(i)?])).collect();
         let square = |half: &Mat<f64>, [i, j]: [usize; 2]| (half[(i, y)] - half[(j, y)]).powi(2) / (own[i] + own[j]);
         let sum: f64 = halves.iter().flat_map(|half| pairs.iter().map(|&pair| square(half, pair))).sum();
         let variance = (sum / (2 * pairs.len()).max(1) as f64).max(1e-24);
         let log_det = 2.0 * dense::log_det(factors.of(0)?);
-        Some(NormalNoise::new(0, variance, n, log_det))
+        Some(NormalNoise::new(0, variance, known.len(), log_det))
     }
 
-    /// Errors under a kernel; the log determinant is that of both parts' covariance over the variance.
+    /// Errors under a kernel, of so many cells with normals; the log determinant is that of both parts' covariance over the variance.
     fn new(kernel: usize, variance: f64, cells: usize, log_det: f64) -> NormalNoise {
         let log_share = Kernel::all()[kernel].log_prior - 0.5 * (log_det + 2.0 * cells as f64 * variance.ln());
         NormalNoise { kernel, variance, log_share }
@@ -78,7 +79,7 @@ impl NormalNoise {
 
     /// Log likelihood and variance under one kernel.
     fn under(rows: &Rows, factors: &Factors, kernel: usize, spent: f64) -> Option<(f64, NormalNoise)> {
-        let n = factors.variance().len();
+        let n = known(factors.variance()).len();
         let p = Kind::General.unknowns() - 1;
         let own = (column_of(Kind::General), 1 + Kind::General.unknowns());
         let (gram, log_det) = whitened(rows, factors, kernel, own)?;
@@ -114,6 +115,11 @@ impl NormalNoise {
         }
         Some(gram)
     }
+}
+
+/// Numbers of the cells that have normals.
+fn known(own: &[f64]) -> Vec<usize> {
+    (0..own.len()).filter(|&i| is_known(own[i])).collect()
 }
 
 /// Gram matrix of some columns (first, count) under `D + rho exp(-r/l)`, and the log determinant of both parts' covariance.

@@ -8,8 +8,8 @@
 
 use crate::contact::Frame;
 use crate::recognition::contacts::{
-    AGAINST, Cells, Dropped, Given, Neighbours, NormalsUse, Oriented, cells, derived_from_positions, mean_of, oriented,
-    patch_frame,
+    AGAINST, CellNormals, Cells, Dropped, Given, Neighbours, NormalsUse, Oriented, cells, derived_from_positions,
+    mean_of, oriented, patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions};
@@ -132,7 +132,7 @@ impl Patch {
             (Kind::Paraboloid, vec![[h, -b, a, xx, yy, xy]]),
         ];
         let told = cells.normals.as_ref().filter(|_| self.start.with_normals);
-        let normals = told.map(|normals| Directions::new(&normals.measured));
+        let normals = told.map(|normals| Directions::new(&normals.where_known()));
         let best = |(kind, starts): (Kind, Vec<[f64; 6]>)| {
             let fits =
                 starts.into_iter().map(|theta| plain(&cells.points, normals.as_ref(), &cells.weights, kind, theta));
@@ -141,10 +141,10 @@ impl Patch {
         starts.into_iter().filter_map(best).collect()
     }
 
-    /// How many normals a cell averages, on the mean; with it a cell's noise gives that of a single normal.
-    pub(in crate::recognition) fn normals_per_cell(&self, cells: usize) -> f64 {
+    /// How many normals a cell that has any averages, on the mean; with it a cell's noise gives that of a single normal.
+    pub(in crate::recognition) fn normals_per_cell(&self, cells: &Cells) -> f64 {
         let used = self.errors.as_ref().map_or(0, |e| e.iter().filter(|e| e.is_some()).count());
-        used as f64 / cells as f64
+        used as f64 / cells.normals.as_ref().map_or(0, CellNormals::known).max(1) as f64
     }
 }
 
