@@ -6,7 +6,7 @@
 //! second-sweep  middle + t (cos a, sin a), a: direction of k1, then of k2;  t = +-1, +-1/2, 0, +-1/4, ... of half the reach
 //! variance      argmax Var z      shape  argmax of the fall of u(S), u(R)      both with the covariance updated in between:
 //!               that of a spline, or for shape that of the recognition's draws where no model was named
-//! probe-model   argmax |z_rich - z_simple|, away from the touches of the same round; the first three touches of shape, too
+//! probe-model   argmax |z_rich - z_simple|, away from the touches of the same round; those of shape below 12 contacts, too
 //! ```
 
 use crate::contact::Contacts;
@@ -22,9 +22,10 @@ use super::strategy::Strategy;
 /// Stations of a finger's line, where whole lines are planned.
 const STATIONS: usize = 5;
 
-/// Touches that ask what kind of surface it is, before others ask for its S and R. Of 120 objects `shape` then has half right after 12
-/// contacts instead of 18 (`benches/runs/explore.md`); with 6 or 12 such touches no fewer, and fewer of them in the end.
-const PROBES: usize = 3;
+/// Contacts below which touches ask what kind of surface it is, before others ask for its S and R: those after a first sweep of 3 x 3. Of 120
+/// objects `shape` then has half right after 15 contacts instead of 18 (`benches/runs/explore.md`). Twice or four times as many such touches
+/// settle fewer in the end, and after a sweep of 27 contacts they are wasted.
+const OPEN: usize = 12;
 
 /// What a choice is made from.
 pub(super) struct Situation<'a> {
@@ -56,7 +57,7 @@ impl Situation<'_> {
             Strategy::Lattice | Strategy::SecondSweep => Ok(self.farthest(&places, n)),
             Strategy::ProbeModel => Ok(self.probed(&places, n).unwrap_or_else(|| self.farthest(&places, n))),
             Strategy::Variance => self.planned(&left, &places, n, Criterion::Height, lines),
-            Strategy::Shape if self.is_first_look(lines) => self.next(Strategy::ProbeModel, n, lines),
+            Strategy::Shape if self.asks_for_kind(lines) => self.next(Strategy::ProbeModel, n, lines),
             Strategy::Shape => match self.answer.predictive_planner(self.units) {
                 Some(planner) => Ok(self.predicted(planner, &left, n, lines)),
                 None => self.planned(&left, &places, n, Criterion::Shape, lines),
@@ -64,10 +65,10 @@ impl Situation<'_> {
         }
     }
 
-    /// Whether what was recognised rests on the first sweep alone: the kind of surface is then more in doubt than the draws of the likely
-    /// kinds say, and the touches that tell most are those that tell kinds apart.
-    fn is_first_look(&self, lines: bool) -> bool {
-        !lines && self.hand.touches.len() < PROBES && matches!(self.answer, Answer::Recognised(_))
+    /// Whether so few contacts were recognised that the kind of surface is more in doubt than the draws of the likely kinds say: the
+    /// touches that tell most are those that tell kinds apart.
+    fn asks_for_kind(&self, lines: bool) -> bool {
+        !lines && self.contacts.len() < OPEN && matches!(self.answer, Answer::Recognised(_))
     }
 
     /// The touches by which S and R would be known best, as the recognition sees them.
