@@ -27,7 +27,7 @@ const PREDICTED: f64 = 0.5;
 const OF_LENGTH: f64 = 0.1;
 
 /// Misfit over relief, its p-value, and shared over single errors, from which on a misfit is waves. Depth cameras err by as much together
-/// as alone (0.5 to 1.3 times as much on scans of pipes), and a tactile image of a ball by 60 times as much, but by a sixteenth of the relief.
+/// as alone (0.5 to 1.3 times as much on scans of pipes), and a scan of a golf ball by 57 times as much, but by a seventeenth of the relief.
 const OF_SHAPE: f64 = 2.0;
 const CERTAIN: f64 = 1e-3;
 const OF_SCATTER: f64 = 5.0;
