@@ -17,6 +17,7 @@
 //! | [`factor_block`], [`update_block`], [`forward_block`], [`backward_block`] | Cholesky and substitution in panels of a band |
 //! | [`subtract_product`] | `C -= A B'` for matrices in the band's panels |
 //! | [`add_draws`], [`mean_shapes`] | noise added to contacts, and S and R averaged over a grid, eight replicates at once |
+//! | [`displaced_shapes`] | S, R and both curvatures of eight displaced surfaces at points of one chart |
 //! | [`multiply_add_peak`] | `a x + b` alone: the peak that benches compare the other kernels with |
 //! | [`contract_rows`] | `B' Z` for a basis with p + 1 values a row, one pass over an image |
 //!
@@ -36,6 +37,7 @@ mod combine_rows;
 mod contract_rows;
 mod curvature_row;
 mod dense_columns;
+mod displaced_shapes;
 mod functional_bounds;
 mod gaussian;
 mod gram_rows;
@@ -48,6 +50,7 @@ mod peak;
 mod replicate_lanes;
 mod shape_gradients;
 mod shape_maps;
+mod sine;
 mod site_passes;
 
 pub(crate) use bilinear::{BilinearTerm, bilinear};
@@ -60,6 +63,7 @@ pub(crate) use combine_rows::{RowTerm, combine_rows};
 pub(crate) use contract_rows::{BandTerm, contract_rows};
 pub(crate) use curvature_row::{RowPieces, RowScratch, curvature_row, derivative_row};
 pub(crate) use dense_columns::{DenseColumns, factor_columns, factor_dense, invert_columns};
+pub(crate) use displaced_shapes::{ChartBasis, EightShapes, EightSurfaces, SURFACES, displaced_shapes};
 pub(crate) use functional_bounds::{BoundTerms, CellGradients, DirectedTerms, OfKinds, functional_bounds};
 pub use gaussian::gaussian_triples;
 pub(crate) use gram_rows::gram_rows;

@@ -5,9 +5,10 @@
 //! ```
 
 use crate::curvature::shape_index;
-use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::departures::{ChartPoint, State, Together};
 use crate::recognition::region::Place;
 use crate::shape::spread;
+use crate::simd::EightShapes;
 use crate::vector::{Vector, cross};
 
 /// Means over the region of one surface, and S and R at the points asked for.
@@ -34,7 +35,57 @@ pub(super) struct Points<'a> {
     pub(super) touched: &'a [Place],
 }
 
+/// Sums over the points of S, R, k1, k2 and of their number.
+#[derive(Default)]
+struct Sums([f64; 5]);
+
+impl Sums {
+    fn add(&mut self, [s, r]: [f64; 2], [k1, k2]: [f64; 2]) {
+        self.0.iter_mut().zip([s, r, k1, k2, 1.0]).for_each(|(sum, v)| *sum += v);
+    }
+
+    fn field(self, at: Vec<[f64; 2]>, directions: Option<[Vector; 2]>) -> Field {
+        let count = f64::max(self.0[4], 1.0);
+        let [s, r, k1, k2, _] = self.0.map(|sum| sum / count);
+        Field { s, r, k: [k1, k2], at, directions }
+    }
+}
+
 impl Points<'_> {
+    /// Surfaces at these points, displaced ones eight at a time.
+    pub(super) fn fields(&self, states: &[State]) -> Vec<Field> {
+        self.displaced_fields(states).unwrap_or_else(|| states.iter().map(|state| self.field(state)).collect())
+    }
+
+    /// `None` unless all surfaces are displaced.
+    fn displaced_fields(&self, states: &[State]) -> Option<Vec<Field>> {
+        let beyond = if self.within.is_some() { &[][..] } else { self.all };
+        let together = Together::at(self.map.iter().chain(beyond))?;
+        let mut out = Vec::with_capacity(states.len());
+        together.look(states, |pack, found| {
+            out.extend(pack.iter().enumerate().map(|(lane, state)| self.field_of_lane(found, lane, state)));
+        })?;
+        Some(out)
+    }
+
+    /// What one of eight surfaces shows at the points of the map and, where means are not taken over those, at the others.
+    fn field_of_lane(&self, found: &[EightShapes], lane: usize, state: &State) -> Field {
+        let (over_map, others) = found.split_at(self.map.len());
+        let shape = |p: &EightShapes| [p.shape_index[lane], p.curvedness[lane]];
+        let curvatures = |p: &EightShapes| [p.curvatures[0][lane], p.curvatures[1][lane]];
+        let mut sums = Sums::default();
+        let mut add = |p: &EightShapes| {
+            if !curvatures(p)[0].is_nan() {
+                sums.add(shape(p), curvatures(p));
+            }
+        };
+        match self.within {
+            Some(numbers) => numbers.iter().for_each(|&i| add(&over_map[i])),
+            None => others.iter().for_each(add),
+        }
+        sums.field(over_map.iter().map(shape).collect(), self.directions(state))
+    }
+
     /// A surface at these points.
     pub(super) fn field(&self, state: &State) -> Field {
         if let Some(k) = state.constant_curvatures() {
@@ -43,17 +94,14 @@ impl Points<'_> {
         }
         let over_map: Vec<Option<[f64; 2]>> = self.map.iter().map(|p| state.curvatures(p)).collect();
         let at: Vec<[f64; 2]> = over_map.iter().map(|k| shape(k.unwrap_or([0.0; 2]))).collect();
-        let mut sums = [0.0; 5];
-        let mut add = |[s, r]: [f64; 2], k: [f64; 2]| {
-            sums.iter_mut().zip([s, r, k[0], k[1], 1.0]).for_each(|(sum, v)| *sum += v);
-        };
+        let mut sums = Sums::default();
         match self.within {
-            Some(numbers) => numbers.iter().filter_map(|&i| Some((at[i], over_map[i]?))).for_each(|(s, k)| add(s, k)),
-            None => self.all.iter().filter_map(|p| state.curvatures(p)).for_each(|k| add(shape(k), k)),
+            Some(numbers) => {
+                numbers.iter().filter_map(|&i| Some((at[i], over_map[i]?))).for_each(|(shape, k)| sums.add(shape, k));
+            }
+            None => self.all.iter().filter_map(|p| state.curvatures(p)).for_each(|k| sums.add(shape(k), k)),
         }
-        let count = f64::max(sums[4], 1.0);
-        let [s, r, k1, k2, _] = sums.map(|sum| sum / count);
-        Field { s, r, k: [k1, k2], at, directions: self.directions(state) }
+        sums.field(at, self.directions(state))
     }
 
     fn directions(&self, state: &State) -> Option<[Vector; 2]> {

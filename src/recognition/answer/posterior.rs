@@ -172,7 +172,7 @@ fn all_drawn(
             None => likeliest(evidence, node)?,
         };
         let states = drawn(evidence, (i, node), joint.as_ref(), count, seed, hidden);
-        let draws = states.iter().map(|s| points.field(s)).collect();
+        let draws = points.fields(&states);
         let likeliest = points.field(&likeliest);
         let asked = if points.touched.is_empty() { 0 } else { predicted(states.len()) };
         let touches = states[..asked].iter().map(|state| measured(state, points.touched)).collect();
@@ -299,7 +299,7 @@ fn noise_alone(evidence: &Evidence, nodes: &[Node], reported: &Node, points: &Po
     let Some((i, node)) = best else { return [0.0; 2] };
     let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
     let states = drawn(evidence, (*i, node), joint.as_ref(), NOISE_DRAWS, seed, 0.0);
-    let fields: Vec<Field> = states.iter().map(|state| points.field(state)).collect();
+    let fields = points.fields(&states);
     let sd = |pick: fn(&Field) -> f64| standard_deviation(&fields.iter().map(pick).collect::<Vec<_>>());
     [sd(|f| f.s), sd(|f| f.r)]
 }

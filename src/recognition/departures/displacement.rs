@@ -22,6 +22,7 @@ use crate::bspline::{Knots, gram};
 use crate::linalg;
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{ConstantCurvature, Jet};
+use crate::simd::ChartBasis;
 
 use super::{natural, smooth};
 
@@ -224,6 +225,11 @@ impl JetRow {
             }
         }
         made
+    }
+
+    /// The same for the kernel that looks at many surfaces at once.
+    pub(super) fn basis(&self, chart: [f64; 2]) -> ChartBasis<'_> {
+        ChartBasis { chart, first: self.first, across: self.across, values: &self.values }
     }
 
     /// Number of the coefficient of the a-th and b-th basis function that do not vanish here.

@@ -6,15 +6,18 @@
 //!
 //! `displacement.rs` comes first, with the splines and the prior of third derivatives that cost. `natural.rs` has the prior of
 //! natural size, and `smooth.rs`, with `turned.rs` for bodies that were turned, those of processes that are smooth in all their
-//! derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends.
+//! derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends, and `together.rs`
+//! eight of them at once.
 
 mod displacement;
 mod natural;
 mod smooth;
 mod state;
+mod together;
 mod turned;
 
 pub(in crate::recognition) use displacement::{Displacement, POLE};
 pub(in crate::recognition) use natural::{TERMS as NATURAL_TERMS, size as natural_size};
 pub(in crate::recognition) use smooth::is_free;
 pub(in crate::recognition) use state::{ChartPoint, State};
+pub(in crate::recognition) use together::Together;

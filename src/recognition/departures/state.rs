@@ -87,6 +87,16 @@ impl State {
         &self.model
     }
 
+    /// Curvatures of the surface that is displaced, twist and coefficients; `None` where it is not displaced.
+    pub(super) fn displaced(&self) -> Option<([f64; 2], f64, &[f64])> {
+        match (&self.model, &self.coefficients) {
+            (Model::Constant(_, surface), Some(coefficients)) => {
+                Some(([surface.theta[3], surface.theta[4]], self.twist, coefficients))
+            }
+            _ => None,
+        }
+    }
+
     /// The displacement at a chart point.
     fn jet(&self, at: &ChartPoint) -> Jet {
         match (&self.coefficients, &at.row) {
