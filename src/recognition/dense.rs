@@ -5,7 +5,7 @@
 //! ```
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::linalg;
@@ -62,12 +62,17 @@ pub(super) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
     }
 }
 
-/// `L'^-1 b`: gaussians of unit variance made gaussians of covariance `(L L')^-1`.
+/// `L'^-1 b`.
 pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
     for i in (0..b.len()).rev() {
         let dot: f64 = lower.col_as_slice(i)[i + 1..].iter().zip(&b[i + 1..]).map(|(l, b)| l * b).sum();
         b[i] = (b[i] - dot) / lower[(i, i)];
     }
+}
+
+/// `B <- L'^-1 B`: columns of gaussians of unit variance made gaussians of covariance `(L L')^-1`.
+pub(super) fn coloured(lower: &Mat<f64>, b: MatMut<'_, f64>) {
+    solve_upper_triangular_in_place(lower.transpose(), b, Par::Seq);
 }
 
 /// `L^-1 b` by columns, which stand together in memory.

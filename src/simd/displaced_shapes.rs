@@ -27,6 +27,9 @@ const FLAT: f64 = 1e-9;
 /// Angles up to which the kernel's own sine holds; larger ones are the library's.
 const LARGEST: f64 = 8.0;
 
+/// Points that go through each step together.
+const BATCH: usize = 16;
+
 /// Change of S for one radian.
 const UNIT: f64 = std::f64::consts::FRAC_2_PI;
 
@@ -99,12 +102,12 @@ fn of_angle<V: Lanes>(x: V) -> [V; 2] {
     [V::load(&angles.map(f64::sin)), V::load(&angles.map(f64::cos))]
 }
 
-/// Mean m and half difference g of both curvatures; NaN where there is no tangent plane.
+/// Mean m and half difference g of both curvatures; NaN where there is no tangent plane. `turn` holds sine and cosine of k1 u/2.
 #[inline(always)]
-fn bending<V: Lanes>(k1: V, k2: V, u: f64, [f, fu, fv, fuu, fuv, fvv]: [V; 6]) -> [V; 2] {
+fn bending<V: Lanes>(k1: V, k2: V, u: f64, turn: [V; 2], [f, fu, fv, fuu, fuv, fvv]: [V; 6]) -> [V; 2] {
     let (zero, one, two) = (V::splat(0.0), V::splat(1.0), V::splat(2.0));
     let (half, u) = (V::splat(0.5), V::splat(u));
-    let [half_sin, half_cos] = of_angle(half * k1 * u);
+    let [half_sin, half_cos] = turn;
     let sin = two * half_sin * half_cos;
     let square = two * half_sin * half_sin;
     let cos = one - square;
@@ -145,19 +148,28 @@ fn bending<V: Lanes>(k1: V, k2: V, u: f64, [f, fu, fv, fuu, fuv, fvv]: [V; 6]) -
 #[inline(always)]
 fn generic<V: Lanes>(surfaces: &EightSurfaces, points: &[ChartBasis], out: &mut [EightShapes]) {
     let zero = V::splat(0.0);
-    for (point, out) in points.iter().zip(out) {
+    // each step for many points before the next one: a point alone is a chain of some hundred instructions that wait for each other
+    for (points, out) in points.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
         for from in (0..SURFACES).step_by(V::N) {
             let [k1, k2] = surfaces.curvatures.each_ref().map(|k| V::load(&k[from..]));
-            let [mean, gap] = bending(k1, k2, point.chart[0], jet::<V>(surfaces, point, from));
-            let (quotient, offset) = reduced(mean, gap, UNIT);
-            let s = zero - angle(quotient, offset, mean, UNIT);
-            let r = mean.mul_add(mean, gap * gap).sqrt();
-            // NaN is not less than anything: S and R are 0 where nothing bends or there is no surface
-            let bends = zero.less(r);
-            V::select(bends, s, zero).store(&mut out.shape_index[from..]);
-            V::select(bends, r, zero).store(&mut out.curvedness[from..]);
-            (mean + gap).store(&mut out.curvatures[0][from..]);
-            (mean - gap).store(&mut out.curvatures[1][from..]);
+            let (mut turns, mut bends) = ([[zero; 2]; BATCH], [[zero; 2]; BATCH]);
+            for (turn, point) in turns.iter_mut().zip(points) {
+                *turn = of_angle(k1 * V::splat(0.5 * point.chart[0]));
+            }
+            for ((bent, turn), point) in bends.iter_mut().zip(turns).zip(points) {
+                *bent = bending(k1, k2, point.chart[0], turn, jet::<V>(surfaces, point, from));
+            }
+            for ([mean, gap], out) in bends.into_iter().zip(out.iter_mut()) {
+                let (quotient, offset) = reduced(mean, gap, UNIT);
+                let s = zero - angle(quotient, offset, mean, UNIT);
+                let r = mean.mul_add(mean, gap * gap).sqrt();
+                // NaN is not less than anything: S and R are 0 where nothing bends or there is no surface
+                let is_bent = zero.less(r);
+                V::select(is_bent, s, zero).store(&mut out.shape_index[from..]);
+                V::select(is_bent, r, zero).store(&mut out.curvedness[from..]);
+                (mean + gap).store(&mut out.curvatures[0][from..]);
+                (mean - gap).store(&mut out.curvatures[1][from..]);
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::recognition::departures::{ChartPoint, State, Together};
 use crate::recognition::region::Place;
 use crate::shape::spread;
 use crate::simd::EightShapes;
-use crate::vector::{Vector, cross};
+use crate::vector::Vector;
 
 /// Means over the region of one surface, and S and R at the points asked for.
 pub(super) struct Field {
@@ -105,9 +105,7 @@ impl Points<'_> {
     }
 
     fn directions(&self, state: &State) -> Option<[Vector; 2]> {
-        let bent = state.at(self.middle.as_ref()?);
-        let k1 = bent.direction?;
-        Some([k1, cross(bent.normal, k1)])
+        state.directions(self.middle.as_ref()?)
     }
 
     /// Standard deviations of S and of R over the region.

@@ -124,25 +124,46 @@ fn drawn(
         Some((mean, lower)) => (mean, lower),
         None => (&node.x, &node.precision),
     };
+    let all = parameters((number, node), (mean, lower), count, seed, hidden);
+    let own = |k: usize| &all.col_as_slice(k)[..node.kind.unknowns()];
+    if joint.is_none() {
+        return (0..count).map(|k| State::new(model, own(k), None)).collect();
+    }
+    let Some(splines) = evidence.splines_of(node, &all) else { return Vec::new() };
+    (0..count).map(|k| State::new(model, own(k), Some(splines.col_as_slice(k).to_vec()))).collect()
+}
+
+/// Parameters drawn from a node's posterior, one surface a column; those of a displacement, in units of their prior, stand below.
+fn parameters(
+    (number, node): (usize, &Node),
+    (mean, lower): (&[f64], &Mat<f64>),
+    count: usize,
+    seed: u64,
+    hidden: f64,
+) -> Mat<f64> {
     let draws = EffectDraws::new(seed, "recognition");
     /// Coordinates before those of the Hessian: height and tilt.
     const POSE: usize = 3;
-    let unknowns = node.kind.unknowns();
-    let mut numbers = vec![0.0; mean.len() + 1 + unknowns.saturating_sub(POSE)];
-    let one = |k: usize| {
+    let (size, unknowns) = (mean.len(), node.kind.unknowns());
+    let mut numbers = vec![0.0; size + 1 + unknowns.saturating_sub(POSE)];
+    let mut all = Mat::<f64>::zeros(size, count);
+    let mut last = Vec::with_capacity(count);
+    for k in 0..count {
         for (block, part) in numbers.chunks_mut(AT_ONCE).enumerate() {
             draws.gaussians((number * 8 + block) as u64, k as u64, part.len(), part);
         }
-        let (steps, last) = numbers.split_at_mut(mean.len());
-        dense::backward(lower, steps);
+        let (steps, rest) = numbers.split_at(size);
+        all.col_as_slice_mut(k).copy_from_slice(steps);
+        last.push(rest.to_vec());
+    }
+    dense::coloured(lower, all.as_mut());
+    for (k, last) in last.iter().enumerate() {
+        let column = all.col_as_slice_mut(k);
         let stretch = student(node.dof, last[0]);
-        let mut x: Vec<f64> = mean.iter().zip(steps.iter()).map(|(m, s)| m + stretch * s).collect();
-        for (x, g) in x[..unknowns].iter_mut().skip(POSE).zip(&last[1..]) {
-            *x += hidden * g;
-        }
-        if joint.is_some() { displaced(evidence, node, &x) } else { Some(State::new(model, &x, None)) }
-    };
-    (0..count).filter_map(one).collect()
+        column.iter_mut().zip(mean).for_each(|(x, m)| *x = m + stretch * *x);
+        column[..unknowns].iter_mut().skip(POSE).zip(&last[1..]).for_each(|(x, g)| *x += hidden * g);
+    }
+    all
 }
 
 /// `sqrt(nu/chi2_nu)` from a gaussian by the cube root that E. B. Wilson and M. M. Hilferty (1931) found nearly

@@ -16,7 +16,7 @@ use crate::recognition::{
     Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Tried, dense,
 };
 use crate::shape::radius_of;
-use crate::vector::{Vector, cross};
+use crate::vector::Vector;
 
 use super::field::Points;
 use super::misfit::{self, misfit};
@@ -160,11 +160,13 @@ impl Findings<'_> {
     fn summary_over(&self, region: &Region, best: &Node, options: &RecognitionOptions) -> Option<Summary> {
         let map = &region.map[..region.map.len().min(MAPPED)];
         let [u, v] = middle_of(&region.surface);
+        // planes and spheres have no directions
+        let is_directed = !matches!(best.kind, Kind::Plane | Kind::Sphere);
         let over = Points {
             all: &region.lattice,
             map,
             within: region.within_map.as_deref().filter(|_| map.len() == region.map.len()),
-            middle: Some(region.surface.chart_point(u, v)),
+            middle: is_directed.then(|| region.surface.chart_point(u, v)),
             touched: &places(&region.surface, self.asked.touches),
         };
         summary(self.evidence, self.nodes, self.weights, best, &over, options)
@@ -278,9 +280,8 @@ impl Findings<'_> {
     /// Directions of k1 and of k2 in the middle of the cells, input axes.
     fn directions(&self, surface: &RecognisedSurface) -> Option<[[f64; 3]; 2]> {
         let [u, v] = middle_of(surface);
-        let middle = surface.state.at(&surface.chart_point(u, v));
-        let k1 = middle.direction?;
-        Some([k1, cross(middle.normal, k1)].map(|direction| self.patch.frame.rotate_back(direction)))
+        let both = surface.state.directions(&surface.chart_point(u, v))?;
+        Some(both.map(|direction| self.patch.frame.rotate_back(direction)))
     }
 
     fn noise(&self, best: &Node) -> NoiseFound {

@@ -170,6 +170,11 @@ impl Displacement {
         out
     }
 
+    /// Spline coefficients of many displacements, one a column, for given weights of the columns from `first` on.
+    pub(in crate::recognition) fn coefficients_of_many(&self, first: usize, weights: &Mat<f64>) -> Mat<f64> {
+        linalg::product(self.to_coefficients.as_ref().subcols(first, weights.nrows()), weights.as_ref())
+    }
+
     /// The basis functions at a chart point, with which many displacements can be evaluated there.
     pub(in crate::recognition) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])

@@ -158,6 +158,21 @@ impl State {
         (surface.point(chart[0], chart[1], jet[0]), surface.rotate_back(normal_of(cross(bent.u, bent.v))))
     }
 
+    /// Directions of k1 and k2 at a chart point; `None` where they are undefined.
+    pub(in crate::recognition) fn directions(&self, at: &ChartPoint) -> Option<[Vector; 2]> {
+        let [k1, normal] = match &self.model {
+            Model::Constant(Kind::General, surface) => {
+                let principal = self.principal(at)?;
+                [principal.direction1, principal.normal].map(|along| surface.rotate_back(along))
+            }
+            _ => {
+                let bent = self.at(at);
+                [bent.direction?, bent.normal]
+            }
+        };
+        Some([k1, cross(normal, k1)])
+    }
+
     fn turned_chart(&self, at: &ChartPoint) -> [f64; 2] {
         let ([u, v], [c, s]) = (at.chart, self.turn);
         [c * u + s * v, c * v - s * u]

@@ -57,11 +57,12 @@ impl Rows {
         Rows { positions, normals: halves, columns, groups }
     }
 
-    /// The positions of the models alone, without a displacement.
+    /// The models alone, without a displacement.
     pub(in crate::recognition) fn of_models(&self) -> Rows {
         let columns = first_of_displacement();
-        let positions = self.positions.as_ref().subcols(0, columns).to_owned();
-        Rows { positions, normals: None, columns, groups: Vec::new() }
+        let own = |rows: &Mat<f64>| rows.as_ref().subcols(0, columns).to_owned();
+        let normals = self.normals.as_ref().map(|halves| halves.each_ref().map(own));
+        Rows { positions: own(&self.positions), normals, columns, groups: Vec::new() }
     }
 }
 

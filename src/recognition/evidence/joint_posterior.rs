@@ -56,6 +56,16 @@ impl Evidence<'_> {
         out
     }
 
+    /// Spline coefficients of many displacements of one node, one a column: weights of the node's own columns, in units of their prior,
+    /// stand below its parameters in `drawn`.
+    pub(in crate::recognition) fn splines_of(&self, node: &Node, drawn: &Mat<f64>) -> Option<Mat<f64>> {
+        let Columns { z: (start, count), rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
+        let own =
+            |i: usize, k: usize| drawn[(node.kind.unknowns() + i, k)] * if i < rough { of_spline } else { of_natural };
+        let weights = Mat::from_fn(count, drawn.ncols(), own);
+        Some(self.displacement?.coefficients_of_many(start - first_of_displacement(), &weights))
+    }
+
     /// The equations of a node.
     fn columns_of(&self, node: &Node) -> Columns {
         self.columns(node.kind, node.departure, [(node.departure.of_spline() * node.variance).sqrt(), 1.0])

@@ -8,7 +8,7 @@ use faer::Mat;
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::departures::Displacement;
-use crate::recognition::equations::{Moved, Rows};
+use crate::recognition::equations::{Moved, Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Gain, NormalNoise};
 use crate::vector::Vector;
@@ -32,6 +32,13 @@ impl<'a> FactorPair<'a> {
     fn normals(&self) -> &Factors<'a> {
         self.normals.as_ref().unwrap_or(&self.positions)
     }
+}
+
+/// What normals tell of the models without a departure.
+pub(super) struct NormalsTold {
+    pub(super) noise: Option<NormalNoise>,
+    /// Gram matrix of the whitened normal rows.
+    pub(super) gram: Option<Mat<f64>>,
 }
 
 /// Models with their equations.
@@ -69,6 +76,22 @@ impl Linearised {
         let mut made = Linearised { gain, ..self.clone() };
         made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
         Some(made)
+    }
+
+    /// What the normals tell of the models without a departure.
+    pub(super) fn told(&self) -> NormalsTold {
+        let n = first_of_displacement();
+        let own = |gram: &Mat<f64>| gram.as_ref().submatrix(0, 0, n, n).to_owned();
+        NormalsTold { noise: self.normal_noise, gram: self.normals.as_ref().map(own) }
+    }
+
+    /// The same where all normals may be too steep by one factor; `None` where they cannot.
+    pub(super) fn told_with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
+        let mut gain = Gain::new(cells, &self.models, None)?;
+        let mut noise = NormalNoise::find(&self.rows, factors.normals(), 0.0);
+        let of_models = self.rows.of_models();
+        let gram = noise.as_mut().and_then(|noise| noise.gram(&of_models, factors.normals(), Some(&mut gain)));
+        Some(NormalsTold { noise, gram })
     }
 
     /// The same equations, with a gain about the general surface under a displacement of these slopes, and errors of the normals as they

@@ -11,7 +11,7 @@ use crate::recognition::contacts::Cells;
 use crate::recognition::equations::slopes;
 use crate::recognition::noise::{Limit, RARE_GAIN};
 
-use super::linearised::{FactorPair, Linearised};
+use super::linearised::{FactorPair, Linearised, NormalsTold};
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Node, highest, likeliest};
 use super::search::Begun;
@@ -74,11 +74,15 @@ impl<'a> At<'a> {
         if likeliest.is_displaced() && !self.gains(chosen, likeliest)? {
             return None;
         }
-        let gained = plain.with_gain(self.cells, self.factors)?;
-        let of = |made: &Linearised| Evidence::of_plain_kinds(self.cells, made, &self.factors.positions, self.limit);
-        if !likeliest.is_displaced() && of(&gained)? <= of(plain)? + RARE_GAIN {
+        // a look at the kinds alone costs little, and mostly suffices
+        let of =
+            |told: &NormalsTold| Evidence::of_plain_kinds(self.cells, plain, told, &self.factors.positions, self.limit);
+        if !likeliest.is_displaced()
+            && of(&plain.told_with_gain(self.cells, self.factors)?)? <= of(&plain.told())? + RARE_GAIN
+        {
             return None;
         }
+        let gained = plain.with_gain(self.cells, self.factors)?;
         let kernels = if likeliest.kernel == 0 { &[0][..] } else { &[0, likeliest.kernel] };
         let looked = kernels.iter().map(|kernel| self.glance(&gained, *kernel));
         let (again, reached) = looked.max_by(|a, b| a.1.total_cmp(&b.1))?;

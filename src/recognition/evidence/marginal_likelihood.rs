@@ -22,7 +22,7 @@ use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};
 use crate::recognition::start::OF_NORMAL;
 
-use super::linearised::Linearised;
+use super::linearised::{Linearised, NormalsTold};
 use super::node::{Departure, Node, POWERS};
 use super::whitened::Whitened;
 
@@ -64,18 +64,22 @@ pub(in crate::recognition) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
-    /// Largest log evidence of the kinds without a departure, where neighbours share no errors, with what the normals' errors add.
+    /// Largest log evidence of the kinds without a departure, where neighbours share no errors and the normals err as is told, with
+    /// what those errors add.
     pub(super) fn of_plain_kinds(
         cells: &Cells,
         linearised: &Linearised,
+        told: &NormalsTold,
         factors: &Factors,
         limit: Limit,
     ) -> Option<f64> {
-        let made = Evidence::unasked(cells, linearised, limit, Look::First);
-        let white = Whitened::new(&linearised.rows, factors, 0, first_of_displacement())?;
+        let mut made = Evidence::unasked(cells, linearised, limit, Look::First);
+        made.normals = told.gram.as_ref();
+        made.normal_variance = told.noise.map(|noise| noise.variance);
+        let white = Whitened::new(&linearised.rows.of_models(), factors, 0, first_of_displacement())?;
         let nodes = made.models.iter().filter_map(|model| made.node(model, &white, Departure::None));
         let highest = nodes.map(|node| node.log_evidence).max_by(f64::total_cmp)?;
-        Some(highest + linearised.log_share_of_normals())
+        Some(highest + told.noise.map_or(0.0, |noise| noise.log_share))
     }
 
     /// Before any kernel is tried.

@@ -20,7 +20,7 @@ use crate::recognition::kinds::ConstantCurvature;
 use crate::recognition::start::Patch;
 use crate::vector::Vector;
 
-use super::over_plane;
+use super::over_plane::{LookedAt, bounds};
 use super::support::Support;
 use super::surface::RecognisedSurface;
 
@@ -68,9 +68,10 @@ impl Region {
             state,
             support: support.clone(),
         };
-        let mut over = over_plane::is_level(&surface)
-            .then(|| over_plane::bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
-        let (mut map, mut supported) = even(&surface, over, options.grid);
+        let looked_at = LookedAt::new(&surface);
+        let mut over =
+            looked_at.is_level(&surface).then(|| bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
+        let (mut map, mut supported) = even(&surface, over.map(|over| (&looked_at, over)), options.grid);
         if over.is_some() && count(&supported) < FEW {
             let (of_chart, there) = even(&surface, None, options.grid);
             if count(&there) > count(&supported) {
@@ -93,7 +94,7 @@ impl Region {
             let lattice = numbers.iter().map(|&i| map[i].clone()).collect();
             return Region { surface, map, supported, lattice, within_map: Some(numbers), over };
         }
-        let (all, coarse) = even(&surface, over, points);
+        let (all, coarse) = even(&surface, over.map(|over| (&looked_at, over)), points);
         let numbers = held(&coarse);
         let numbers = if numbers.is_empty() { (0..all.len()).collect() } else { numbers };
         let lattice = numbers.iter().map(|&i| all[i].clone()).collect();
@@ -106,11 +107,15 @@ fn count(supported: &[bool]) -> usize {
 }
 
 /// Points of an even grid, the second direction running fastest, and whether contacts support each.
-fn even(surface: &RecognisedSurface, over: Option<[[f64; 2]; 2]>, points: [usize; 2]) -> (Vec<ChartPoint>, Vec<bool>) {
+fn even(
+    surface: &RecognisedSurface,
+    over: Option<(&LookedAt, [[f64; 2]; 2])>,
+    points: [usize; 2],
+) -> (Vec<ChartPoint>, Vec<bool>) {
     let holds = |p: &ChartPoint| surface.support.holds(p.chart, p.place);
     match over {
-        Some(over) => {
-            let found = over_plane::product(surface, over, points);
+        Some((looked_at, over)) => {
+            let found = looked_at.product(surface, over, points);
             let supported = found.iter().map(|(p, reached)| *reached && holds(p)).collect();
             (found.into_iter().map(|(p, _)| p).collect(), supported)
         }

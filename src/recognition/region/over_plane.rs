@@ -26,19 +26,60 @@ const STEPS: usize = 20;
 /// A point that misses its place by less than this share of the patch's size is there.
 const THERE: f64 = 1e-10;
 
-/// Whether the part of the surface that contacts support is nowhere steep over x and y.
-pub(super) fn is_level(surface: &RecognisedSurface) -> bool {
-    let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
-    let up = |a: f64, b: f64| surface.at(a, b).1[2] >= STEEP;
-    let (mut supported, mut all) = (None, true);
-    for (a, b) in u.iter().flat_map(|a| v.iter().map(|b| (*a, *b))) {
-        let level = up(a, b);
-        all &= level;
-        if surface.supported_at(a, b) {
-            supported = Some(supported.unwrap_or(true) && level);
-        }
+/// The surface at an even lattice of chart positions, from edge to edge of what contacts cover.
+pub(super) struct LookedAt {
+    points: Vec<ChartPoint>,
+    /// Places and unit normals, in the input's coordinates.
+    seen: Vec<(Vector, Vector)>,
+}
+
+impl LookedAt {
+    pub(super) fn new(surface: &RecognisedSurface) -> LookedAt {
+        let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
+        let at = |a: &f64| v.iter().map(|b| surface.chart_point(*a, *b)).collect::<Vec<_>>();
+        let points: Vec<ChartPoint> = u.iter().flat_map(at).collect();
+        let seen = points.iter().map(|point| surface.place_and_normal(point)).collect();
+        LookedAt { points, seen }
     }
-    supported.unwrap_or(all)
+
+    /// Whether the part of the surface that contacts support is nowhere steep over x and y.
+    pub(super) fn is_level(&self, surface: &RecognisedSurface) -> bool {
+        let (mut supported, mut all) = (None, true);
+        for (point, (_, normal)) in self.points.iter().zip(&self.seen) {
+            let level = normal[2] >= STEEP;
+            all &= level;
+            if surface.support.holds(point.chart, point.place) {
+                supported = Some(supported.unwrap_or(true) && level);
+            }
+        }
+        supported.unwrap_or(all)
+    }
+
+    /// The chart position whose point lies nearest over a place.
+    fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+        let away = |(p, _): &(Vector, Vector)| (p[0] - place[0]).powi(2) + (p[1] - place[1]).powi(2);
+        let each = self.points.iter().zip(&self.seen);
+        let least = each.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        least.map_or([0.0; 2], |(point, _)| point.chart)
+    }
+
+    /// Points of the surface over places of the input's x and y, and whether the surface reaches each.
+    pub(super) fn at_places(&self, surface: &RecognisedSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
+        places.iter().map(|place| above(surface, *place, self.nearest(*place))).collect()
+    }
+
+    /// Points of the surface over the even grid of a box, y running fastest, and whether the surface reaches each place. Where
+    /// it does not, the point is the last that was tried.
+    pub(super) fn product(
+        &self,
+        surface: &RecognisedSurface,
+        over: [[f64; 2]; 2],
+        points: [usize; 2],
+    ) -> Vec<(ChartPoint, bool)> {
+        let [x, y] = [0, 1].map(|k| linspace(over[k][0], over[k][1], points[k]));
+        let places: Vec<[f64; 2]> = x.iter().flat_map(|x| y.iter().map(|y| [*x, *y])).collect();
+        self.at_places(surface, &places)
+    }
 }
 
 /// Smallest box of x and y around points of the input.
@@ -48,45 +89,15 @@ pub(super) fn bounds(points: impl Iterator<Item = Vector>) -> [[f64; 2]; 2] {
     })
 }
 
-/// Points of the surface over the even grid of a box, y running fastest, and whether the surface reaches each place. Where
-/// it does not, the point is the last that was tried.
-pub(super) fn product(surface: &RecognisedSurface, over: [[f64; 2]; 2], points: [usize; 2]) -> Vec<(ChartPoint, bool)> {
-    let [x, y] = [0, 1].map(|k| linspace(over[k][0], over[k][1], points[k]));
-    let places: Vec<[f64; 2]> = x.iter().flat_map(|x| y.iter().map(|y| [*x, *y])).collect();
-    at_places(surface, &places)
-}
-
-/// Points of the surface over places of the input's x and y, and whether the surface reaches each.
-pub(super) fn at_places(surface: &RecognisedSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
-    if places.is_empty() {
-        return Vec::new();
-    }
-    let known = lattice(surface);
-    places.iter().map(|place| above(surface, *place, nearest(&known, *place))).collect()
-}
-
-/// Chart positions from edge to edge of what contacts cover, and their points.
-fn lattice(surface: &RecognisedSurface) -> Vec<([f64; 2], Vector)> {
-    let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
-    let charts = u.iter().flat_map(|a| v.iter().map(|b| [*a, *b]));
-    charts.map(|chart| (chart, surface.at(chart[0], chart[1]).0)).collect()
-}
-
-/// The known chart position whose point lies nearest over a place.
-fn nearest(known: &[([f64; 2], Vector)], place: [f64; 2]) -> [f64; 2] {
-    let away = |p: &Vector| (p[0] - place[0]).powi(2) + (p[1] - place[1]).powi(2);
-    let least = known.iter().min_by(|a, b| away(&a.1).total_cmp(&away(&b.1)));
-    least.map_or([0.0; 2], |(chart, _)| *chart)
-}
-
 /// The surface's point over a place, from a chart position near it, and whether the surface reaches so far.
 fn above(surface: &RecognisedSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (ChartPoint, bool) {
     let mut asked: Option<[f64; 2]> = None;
     for _ in 0..STEPS {
-        let (point, normal) = surface.at(chart[0], chart[1]);
+        let here = surface.chart_point(chart[0], chart[1]);
+        let (point, normal) = surface.place_and_normal(&here);
         let missed = [wanted[0] - point[0], wanted[1] - point[1]];
         if missed[0].hypot(missed[1]) <= THERE * surface.frame.scale {
-            return (surface.chart_point(chart[0], chart[1]), true);
+            return (here, true);
         }
         // a tangent plane that stands upright leads nowhere, and neither does a point that is no number
         if normal[2].is_nan() || normal[2] <= 0.1 * STEEP {

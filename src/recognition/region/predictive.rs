@@ -10,7 +10,7 @@
 use crate::recognition::departures::{ChartPoint, State};
 use crate::vector::{Vector, cross, dot, minus, unit};
 
-use super::over_plane::at_places;
+use super::over_plane::LookedAt;
 use super::surface::RecognisedSurface;
 
 /// Share of the draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R)
@@ -60,7 +60,10 @@ pub(in crate::recognition) fn places(surface: &RecognisedSurface, asked: &[[f64;
         let first = unit(cross(normal, across));
         Place { point, foot, normal, tangents: [first, cross(normal, first)] }
     };
-    at_places(surface, asked).into_iter().map(place).collect()
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    LookedAt::new(surface).at_places(surface, asked).into_iter().map(place).collect()
 }
 
 /// What touches at these places would measure on a surface, in the patch's unit of length.

@@ -31,8 +31,13 @@ pub(crate) struct RecognisedSurface {
 impl RecognisedSurface {
     /// Point and unit normal at chart coordinates, in the input's coordinates.
     pub(crate) fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
-        let bent = self.state.at(&self.chart_point(u, v));
-        (self.frame.to_input(bent.place), self.frame.rotate_back(bent.normal))
+        self.place_and_normal(&self.chart_point(u, v))
+    }
+
+    /// The same at a chart point.
+    pub(super) fn place_and_normal(&self, point: &ChartPoint) -> ([f64; 3], [f64; 3]) {
+        let (place, normal) = self.state.place_and_normal(point);
+        (self.frame.to_input(place), self.frame.rotate_back(normal))
     }
 
     /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
