@@ -7,7 +7,7 @@
 //! displaced nodes of the interval: natural departures; rough splines, and half of the smooth departures, with a prior ten times as
 //!                                  loose, unless f may be an error;  departures that are free in form never below half, rough
 //!                                  splines never below e^-(gap - 2)/8 / 2 of these
-//! torus of the interval: its share goes to natural departures, where no simple shape is far ahead
+//! torus of both: its share goes to natural departures, where no simple shape is far ahead, and no departure is an error
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
 //! P(neighbours share errors > rms f / 20) > 0.1,
 //! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
@@ -166,6 +166,9 @@ pub(in crate::recognition) fn weigh(
         estimate = shares(nodes, |n| !n.is_displaced());
     }
     weights.interval = with_doubt(nodes, &estimate, error, &misfit);
+    if !error {
+        departed(nodes, &mut estimate);
+    }
     if error && displaced > 0.5 {
         keep_simple(&mut weights.interval, nodes, &misfit);
     }
