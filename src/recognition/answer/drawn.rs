@@ -16,6 +16,8 @@ use super::field::Field;
 pub(super) struct Drawn {
     pub(in crate::recognition) kind: Kind,
     pub(super) displaced: bool,
+    /// Whether it departs smoothly.
+    pub(super) smooth: bool,
     /// Weights of the node in estimate and interval.
     pub(in crate::recognition) weights: [f64; 2],
     pub(super) likeliest: Field,
@@ -26,29 +28,55 @@ pub(super) struct Drawn {
     pub(super) touches: Vec<Vec<[f64; 3]>>,
 }
 
-/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
-/// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of R therefore count half as they
-/// are and half mirrored at the likeliest. S takes the wider end of both ways on either side, because it ends at 1 where
-/// mirrored draws pile up.
-pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
-    if !of_s {
-        return quantiles(found, pick, level, Some([0.0, f64::INFINITY]));
+/// Which draws count half as they are and half mirrored at the likeliest value of their node.
+#[derive(Clone, Copy, PartialEq)]
+enum Mirrored {
+    None,
+    /// Those of rough splines and natural departures.
+    AllButSmooth,
+    /// Those of all displaced surfaces.
+    Displaced,
+}
+
+impl Mirrored {
+    fn counts(self, drawn: &Drawn) -> bool {
+        match self {
+            Mirrored::None => false,
+            Mirrored::AllButSmooth => drawn.displaced && !drawn.smooth,
+            Mirrored::Displaced => drawn.displaced,
+        }
     }
-    let [lo, hi] = quantiles(found, pick, level, None)?;
-    let [low, high] = quantiles(found, pick, level, Some([-1.0, 1.0]))?;
+}
+
+/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
+/// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of displaced surfaces therefore count half as
+/// they are and half mirrored at the likeliest. A smooth departure is smoothed instead, so that its likeliest R lies below the truth,
+/// and draws as they are hold it. Either quantity takes the wider end of two ways on either side: S, which ends at 1 where mirrored draws
+/// pile up, with all draws as they are, R with those of smooth departures.
+pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
+    let (range, other) =
+        if of_s { ([-1.0, 1.0], Mirrored::None) } else { ([0.0, f64::INFINITY], Mirrored::AllButSmooth) };
+    let [lo, hi] = quantiles(found, pick, level, other, range)?;
+    let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range)?;
     Some([lo.min(low), hi.max(high)])
 }
 
-/// Both quantiles of the draws under the interval's weights. With `mirrored`, the range of the quantity, a displaced
-/// surface's draws count half as they are and half mirrored at its likeliest value.
-fn quantiles(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, mirrored: Option<[f64; 2]>) -> Option<[f64; 2]> {
+/// Both quantiles of the draws under the interval's weights. Draws that are `mirrored` count half as they are and half mirrored at the
+/// likeliest value of their node, within the range of the quantity.
+fn quantiles(
+    found: &[&Drawn],
+    pick: fn(&Field) -> f64,
+    level: f64,
+    mirrored: Mirrored,
+    [least, most]: [f64; 2],
+) -> Option<[f64; 2]> {
     let mut values: Vec<(f64, f64)> = Vec::new();
     for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
         let share = drawn.weights[1] / drawn.draws.len() as f64;
-        let twice = mirrored.is_some() && drawn.displaced;
+        let twice = mirrored.counts(drawn);
         let share = if twice { 0.5 * share } else { share };
         values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
-        if let Some([least, most]) = mirrored.filter(|_| drawn.displaced) {
+        if twice {
             let about = 2.0 * pick(&drawn.likeliest);
             values.extend(drawn.draws.iter().map(|field| ((about - pick(field)).clamp(least, most), share)));
         }

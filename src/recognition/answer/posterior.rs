@@ -200,6 +200,7 @@ fn all_drawn(
         Some(Drawn {
             kind: node.kind,
             displaced: node.is_displaced(),
+            smooth: node.departure.is_smooth(),
             weights: [weights.estimate[i], weights.interval[i]],
             likeliest,
             columns: joint.map(|(mean, _)| {
