@@ -173,6 +173,30 @@ fn what_is_no_simple_shape_is_not_called_one() {
     assert!(refused(at, "fit room.csv --near 99,0,0,1").contains("--near"));
 }
 
+/// Waves on a plate of 12 by 12, touched at 30 by 30 places: seven to a wave or ten, and no field follows the shorter ones.
+#[test]
+fn a_plate_with_waves_is_not_flat() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let waves = |length: f64| {
+        let height = |v: f64| (std::f64::consts::TAU * v / length).sin();
+        let touch = |k: usize| {
+            let [x, y] = [k % 30, k / 30].map(|i| 12.0 * i as f64 / 29.0 - 6.0);
+            [x, y, height(x) * height(y) + 0.02 * chance(k, 0)]
+        };
+        (0..900).map(touch).collect::<Vec<Vector>>()
+    };
+    write(at, "long.csv", &waves(4.0), None);
+    assert!(fitted(at, "fit long.csv")["shape"]["class_by_area"]["saddle"].is_number());
+    write(at, "short.csv", &waves(3.0), None);
+    let said = refused(at, "fit short.csv");
+    assert!(said.contains("not one sheet of a simple shape"), "{said}");
+    // the same heights a hundredth as high are what a sensor may err by
+    let low: Vec<Vector> = waves(3.0).into_iter().map(|[x, y, z]| [x, y, 0.01 * z]).collect();
+    write(at, "low.csv", &low, None);
+    assert_eq!(fitted(at, "fit low.csv")["shape"]["class"], "plane");
+}
+
 #[test]
 fn a_closed_body_and_a_background_are_recognised() {
     let folder = tempfile::tempdir().unwrap();

@@ -50,7 +50,8 @@ pub(super) fn chance(correlation: f64, pairs: f64) -> f64 {
     0.5 * erf::erfc(correlation * (0.5 * pairs).sqrt())
 }
 
-fn words(findings: &Findings, p: f64) -> String {
+/// One sentence.
+pub(super) fn words(findings: &Findings, p: f64) -> String {
     if let Some(size) = findings.displacement {
         return format!(
             "the surface is not of constant curvature: it departs from it by {:.1} % of its relief",

@@ -241,6 +241,7 @@ impl Findings<'_> {
             let (correlation, pairs) = self.agreement_of_neighbours(best, state);
             if correlation > found.neighbour_correlation {
                 (found.neighbour_correlation, found.p) = (correlation, misfit::chance(correlation, pairs).min(found.p));
+                found.words = misfit::words(&findings, found.p);
             }
         }
         if size > UNEXPLAINED[0] * self.relief && size > UNEXPLAINED[1] && found.p < 0.01 {

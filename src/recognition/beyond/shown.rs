@@ -32,6 +32,11 @@ const OF_SHAPE: f64 = 2.0;
 const CERTAIN: f64 = 1e-3;
 const OF_SCATTER: f64 = 5.0;
 
+/// Waves too short for the cells leave errors that are not shared by cells. Neighbouring contacts then correlate by more than the first
+/// number, and the misfit is above the second, a share of the patch's size, which no sensor of a flat patch errs by.
+const ALIKE: f64 = 0.3;
+const DEEP: f64 = 0.03;
+
 /// Least cosine of the angle between the simple shape's normal and the axes' z. A height field does not follow a steeper
 /// patch.
 const LEVEL: f64 = 0.7;
@@ -123,9 +128,9 @@ fn is_no_answer(found: &Recognition) -> bool {
 
 /// Whether the misfit outdoes the shape, and neighbours differ from each other by far less: waves or dimples on what is flat on the whole.
 fn is_waves(found: &Recognition) -> bool {
-    found.misfit.percent_of_relief > 100.0 * OF_SHAPE
-        && found.misfit.p < CERTAIN
-        && found.noise.sd_correlated > OF_SCATTER * found.noise.sd_z
+    let long = found.noise.sd_correlated > OF_SCATTER * found.noise.sd_z;
+    let short = found.misfit.neighbour_correlation > ALIKE && found.noise.sd_z > DEEP * found.frame.scale;
+    found.misfit.percent_of_relief > 100.0 * OF_SHAPE && found.misfit.p < CERTAIN && (long || short)
 }
 
 /// A flexible height field that predicts the contacts far better than the simple shape explains them. Both are compared
