@@ -6,7 +6,9 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::io::scene_file::{SceneFile, coverage_family, read_scene};
-use crate::montecarlo::{Family, RandomSurface, StudyError, coverage as covered, noise_of, oracle_sd};
+use crate::montecarlo::{
+    Family, LeastWidth, RandomSurface, SHARE, StudyError, coverage as covered, noise_of, oracle_sd,
+};
 use crate::report::{TablePage, percent, write_json, write_table_page};
 
 use super::coverage_parts::SceneCoverage;
@@ -37,10 +39,11 @@ struct CoverageDocument {
     pooled: Vec<Pooled>,
 }
 
-/// A scene whose intervals are judged, and the oracle's standard deviations of S and R there.
+/// A scene whose intervals are judged, the oracle's standard deviations of S and R there, and the least widths.
 struct Judged {
     scene: SceneFile,
     oracle: [Option<f64>; 2],
+    least: LeastWidth,
 }
 
 impl Judged {
@@ -49,11 +52,12 @@ impl Judged {
             let contacts = simulator.noise_free();
             contacts.x.iter().zip(&contacts.y).map(|(x, y)| [*x, *y]).collect::<Vec<_>>()
         });
-        let oracle = match (family, places) {
-            (Some(family), Ok(places)) => oracle_sd(&family, &places, noise_of(&scene.world)),
-            _ => [None; 2],
+        let noise = noise_of(&scene.world);
+        let (oracle, least) = match (family, places) {
+            (Some(family), Ok(places)) => (oracle_sd(&family, &places, noise), LeastWidth::of(&family, &places, noise)),
+            _ => ([None; 2], LeastWidth::default()),
         };
-        Judged { scene, oracle }
+        Judged { scene, oracle, least }
     }
 
     fn of_source(source: &Source) -> Result<Judged, Failure> {
@@ -114,7 +118,7 @@ fn scene_coverage(args: &StudyArgs, judged: &Judged, replicates: u64) -> Result<
     let (state, _) = plan.study.run(plan.study.start(0), enough, &mut |_| true).map_err(wrong)?;
     let result = plan.study.result(&state, 0);
     let found = covered(&plan.study, &fit, replicates, &result.quantities);
-    Ok(SceneCoverage::new(&plan, &found, judged.oracle))
+    Ok(SceneCoverage::new(&plan, &found, judged.oracle, judged.least))
 }
 
 pub(super) fn coverage(args: &StudyArgs, scene: Option<&str>) -> Result<(), Failure> {
@@ -163,22 +167,29 @@ fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Res
         "linear and Monte Carlo: the model that the scene names, by noise alone; named: what other kinds of surface say \
          counted, too; chosen: no model named, the contacts recognised"
     )?;
-    let head = ["linear", "Monte Carlo", "bias/sd", "named", "chosen", "width/1.96 sd", "width/oracle"];
-    let [a, b, c, d, e, f, g] = head;
-    writeln!(out, "{:<24}    {a:>18} {b:>18} {c:>8} {d:>18} {e:>18} {f:>14} {g:>13}  planes failed", "scene")?;
+    writeln!(
+        out,
+        "least/oracle: the least width of any interval that also holds surfaces up to {} of the relief beside the family, in \
+         third and fourth degree",
+        percent(SHARE)
+    )?;
+    let head = ["linear", "Monte Carlo", "bias/sd", "named", "chosen", "width/1.96 sd", "width/oracle", "least/oracle"];
+    let [a, b, c, d, e, f, g, h] = head;
+    writeln!(out, "{:<24}    {a:>18} {b:>18} {c:>8} {d:>18} {e:>18} {f:>14} {g:>13} {h:>13}  planes failed", "scene")?;
     for scene in &document.scenes {
         for (name, letter, part) in [(&scene.scene[..], "S", &scene.shape_index), ("", "R", &scene.curvedness)] {
             let number = |value: Option<f64>| value.map_or("-".into(), |v| format!("{v:.2}"));
             let counts = if letter == "S" { format!("{:>6} {:>6}", scene.planes, scene.failed) } else { String::new() };
             let line = format!(
-                "{name:<24} {letter}  {:>18} {:>18} {:>8} {:>18} {:>18} {:>14} {:>13}  {counts}",
+                "{name:<24} {letter}  {:>18} {:>18} {:>8} {:>18} {:>18} {:>14} {:>13} {:>13}  {counts}",
                 part.linear.words(),
                 part.monte_carlo.words(),
                 number(part.bias_over_sd),
                 part.named.words(),
                 part.chosen.words(),
                 number(part.chosen_width),
-                number(part.chosen_over_oracle)
+                number(part.chosen_over_oracle),
+                number(part.least_over_oracle)
             );
             writeln!(out, "{}", line.trim_end())?;
         }
@@ -207,6 +218,8 @@ fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Resul
             "chosen_half_width",
             "chosen_over_oracle",
             "named_half_width",
+            "least_over_oracle",
+            "goal_departure",
         ]
         .map(|what| format!("{name}_{what}"))
         .join(",")
@@ -228,6 +241,8 @@ fn write_csv(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Resul
                 part.chosen_half_width,
                 part.chosen_over_oracle,
                 part.named_half_width,
+                part.least_over_oracle,
+                part.goal_departure,
             ];
             words.extend(others.map(|v| v.unwrap_or(f64::NAN).to_string()));
         }

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use crate::montecarlo::{Coverages, Held};
+use crate::montecarlo::{Coverages, Held, LeastWidth};
 
 use super::study_plan::Plan;
 
@@ -59,6 +59,10 @@ pub(super) struct QuantityCoverage {
     pub(super) chosen_error: ErrorPart,
     /// Median half width over that of a fit which knows the surface's family and the noise.
     pub(super) chosen_over_oracle: Option<f64>,
+    /// Least width, over the oracle's, of intervals that also hold surfaces 1 % of the relief beside the family.
+    pub(super) least_over_oracle: Option<f64>,
+    /// Share of the relief from which on no interval that holds such surfaces is within 1.5 times the oracle's.
+    pub(super) goal_departure: Option<f64>,
     pub(super) bias_over_sd: Option<f64>,
     pub(super) u_over_sd: Option<f64>,
 }
@@ -99,7 +103,7 @@ impl HeldPart {
 }
 
 impl SceneCoverage {
-    pub(super) fn new(plan: &Plan, found: &Coverages, oracle: [Option<f64>; 2]) -> SceneCoverage {
+    pub(super) fn new(plan: &Plan, found: &Coverages, oracle: [Option<f64>; 2], least: LeastWidth) -> SceneCoverage {
         let part = |q: usize| QuantityCoverage {
             linear: HeldPart::new(&found.linear[q]),
             monte_carlo: HeldPart::new(&found.monte_carlo[q]),
@@ -110,6 +114,8 @@ impl SceneCoverage {
             chosen_half_width: found.chosen_half_width[q],
             chosen_error: ErrorPart::new(found.chosen_errors[q].clone()),
             chosen_over_oracle: found.chosen_half_width[q].zip(oracle[q]).map(|(half, sd)| half / (NORMAL * sd)),
+            least_over_oracle: least.over_oracle[q],
+            goal_departure: least.share_of_goal[q],
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
         };

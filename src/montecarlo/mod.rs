@@ -13,6 +13,8 @@ mod evaluator;
 mod exact_sum;
 mod fixed_sites;
 mod histogram;
+#[cfg(feature = "cli")]
+mod least_width;
 mod linear_law;
 mod linear_rows;
 mod options;
@@ -50,6 +52,8 @@ pub use fixed_sites::FixedSites;
 pub use fixed_sites::ROW_NOISE;
 #[doc(hidden)]
 pub use histogram::{Bins, Histogram};
+#[cfg(feature = "cli")]
+pub(crate) use least_width::{LeastWidth, SHARE};
 pub use linear_law::LinearLaw;
 #[doc(hidden)]
 pub use linear_law::linear_law;

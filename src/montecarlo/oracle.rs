@@ -23,7 +23,7 @@ const STEP: f64 = 1e-5;
 const UNKNOWN: f64 = 1e-11;
 
 /// Places each way that S and R are averaged over.
-const PLACES: usize = 8;
+pub(super) const PLACES: usize = 8;
 
 /// Number of rigid motions.
 const MOTIONS: usize = 6;
@@ -126,44 +126,81 @@ pub(crate) fn oracle_sd(family: &Family, places: &[[f64; 2]], noise: [Option<f64
     found(family, places, noise).unwrap_or([None; 2])
 }
 
-fn found(family: &Family, places: &[[f64; 2]], [sd_z, sd_n]: [Option<f64>; 2]) -> Option<[Option<f64>; 2]> {
-    let sd_z = sd_z?;
-    let grid = lattice(places);
-    let count = family.sizes.len() + MOTIONS;
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    let mut slopes: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-    for parameter in 0..count {
-        let [ahead, behind] = [1.0, -1.0].map(|sign| shifted(family, parameter, sign, places));
-        let (ahead, behind) = (ahead?, behind?);
-        let mut column = Vec::new();
-        for (a, b) in ahead.iter().zip(&behind) {
-            column.push((a.z - b.z) / (2.0 * STEP * sd_z));
-            if let Some(sd) = sd_n {
-                column.extend((0..3).map(|d| (a.normal[d] - b.normal[d]) / (2.0 * STEP * sd)));
+fn found(family: &Family, places: &[[f64; 2]], noise: [Option<f64>; 2]) -> Option<[Option<f64>; 2]> {
+    let tangent = Tangent::of(family, places, noise)?;
+    let known = Known::of(&tangent.columns)?;
+    Some([0, 1].map(|q| {
+        let variance: f64 = known.coordinates(&tangent.slopes[q]).iter().map(|c| c * c).sum();
+        tangent.moves(q).then(|| variance.sqrt())
+    }))
+}
+
+/// How the contacts, and the means of S and R, answer to the parameters of a family: sizes, then motions.
+pub(super) struct Tangent {
+    /// By each parameter: derivatives of every height and normal, in their standard deviations.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// Derivatives of mean S and of mean R.
+    pub(super) slopes: [Vec<f64>; 2],
+}
+
+impl Tangent {
+    /// That of the true member; `None` where a place has no contact or there is no noise of z.
+    pub(super) fn of(family: &Family, places: &[[f64; 2]], [sd_z, sd_n]: [Option<f64>; 2]) -> Option<Tangent> {
+        let sd_z = sd_z?;
+        let grid = lattice(places);
+        let mut tangent = Tangent { columns: Vec::new(), slopes: [Vec::new(), Vec::new()] };
+        for parameter in 0..family.sizes.len() + MOTIONS {
+            let [ahead, behind] = [1.0, -1.0].map(|sign| shifted(family, parameter, sign, places));
+            let (ahead, behind) = (ahead?, behind?);
+            let mut column = Vec::new();
+            for (a, b) in ahead.iter().zip(&behind) {
+                column.push((a.z - b.z) / (2.0 * STEP * sd_z));
+                if let Some(sd) = sd_n {
+                    column.extend((0..3).map(|d| (a.normal[d] - b.normal[d]) / (2.0 * STEP * sd)));
+                }
+            }
+            tangent.columns.push(column);
+            let [ahead, behind] = [1.0, -1.0].map(|sign| shifted(family, parameter, sign, &grid).map(|s| means(&s)));
+            let (ahead, behind) = (ahead?, behind?);
+            for (q, slopes) in tangent.slopes.iter_mut().enumerate() {
+                slopes.push((ahead[q].unwrap_or(0.0) - behind[q].unwrap_or(0.0)) / (2.0 * STEP));
             }
         }
-        rows.push(column);
-        let [ahead, behind] = [1.0, -1.0].map(|sign| shifted(family, parameter, sign, &grid).map(|s| means(&s)));
-        let (ahead, behind) = (ahead?, behind?);
-        (0..2).for_each(|q| slopes[q].push((ahead[q].unwrap_or(0.0) - behind[q].unwrap_or(0.0)) / (2.0 * STEP)));
+        Some(tangent)
     }
-    let sizes: Vec<f64> = rows.iter().map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-100)).collect();
-    let information = Mat::from_fn(count, count, |i, j| {
-        rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum::<f64>() / (sizes[i] * sizes[j])
-    });
-    let eigen = information.self_adjoint_eigen(Side::Lower).ok()?;
-    let sd = |q: usize| {
+
+    /// Whether S (0) or R (1) differs between members: what differences of equal values leave is rounding.
+    pub(super) fn moves(&self, q: usize) -> bool {
+        self.slopes[q].iter().any(|s| s.abs() > 1e-7)
+    }
+}
+
+/// The directions of the parameters that contacts tell, each scaled to one unit of information.
+pub(super) struct Known {
+    axes: Vec<Vec<f64>>,
+}
+
+impl Known {
+    /// From the columns of a tangent; `None` where the arithmetic fails.
+    pub(super) fn of(columns: &[Vec<f64>]) -> Option<Known> {
+        let count = columns.len();
+        let sizes: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(1e-100)).collect();
+        let information = Mat::from_fn(count, count, |i, j| dot(&columns[i], &columns[j]) / (sizes[i] * sizes[j]));
+        let eigen = information.self_adjoint_eigen(Side::Lower).ok()?;
         let known = (0..count).filter(|&k| eigen.S()[k] > UNKNOWN * eigen.S()[count - 1]);
-        let variance: f64 = known
-            .map(|k| {
-                let along: f64 = (0..count).map(|i| eigen.U()[(i, k)] * slopes[q][i] / sizes[i]).sum();
-                along * along / eigen.S()[k]
-            })
-            .sum();
-        // what differences of equal values leave is rounding
-        (slopes[q].iter().any(|s| s.abs() > 1e-7)).then(|| variance.sqrt())
-    };
-    Some([sd(0), sd(1)])
+        let axis = |k: usize| (0..count).map(|i| eigen.U()[(i, k)] / (sizes[i] * eigen.S()[k].sqrt())).collect();
+        Some(Known { axes: known.map(axis).collect() })
+    }
+
+    /// Coordinates c with `c(a) . c(b) = a' F^+ b`.
+    pub(super) fn coordinates(&self, right: &[f64]) -> Vec<f64> {
+        self.axes.iter().map(|axis| dot(axis, right)).collect()
+    }
+}
+
+/// `a . b`.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The surface over all places with one parameter moved by a step.
@@ -178,13 +215,17 @@ fn shifted(family: &Family, parameter: usize, sign: f64, places: &[[f64; 2]]) ->
     places.iter().map(|p| seen(&surface, motion, *p)).collect()
 }
 
-/// An even lattice over the box of the places.
-fn lattice(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let ends = |d: usize| {
+/// The box of the places: its ends along x and along y.
+pub(super) fn ends(places: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    [0, 1].map(|d| {
         places.iter().map(|p| p[d]).fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)])
-    };
+    })
+}
+
+/// An even lattice over the box of the places.
+pub(super) fn lattice(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let at = |[lo, hi]: [f64; 2], i: usize| lo + (hi - lo) * i as f64 / (PLACES - 1) as f64;
-    let (x, y) = (ends(0), ends(1));
+    let [x, y] = ends(places);
     (0..PLACES * PLACES).map(|i| [at(x, i / PLACES), at(y, i % PLACES)]).collect()
 }
 

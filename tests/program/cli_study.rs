@@ -192,6 +192,10 @@ fn a_member_of_the_family_is_judged_by_its_name() {
     let found = json(folder.path(), "study cylinder-27-degree2 --coverage --replicates 2 --json");
     assert_eq!(found["scenes"].as_array().unwrap().len(), 1);
     assert_eq!(found["scenes"][0]["scene"], "cylinder-27-degree2");
+    // the family fixes S; R is wanted at 1.5 times the oracle's, which small departures from the bar forbid
+    let [s, r] = ["S", "R"].map(|q| &found["scenes"][0][q]);
+    assert!(s["least_over_oracle"].is_null() && r["least_over_oracle"].as_f64().unwrap() > 1.5);
+    assert!(r["goal_departure"].as_f64().unwrap() < 0.01);
     let wrong = said(folder.path(), "study cylinder-28-degree2 --coverage --replicates 2");
     assert!(wrong.contains("there is no such file"), "{wrong}");
 }

@@ -16,7 +16,7 @@ use crate::objects::{HALF, KINDS, object};
 pub(crate) const BUDGET: usize = 60;
 
 /// Errors of S and of R/R within which an answer is right.
-const RIGHT: [f64; 2] = [0.01, 0.02];
+pub(crate) const RIGHT: [f64; 2] = [0.01, 0.02];
 
 /// |error of S| and |error of R|/R of a look.
 pub(crate) fn errors(look: &Look) -> Option<[f64; 2]> {
@@ -123,7 +123,7 @@ pub(crate) fn print(
 }
 
 /// Every strategy beside the first over the runs that both settle: those that neither does say nothing of planning.
-fn tell_settled(all: &[(String, Vec<(u64, usize)>)]) {
+pub(crate) fn tell_settled(all: &[(String, Vec<(u64, usize)>)]) {
     let Some(((first, of_first), others)) = all.split_first() else { return };
     println!("over the runs that {first} settles, too:");
     for (name, found) in others {

@@ -4,6 +4,7 @@
 //!     cargo bench --bench explore -- stopping [OBJECTS NOISES [FIRST]] [degree2 | degree3 | degree4]
 //!     cargo bench --bench explore -- equal [OBJECTS NOISES [FIRST]]
 //!     cargo bench --bench explore -- every [OBJECTS NOISES [FIRST]]
+//!     cargo bench --bench explore -- floor [OBJECTS NOISES [FIRST]] [first=3] [round=3]
 //!     cargo bench --bench explore -- second [NOISES] | rank | trace OBJECT NOISE | export OBJECTS NOISES FIRST
 //!
 //! Objects have seeds; those from 1,000,001 on were not looked at before the recorded run (`benches/runs/explore.md`).
@@ -12,6 +13,7 @@ mod contacts;
 mod equal;
 mod every;
 mod export;
+mod floor;
 mod objects;
 mod rank;
 mod second;
@@ -56,6 +58,9 @@ fn main() {
     }
     if asked("every") {
         every::print(first, objects, noises);
+    }
+    if asked("floor") {
+        floor::print(first, objects, noises, protocol);
     }
     if asked("second") {
         second::print(number(0, 100));
