@@ -6,11 +6,12 @@
 //! ```
 //!
 //! The top two bits of the second word choose one of four quadrants, the other bits the angle in (-pi/4, pi/4) within it.
-//! The polynomials are those of FreeBSD's msun (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993). The largest value is 8.65.
+//! The polynomials are those of FreeBSD's msun (`e_log.c`, and of `sine.rs`; Sun Microsystems 1993). The largest value is 8.65.
 //! G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610.
 
 use super::chacha8::{BLOCKS, WORDS};
 use super::lanes::Lanes;
+use super::sine::{of_eighth, series};
 use super::{Isa, dispatch};
 
 const LN: [f64; 7] = [
@@ -22,35 +23,9 @@ const LN: [f64; 7] = [
     1.531_383_769_920_937_332e-1,
     1.479_819_860_511_658_591e-1,
 ];
-const SIN: [f64; 6] = [
-    -1.666_666_666_666_663_243_48e-1,
-    8.333_333_333_322_489_461_24e-3,
-    -1.984_126_982_985_794_931_34e-4,
-    2.755_731_370_707_006_767_89e-6,
-    -2.505_076_025_340_686_341_95e-8,
-    1.589_690_995_211_550_102_21e-10,
-];
-const COS: [f64; 6] = [
-    4.166_666_666_666_660_190_37e-2,
-    -1.388_888_888_887_410_957_49e-3,
-    2.480_158_728_947_672_941_78e-5,
-    -2.755_731_435_139_066_330_35e-7,
-    2.087_572_321_298_174_827_90e-9,
-    -1.135_964_755_778_819_482_65e-11,
-];
 /// The bits of sqrt(1/2): mantissas 1 + f lie between it and sqrt 2.
 const SQRT_HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
 const LN2: f64 = std::f64::consts::LN_2;
-
-/// `c_0 + c_1 z + ..` by Horner.
-#[inline(always)]
-fn series<V: Lanes>(z: V, c: &[f64]) -> V {
-    let mut sum = V::splat(c[c.len() - 1]);
-    for &term in c[..c.len() - 1].iter().rev() {
-        sum = sum.mul_add(z, V::splat(term));
-    }
-    sum
-}
 
 /// `(e, f, s)` of `u = (k + 1/2) 2^-53 = 2^e (1 + f)`: everything up to the division.
 #[inline(always)]
@@ -84,9 +59,7 @@ fn cos_sin<V: Lanes>(word: V::Bits) -> (V, V) {
     let step = std::f64::consts::FRAC_PI_2 * 2.0_f64.powi(-51);
     let middle = std::f64::consts::FRAC_PI_2 * (2.0_f64.powi(-52) - 0.5);
     let angle = within.mul_add(V::splat(step), V::splat(middle));
-    let z = angle * angle;
-    let sin = (angle * z).mul_add(series(z, &SIN), angle);
-    let cos = (z * z).mul_add(series(z, &COS), z.neg_mul_add(V::splat(0.5), V::splat(1.0)));
+    let [sin, cos] = of_eighth(angle);
     // quadrant 1: (-sin, cos); 2: (-cos, -sin); 3: (sin, -cos)
     let top = V::splat_bits(1 << 63);
     let low_bit = V::and(V::shift_left::<1>(word), top);

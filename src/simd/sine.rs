@@ -35,16 +35,32 @@ const QUARTER: [f64; 2] = [1.570_796_326_734_125_614_17, 6.077_100_506_506_192_2
 /// 1.5 times 2^52: a sum with it is rounded to an integer, which then stands in its lowest bits.
 const INTEGERS: f64 = 6_755_399_441_055_744.0;
 
+/// `c_0 + c_1 z + ..` by Horner.
+#[inline(always)]
+pub(super) fn series<V: Lanes>(z: V, c: &[f64]) -> V {
+    let mut sum = V::splat(c[c.len() - 1]);
+    for &term in c[..c.len() - 1].iter().rev() {
+        sum = sum.mul_add(z, V::splat(term));
+    }
+    sum
+}
+
+/// `[sin r, cos r]` for |r| up to pi/4.
+#[inline(always)]
+pub(super) fn of_eighth<V: Lanes>(r: V) -> [V; 2] {
+    let z = r * r;
+    let sine = (r * z).mul_add(series(z, &SINE), r);
+    let cosine = (z * z).mul_add(series(z, &COSINE), z.neg_mul_add(V::splat(0.5), V::splat(1.0)));
+    [sine, cosine]
+}
+
 /// `[sin x, cos x]`; |x| must not exceed 8.
 #[inline(always)]
 pub(super) fn sine_and_cosine<V: Lanes>(x: V) -> [V; 2] {
     let shifted = x.mul_add(V::splat(std::f64::consts::FRAC_2_PI), V::splat(INTEGERS));
     let n = shifted - V::splat(INTEGERS);
     let r = n.neg_mul_add(V::splat(QUARTER[1]), n.neg_mul_add(V::splat(QUARTER[0]), x));
-    let z = r * r;
-    let sum = |c: [f64; 6]| c[..5].iter().rev().fold(V::splat(c[5]), |sum, c| sum.mul_add(z, V::splat(*c)));
-    let sine = (r * z).mul_add(sum(SINE), r);
-    let cosine = (z * z).mul_add(sum(COSINE), z.neg_mul_add(V::splat(0.5), V::splat(1.0)));
+    let [sine, cosine] = of_eighth(r);
     let turns = shifted.to_bits();
     let odd = V::splat(0.5).less(V::from_integer(V::and(turns, V::splat_bits(1))));
     let signed = |value: V, turns: V::Bits| {
