@@ -8,14 +8,10 @@
 /// Columns of a line.
 const WIDTH: usize = 110;
 
-/// Stands for the blank before a percent sign while lines are folded: a number keeps its sign. A private character, which no text has.
-const KEPT: char = '\u{e000}';
-
 /// The text with no line longer than [`WIDTH`], but for words and tables that hold no place to break. What is folded goes on
 /// `hang` columns to the right, or below the line's own first word.
 pub(crate) fn folded(text: &str, hang: Option<usize>) -> String {
-    let kept = text.replace(" %", &format!("{KEPT}%"));
-    kept.lines().map(|line| fold(line, hang) + "\n").collect::<String>().replace(KEPT, " ")
+    text.lines().map(|line| fold(line, hang) + "\n").collect()
 }
 
 fn fold(line: &str, hang: Option<usize>) -> String {
@@ -63,8 +59,6 @@ mod tests {
         assert!(lines[0].starts_with("note       word") && lines[1].starts_with("           word"), "{text}");
         let own = folded(&format!("    {}", "word ".repeat(40)), None);
         assert!(own.lines().all(|line| line.starts_with("    word")), "{own}");
-        let share = format!("{}(1 %)", "w".repeat(WIDTH - 3));
-        assert!(folded(&share.replace("(1", " (1"), None).ends_with("\n(1 %)\n"), "a number keeps its percent sign");
         // a word that is longer than a line has nowhere to break
         assert_eq!(folded(&"w".repeat(300), Some(11)).lines().count(), 1);
     }

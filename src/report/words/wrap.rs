@@ -16,7 +16,7 @@ impl Labelled {
     /// A labelled paragraph; further lines stand below its text.
     pub(super) fn add(&mut self, label: &str, words: impl AsRef<str>) {
         let (mut line, mut label) = (String::new(), label);
-        for word in words.as_ref().split(' ') {
+        for word in unbroken(words.as_ref()) {
             if !line.is_empty() && LABEL + line.chars().count() + 1 + word.chars().count() > WIDTH {
                 self.line(label, &line);
                 (line, label) = (String::new(), "");
@@ -50,6 +50,17 @@ impl Labelled {
     }
 }
 
+/// Words at which a line may break: a number keeps its percent sign.
+fn unbroken(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = Some(text);
+    std::iter::from_fn(move || {
+        let here = rest?;
+        let end = here.match_indices(' ').map(|(at, _)| at).find(|at| !here[at + 1..].starts_with('%'));
+        rest = end.map(|at| &here[at + 1..]);
+        Some(&here[..end.unwrap_or(here.len())])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,5 +72,8 @@ mod tests {
         let lines: Vec<&str> = text.text().lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(lines[0].starts_with("note       word") && lines[1].starts_with("           word"), "{lines:?}");
+        let mut text = Labelled::default();
+        text.add("note", format!("{} (1 %)", "w".repeat(WIDTH - LABEL - 3)));
+        assert!(text.text().ends_with("\n           (1 %)\n"), "{}", text.text());
     }
 }
