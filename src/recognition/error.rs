@@ -39,6 +39,11 @@ pub enum RecognitionError {
         /// Root mean square spread along the line, input units.
         along: f64,
     },
+    /// Places without normals, all of them on one ring, ellipse or pair of lines.
+    #[error(
+        "the contacts lie on a ring or in two rows, and without normals they do not tell how the surface bends between: touch it there, too, or give          the normals"
+    )]
+    OnConic,
     /// The contacts do not form one sheet: several surfaces, a closed body or a scene with background.
     #[error(
         "the contacts are not one sheet of a simple shape: the best surface misses them by {misfit:.0} % of their relief and {outliers:.0} % lie far off it. \

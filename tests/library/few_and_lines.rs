@@ -79,6 +79,20 @@ fn one_row_is_refused_as_a_line() {
     }
 }
 
+/// Without normals a ring and two rows lie on many surfaces: one of them was the answer, a pipe of radius 736,755 "47 % sure".
+#[test]
+fn rings_and_rows_without_normals_are_refused() {
+    for places in [rows(8.0), ring(5.0)] {
+        for noise in [[1e-4, 0.05], [0.05, 2.0]] {
+            let given = touched(&places, true, noise, 3);
+            assert!(of(&given).is_ok());
+            let positions: Vec<[f64; 3]> = (0..given.len()).map(|r| [given.x[r], given.y[r], given.z[r]]).collect();
+            let refused = of(&Contacts::from_points(&positions)).unwrap_err();
+            assert!(matches!(refused, RecognitionError::OnConic), "{refused}");
+        }
+    }
+}
+
 /// A third of such patches was refused as several things, because one of six parameters' few residuals is always far off.
 #[test]
 fn seven_to_ten_touches_are_not_refused() {

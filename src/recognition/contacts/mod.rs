@@ -6,11 +6,12 @@
 //! ```
 //!
 //! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
-//! `frame.rs` finds the frame. About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
+//! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
 //! `cells.rs` averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts without any.
 
 mod believable_normals;
 mod cells;
+mod conic;
 mod estimated_normals;
 mod frame;
 mod input;
@@ -20,6 +21,7 @@ mod set_aside;
 
 pub(in crate::recognition) use believable_normals::{AGAINST, derived_from_positions};
 pub(in crate::recognition) use cells::{CellNormals, Cells, cells, is_known};
+pub(in crate::recognition) use conic::on_conic;
 pub(in crate::recognition) use frame::{mean_of, patch_frame};
 pub(in crate::recognition) use input::{Given, check_options};
 pub(crate) use neighbours::Neighbours;

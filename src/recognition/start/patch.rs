@@ -4,12 +4,12 @@
 //! normals on one side  ->  frame  ->  robust general surface  ->  outliers set aside  ->  normals used or not
 //! ```
 //!
-//! Refused are contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
+//! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::contact::Frame;
 use crate::recognition::contacts::{
     AGAINST, CellNormals, Cells, Dropped, Given, Neighbours, NormalsUse, Oriented, cells, derived_from_positions,
-    mean_of, oriented, patch_frame,
+    mean_of, on_conic, oriented, patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions};
@@ -61,6 +61,9 @@ impl Patch {
             notes.push("the sign of S takes +z for the free side: name a viewpoint where it is not".to_string());
         }
         let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
+        if normals.is_none() && on_conic(&points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>()) {
+            return Err(RecognitionError::OnConic);
+        }
         let normals: Option<Vec<Vector>> = normals.map(|n| n.iter().map(|n| frame.rotate(*n)).collect());
         let start = start(&points, normals.as_deref());
         dropped.outliers = start.belongs.iter().filter(|b| !**b).count();
