@@ -41,7 +41,8 @@ pub enum RecognitionError {
     },
     /// Places without normals, all of them on one ring, ellipse or pair of lines.
     #[error(
-        "the contacts lie on a ring or in two rows, and without normals they do not tell how the surface bends between: touch it there, too, or give          the normals"
+        "the contacts lie on a ring, in two rows or on a narrow strip, and without normals they do not tell how the surface bends: touch it beside them, too, \
+         or give the normals"
     )]
     OnConic,
     /// The contacts do not form one sheet: several surfaces, a closed body or a scene with background.
