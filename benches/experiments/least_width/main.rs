@@ -15,6 +15,7 @@ mod descent;
 mod kinds;
 mod member;
 mod profile;
+mod starts;
 mod view;
 
 use palpate::internals::draws::EffectDraws;
