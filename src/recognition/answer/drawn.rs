@@ -29,7 +29,7 @@ pub(super) struct Drawn {
 }
 
 /// Which draws count half as they are and half mirrored at the likeliest value of their node.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Mirrored {
     None,
     /// Those of rough splines and natural departures.
