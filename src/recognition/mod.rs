@@ -65,7 +65,7 @@ use crate::contact::{Contacts, Grid};
 use crate::vector::Vector;
 
 use contacts::{Given, check_options};
-use evidence::At;
+use evidence::{At, Evidence, Linearised, Node};
 use kinds::{Kind, Model};
 use options::Asked;
 
@@ -125,16 +125,23 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
     let distances = noise::distances_between(&cells);
     let limit = noise::Limit::new(&nearest, &patch.distances, relief);
     let factors = evidence::FactorPair::new(&cells, &distances);
-    let plain = evidence::Linearised::new(&cells, &patch.points, models, &factors);
+    let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let misfit = |models: &[Model], kind: Kind| {
         let distance = |m: &Model| start::weighted_rms(&cells, m);
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
     let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
-    evidence::likeliest_look(at, &plain, |linearised, evidence, nodes| {
-        let misfit = |kind: Kind| misfit(&linearised.models, kind);
-        let weights = answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit);
+    let weigh = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
+        // a plane that a body stands over misfits it whatever the body is
+        let models = if linearised.over_plane.is_some() { &plain.models } else { &linearised.models };
+        answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, |kind| misfit(models, kind))
+    };
+    let may_be_error = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
+        weigh(linearised, evidence, nodes).displacement_may_be_error()
+    };
+    evidence::likeliest_look(at, &plain, may_be_error, |linearised, evidence, nodes| {
+        let weights = weigh(linearised, evidence, nodes);
         answer::Findings {
             patch: &patch,
             evidence,

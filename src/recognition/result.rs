@@ -110,10 +110,14 @@ impl Estimate {
 
     /// Adds an independent standard uncertainty of so large a share of the mean, of a quantity that is never negative.
     pub(super) fn doubted(&mut self, share: f64) {
-        let own = share * self.mean;
+        self.blurred(share * self.mean, [0.0, f64::INFINITY]);
+    }
+
+    /// Adds an independent standard uncertainty, of a quantity within these bounds.
+    pub(super) fn blurred(&mut self, own: f64, [least, most]: [f64; 2]) {
         let reach = std::f64::consts::SQRT_2 * erf::erf_inv(self.level) * own;
         let [lo, hi] = self.interval.map(|end| (end - self.mean).hypot(reach));
-        self.interval = [(self.mean - lo).max(0.0), self.mean + hi];
+        self.interval = [(self.mean - lo).max(least), (self.mean + hi).min(most)];
         (self.u, self.u_model) = (self.u.hypot(own), self.u_model.hypot(own));
     }
 }

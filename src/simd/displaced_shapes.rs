@@ -1,7 +1,7 @@
 //! S, R and both curvatures of eight displaced surfaces at once: surfaces that were drawn at random, at the same points of one chart.
 //!
 //! ```text
-//! f(u, v) = sum_ab c_ab N_a(u) M_b(v) + B u v                 jet: f, f_u, f_v, f_uu, f_uv, f_vv
+//! f(u, v) = sum_ab c_ab N_a(u) M_b(v) + (A u^2 + C v^2)/2 + B u v      jet: f, f_u, f_v, f_uu, f_uv, f_vv
 //! Q(u, v) = point at arc lengths (u, v) of the surface of constant curvatures k1, k2, moved by f along its normal
 //! m, g = (larger + smaller)/2, (larger - smaller)/2           from both fundamental forms of Q, taken at v = 0
 //! S = -(2/pi) atan2(m, g)       R = sqrt(m^2 + g^2)
@@ -37,8 +37,8 @@ const UNIT: f64 = std::f64::consts::FRAC_2_PI;
 pub(crate) struct EightSurfaces {
     /// Curvatures k1 and k2 of the surface that is displaced.
     pub(crate) curvatures: [[f64; SURFACES]; 2],
-    /// B.
-    pub(crate) twist: [f64; SURFACES],
+    /// A, C, B.
+    pub(crate) quadratic: [[f64; SURFACES]; 3],
     /// The coefficients c, those of all surfaces together.
     pub(crate) coefficients: Vec<[f64; SURFACES]>,
 }
@@ -86,9 +86,12 @@ fn jet<V: Lanes>(surfaces: &EightSurfaces, point: &ChartBasis, from: usize) -> [
         }
     }
     let [u, v] = point.chart.map(V::splat);
-    let twist = V::load(&surfaces.twist[from..]);
+    let [a, c, b] = surfaces.quadratic.each_ref().map(|of| V::load(&of[from..]));
     let [f, fu, fv, fuu, fuv, fvv] = out;
-    [twist.mul_add(u * v, f), twist.mul_add(v, fu), twist.mul_add(u, fv), fuu, fuv + twist, fvv]
+    let half = V::splat(0.5);
+    let f = (half * a).mul_add(u * u, (half * c).mul_add(v * v, b.mul_add(u * v, f)));
+    let (fu, fv) = (a.mul_add(u, b.mul_add(v, fu)), c.mul_add(v, b.mul_add(u, fv)));
+    [f, fu, fv, fuu + a, fuv + b, fvv + c]
 }
 
 /// Sine and cosine of any angles.
@@ -199,7 +202,11 @@ mod tests {
         // a cylinder, a plane, and curvatures that are nearly zero
         (curvatures[1][3], curvatures[0][4], curvatures[1][4], curvatures[0][5]) = (0.0, 0.0, 0.0, 1e-10);
         let coefficients = (0..ACROSS * ACROSS).map(|i| std::array::from_fn(|lane| small * value(31 * i + 5 * lane)));
-        EightSurfaces { curvatures, twist: of(3).map(|b: f64| small * b), coefficients: coefficients.collect() }
+        EightSurfaces {
+            curvatures,
+            quadratic: [of(3), of(4), of(5)].map(|of: [f64; SURFACES]| of.map(|v| small * v)),
+            coefficients: coefficients.collect(),
+        }
     }
 
     type Values = [[[f64; WIDTH]; 3]; 2];
@@ -212,8 +219,8 @@ mod tests {
 
     /// Twin: the jet as a double sum, Q's derivatives at v = 0 as vectors, the textbook's fundamental forms, the library's functions.
     fn twin(surfaces: &EightSurfaces, point: &ChartBasis, lane: usize) -> [f64; 4] {
-        let ([u, v], b) = (point.chart, surfaces.twist[lane]);
-        let mut jet = [b * u * v, b * v, b * u, 0.0, b, 0.0];
+        let ([u, v], [a, c, b]) = (point.chart, surfaces.quadratic.map(|of| of[lane]));
+        let mut jet = [0.5 * (a * u * u + c * v * v) + b * u * v, a * u + b * v, c * v + b * u, a, b, c];
         for (i, (d, e)) in [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
             for a in 0..WIDTH {
                 for c in 0..WIDTH {
@@ -283,7 +290,7 @@ mod tests {
         let point = ChartBasis { chart: [0.4, 0.3], first: [0, 0], across: ACROSS, values: &values };
         let flat = EightSurfaces {
             curvatures: [[0.0; SURFACES]; 2],
-            twist: [0.0; SURFACES],
+            quadratic: [[0.0; SURFACES]; 3],
             coefficients: vec![[0.0; SURFACES]; ACROSS * ACROSS],
         };
         let folded = EightSurfaces {

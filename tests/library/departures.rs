@@ -7,8 +7,13 @@ use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions};
 use palpate::scene::{Effect, Surface, Sweep, World};
 
 /// Touches of a patch of half side 4 by three fingers.
-fn touched(surface: Surface, stations: usize, [z, deg]: [f64; 2], seed: u64) -> Contacts {
-    let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, stations));
+fn touched(surface: Surface, stations: usize, noise: [f64; 2], seed: u64) -> Contacts {
+    touched_by(3, surface, stations, noise, seed)
+}
+
+/// The same by this many fingers.
+fn touched_by(fingers: usize, surface: Surface, stations: usize, [z, deg]: [f64; 2], seed: u64) -> Contacts {
+    let sweep = Sweep::new(linspace(-4.0, 4.0, fingers), linspace(-4.0, 4.0, stations));
     let world = World::new(surface, sweep).with(Effect::position_noise([0.0, 0.0, z])).with(Effect::normal_noise(deg));
     world.compile().unwrap().simulate(seed, 0).0
 }
@@ -21,8 +26,8 @@ const AMPLITUDE: f64 = 0.6;
 const WAVELENGTH: f64 = 16.0;
 
 /// Mean R of `amplitude cos(2 pi x / wavelength)` at the supported points of the map, which is what R of the recognition is.
-fn bend_of_wave(found: &Recognition) -> f64 {
-    let pitch = 2.0 * std::f64::consts::PI / WAVELENGTH;
+fn bend_of_wave(found: &Recognition, wavelength: f64) -> f64 {
+    let pitch = 2.0 * std::f64::consts::PI / wavelength;
     let bend = |x: f64| {
         let slope = AMPLITUDE * pitch * (pitch * x).sin();
         AMPLITUDE * pitch * pitch * (pitch * x).cos().abs() / (1.0 + slope * slope).powf(1.5) / 2.0_f64.sqrt()
@@ -38,7 +43,7 @@ fn normals_that_differ_alike_along_a_path_show_shape() {
     let (mut held, mut bars) = (0, 0);
     for seed in 0..8 {
         let found = recognised(&touched(Surface::sinusoid(AMPLITUDE, WAVELENGTH), 40, [0.02, 1.0], 700 + seed));
-        let truth = bend_of_wave(&found);
+        let truth = bend_of_wave(&found, WAVELENGTH);
         let [lo, hi] = found.curvedness.interval;
         held += usize::from(lo <= truth && truth <= hi);
         bars += usize::from(found.hypothesis == Hypothesis::Cylinder);
@@ -67,4 +72,23 @@ fn a_bump_of_few_contacts_is_no_cap() {
         held += usize::from(lo <= 0.5776 && 0.5776 <= hi);
     }
     assert!(caps <= 3 && held >= 10, "{caps} {held}");
+}
+
+/// Smoothed about a circle, a wave that is touched precisely bends too little at the edges of the patch: R was 2 % too small and its
+/// interval of 1 % missed it in 12 of 20 touches. In 2,000 touches the mean normals of cells made it so, too.
+#[test]
+fn a_wave_that_is_touched_precisely_has_its_curvedness_inside() {
+    const SHORT: f64 = 12.0;
+    let (mut held, mut worst) = (0, 0.0_f64);
+    for (fingers, stations, noise, seeds) in [(14, 14, [0.0016, 0.16], 740..746), (40, 50, [0.005, 0.5], 746..748)] {
+        for seed in seeds {
+            let wave = Surface::sinusoid(AMPLITUDE, SHORT);
+            let found = recognised(&touched_by(fingers, wave, stations, noise, seed));
+            let truth = bend_of_wave(&found, SHORT);
+            let [lo, hi] = found.curvedness.interval;
+            held += usize::from(lo <= truth && truth <= hi);
+            worst = worst.max((found.curvedness.mean / truth - 1.0).abs());
+        }
+    }
+    assert!(held >= 7 && worst < 0.012, "{held} {worst}");
 }

@@ -12,12 +12,18 @@ use crate::vector::{Vector, dot};
 
 use super::field::Field;
 
+/// Share of natural departures in the estimate from which on the interval of R holds theirs. Without that the interval of an ellipsoid
+/// misses in 7 to 10 of 100 fits instead of 5 or 6; saddles of 27 contacts have one that is a seventh wider.
+const HEARD: f64 = 0.25;
+
 /// Everything drawn for one node.
 pub(super) struct Drawn {
     pub(in crate::recognition) kind: Kind,
     pub(super) displaced: bool,
     /// Whether it departs smoothly.
     pub(super) smooth: bool,
+    /// Whether it departs naturally alone.
+    pub(super) natural: bool,
     /// Weights of the node in estimate and interval.
     pub(in crate::recognition) weights: [f64; 2],
     pub(super) likeliest: Field,
@@ -52,13 +58,22 @@ impl Mirrored {
 /// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of displaced surfaces therefore count half as
 /// they are and half mirrored at the likeliest. A smooth departure is smoothed instead, so that its likeliest R lies below the truth,
 /// and draws as they are hold it. Either quantity takes the wider end of two ways on either side: S, which ends at 1 where mirrored draws
-/// pile up, with all draws as they are, R with those of smooth departures.
+/// pile up, with all draws as they are, R with those of smooth departures. Natural departures that have a good part of the
+/// estimate of R are held by its interval as if they were alone: other departures lie lower, and with half of the weights there they
+/// would put the upper end at nine tenths of what natural departures allow.
 pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
     let (range, other) =
         if of_s { ([-1.0, 1.0], Mirrored::None) } else { ([0.0, f64::INFINITY], Mirrored::AllButSmooth) };
     let [lo, hi] = quantiles(found, pick, level, other, range)?;
     let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range)?;
-    Some([lo.min(low), hi.max(high)])
+    let both = [lo.min(low), hi.max(high)];
+    let natural: Vec<&Drawn> = found.iter().copied().filter(|drawn| drawn.natural).collect();
+    let in_estimate = |drawn: &[&Drawn]| drawn.iter().map(|d| d.weights[0]).sum::<f64>();
+    if of_s || in_estimate(&natural) < HEARD * in_estimate(found) {
+        return Some(both);
+    }
+    let [lo, hi] = quantiles(&natural, pick, level, Mirrored::None, range)?;
+    Some([both[0].min(lo), both[1].max(hi)])
 }
 
 /// Both quantiles of the draws under the interval's weights. Draws that are `mirrored` count half as they are and half mirrored at the

@@ -201,6 +201,7 @@ fn all_drawn(
             kind: node.kind,
             displaced: node.is_displaced(),
             smooth: node.departure.is_smooth(),
+            natural: node.is_natural(),
             weights: [weights.estimate[i], weights.interval[i]],
             likeliest,
             columns: joint.map(|(mean, _)| {

@@ -26,6 +26,10 @@ use super::weights::{Weights, total};
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;
 
+/// Standard uncertainty of S, and of R relative to it, that splines leave however precise the contacts are: five segments hold a bump or a wave
+/// over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too large, and S of a bump 0.001 too small.
+const OF_SPLINES: f64 = 5e-4;
+
 /// Misfit, as a share of the relief, from which on single contacts are asked whether it has a pattern.
 const LARGE: f64 = 0.25;
 
@@ -99,7 +103,11 @@ impl Findings<'_> {
         if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
-        found.curvedness.doubted(self.doubt_of_places);
+        let of_splines = if best.group() == 2 { OF_SPLINES } else { 0.0 };
+        found.curvedness.doubted(self.doubt_of_places.hypot(of_splines));
+        if let Some(s) = found.shape_index.as_mut().filter(|_| of_splines > 0.0) {
+            s.blurred(of_splines, [-1.0, 1.0]);
+        }
         let map = self.map(&surface, &points, &supported, &found);
         let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
         let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
@@ -183,11 +191,24 @@ impl Findings<'_> {
                 let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
                 let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);
                 let weight = total(&self.weights.estimate, self.nodes, own);
-                Some(Tried { hypothesis, weight, k1, k2, rms: scale * weighted_rms(self.evidence.cells, model) })
+                Some(Tried { hypothesis, weight, k1, k2, rms: scale * self.rms(best, model) })
             })
             .collect();
         out.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         out
+    }
+
+    /// Root mean square distance of the contacts from a hypothesis: from its kind, or over a plane, which is no kind, from the surface
+    /// that stands there.
+    fn rms(&self, node: &Node, model: &Model) -> f64 {
+        let own = likeliest(self.evidence, node).filter(|_| node.is_displaced() && model.is_flat());
+        own.map_or_else(|| weighted_rms(self.evidence.cells, model), |state| self.size(&self.residuals(node, &state)))
+    }
+
+    /// Weighted root mean square of residuals at the cells.
+    fn size(&self, residuals: &[f64]) -> f64 {
+        let weighted = residuals.iter().zip(&self.evidence.cells.weights).map(|(d, w)| w.sqrt() * d);
+        standard_deviation(&weighted.collect::<Vec<_>>())
     }
 
     /// Distance of a place from the reported surface.
@@ -223,9 +244,7 @@ impl Findings<'_> {
 
     fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {
         let residuals = self.residuals(best, state);
-        let weights = &self.evidence.cells.weights;
-        let weighted: Vec<f64> = residuals.iter().zip(weights).map(|(d, w)| w.sqrt() * d).collect();
-        let size = standard_deviation(&weighted);
+        let size = self.size(&residuals);
         let outliers =
             100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
         let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);

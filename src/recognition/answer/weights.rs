@@ -7,7 +7,8 @@
 //! displaced nodes of the interval: natural departures; rough splines, and half of the smooth departures, with a prior ten times as
 //!                                  loose, unless f may be an error;  departures that are free in form never below half, rough
 //!                                  splines never below e^-(gap - 2)/8 / 2 of these
-//! torus of both: its share goes to natural departures, where no simple shape is far ahead, and no departure is an error
+//! torus of both: its share goes to natural departures, where no simple shape is far ahead, and no departure is an error;
+//!                where one may be an error, the torus of the interval's other reading does so, too
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
 //! P(neighbours share errors > rms f / 20) > 0.1,
 //! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
@@ -136,6 +137,11 @@ impl Weights {
         SENSOR[0] < self.size && small && self.may_be_error()
     }
 
+    /// Whether the interval has a share of surfaces without the displacement, because that may be the sensor's error.
+    pub(in crate::recognition) fn displacement_may_be_error(&self) -> bool {
+        self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * SENSOR[1])
+    }
+
     /// Whether errors that neighbours share are large enough for a sensor that errs as a whole, and no normals say that the
     /// displacement is shape.
     fn may_be_error(&self) -> bool {
@@ -184,6 +190,7 @@ pub(in crate::recognition) fn weigh(
     let plain = |n: &Node| !n.is_displaced();
     if !error && weights.may_be_error() && displaced > 0.5 && fading > total(&weights.interval, nodes, plain) {
         raise(&mut weights.interval, nodes, plain, |_| true, fading.min(EITHER));
+        departed(nodes, &mut weights.interval);
     }
     weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
     weights.estimate = if weights.taken_for_shape { by_evidence } else { estimate };

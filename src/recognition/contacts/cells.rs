@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 use crate::recognition::kinds::Model;
 use crate::recognition::statistics::median;
-use crate::vector::{Vector, along, cross, unit};
+use crate::vector::{Vector, along, cross, dot, reject, scaled, unit};
 
 /// Cells at most.
 const MOST: usize = 200;
@@ -71,6 +71,20 @@ pub(in crate::recognition) struct Cells {
     pub(in crate::recognition) normals: Option<CellNormals>,
     /// Cell of every contact.
     pub(in crate::recognition) of: Vec<usize>,
+}
+
+impl Cells {
+    /// The vector across `normal` whose parts along both tangents of a cell are these: `g = a' p + b' q` with the tangents' own parts p
+    /// and q across it. Zero where those do not span a plane.
+    pub(in crate::recognition) fn gradient(&self, cell: usize, normal: Vector, [a, b]: [f64; 2]) -> Vector {
+        let [p, q] = [0, 1].map(|side| reject(self.tangents[side][cell], normal));
+        let (pp, pq, qq) = (dot(p, p), dot(p, q), dot(q, q));
+        let det = pp * qq - pq * pq;
+        if det <= 0.0 {
+            return [0.0; 3];
+        }
+        along(scaled((a * qq - b * pq) / det, p), (b * pp - a * pq) / det, q)
+    }
 }
 
 /// Averages contacts whose feet on the surface share a voxel; `errors` are measured minus model normals, `None` where a normal is

@@ -12,9 +12,7 @@
 //! Nine more columns, with a prior of their own, hold departures of third and fourth degree ([`natural`]), and some hundred
 //! those of processes that are smooth in all their derivatives ([`smooth`]). All are combinations of the same splines.
 //!
-//! A cell holds the mean distance of its contacts, and f bends within a cell. The cell's row is therefore the mean of f over
-//! its contacts to second order, `f + (uu f_uu + 2 uv f_uv + vv f_vv) / 2` with the mean squares uu, uv, vv about their mean
-//! place.
+//! A cell's row holds means over its contacts (`cell_charts.rs`).
 
 use faer::Mat;
 
@@ -22,17 +20,16 @@ use crate::bspline::{Knots, gram};
 use crate::linalg;
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{ConstantCurvature, Jet};
-use crate::simd::ChartBasis;
 
+use super::basis::{DEGREE, JetRow, WIDTH};
+use super::cell_charts::CellCharts;
 use super::{natural, smooth};
 
-use crate::vector::{Vector, along};
+use crate::vector::Vector;
 
-const DEGREE: usize = 4;
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
 /// then taken for shared errors. Five take twice the time.
 const SEGMENTS: usize = 5;
-const WIDTH: usize = DEGREE + 1;
 
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
@@ -67,6 +64,15 @@ pub(in crate::recognition) struct Displacement {
     pub(in crate::recognition) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
     pub(in crate::recognition) normals: Option<Mat<f64>>,
+    /// The same rows for the displacements u^2/2, v^2/2 and u v, which over a plane are exact columns of its curvatures.
+    pub(in crate::recognition) quadratic: Quadratic,
+}
+
+/// Rows of the displacements u^2/2, v^2/2 and u v.
+#[derive(Clone, Debug)]
+pub(in crate::recognition) struct Quadratic {
+    pub(in crate::recognition) positions: Mat<f64>,
+    pub(in crate::recognition) normals: Option<Mat<f64>>,
 }
 
 impl Displacement {
@@ -84,7 +90,7 @@ impl Displacement {
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
         let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
         let mut rough = penalised_columns(&knots)?;
-        let means = CellCharts::new(&outline, cells);
+        let means = CellCharts::new(surface, &outline, cells);
         let at_cells = |columns: &Mat<f64>| {
             product(&knots, &means.places, columns, |i, row| {
                 let [uu, uv, vv] = means.spreads[i];
@@ -106,13 +112,17 @@ impl Displacement {
             natural: natural.ncols(),
             smooth: Vec::new(),
             normals: None,
+            quadratic: Quadratic { positions: means.quadratic(), normals: None },
         };
         for process in smooth::all() {
             let weights = smooth::weights(surface, &made.knots, &rough, process);
             made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
         }
-        let normals = cells.normals.as_ref().map(|_| made.normal_rows(surface, cells, &charts));
-        Some(Displacement { normals, ..made })
+        if cells.normals.is_some() {
+            made.normals = Some(means.slopes(&made.knots, &made.to_coefficients));
+            made.quadratic.normals = Some(means.quadratic_slopes());
+        }
+        Some(made)
     }
 
     /// Adds the columns of a smooth departure, but for those that hardly show at the cells. `positions` are the rough columns there.
@@ -142,25 +152,6 @@ impl Displacement {
         std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().copied()).collect()
     }
 
-    /// Derivatives of f along both tangents of every cell.
-    fn normal_rows(&self, surface: &ConstantCurvature, cells: &Cells, charts: &[[f64; 2]]) -> Mat<f64> {
-        let step = 1e-4;
-        let slopes = [1, 2].map(|k| product(&self.knots, charts, &self.to_coefficients, |_, row| row[k]));
-        let n = charts.len();
-        let along_chart = |(side, i): (usize, usize)| {
-            let (p, tangent) = (cells.points[i], cells.tangents[side][i]);
-            let ahead = surface.chart(along(p, step, tangent));
-            let behind = surface.chart(along(p, -step, tangent));
-            [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * step))
-        };
-        let places = (0..2).flat_map(|side| (0..n).map(move |i| (side, i)));
-        let steps: Vec<[f64; 2]> = places.map(along_chart).collect();
-        Mat::from_fn(2 * n, self.columns(), |row, j| {
-            let [du, dv] = steps[row];
-            du * slopes[0][(row % n, j)] + dv * slopes[1][(row % n, j)]
-        })
-    }
-
     /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
     pub(in crate::recognition) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.to_coefficients.nrows()];
@@ -179,110 +170,6 @@ impl Displacement {
     pub(in crate::recognition) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])
     }
-}
-
-/// Where the contacts of every cell lie in the chart: a cell's mean distance is the mean of f over them, and f bends within
-/// a cell.
-struct CellCharts {
-    /// Mean places.
-    places: Vec<[f64; 2]>,
-    /// Mean squares and products about them: uu, uv, vv.
-    spreads: Vec<[f64; 3]>,
-}
-
-impl CellCharts {
-    /// Of the chart positions of all contacts.
-    fn new(charts: &[[f64; 2]], cells: &Cells) -> CellCharts {
-        let count = cells.points.len();
-        let (mut counts, mut places, mut spreads) = (vec![0.0; count], vec![[0.0; 2]; count], vec![[0.0; 3]; count]);
-        for (&cell, chart) in cells.of.iter().zip(charts) {
-            counts[cell] += 1.0;
-            (0..2).for_each(|k| places[cell][k] += chart[k]);
-        }
-        places.iter_mut().zip(&counts).for_each(|(place, n)| place.iter_mut().for_each(|v| *v /= n));
-        for (&cell, chart) in cells.of.iter().zip(charts) {
-            let [u, v] = [0, 1].map(|k| chart[k] - places[cell][k]);
-            spreads[cell].iter_mut().zip([u * u, u * v, v * v]).for_each(|(sum, product)| *sum += product);
-        }
-        spreads.iter_mut().zip(&counts).for_each(|(spread, n)| spread.iter_mut().for_each(|v| *v /= n));
-        CellCharts { places, spreads }
-    }
-}
-
-/// The 25 basis functions at one chart point with their derivatives.
-#[derive(Clone, Debug)]
-pub(in crate::recognition) struct JetRow {
-    first: [usize; 2],
-    values: [[[f64; WIDTH]; 3]; 2],
-    across: usize,
-}
-
-impl JetRow {
-    fn new(knots: &[Knots; 2], place: [f64; 2]) -> JetRow {
-        let mut made = JetRow { first: [0; 2], values: [[[0.0; WIDTH]; 3]; 2], across: knots[1].n_basis() };
-        for side in 0..2 {
-            // outside of the box the displacement keeps its value at the edge: nothing supports it there
-            let [lo, hi] = ends(&knots[side]);
-            let mut flat = [0.0; 3 * WIDTH];
-            made.first[side] = knots[side].derivatives(place[side].clamp(lo, hi), 2, &mut flat);
-            for k in 0..3 {
-                made.values[side][k].copy_from_slice(&flat[k * WIDTH..(k + 1) * WIDTH]);
-            }
-        }
-        made
-    }
-
-    /// The same for the kernel that looks at many surfaces at once.
-    pub(super) fn basis(&self, chart: [f64; 2]) -> ChartBasis<'_> {
-        ChartBasis { chart, first: self.first, across: self.across, values: &self.values }
-    }
-
-    /// Number of the coefficient of the a-th and b-th basis function that do not vanish here.
-    fn coefficient(&self, a: usize, b: usize) -> usize {
-        (self.first[0] + a) * self.across + self.first[1] + b
-    }
-
-    /// The jet of that basis function alone.
-    fn jet_of(&self, a: usize, b: usize) -> Jet {
-        let [us, vs] = &self.values;
-        [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(u, v)| us[u][a] * vs[v][b])
-    }
-
-    /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
-    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
-        let mut out = [0.0; 6];
-        let [us, vs] = &self.values;
-        for a in 0..WIDTH {
-            let start = self.coefficient(a, 0);
-            let row = &coefficients[start..start + WIDTH];
-            let along_v = [0, 1, 2].map(|k| row.iter().zip(&vs[k]).map(|(c, b)| c * b).sum::<f64>());
-            out[0] += us[0][a] * along_v[0];
-            out[1] += us[1][a] * along_v[0];
-            out[2] += us[0][a] * along_v[1];
-            out[3] += us[2][a] * along_v[0];
-            out[4] += us[1][a] * along_v[1];
-            out[5] += us[0][a] * along_v[2];
-        }
-        out
-    }
-}
-
-/// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
-pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
-    let [f, fu, fv, fuu, fuv, fvv] = *jet;
-    [
-        f,
-        c * fu + s * fv,
-        c * fv - s * fu,
-        c * c * fuu + 2.0 * c * s * fuv + s * s * fvv,
-        (c * c - s * s) * fuv + c * s * (fvv - fuu),
-        s * s * fuu - 2.0 * c * s * fuv + c * c * fvv,
-    ]
-}
-
-fn ends(knots: &Knots) -> [f64; 2] {
-    let t = knots.as_slice();
-    [t[0], t[t.len() - 1]]
 }
 
 fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {

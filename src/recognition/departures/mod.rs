@@ -4,11 +4,13 @@
 //! Q(u, v) = point at arc lengths (u, v), moved by f(u, v) along the normal        f(u, v) = sum_ij c_ij N_i(u) N_j(v)
 //! ```
 //!
-//! `displacement.rs` comes first, with the splines and the prior of third derivatives that cost. `natural.rs` has the prior of
-//! natural size, and `smooth.rs`, with `turned.rs` for bodies that were turned, those of processes that are smooth in all their
-//! derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends, and `together.rs`
+//! `displacement.rs` comes first, with the splines (`basis.rs`) and the prior of third derivatives that cost. `cell_charts.rs` says what cells of
+//! many contacts show of them. `natural.rs` has the prior of natural size, and `smooth.rs`, with `turned.rs` for bodies that were turned,
+//! those of processes that are smooth in all their derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends, and `together.rs`
 //! eight of them at once.
 
+mod basis;
+mod cell_charts;
 mod displacement;
 mod natural;
 mod smooth;
@@ -16,7 +18,7 @@ mod state;
 mod together;
 mod turned;
 
-pub(in crate::recognition) use displacement::{Displacement, POLE};
+pub(in crate::recognition) use displacement::{Displacement, POLE, Quadratic};
 pub(in crate::recognition) use natural::{TERMS as NATURAL_TERMS, size as natural_size};
 pub(in crate::recognition) use smooth::is_free;
 pub(in crate::recognition) use state::{ChartPoint, State};

@@ -8,7 +8,7 @@
 use crate::curvature::Principal;
 use crate::recognition::kinds::{ConstantCurvature, Jet, Kind, Model, bending, curvatures_of, derivatives};
 
-use super::displacement::{JetRow, turned};
+use super::basis::{JetRow, turned};
 
 use crate::vector::{Vector, along, cross, norm_hypot};
 
@@ -28,8 +28,8 @@ pub(in crate::recognition) struct State {
     model: Model,
     /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
-    /// Twist B of the surface under a displacement.
-    twist: f64,
+    /// A, C and B of the displacement `(A u^2 + C v^2)/2 + B u v`, which the general surface's own parameters hold.
+    quadratic: [f64; 3],
     /// Coefficients of the displacement.
     coefficients: Option<Vec<f64>>,
 }
@@ -54,7 +54,7 @@ impl State {
         let mut moved = theta;
         (0..3).for_each(|i| moved[i] += x[i]);
         let mut turn = [1.0, 0.0];
-        let mut twist = 0.0;
+        let mut quadratic = [0.0; 3];
         match kind {
             Kind::Plane => {}
             Kind::Sphere => (moved[3], moved[4]) = (theta[3] + x[3], theta[3] + x[3]),
@@ -64,10 +64,11 @@ impl State {
                 moved[5] += if theta[3].abs() > 1e-6 { (x[4] / theta[3]).clamp(-0.5, 0.5) } else { 0.0 };
             }
             Kind::Paraboloid => (3..6).for_each(|i| moved[i] += x[i]),
+            Kind::General if coefficients.is_some() && model.is_flat() => quadratic = [x[3], x[4], x[5]],
             // a displacement is a function of the chart, whose axes stay: B is one more displacement, B u v
             Kind::General if coefficients.is_some() => {
                 (moved[3], moved[4]) = (theta[3] + x[3], theta[4] + x[4]);
-                twist = x[5];
+                quadratic[2] = x[5];
             }
             Kind::General => {
                 let (a, c, b) = (theta[3] + x[3], theta[4] + x[4], x[5]);
@@ -80,18 +81,18 @@ impl State {
                 turn = [angle.cos(), angle.sin()];
             }
         }
-        State { model: Model::new(kind, moved), turn, twist, coefficients }
+        State { model: Model::new(kind, moved), turn, quadratic, coefficients }
     }
 
     pub(in crate::recognition) fn model(&self) -> &Model {
         &self.model
     }
 
-    /// Curvatures of the surface that is displaced, twist and coefficients; `None` where it is not displaced.
-    pub(super) fn displaced(&self) -> Option<([f64; 2], f64, &[f64])> {
+    /// Curvatures of the surface that is displaced, its quadratic displacement and coefficients; `None` where it is not displaced.
+    pub(super) fn displaced(&self) -> Option<([f64; 2], [f64; 3], &[f64])> {
         match (&self.model, &self.coefficients) {
             (Model::Constant(_, surface), Some(coefficients)) => {
-                Some(([surface.theta[3], surface.theta[4]], self.twist, coefficients))
+                Some(([surface.theta[3], surface.theta[4]], self.quadratic, coefficients))
             }
             _ => None,
         }
@@ -101,9 +102,10 @@ impl State {
     fn jet(&self, at: &ChartPoint) -> Jet {
         match (&self.coefficients, &at.row) {
             (Some(coefficients), Some(row)) => {
-                let ([u, v], b) = (at.chart, self.twist);
+                let ([u, v], [a, c, b]) = (at.chart, self.quadratic);
                 let [f, fu, fv, fuu, fuv, fvv] = row.jet(coefficients);
-                [f + b * u * v, fu + b * v, fv + b * u, fuu, fuv + b, fvv]
+                let of_second = 0.5 * (a * u * u + c * v * v) + b * u * v;
+                [f + of_second, fu + a * u + b * v, fv + c * v + b * u, fuu + a, fuv + b, fvv + c]
             }
             _ => [0.0; 6],
         }

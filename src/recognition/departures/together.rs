@@ -1,7 +1,7 @@
 //! Eight displaced surfaces at once: S, R and both curvatures at points of their common chart.
 //!
 //! ```text
-//! surfaces (k1, k2, B, c), eight to a pack      points (u, v, basis functions)      kernel: src/simd/displaced_shapes.rs
+//! surfaces (k1, k2, A, C, B, c), eight to a pack      points (u, v, basis functions)      kernel: src/simd/displaced_shapes.rs
 //! ```
 
 use crate::simd::{ChartBasis, EightShapes, EightSurfaces, Isa, SURFACES, displaced_shapes};
@@ -45,12 +45,13 @@ fn packed(surfaces: &[State]) -> Option<EightSurfaces> {
     let (_, _, first) = surfaces.first()?.displaced()?;
     let mut out = EightSurfaces {
         curvatures: [[0.0; SURFACES]; 2],
-        twist: [0.0; SURFACES],
+        quadratic: [[0.0; SURFACES]; 3],
         coefficients: vec![[0.0; SURFACES]; first.len()],
     };
     for (lane, surface) in surfaces.iter().enumerate() {
-        let ([k1, k2], twist, coefficients) = surface.displaced()?;
-        (out.curvatures[0][lane], out.curvatures[1][lane], out.twist[lane]) = (k1, k2, twist);
+        let ([k1, k2], quadratic, coefficients) = surface.displaced()?;
+        (out.curvatures[0][lane], out.curvatures[1][lane]) = (k1, k2);
+        out.quadratic.iter_mut().zip(quadratic).for_each(|(all, of)| all[lane] = of);
         out.coefficients.iter_mut().zip(coefficients).for_each(|(all, c)| all[lane] = *c);
     }
     Some(out)

@@ -11,7 +11,7 @@ use faer::Mat;
 use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::kinds::{Kind, Model};
 
-use super::rows::{Rows, column_of, first_of_displacement};
+use super::rows::{CURVATURES, Rows, column_of, first_of_displacement};
 use crate::vector::{Vector, dot};
 
 /// Where the general surface belongs under its displacement.
@@ -49,7 +49,9 @@ impl Moved {
         let Some([a, b]) = &self.slopes else { return };
         let y = column_of(Kind::General);
         for (i, measured) in measured.iter().enumerate() {
-            let longer = (1.0 + a[i] * a[i] + b[i] * b[i]).sqrt() - 1.0;
+            let normal = self.base.distance_and_normal(cells.points[i]).1;
+            let gradient = cells.gradient(i, normal, [a[i], b[i]]);
+            let longer = (1.0 + dot(gradient, gradient)).sqrt() - 1.0;
             for (half, tangents) in halves.iter_mut().zip(&cells.tangents) {
                 half[(i, y)] += longer * dot(*measured, tangents[i]);
             }
@@ -67,11 +69,16 @@ impl Moved {
     }
 }
 
-/// Slopes along both tangents of every cell of the displacement whose columns have these weights.
-pub(in crate::recognition) fn slopes(rows: &Rows, weights: &[f64]) -> Option<[Vec<f64>; 2]> {
-    let z = first_of_displacement();
+/// Slopes along both tangents of every cell of the displacement whose columns have these weights, about a general surface that has
+/// moved by x. Over a plane its curvatures are displacements, too.
+pub(in crate::recognition) fn slopes(rows: &Rows, weights: &[f64], base: &Model, x: &[f64]) -> Option<[Vec<f64>; 2]> {
+    let (z, own) = (first_of_displacement(), column_of(Kind::General) + 1);
+    let bends = if base.is_flat() { CURVATURES..x.len() } else { 0..0 };
     let of = |half: &Mat<f64>| {
-        let at = |i: usize| weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w).sum();
+        let at = |i: usize| {
+            let of_columns = weights.iter().enumerate().map(|(j, w)| half[(i, z + j)] * w);
+            of_columns.chain(bends.clone().map(|j| half[(i, own + j)] * x[j])).sum()
+        };
         (0..half.nrows()).map(at).collect::<Vec<f64>>()
     };
     rows.normals.as_ref().map(|halves| halves.each_ref().map(of))

@@ -9,9 +9,12 @@
 use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
-use crate::recognition::departures::Displacement;
+use crate::recognition::departures::{Displacement, Quadratic};
 use crate::recognition::kinds::{Kind, Model};
 use crate::vector::{dot, minus};
+
+/// First of the general surface's curvatures among its unknowns.
+pub(super) const CURVATURES: usize = 3;
 
 /// Columns of all models side by side.
 #[derive(Clone, Debug)]
@@ -55,6 +58,19 @@ impl Rows {
         let groups = displacement.map_or_else(Vec::new, Displacement::groups);
         let groups = groups.into_iter().map(|(start, count)| (first + start, count)).collect();
         Rows { positions, normals: halves, columns, groups }
+    }
+
+    /// Lets the general surface's curvatures stand for quadratic displacements: over a plane its columns are exact so, however far its
+    /// curvatures lie from those of a plane.
+    pub(in crate::recognition) fn bend_by(&mut self, quadratic: &Quadratic) {
+        let (n, first) = (self.positions.nrows(), column_of(Kind::General) + 1 + CURVATURES);
+        for j in 0..3 {
+            (0..n).for_each(|i| self.positions[(i, first + j)] = quadratic.positions[(i, j)]);
+            for (half, start) in self.normals.iter_mut().flatten().zip([0, n]) {
+                let Some(slopes) = &quadratic.normals else { continue };
+                (0..n).for_each(|i| half[(i, first + j)] = slopes[(start + i, j)]);
+            }
+        }
     }
 
     /// The models alone, without a displacement.

@@ -52,6 +52,8 @@ pub(in crate::recognition) struct Linearised {
     pub(in crate::recognition) normals: Option<Mat<f64>>,
     /// Where all normals may be too steep by one factor.
     pub(in crate::recognition) gain: Option<Gain>,
+    /// Where departures stand over a plane instead of a curved surface: what its longer rows add to the log evidence.
+    pub(in crate::recognition) over_plane: Option<f64>,
 }
 
 impl Linearised {
@@ -65,7 +67,8 @@ impl Linearised {
         let displacement = displacement_of(&models, cells, contacts);
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
-        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain: None };
+        let mut made =
+            Linearised { models, displacement, rows, normal_noise: None, normals: None, gain: None, over_plane: None };
         made.weigh_normals(noise, factors);
         made
     }
@@ -124,9 +127,9 @@ impl Linearised {
         Some(made)
     }
 
-    /// What the errors of the normals add to the log evidence of every hypothesis.
-    pub(super) fn log_share_of_normals(&self) -> f64 {
-        self.normal_noise.map_or(0.0, |noise| noise.log_share)
+    /// What the errors of the normals add to the log evidence of every hypothesis, and what rows over a plane do.
+    pub(super) fn log_share(&self) -> f64 {
+        self.normal_noise.map_or(0.0, |noise| noise.log_share) + self.over_plane.unwrap_or(0.0)
     }
 
     /// Equations about the moved models, with normals that scatter about the displacement which moved them; `None` where the moved
@@ -143,8 +146,12 @@ impl Linearised {
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
+        let over_plane = moved.base.is_flat().then_some(0.0);
+        if over_plane.is_some() {
+            rows.bend_by(&displacement.quadratic);
+        }
         let (displacement, gain) = (Some(displacement), self.gain.clone());
-        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain };
+        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain, over_plane };
         made.scatter_about(moved, cells, factors);
         Some(made)
     }

@@ -1,8 +1,9 @@
-//! Which equations explain the contacts best: about plain kinds, about a displaced surface, with normals that are believed, or with
-//! normals that are all too steep.
+//! Which equations explain the contacts best: about plain kinds, about a displaced surface, with normals that are believed, about a
+//! surface that departs from a plane, or with normals that are all too steep.
 //!
 //! ```text
-//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> a gain of the normals (noise/gain.rs)
+//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> over a plane (over_plane.rs)
+//!        -> a gain of the normals (noise/gain.rs)
 //! taken: the last whose highest log evidence, less log(20) for a gain, exceeds that of the look before;
 //!        a gain only where the log likelihood of its likeliest surface does so, too
 //! ```
@@ -14,9 +15,15 @@ use crate::recognition::noise::{Limit, RARE_GAIN};
 use super::linearised::{FactorPair, Linearised, NormalsTold};
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Node, highest, likeliest};
+use super::over_plane::{OverPlane, over_plane};
 use super::search::Begun;
 use super::second_look::{moved, taken, with_normals_believed};
 use crate::vector::Vector;
+
+/// Log evidence by which a plane has to be ahead of the curved surface on it. Within it both explain the contacts equally well, and most bodies
+/// are round: without it bumps of 27 contacts have the right class in 0.59 instead of 0.63 of all fits. With it one in ten bumps of 200 contacts
+/// stays over the curved surface, and four in ten of 36.
+const CLEAR: f64 = 2.0;
 
 /// What every look is at.
 #[derive(Clone, Copy)]
@@ -53,7 +60,7 @@ impl<'a> At<'a> {
         let nodes = under(made);
         let again = self.again(made, &nodes);
         let (of, nodes) = again.as_ref().map_or((made, nodes), |again| (again, under(again)));
-        let height = highest(&nodes) + of.log_share_of_normals();
+        let height = highest(&nodes) + of.log_share();
         (again, height)
     }
 
@@ -61,10 +68,22 @@ impl<'a> At<'a> {
     fn gains(&self, chosen: &Seen, likeliest: &Node) -> Option<bool> {
         let (made, (evidence, _)) = chosen;
         let (mean, _) = evidence.joint_posterior(likeliest)?;
-        let weights = evidence.weights_of(likeliest, &mean[likeliest.kind.unknowns()..]);
-        let gained = made.with_gain_about(slopes(&made.rows, &weights).as_ref(), self.cells, self.factors)?;
+        let (x, z) = mean.split_at(likeliest.kind.unknowns());
+        let base = evidence.models.iter().find(|m| m.kind() == likeliest.kind)?;
+        let slopes = slopes(&made.rows, &evidence.weights_of(likeliest, z), base, x);
+        let gained = made.with_gain_about(slopes.as_ref(), self.cells, self.factors)?;
         let reached = Evidence::of_hypothesis(likeliest, self.cells, &gained, &self.factors.positions, self.limit)?;
         Some(reached > height(chosen))
+    }
+
+    /// Equations about a plane under what was chosen; `None` where they are not likelier under its kernel.
+    fn over_plane(&self, chosen: &Seen) -> Option<Linearised> {
+        let (made, (evidence, nodes)) = chosen;
+        let OverPlane { moved, longer } = over_plane(made, evidence, nodes)?;
+        let flat = taken(made, &moved, self.cells, self.contacts, self.factors, self.limit)?;
+        let flat = Linearised { over_plane: Some(longer), ..flat };
+        let (_, found) = Evidence::under(self.cells, &flat, &self.factors.positions, self.limit, moved.kernel);
+        (highest(&found) + flat.log_share() > height(chosen) + CLEAR).then_some(flat)
     }
 
     /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, nothing of a
@@ -93,7 +112,7 @@ impl<'a> At<'a> {
 
 /// Highest log evidence, with what the errors of the normals add.
 fn height(seen: &Seen) -> f64 {
-    highest(&seen.1.1) + seen.0.log_share_of_normals()
+    highest(&seen.1.1) + seen.0.log_share()
 }
 
 fn likeliest_node<'s>(seen: &'s Seen) -> Option<&'s Node> {
@@ -103,7 +122,7 @@ fn likeliest_node<'s>(seen: &'s Seen) -> Option<&'s Node> {
 /// Log likelihood of the contacts under the likeliest surface.
 fn fits(seen: &Seen, factors: &FactorPair) -> Option<f64> {
     let of_contacts = seen.1.0.log_likelihood(likeliest_node(seen)?, &factors.positions)?;
-    Some(of_contacts + seen.0.log_share_of_normals())
+    Some(of_contacts + seen.0.log_share())
 }
 
 /// Whether a sensor may err as the likeliest surface says.
@@ -112,10 +131,12 @@ fn is_believable(seen: &Seen) -> bool {
     seen.0.gain.as_ref().zip(coefficients).is_some_and(|(gain, at)| gain.is_believable(&at))
 }
 
-/// Tells of the likeliest look.
+/// Tells of the likeliest look. What `may_be_error` of the sensor and no shape stays over the curved base: a surface without it is one
+/// of two constant curvatures, which there is none of over a plane.
 pub(in crate::recognition) fn likeliest_look<T>(
     at: At,
     plain: &Linearised,
+    may_be_error: impl Fn(&Linearised, &Evidence, &[Node]) -> bool,
     tell: impl FnOnce(&Linearised, &Evidence, &[Node]) -> T,
 ) -> T {
     let begun = at.begun(plain, Look::First);
@@ -133,6 +154,14 @@ pub(in crate::recognition) fn likeliest_look<T>(
     let believed = with_normals_believed(chosen.0, plain, at.cells, at.contacts, at.factors, at.limit);
     if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > height(&chosen)) {
         chosen = at.see(believed, Look::Second);
+    }
+    let is_displaced = likeliest_node(&chosen).is_some_and(Node::is_displaced);
+    let is_shape = is_displaced && !may_be_error(chosen.0, &chosen.1.0, &chosen.1.1);
+    let flat = if is_shape { at.over_plane(&chosen) } else { None };
+    if let Some(seen) =
+        flat.as_ref().map(|flat| at.see(flat, Look::Second)).filter(|seen| height(seen) > height(&chosen) + CLEAR)
+    {
+        chosen = seen;
     }
     let gained = at.with_gain(plain, &chosen);
     if let Some((gained, look)) = &gained {

@@ -61,6 +61,8 @@ pub(in crate::recognition) struct Evidence<'a> {
     normal_variance: Option<f64>,
     limit: Limit,
     pub(super) look: Look,
+    /// Whether departures stand over a plane.
+    pub(super) over_plane: bool,
 }
 
 impl<'a> Evidence<'a> {
@@ -87,9 +89,10 @@ impl<'a> Evidence<'a> {
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
+        let over_plane = linearised.over_plane.is_some();
         let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
         let normal_variance = linearised.normal_noise.map(|noise| noise.variance);
-        Evidence { cells, models, displacement, kernels, grams, normals, normal_variance, limit, look }
+        Evidence { cells, models, displacement, kernels, grams, normals, normal_variance, limit, look, over_plane }
     }
 
     /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.

@@ -7,13 +7,14 @@
 //!
 //! `node.rs` says what a hypothesis is. `linearised.rs` collects what the evidence is computed from, `whitened.rs` brings it under one
 //! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again
-//! about a displaced surface, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
+//! about a displaced surface, `over_plane.rs` about one that stands over a plane, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
 
 mod joint_posterior;
 mod linearised;
 mod looks;
 mod marginal_likelihood;
 mod node;
+mod over_plane;
 mod search;
 mod second_look;
 mod whitened;

@@ -182,7 +182,7 @@ impl<'a> Evidence<'a> {
         let made = Evidence::unasked(cells, linearised, limit, Look::Second);
         let white = Whitened::new(&linearised.rows, factors, node.kernel, first_of_displacement())?;
         let model = made.models.iter().find(|model| model.kind() == node.kind)?;
-        Some(made.node(model, &white, node.departure)?.log_evidence + linearised.log_share_of_normals())
+        Some(made.node(model, &white, node.departure)?.log_evidence + linearised.log_share())
     }
 
     /// Every kind, and the general one with every departure.
@@ -191,10 +191,14 @@ impl<'a> Evidence<'a> {
         let processes = self.displacement.map_or(&[][..], |d| &d.smooth);
         let seen = (0..processes.len()).filter(|&process| processes[process].1 > 0);
         let smooth = seen.map(|process| Departure::Smooth { variance: 1.0, process });
-        let departures: Vec<Departure> = std::iter::once(rough).chain(smooth).chain([Departure::Natural]).collect();
+        // over a plane the general surface is none of two constant curvatures, nor near one
+        let natural = (!self.over_plane).then_some(Departure::Natural);
+        let departures: Vec<Departure> = std::iter::once(rough).chain(smooth).chain(natural).collect();
         let mut families = Vec::new();
         for model in self.models {
-            families.push(Family { model, departure: Departure::None });
+            if model.kind() != Kind::General || !self.over_plane {
+                families.push(Family { model, departure: Departure::None });
+            }
             if model.kind() == Kind::General && self.displacement.is_some() {
                 families.extend(departures.iter().map(|&departure| Family { model, departure }));
             }

@@ -84,7 +84,7 @@ pub(super) fn with_normals_believed(
     let moved = under_likeliest(&evidence, &start.rows, &nodes)?;
     let made = taken(&start, &moved, cells, contacts, factors, limit)?;
     let (_, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
-    let log_evidence = highest(&nodes) + made.log_share_of_normals();
+    let log_evidence = highest(&nodes) + made.log_share();
     Some((made, log_evidence))
 }
 
@@ -125,11 +125,22 @@ pub(super) fn taken(
 /// Whether a step from one model to the other is so short that its square does not count.
 fn is_near(one: &Model, other: &Model) -> bool {
     let (a, b) = (one.theta(), other.theta());
-    (3..5).all(|i| (a[i] - b[i]).abs() < NEAR)
+    // a plane bends as it did, but a tilt moves what stands on it
+    let watched = if one.is_flat() { 1..3 } else { 3..5 };
+    watched.into_iter().all(|i| (a[i] - b[i]).abs() < NEAR)
+}
+
+/// The general surface that departures stand on after a step: a plane stays one.
+fn base_after(model: &Model, x: &[f64]) -> Model {
+    let theta = model.theta();
+    match model.is_flat() {
+        true => Model::new(model.kind(), [theta[0] + x[0], theta[1] + x[1], theta[2] + x[2], 0.0, 0.0, theta[5]]),
+        false => State::new(model, x, None).model().clone(),
+    }
 }
 
 /// The move under the likeliest displaced node.
-fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) -> Option<Moved> {
+pub(super) fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) -> Option<Moved> {
     let best = displaced(nodes)?;
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
@@ -140,8 +151,8 @@ fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) -> Option<M
     let untold: f64 =
         (x.len()..mean.len()).map(|j| (0..mean.len()).map(|i| inverse[(i, j)] * inverse[(i, j)]).sum::<f64>()).sum();
     Some(Moved {
-        base: State::new(model, x, None).model().clone(),
-        slopes: slopes(rows, &evidence.weights_of(best, z)),
+        base: base_after(model, x),
+        slopes: slopes(rows, &evidence.weights_of(best, z), model, x),
         spent: OF_NORMALS * (z.len() as f64 - untold),
         kernel: best.kernel,
     })

@@ -124,6 +124,11 @@ impl ConstantCurvature {
         transposed(&self.axes, local)
     }
 
+    /// Whether it is a plane.
+    pub(in crate::recognition) fn is_flat(&self) -> bool {
+        self.theta[3..5] == [0.0; 2]
+    }
+
     /// `|Q_v|` at chart coordinate u: 0 at a pole of the chart.
     pub(in crate::recognition) fn width(&self, u: f64) -> f64 {
         1.0 - self.theta[4] * arc_end(self.theta[3], u).1

@@ -107,6 +107,11 @@ impl Model {
         }
     }
 
+    /// Whether it bends nowhere, whatever its kind.
+    pub(in crate::recognition) fn is_flat(&self) -> bool {
+        self.theta()[3..5] == [0.0; 2]
+    }
+
     pub(in crate::recognition) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
         match self {
             Model::Constant(_, surface) => surface.distance_and_normal(x),

@@ -20,7 +20,7 @@ use faer::Mat;
 use crate::recognition::contacts::Cells;
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
-use crate::vector::{along, dot, minus, scaled, unit};
+use crate::vector::{dot, minus, scaled, unit};
 
 /// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
 /// counts.
@@ -54,7 +54,7 @@ impl Gain {
         let normal = |i: usize| {
             let (_, n) = general.distance_and_normal(cells.points[i]);
             let Some(slopes) = slopes else { return n };
-            unit((0..2).fold(n, |n, side| along(n, -slopes[side][i], cells.tangents[side][i])))
+            unit(minus(n, cells.gradient(i, n, [slopes[0][i], slopes[1][i]])))
         };
         let of = |side: usize, i: usize| {
             let n = normal(i);

@@ -112,7 +112,7 @@ fn even(
     over: Option<(&LookedAt, [[f64; 2]; 2])>,
     points: [usize; 2],
 ) -> (Vec<ChartPoint>, Vec<bool>) {
-    let holds = |p: &ChartPoint| surface.support.holds(p.chart, p.place);
+    let holds = |p: &ChartPoint| surface.holds(p);
     match over {
         Some((looked_at, over)) => {
             let found = looked_at.product(surface, over, points);

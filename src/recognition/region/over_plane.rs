@@ -48,7 +48,7 @@ impl LookedAt {
         for (point, (_, normal)) in self.points.iter().zip(&self.seen) {
             let level = normal[2] >= STEEP;
             all &= level;
-            if surface.support.holds(point.chart, point.place) {
+            if surface.holds(point) {
                 supported = Some(supported.unwrap_or(true) && level);
             }
         }

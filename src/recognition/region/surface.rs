@@ -48,8 +48,13 @@ impl RecognisedSurface {
 
     /// Whether contacts surround the surface at chart coordinates.
     pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {
-        let point = self.chart_point(u, v);
-        self.support.holds(point.chart, point.place)
+        self.holds(&self.chart_point(u, v))
+    }
+
+    /// The same at a chart point. Contacts surround the surface and not the plane that it stands over; a curved base lies near enough.
+    pub(super) fn holds(&self, point: &ChartPoint) -> bool {
+        let place = if self.base.is_flat() { self.state.place_and_normal(point).0 } else { point.place };
+        self.support.holds(point.chart, place)
     }
 
     /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
