@@ -201,8 +201,11 @@ impl Findings<'_> {
     /// Root mean square distance of the contacts from a hypothesis: from its kind, or over a plane, which is no kind, from the surface
     /// that stands there.
     fn rms(&self, node: &Node, model: &Model) -> f64 {
-        let own = likeliest(self.evidence, node).filter(|_| node.is_displaced() && model.is_flat());
-        own.map_or_else(|| weighted_rms(self.evidence.cells, model), |state| self.size(&self.residuals(node, &state)))
+        let stands_there = node.is_displaced() && model.is_flat();
+        match stands_there.then(|| likeliest(self.evidence, node)).flatten() {
+            Some(state) => self.size(&self.residuals(node, &state)),
+            None => weighted_rms(self.evidence.cells, model),
+        }
     }
 
     /// Weighted root mean square of residuals at the cells.

@@ -21,8 +21,8 @@ use super::second_look::{moved, taken, with_normals_believed};
 use crate::vector::Vector;
 
 /// Log evidence by which a plane has to be ahead of the curved surface on it. Within it both explain the contacts equally well, and most bodies
-/// are round: without it bumps of 27 contacts have the right class in 0.59 instead of 0.63 of all fits. With it one in ten bumps of 200 contacts
-/// stays over the curved surface, and four in ten of 36.
+/// are round: without it bumps of 27 contacts have the right class in 0.59 instead of 0.63 of all fits. With more, bumps of 36 contacts would
+/// stay over the curved surface, too.
 const CLEAR: f64 = 2.0;
 
 /// What every look is at.
