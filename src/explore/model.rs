@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! simple   degree 2, one segment         what two constant curvatures look like over a patch
-//! rich     degree 3, one segment         where the recognition needs a displacement, and for comparing models
+//! rich     degree 3, one segment         where the recognition needs more than that, and for comparing models
 //! ```
 //!
 //! S and R are not taken from these fits. They say how a touch at a place would change what is known, where the recognition does not:
@@ -22,7 +22,8 @@ const UNKNOWN_NORMAL_DEG: f64 = 30.0;
 
 /// The fit for planning; `None` where the contacts are too few for it.
 pub(crate) fn planning_fit(contacts: &Contacts, found: Option<&Recognition>) -> Option<Fit> {
-    let rich = found.is_some_and(|found| found.hypothesis == Hypothesis::Displaced);
+    let departs = |h: Hypothesis| matches!(h, Hypothesis::Displaced | Hypothesis::Quadric | Hypothesis::Torus);
+    let rich = found.is_some_and(|found| departs(found.hypothesis));
     rich.then(|| fit_of(contacts, found, 3)).flatten().or_else(|| fit_of(contacts, found, 2))
 }
 

@@ -25,17 +25,23 @@ pub enum Hypothesis {
     Paraboloid,
     /// Two constant curvatures and a smooth displacement along the normal.
     Displaced,
+    /// An ellipsoid, hyperboloid, cone or any other surface whose implicit equation is of second degree.
+    Quadric,
+    /// A circle turned about an axis in its plane, touched anywhere.
+    Torus,
 }
 
 impl Hypothesis {
     /// All hypotheses, in the order in which they are tried.
-    pub const ALL: [Hypothesis; 6] = [
+    pub const ALL: [Hypothesis; 8] = [
         Hypothesis::Plane,
         Hypothesis::Sphere,
         Hypothesis::Cylinder,
         Hypothesis::General,
         Hypothesis::Paraboloid,
         Hypothesis::Displaced,
+        Hypothesis::Quadric,
+        Hypothesis::Torus,
     ];
 
     /// The word used in every output.
@@ -47,6 +53,8 @@ impl Hypothesis {
             Hypothesis::General => "general",
             Hypothesis::Paraboloid => "paraboloid",
             Hypothesis::Displaced => "general with displacement",
+            Hypothesis::Quadric => "quadric",
+            Hypothesis::Torus => "torus",
         }
     }
 
@@ -59,6 +67,8 @@ impl Hypothesis {
             Hypothesis::General => "a surface of two constant curvatures",
             Hypothesis::Paraboloid => "a paraboloid",
             Hypothesis::Displaced => "a smooth surface near two constant curvatures",
+            Hypothesis::Quadric => "an ellipsoid or another quadric",
+            Hypothesis::Torus => "a torus",
         }
     }
 
@@ -69,6 +79,8 @@ impl Hypothesis {
             Hypothesis::Sphere => 4,
             Hypothesis::Cylinder => 5,
             Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced => 6,
+            Hypothesis::Torus => 7,
+            Hypothesis::Quadric => 9,
         }
     }
 }

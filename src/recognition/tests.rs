@@ -5,6 +5,7 @@ use crate::curvature::ShapeClass;
 use crate::draws::EffectDraws;
 use crate::vector::{Vector, cross, dot, unit};
 
+use super::departures::Forms;
 use super::equations::Moved;
 use super::evidence::{Evidence, FactorPair, Linearised, Look};
 use super::kinds::ConstantCurvature;
@@ -261,7 +262,13 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
     let moved = |k: f64| {
         let base = ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
-        let moved = Moved { base: Model::Constant(Kind::General, base), slopes: None, spent: 0.0, kernel: 0 };
+        let moved = Moved {
+            base: Model::Constant(Kind::General, base),
+            slopes: None,
+            spent: 0.0,
+            kernel: 0,
+            forms: Forms::default(),
+        };
         plain.about(&moved, &cells, &patch.points, &factors).is_some()
     };
     assert!(moved(-0.1) && !moved(-1.5));
@@ -307,7 +314,9 @@ fn normals_together_tell_shape_from_an_error_of_the_sensor() {
             let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
             Recognition::of(&contacts, &RecognitionOptions::default()).unwrap()
         };
-        (0..10).filter(|seed| recognised(*seed).hypothesis == Hypothesis::Displaced).count()
+        // a low bump may pass for an ellipsoid, which is shape, too
+        let is_shape = |found: &Recognition| matches!(found.hypothesis, Hypothesis::Displaced | Hypothesis::Quadric);
+        (0..10).filter(|seed| is_shape(&recognised(*seed))).count()
     };
     let (of_bump, of_ball) = (displaced(true), displaced(false));
     assert!(of_bump >= 9 && of_ball <= 1, "{of_bump} of 10 and {of_ball} of 10");

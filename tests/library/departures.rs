@@ -92,3 +92,29 @@ fn a_wave_that_is_touched_precisely_has_its_curvedness_inside() {
     }
     assert!(held >= 7 && worst < 0.012, "{held} {worst}");
 }
+
+/// A ring that is touched beside its equator has no two constant curvatures, but one number more says what it is. As a free surface it had an
+/// interval three times as wide.
+#[test]
+fn a_ring_and_an_ellipsoid_are_recognised_wherever_they_are_touched() {
+    const RING: [f64; 2] = [12.0, 8.0];
+    let bend_of_ring = |[x, y, z]: [f64; 3]| {
+        // the centre line lies flat, its top circle through the origin
+        let outwards = (x + RING[0]).hypot(y) - RING[0];
+        let across = -(outwards / outwards.hypot(z + RING[1])) / (x + RING[0]).hypot(y);
+        (0.5 * (RING[1].powi(-2) + across * across)).sqrt()
+    };
+    let (mut rings, mut held, mut widest, mut quadrics) = (0, 0, 0.0_f64, 0);
+    for seed in 0..6 {
+        let found = recognised(&touched_by(6, Surface::torus(RING[0], RING[1]), 10, [0.005, 0.5], 760 + seed));
+        rings += usize::from(found.hypothesis == Hypothesis::Torus);
+        let supported: Vec<f64> = found.map.iter().filter(|p| p.supported).map(|p| bend_of_ring(p.position)).collect();
+        let truth = supported.iter().sum::<f64>() / supported.len() as f64;
+        let [lo, hi] = found.curvedness.interval;
+        held += usize::from(lo <= truth && truth <= hi);
+        widest = widest.max((hi - lo) / truth);
+        let body = recognised(&touched_by(6, Surface::ellipsoid([9.0, 6.0, 5.0]), 10, [0.005, 0.5], 770 + seed));
+        quadrics += usize::from(body.hypothesis == Hypothesis::Quadric);
+    }
+    assert!(rings >= 5 && held >= 5 && widest < 0.02 && quadrics >= 5, "{rings} {held} {widest} {quadrics}");
+}

@@ -7,14 +7,12 @@
 //! ```
 
 use crate::curvature::ShapeClass;
+use crate::recognition::departures::Body;
 use crate::recognition::kinds::Kind;
 use crate::vector::{Vector, dot};
 
 use super::field::Field;
-
-/// Share of natural departures in the estimate from which on the interval of R holds theirs. Without that the interval of an ellipsoid
-/// misses in 7 to 10 of 100 fits instead of 5 or 6; saddles of 27 contacts have one that is a seventh wider.
-const HEARD: f64 = 0.25;
+use super::weights::HEARD;
 
 /// Everything drawn for one node.
 pub(super) struct Drawn {
@@ -24,8 +22,12 @@ pub(super) struct Drawn {
     pub(super) smooth: bool,
     /// Whether it departs naturally alone.
     pub(super) natural: bool,
+    /// The body that it is, and the node's share of it where its interval of R is held as if it were alone.
+    pub(super) body: Option<(Body, f64)>,
     /// Weights of the node in estimate and interval.
     pub(in crate::recognition) weights: [f64; 2],
+    /// Its weight in the shares of the classes.
+    pub(super) of_class: f64,
     pub(super) likeliest: Field,
     /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
     pub(in crate::recognition) columns: Option<(Vec<f64>, Vec<f64>)>,
@@ -60,23 +62,35 @@ impl Mirrored {
 /// and draws as they are hold it. Either quantity takes the wider end of two ways on either side: S, which ends at 1 where mirrored draws
 /// pile up, with all draws as they are, R with those of smooth departures. Natural departures that have a good part of the
 /// estimate of R are held by its interval as if they were alone: other departures lie lower, and with half of the weights there they
-/// would put the upper end at nine tenths of what natural departures allow.
+/// would put the upper end at nine tenths of what natural departures allow. So are bodies that are about as likely as the likeliest one.
 pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
     let (range, other) =
         if of_s { ([-1.0, 1.0], Mirrored::None) } else { ([0.0, f64::INFINITY], Mirrored::AllButSmooth) };
-    let [lo, hi] = quantiles(found, pick, level, other, range)?;
-    let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range)?;
-    let both = [lo.min(low), hi.max(high)];
+    let of_interval = |drawn: &Drawn| drawn.weights[1];
+    let [lo, hi] = quantiles(found, pick, level, other, range, of_interval)?;
+    let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range, of_interval)?;
+    let mut ends = [lo.min(low), hi.max(high)];
+    if of_s {
+        return Some(ends);
+    }
+    let mut hold = |own: Option<[f64; 2]>| {
+        if let Some([lo, hi]) = own {
+            ends = [ends[0].min(lo), ends[1].max(hi)];
+        }
+    };
     let natural: Vec<&Drawn> = found.iter().copied().filter(|drawn| drawn.natural).collect();
     let in_estimate = |drawn: &[&Drawn]| drawn.iter().map(|d| d.weights[0]).sum::<f64>();
-    if of_s || in_estimate(&natural) < HEARD * in_estimate(found) {
-        return Some(both);
+    if in_estimate(&natural) >= HEARD * in_estimate(found) {
+        hold(quantiles(&natural, pick, level, Mirrored::None, range, of_interval));
     }
-    let [lo, hi] = quantiles(&natural, pick, level, Mirrored::None, range)?;
-    Some([both[0].min(lo), both[1].max(hi)])
+    for body in Body::ALL {
+        let share = |drawn: &Drawn| drawn.body.filter(|(own, _)| *own == body).map_or(0.0, |(_, share)| share);
+        hold(quantiles(found, pick, level, Mirrored::None, range, share));
+    }
+    Some(ends)
 }
 
-/// Both quantiles of the draws under the interval's weights. Draws that are `mirrored` count half as they are and half mirrored at the
+/// Both quantiles of the draws under these weights. Draws that are `mirrored` count half as they are and half mirrored at the
 /// likeliest value of their node, within the range of the quantity.
 fn quantiles(
     found: &[&Drawn],
@@ -84,10 +98,11 @@ fn quantiles(
     level: f64,
     mirrored: Mirrored,
     [least, most]: [f64; 2],
+    weight: impl Fn(&Drawn) -> f64,
 ) -> Option<[f64; 2]> {
     let mut values: Vec<(f64, f64)> = Vec::new();
     for drawn in found.iter().filter(|d| !d.draws.is_empty()) {
-        let share = drawn.weights[1] / drawn.draws.len() as f64;
+        let share = weight(drawn) / drawn.draws.len() as f64;
         let twice = mirrored.counts(drawn);
         let share = if twice { 0.5 * share } else { share };
         values.extend(drawn.draws.iter().map(|field| (pick(field), share)));
@@ -128,16 +143,15 @@ pub(super) fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64)
 }
 
 /// Shares of the classes: that of the plane by the evidence, because a surface so near to a plane that it cannot be told from
-/// one is called plane; those of the others, which have the rest, under the interval's weights.
+/// one is called plane; those of the others, which have the rest, under weights of their own.
 pub(super) fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
-    let all = |of: usize, of_plane: bool| -> f64 {
-        found.iter().filter(|d| !of_plane || d.kind == Kind::Plane).map(|d| d.weights[of]).sum()
-    };
-    let plane = all(0, true) / all(0, false);
-    let curved = all(1, false) - all(1, true);
+    let is_plane = |drawn: &&Drawn| drawn.kind == Kind::Plane;
+    let estimate: f64 = found.iter().map(|d| d.weights[0]).sum();
+    let plane = found.iter().filter(is_plane).map(|d| d.weights[0]).sum::<f64>() / estimate;
+    let curved: f64 = found.iter().filter(|d| !is_plane(d)).map(|d| d.of_class).sum();
     let mut out: Vec<(ShapeClass, f64)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0.0)).collect();
-    for drawn in found.iter().filter(|d| d.kind != Kind::Plane && d.weights[1] > 0.0) {
-        let share = (1.0 - plane) * drawn.weights[1] / (curved * drawn.draws.len().max(1) as f64);
+    for drawn in found.iter().filter(|d| d.kind != Kind::Plane && d.of_class > 0.0) {
+        let share = (1.0 - plane) * drawn.of_class / (curved * drawn.draws.len().max(1) as f64);
         for field in &drawn.draws {
             let class = ShapeClass::of_shape_index(field.s);
             out.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, sum)| *sum += share);

@@ -42,6 +42,9 @@ use super::weights::Weights;
 /// Draws in all.
 const DRAWS: f64 = 400.0;
 
+/// Draws of a body whose own interval is asked for.
+const OF_BODY: f64 = 100.0;
+
 /// Least number of draws of a node, so that its own spread is known.
 const FEWEST: usize = 4;
 
@@ -182,11 +185,14 @@ fn all_drawn(
     seed: u64,
     hidden: f64,
 ) -> Vec<Drawn> {
+    let counts = |weights: &[f64], i: usize| weights[i] > NEGLIGIBLE;
+    let Weights { estimate, interval, class, heard, .. } = weights;
     let used: Vec<usize> =
-        (0..nodes.len()).filter(|&i| weights.estimate[i] > NEGLIGIBLE || weights.interval[i] > NEGLIGIBLE).collect();
+        (0..nodes.len()).filter(|&i| [estimate, interval, class, heard].iter().any(|w| counts(w, i))).collect();
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
-        let count = ((weights.interval[i] * DRAWS).round() as usize).max(FEWEST);
+        let wanted = (weights.interval[i] * DRAWS).max(weights.heard[i] * OF_BODY);
+        let count = (wanted.round() as usize).max(FEWEST);
         let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
         let likeliest = match &joint {
             Some((mean, _)) => displaced(evidence, node, mean)?,
@@ -199,10 +205,12 @@ fn all_drawn(
         let touches = states[..asked].iter().map(|state| measured(state, points.touched)).collect();
         Some(Drawn {
             kind: node.kind,
-            displaced: node.is_displaced(),
+            displaced: node.is_displaced() && !node.is_body(),
             smooth: node.departure.is_smooth(),
             natural: node.is_natural(),
+            body: node.departure.body().map(|body| (body, weights.heard[i])),
             weights: [weights.estimate[i], weights.interval[i]],
+            of_class: weights.class[i],
             likeliest,
             columns: joint.map(|(mean, _)| {
                 let (x, z) = mean.split_at(node.kind.unknowns());

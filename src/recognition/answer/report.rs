@@ -1,27 +1,22 @@
 //! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
 
-use faer::Mat;
-
 use crate::curvature::{ShapeClass, curvedness, shape_index};
 use crate::recognition::contacts::Dropped;
 use crate::recognition::departures::{ChartPoint, State};
-use crate::recognition::evidence::{self, Evidence, Linearised, Node, curvatures};
+use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::PlaceErrors;
-use crate::recognition::options::Asked;
-use crate::recognition::region::{RecognisedSurface, Region, chart_point, places};
-use crate::recognition::start::{Patch, weighted_rms};
-use crate::recognition::statistics::standard_deviation;
+use crate::recognition::region::{RecognisedSurface, Region, places};
 use crate::recognition::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Tried, dense,
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, dense,
 };
 use crate::shape::radius_of;
-use crate::vector::Vector;
 
+use super::compared::{hypothesis_of, reported};
 use super::field::Points;
+use super::findings::Findings;
 use super::misfit::{self, misfit};
 use super::posterior::{Summary, likeliest, summary};
-use super::weights::{Weights, total};
+use super::shares::total;
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;
@@ -30,45 +25,18 @@ const MAPPED: usize = 400;
 /// over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too large, and S of a bump 0.001 too small.
 const OF_SPLINES: f64 = 5e-4;
 
+/// The same for bodies, which splines hold better than bumps: S and R of an ellipsoid that is touched without noise are off by 6e-5 and 7e-5.
+const OF_BODIES: f64 = 1e-4;
+
 /// Misfit, as a share of the relief, from which on single contacts are asked whether it has a pattern.
 const LARGE: f64 = 0.25;
 
 /// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
 const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
 
-/// Everything that was found, in the frame of the patch.
-pub(in crate::recognition) struct Findings<'a> {
-    pub(in crate::recognition) patch: &'a Patch,
-    pub(in crate::recognition) evidence: &'a Evidence<'a>,
-    pub(in crate::recognition) nodes: &'a [Node],
-    pub(in crate::recognition) weights: &'a Weights,
-    pub(in crate::recognition) relief: f64,
-    pub(in crate::recognition) linearised: &'a Linearised,
-    pub(in crate::recognition) distances: &'a Mat<f64>,
-    /// A sample of the contacts, each with the one whose foot is nearest.
-    pub(in crate::recognition) nearest: &'a [[usize; 2]],
-    pub(in crate::recognition) place_errors: PlaceErrors,
-    /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
-    pub(in crate::recognition) doubt_of_places: f64,
-    /// Places that the caller asks about.
-    pub(in crate::recognition) asked: &'a Asked<'a>,
-}
-
 /// The points that contacts support.
 fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
     points.iter().zip(supported).filter(|(_, supported)| **supported).map(|(point, _)| point.clone()).collect()
-}
-
-/// Hypothesis of a node.
-fn hypothesis_of(node: &Node) -> Hypothesis {
-    match node.kind {
-        Kind::Plane => Hypothesis::Plane,
-        Kind::Sphere => Hypothesis::Sphere,
-        Kind::Cylinder => Hypothesis::Cylinder,
-        Kind::General if node.is_displaced() => Hypothesis::Displaced,
-        Kind::General => Hypothesis::General,
-        Kind::Paraboloid => Hypothesis::Paraboloid,
-    }
 }
 
 /// The middle of the chart.
@@ -103,7 +71,11 @@ impl Findings<'_> {
         if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
-        let of_splines = if best.group() == 2 { OF_SPLINES } else { 0.0 };
+        let of_splines = match best.group() {
+            2 => OF_SPLINES,
+            4 => OF_BODIES,
+            _ => 0.0,
+        };
         found.curvedness.doubted(self.doubt_of_places.hypot(of_splines));
         if let Some(s) = found.shape_index.as_mut().filter(|_| of_splines > 0.0) {
             s.blurred(of_splines, [-1.0, 1.0]);
@@ -178,57 +150,6 @@ impl Findings<'_> {
             touched: &places(&region.surface, self.asked.touches),
         };
         summary(self.evidence, self.nodes, self.weights, best, &over, options)
-    }
-
-    /// All hypotheses that have a node, likeliest first.
-    fn tried(&self) -> Vec<Tried> {
-        let scale = self.patch.frame.scale;
-        let mut out: Vec<Tried> = Hypothesis::ALL
-            .into_iter()
-            .filter_map(|hypothesis| {
-                let own = |n: &Node| hypothesis_of(n) == hypothesis;
-                let best = evidence::likeliest(self.nodes.iter().filter(|n| own(n)))?;
-                let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
-                let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);
-                let weight = total(&self.weights.estimate, self.nodes, own);
-                Some(Tried { hypothesis, weight, k1, k2, rms: scale * self.rms(best, model) })
-            })
-            .collect();
-        out.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        out
-    }
-
-    /// Root mean square distance of the contacts from a hypothesis: from its kind, or over a plane, which is no kind, from the surface
-    /// that stands there.
-    fn rms(&self, node: &Node, model: &Model) -> f64 {
-        let stands_there = node.is_displaced() && model.is_flat();
-        match stands_there.then(|| likeliest(self.evidence, node)).flatten() {
-            Some(state) => self.size(&self.residuals(node, &state)),
-            None => weighted_rms(self.evidence.cells, model),
-        }
-    }
-
-    /// Weighted root mean square of residuals at the cells.
-    fn size(&self, residuals: &[f64]) -> f64 {
-        let weighted = residuals.iter().zip(&self.evidence.cells.weights).map(|(d, w)| w.sqrt() * d);
-        standard_deviation(&weighted.collect::<Vec<_>>())
-    }
-
-    /// Distance of a place from the reported surface.
-    fn distance(&self, base: Option<&Model>, best: &Node, state: &State, place: Vector) -> f64 {
-        let d = state.model().distance(place);
-        match (base, self.evidence.displacement) {
-            (Some(Model::Constant(_, base)), Some(displacement)) if best.is_displaced() => {
-                d - state.at(&chart_point(base, Some(displacement), base.chart(place))).displacement
-            }
-            _ => d,
-        }
-    }
-
-    /// Residuals of the reported surface at the cells.
-    fn residuals(&self, best: &Node, state: &State) -> Vec<f64> {
-        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
-        self.evidence.cells.points.iter().map(|p| self.distance(base, best, state, *p)).collect()
     }
 
     /// Correlation between the distances of single contacts and of those beside them, and the number of pairs: it shows a pattern that
@@ -370,20 +291,6 @@ impl Findings<'_> {
         }
         notes
     }
-}
-
-/// The hypothesis of largest weight, where general's two references count together; the plane only when it has more
-/// than half of all weight, because the class then is plane too.
-fn reported(tried: &[Tried]) -> Option<Hypothesis> {
-    let weight = |h: Hypothesis| tried.iter().filter(|t| t.hypothesis == h).map(|t| t.weight).sum::<f64>();
-    let general = weight(Hypothesis::General) + weight(Hypothesis::Paraboloid);
-    let eligible = tried.iter().filter(|t| t.hypothesis != Hypothesis::Plane || t.weight > 0.5);
-    let best = eligible.max_by(|a, b| a.weight.total_cmp(&b.weight))?;
-    if best.hypothesis == Hypothesis::Plane || best.weight >= general {
-        return Some(best.hypothesis);
-    }
-    let torus = weight(Hypothesis::General) >= weight(Hypothesis::Paraboloid);
-    Some(if torus { Hypothesis::General } else { Hypothesis::Paraboloid })
 }
 
 fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {

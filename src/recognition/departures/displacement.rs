@@ -22,6 +22,7 @@ use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{ConstantCurvature, Jet};
 
 use super::basis::{DEGREE, JetRow, WIDTH};
+use super::bodies::{self, Body, Forms};
 use super::cell_charts::CellCharts;
 use super::{natural, smooth};
 
@@ -45,6 +46,9 @@ pub(in crate::recognition) const POLE: f64 = 0.5;
 /// quarter more columns and the same intervals.
 const UNSEEN: f64 = 1e-5;
 
+/// Places at which a displaced surface is compared with bodies.
+const COMPARED: usize = 40;
+
 /// Margin of the chart's box, relative to its width.
 const MARGIN: f64 = 0.02;
 
@@ -60,6 +64,10 @@ pub(in crate::recognition) struct Displacement {
     pub(in crate::recognition) natural: usize,
     /// First column and number of columns of every smooth departure.
     pub(in crate::recognition) smooth: Vec<(usize, usize)>,
+    /// First column and number of columns of every body; none of those that do not lie near the surface.
+    pub(in crate::recognition) bodies: [(usize, usize); Body::ALL.len()],
+    /// The forms about which those are linear.
+    pub(in crate::recognition) forms: Forms,
     /// Rows of the distances.
     pub(in crate::recognition) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
@@ -77,11 +85,13 @@ pub(in crate::recognition) struct Quadratic {
 
 impl Displacement {
     /// The displacement over the cells of a general surface, where the data and the chart allow one.
-    /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it.
+    /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it. Bodies are linear about
+    /// these `forms`.
     pub(in crate::recognition) fn new(
         surface: &ConstantCurvature,
         cells: &Cells,
         contacts: &[Vector],
+        forms: &Forms,
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
         if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
@@ -105,18 +115,32 @@ impl Displacement {
         let mut natural_positions = at_cells(&natural);
         scale(&mut natural_positions, -1.0);
         let mut made = Displacement {
-            knots,
+            knots: knots.clone(),
             to_coefficients: beside(&rough, &natural),
             positions: beside(&positions, &natural_positions),
             rough: rough.ncols(),
             natural: natural.ncols(),
             smooth: Vec::new(),
+            bodies: [(0, 0); Body::ALL.len()],
+            forms: *forms,
             normals: None,
             quadratic: Quadratic { positions: means.quadratic(), normals: None },
         };
         for process in smooth::all() {
             let weights = smooth::weights(surface, &made.knots, &rough, process);
             made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
+        }
+        for body in Body::ALL {
+            let form = forms[body.number()];
+            // over a plane a body is none of what departs from two constant curvatures
+            let known = if surface.is_flat() { None } else { bodies::columns(&knots, surface, body, form) };
+            if let Some(coefficients) = known {
+                let mut body_positions = at_cells(&coefficients);
+                scale(&mut body_positions, -1.0);
+                made.bodies[body.number()] = (made.columns(), coefficients.ncols());
+                made.positions = beside(&made.positions, &body_positions);
+                made.to_coefficients = beside(&made.to_coefficients, &coefficients);
+            }
         }
         if cells.normals.is_some() {
             made.normals = Some(means.slopes(&made.knots, &made.to_coefficients));
@@ -147,9 +171,10 @@ impl Displacement {
     }
 
     /// First column and number of columns of every group that stands together in some departure: rough and natural columns, and those
-    /// of every smooth departure.
+    /// of every smooth departure and of every body.
     pub(in crate::recognition) fn groups(&self) -> Vec<(usize, usize)> {
-        std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().copied()).collect()
+        let bodies = self.bodies.iter().filter(|(_, count)| *count > 0);
+        std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().chain(bodies).copied()).collect()
     }
 
     /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
@@ -159,6 +184,28 @@ impl Displacement {
             out.iter_mut().zip(self.to_coefficients.col_as_slice(j)).for_each(|(out, c)| *out += w * c);
         }
         out
+    }
+
+    /// The forms in which bodies are nearest to the displaced surface with these coefficients, at some of these places of the chart; those
+    /// that they are linear about where they are not near, or not asked for.
+    pub(in crate::recognition) fn nearest_forms(
+        &self,
+        surface: &ConstantCurvature,
+        charts: &[[f64; 2]],
+        coefficients: &[f64],
+        is_asked: impl Fn(Body) -> bool,
+    ) -> Forms {
+        let every = charts.len().div_ceil(COMPARED);
+        let compared: Vec<([f64; 2], f64)> =
+            charts.iter().step_by(every).map(|chart| (*chart, self.at(*chart).jet(coefficients)[0])).collect();
+        let of = |body: Body| {
+            let start = self.forms[body.number()];
+            if !is_asked(body) {
+                return start;
+            }
+            bodies::nearest_form(surface, body, start, &compared, bodies::farthest(&self.knots)).unwrap_or(start)
+        };
+        if surface.is_flat() { self.forms } else { Body::ALL.map(of) }
     }
 
     /// Spline coefficients of many displacements, one a column, for given weights of the columns from `first` on.

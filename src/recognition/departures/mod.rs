@@ -10,6 +10,7 @@
 //! eight of them at once.
 
 mod basis;
+mod bodies;
 mod cell_charts;
 mod displacement;
 mod natural;
@@ -18,6 +19,7 @@ mod state;
 mod together;
 mod turned;
 
+pub(in crate::recognition) use bodies::{Body, Forms};
 pub(in crate::recognition) use displacement::{Displacement, POLE, Quadratic};
 pub(in crate::recognition) use natural::{TERMS as NATURAL_TERMS, size as natural_size};
 pub(in crate::recognition) use smooth::is_free;

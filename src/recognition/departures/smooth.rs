@@ -106,8 +106,12 @@ fn even(knots: &Knots) -> (Vec<f64>, Mat<f64>) {
 
 /// Coefficients of the splines that take the turned process' values at the Greville sites, one a column.
 fn turned(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Option<Mat<f64>> {
+    splines_through(knots, &turned::values(surface, knots, length))
+}
+
+/// Coefficients of the splines that take these values at the Greville sites of u (rows) and v (columns), one spline a column.
+pub(super) fn splines_through(knots: &[Knots; 2], values: &[Mat<f64>]) -> Option<Mat<f64>> {
     let across = knots[1].n_basis();
-    let values = turned::values(surface, knots, length);
     let (of_u, count) = (knots[0].n_basis(), values.len());
     // all terms side by side: one factor serves them all
     let beside = Mat::from_fn(of_u, count * across, |i, j| values[j / across][(i, j % across)]);

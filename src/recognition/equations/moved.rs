@@ -9,6 +9,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
+use crate::recognition::departures::Forms;
 use crate::recognition::kinds::{Kind, Model};
 
 use super::rows::{CURVATURES, Rows, column_of, first_of_displacement};
@@ -24,6 +25,8 @@ pub(in crate::recognition) struct Moved {
     pub(in crate::recognition) spent: f64,
     /// Kernel of the errors that positions share.
     pub(in crate::recognition) kernel: usize,
+    /// Forms that bodies are linear about.
+    pub(in crate::recognition) forms: Forms,
 }
 
 impl Moved {

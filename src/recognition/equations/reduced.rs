@@ -31,6 +31,8 @@ pub(in crate::recognition) struct Reduced {
 pub(in crate::recognition) struct Columns {
     /// Column of y; the model's follow.
     pub(in crate::recognition) y: usize,
+    /// Column that is added to y: a displacement that is not for the contacts to choose.
+    pub(in crate::recognition) fixed: Option<usize>,
     /// Parameters of the model.
     pub(in crate::recognition) unknowns: usize,
     /// First column of the displacement, and how many are used.
@@ -82,8 +84,21 @@ impl Columns {
     /// Writes entries `from..` of a column of the equations: rows that stand together are read together, because the columns of all
     /// candidates for a surface are most of the work beside the factor itself.
     fn read(&self, grams: &Grams, column: usize, from: usize, out: &mut [f64]) {
-        let count = self.z.1;
         let (at, by) = self.source(column);
+        self.read_source(grams, (at, by), from, out);
+        if let Some(fixed) = self.fixed {
+            let y = self.z.1 + self.unknowns;
+            if column == y {
+                let mut added = vec![0.0; out.len()];
+                self.read_source(grams, (fixed, 1.0), from, &mut added);
+                out.iter_mut().zip(added).for_each(|(out, added)| *out += added);
+            }
+        }
+    }
+
+    /// The same for one of the columns of the Gram matrix that belong to it.
+    fn read_source(&self, grams: &Grams, (at, by): (usize, f64), from: usize, out: &mut [f64]) {
+        let count = self.z.1;
         let rough = self.rough.min(count);
         let y = count + self.unknowns;
         for (start, end) in [(0, rough), (rough, count), (count, y), (y, y + 1)] {
@@ -96,6 +111,16 @@ impl Columns {
             grams.read(row, at, part);
             part.iter_mut().for_each(|v| *v *= factor * by);
         }
+        if let Some(fixed) = self.fixed.filter(|_| (from..from + out.len()).contains(&y)) {
+            let mut added = [0.0];
+            grams.read(fixed, at, &mut added);
+            out[y - from] += by * added[0];
+        }
+    }
+
+    /// Entry of y in a row.
+    fn target(&self, rows: &Mat<f64>, row: usize) -> f64 {
+        rows[(row, self.y)] + self.fixed.map_or(0.0, |fixed| rows[(row, fixed)])
     }
 }
 
@@ -112,7 +137,7 @@ pub(in crate::recognition) fn reduced(columns: Columns, grams: Grams) -> Option<
         }
     }
     let mut square = [0.0];
-    grams.read(columns.y, columns.y, &mut square);
+    columns.read(&grams, m, m, &mut square);
     joint.factor()?;
     let square_left = square[0] - (0..m).map(|j| joint.at(m, j).powi(2)).sum::<f64>();
     let lower = Mat::from_fn(p, p, |i, j| if j <= i { joint.at(count + i, count + j) } else { 0.0 });
@@ -162,9 +187,9 @@ pub(in crate::recognition) fn reduced_in_cells(
         }
         column[j] += 1.0;
         // the parameters, then y
-        let sources = (1..=p).chain([0]);
+        let sources = (1..=p).map(|k| rows[(j, columns.y + k)]).chain([columns.target(rows, j)]);
         let by = variance.sqrt().recip();
-        column[n..].iter_mut().zip(sources).for_each(|(out, k)| *out = by * rows[(j, columns.y + k)]);
+        column[n..].iter_mut().zip(sources).for_each(|(out, v)| *out = by * v);
     }
     joint.factor()?;
     let (mut normal, mut square) = (Bordered::new(p, 1), 0.0);
@@ -224,7 +249,7 @@ mod tests {
     fn the_space_of_the_cells_and_that_of_the_columns_agree() {
         let rows = Mat::from_fn(5, 12, |i, j| ((7 * i + 3 * j + i * j) as f64).sin());
         let gram = dense::gram(rows.as_ref());
-        let columns = Columns { y: 0, unknowns: 2, z: (3, 9), rough: 7, factors: [0.7, 1.9] };
+        let columns = Columns { y: 0, fixed: None, unknowns: 2, z: (3, 9), rough: 7, factors: [0.7, 1.9] };
         let variance = 0.3;
         let by_columns = reduced(columns, Grams { positions: &gram, variance, normals: None }).unwrap();
         let of = |first, count| {
@@ -243,7 +268,7 @@ mod tests {
     fn the_joint_equations_have_the_same_solution() {
         let rows = Mat::from_fn(14, 12, |i, j| ((7 * i + 3 * j + i * j) as f64).sin());
         let gram = dense::gram(rows.as_ref());
-        let columns = Columns { y: 0, unknowns: 2, z: (3, 9), rough: 7, factors: [0.7, 1.9] };
+        let columns = Columns { y: 0, fixed: None, unknowns: 2, z: (3, 9), rough: 7, factors: [0.7, 1.9] };
         let grams = || Grams { positions: &gram, variance: 0.3, normals: Some(&gram) };
         let (precision, mut mean) = joint(columns, grams());
         dense::solve(&dense::cholesky(&precision).unwrap(), &mut mean);

@@ -48,8 +48,11 @@ impl Evidence<'_> {
     /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
     pub(in crate::recognition) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
         let first = first_of_displacement();
-        let Columns { z: (start, _), rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
+        let Columns { z: (start, _), fixed, rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
         let mut out = vec![0.0; self.displacement.map_or(0, Displacement::columns)];
+        if let Some(fixed) = fixed {
+            out[fixed - first] = 1.0;
+        }
         for (k, (out, w)) in out[start - first..].iter_mut().zip(own).enumerate() {
             *out = w * if k < rough { of_spline } else { of_natural };
         }
@@ -59,11 +62,14 @@ impl Evidence<'_> {
     /// Spline coefficients of many displacements of one node, one a column: weights of the node's own columns, in units of their prior,
     /// stand below its parameters in `drawn`.
     pub(in crate::recognition) fn splines_of(&self, node: &Node, drawn: &Mat<f64>) -> Option<Mat<f64>> {
-        let Columns { z: (start, count), rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
+        let Columns { z: (start, count), fixed, rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
         let own =
             |i: usize, k: usize| drawn[(node.kind.unknowns() + i, k)] * if i < rough { of_spline } else { of_natural };
-        let weights = Mat::from_fn(count, drawn.ncols(), own);
-        Some(self.displacement?.coefficients_of_many(start - first_of_displacement(), &weights))
+        // a body's fixed column is the one before its others
+        let ahead = usize::from(fixed.is_some());
+        let weights =
+            Mat::from_fn(ahead + count, drawn.ncols(), |i, k| if i < ahead { 1.0 } else { own(i - ahead, k) });
+        Some(self.displacement?.coefficients_of_many(start - ahead - first_of_displacement(), &weights))
     }
 
     /// The equations of a node.

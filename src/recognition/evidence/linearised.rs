@@ -7,7 +7,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::departures::Displacement;
+use crate::recognition::departures::{Displacement, Forms};
 use crate::recognition::equations::{Moved, Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Gain, NormalNoise};
@@ -64,7 +64,7 @@ impl Linearised {
         models: Vec<Model>,
         factors: &FactorPair,
     ) -> Linearised {
-        let displacement = displacement_of(&models, cells, contacts);
+        let displacement = displacement_of(&models, cells, contacts, &Forms::default());
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
         let mut made =
@@ -142,7 +142,7 @@ impl Linearised {
         factors: &FactorPair,
     ) -> Option<Linearised> {
         let models = self.models_with(moved);
-        let displacement = displacement_of(&models, cells, contacts)?;
+        let displacement = displacement_of(&models, cells, contacts, &moved.forms)?;
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
@@ -171,9 +171,9 @@ impl Linearised {
 }
 
 /// The displacement about the general surface, where the data and its chart allow one.
-fn displacement_of(models: &[Model], cells: &Cells, contacts: &[Vector]) -> Option<Displacement> {
+fn displacement_of(models: &[Model], cells: &Cells, contacts: &[Vector], forms: &Forms) -> Option<Displacement> {
     match models.iter().find(|m| m.kind() == Kind::General) {
-        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts),
+        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts, forms),
         _ => None,
     }
 }

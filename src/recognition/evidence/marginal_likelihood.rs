@@ -16,7 +16,7 @@ use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::dense;
-use crate::recognition::departures::Displacement;
+use crate::recognition::departures::{Body, Displacement};
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};
@@ -136,7 +136,8 @@ impl<'a> Evidence<'a> {
     }
 
     /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
-    /// have a quarter each of general's prior; of the last, rough splines and smooth departures have half each.
+    /// have a quarter each of general's prior; of the last, rough splines and smooth departures have half each. The quadric and the torus
+    /// have an eighth beside them.
     fn share(&self, kind: Kind, departure: Departure) -> f64 {
         let displaced = if self.displacement.is_some() { LN_2 } else { 0.0 };
         match (kind, departure) {
@@ -147,6 +148,8 @@ impl<'a> Evidence<'a> {
                 let processes = self.displacement.map_or(1, |d| d.smooth.len());
                 -displaced - 2.0 * LN_2 - ((POWERS.count() * processes) as f64).ln()
             }
+            (Kind::General, Departure::Body(Body::Quadric)) => -displaced - 2.0 * LN_2,
+            (Kind::General, Departure::Body(_)) => -displaced - 3.0 * LN_2,
             (Kind::General | Kind::Paraboloid, _) => -displaced - LN_2,
             _ => 0.0,
         }
@@ -173,7 +176,7 @@ impl<'a> Evidence<'a> {
             Departure::None => Some(plain / (n - p) as f64),
             Departure::Rough(_) | Departure::Smooth { .. } => of(departure, 0.0),
             Departure::Both(g) => of(departure, of(Departure::Rough(g), 0.0)?.sqrt().recip()),
-            Departure::Natural => {
+            Departure::Natural | Departure::Body(_) => {
                 let first = of(departure, (plain / (n - p) as f64).max(1e-18).sqrt().recip())?;
                 of(departure, first.sqrt().recip())
             }
@@ -220,8 +223,14 @@ impl<'a> Evidence<'a> {
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
     pub(in crate::recognition) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
+        let mut fixed = None;
         let (start, count, rough) = match (departure, self.displacement) {
             (Departure::None, _) | (_, None) => (0, 0, 0),
+            (Departure::Body(body), Some(d)) => {
+                let (first, columns) = d.bodies[body.number()];
+                fixed = Some(first_of_displacement() + first);
+                (first + 1, columns - 1, 0)
+            }
             (Departure::Natural, Some(d)) => (d.rough, d.natural, 0),
             (Departure::Rough(_), Some(d)) => (0, d.rough, d.rough),
             (Departure::Both(_), Some(d)) => (0, d.rough + d.natural, d.rough),
@@ -230,7 +239,7 @@ impl<'a> Evidence<'a> {
             }
         };
         let z = (first_of_displacement() + start, count);
-        Columns { y: column_of(kind), unknowns: kind.unknowns(), z, rough, factors }
+        Columns { y: column_of(kind), fixed, unknowns: kind.unknowns(), z, rough, factors }
     }
 }
 

@@ -1,13 +1,14 @@
 //! One hypothesis under one covariance: a kind of surface, how it departs from that kind, and how probable both are.
 //!
 //! ```text
-//! surface = kind + f        f = 0, natural departure, rough spline, both, or smooth departure
+//! surface = kind + f        f = 0, natural departure, rough spline, both, smooth departure, or a body's
 //! ```
 
 use std::mem::discriminant;
 
 use faer::Mat;
 
+use crate::recognition::departures::Body;
 use crate::recognition::kinds::Kind;
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.
@@ -32,6 +33,8 @@ pub(in crate::recognition) enum Departure {
         /// Number of its process: form and length.
         process: usize,
     },
+    /// As a body does whose form is known but for a few numbers.
+    Body(Body),
 }
 
 impl Departure {
@@ -40,7 +43,7 @@ impl Departure {
         match self {
             Departure::Rough(g) | Departure::Both(g) => g,
             Departure::Smooth { variance, .. } => variance,
-            Departure::None | Departure::Natural => 0.0,
+            Departure::None | Departure::Natural | Departure::Body(_) => 0.0,
         }
     }
 
@@ -55,7 +58,7 @@ impl Departure {
             Departure::Rough(_) => Departure::Rough(variance),
             Departure::Both(_) => Departure::Both(variance),
             Departure::Smooth { process, .. } => Departure::Smooth { variance, process },
-            Departure::None | Departure::Natural => self,
+            Departure::None | Departure::Natural | Departure::Body(_) => self,
         }
     }
 
@@ -69,9 +72,14 @@ impl Departure {
         if let Departure::Smooth { process, .. } = self { Some(process) } else { None }
     }
 
+    /// The body that it is.
+    pub(in crate::recognition) fn body(self) -> Option<Body> {
+        if let Departure::Body(body) = self { Some(body) } else { None }
+    }
+
     /// Whether both have the same prior but for its size.
     pub(in crate::recognition) fn is_like(self, other: Departure) -> bool {
-        discriminant(&self) == discriminant(&other) && self.process() == other.process()
+        discriminant(&self) == discriminant(&other) && self.process() == other.process() && self.body() == other.body()
     }
 }
 
@@ -104,14 +112,15 @@ pub(in crate::recognition) fn highest<'n>(nodes: impl IntoIterator<Item = &'n No
     likeliest(nodes).map_or(f64::NEG_INFINITY, |node| node.log_evidence)
 }
 
-/// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone.
-pub(in crate::recognition) const GROUPS: usize = 4;
+/// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone, bodies.
+pub(in crate::recognition) const GROUPS: usize = 5;
 
 impl Node {
     /// Number of the node's group.
     pub(in crate::recognition) fn group(&self) -> usize {
         match (self.kind, self.departure) {
             (Kind::General, Departure::Natural) => 3,
+            (Kind::General, Departure::Body(_)) => 4,
             (Kind::General, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. }) => 2,
             (Kind::General | Kind::Paraboloid, _) => 1,
             _ => 0,
@@ -126,6 +135,11 @@ impl Node {
     /// Whether it does so by a natural departure alone.
     pub(in crate::recognition) fn is_natural(&self) -> bool {
         self.departure == Departure::Natural
+    }
+
+    /// Whether it is a body whose form is known but for a few numbers.
+    pub(in crate::recognition) fn is_body(&self) -> bool {
+        self.departure.body().is_some()
     }
 
     /// Standard deviation of the errors that neighbours share.

@@ -13,7 +13,7 @@
 //! the plane is L times one along the surface's own normal, and rows of normals are L times as long.
 
 use crate::recognition::contacts::is_known;
-use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::departures::{ChartPoint, Forms, State};
 use crate::recognition::equations::Moved;
 use crate::recognition::kinds::{Kind, Model};
 use crate::vector::{Vector, dot};
@@ -40,7 +40,7 @@ pub(super) struct OverPlane {
 /// The plane under the likeliest surface; `None` where that does not depart much, or is too steep for a plane.
 pub(super) fn over_plane(made: &Linearised, evidence: &Evidence, nodes: &[Node]) -> Option<OverPlane> {
     let likeliest = likeliest(nodes)?;
-    let departs = |n: &Node| n.is_displaced() && !n.is_natural();
+    let departs = |n: &Node| n.is_displaced() && !n.is_natural() && !n.is_body();
     let others = highest(nodes.iter().filter(|n| !departs(n)));
     if made.over_plane.is_some() || !departs(likeliest) || likeliest.log_evidence < others + BEHIND {
         return None;
@@ -65,7 +65,7 @@ pub(super) fn over_plane(made: &Linearised, evidence: &Evidence, nodes: &[Node])
     }
     let slopes = cells.normals.is_some().then_some(slopes);
     let spent = under_likeliest(evidence, &made.rows, nodes)?.spent;
-    Some(OverPlane { moved: Moved { base, slopes, spent, kernel: likeliest.kernel }, longer })
+    Some(OverPlane { moved: Moved { base, slopes, spent, kernel: likeliest.kernel, forms: Forms::default() }, longer })
 }
 
 fn of_kind<'a>(evidence: &Evidence<'a>, kind: Kind) -> Option<&'a Model> {

@@ -11,7 +11,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::departures::is_free;
+use crate::recognition::departures::{Body, is_free};
 use crate::recognition::equations::{Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};
@@ -193,7 +193,9 @@ impl<'a> Evidence<'a> {
         let smooth = seen.map(|process| Departure::Smooth { variance: 1.0, process });
         // over a plane the general surface is none of two constant curvatures, nor near one
         let natural = (!self.over_plane).then_some(Departure::Natural);
-        let departures: Vec<Departure> = std::iter::once(rough).chain(smooth).chain(natural).collect();
+        let near = |body: &Body| self.displacement.is_some_and(|d| d.bodies[body.number()].1 > 0);
+        let bodies = Body::ALL.into_iter().filter(near).map(Departure::Body);
+        let departures: Vec<Departure> = std::iter::once(rough).chain(smooth).chain(natural).chain(bodies).collect();
         let mut families = Vec::new();
         for model in self.models {
             if model.kind() != Kind::General || !self.over_plane {

@@ -115,13 +115,18 @@ impl ConstantCurvature {
 
     /// Point at chart coordinates, `f` above the surface.
     pub(in crate::recognition) fn point(&self, u: f64, v: f64, f: f64) -> Vector {
-        let [h, _, _, k1, k2, _] = self.theta;
+        let [across, along, height] = self.local_point(u, v, f);
+        transposed(&self.axes, [across, along, height + self.theta[0]])
+    }
+
+    /// The same in the axes (u, v, w) of the surface at the origin of its chart.
+    pub(in crate::recognition) fn local_point(&self, u: f64, v: f64, f: f64) -> Vector {
+        let [_, _, _, k1, k2, _] = self.theta;
         let (s1, c1) = arc_end(k1, u);
         let (s2, c2) = arc_end(k2, v);
         let across = s1 - f * (k1 * u).sin();
         let height = c1 + f * (k1 * u).cos();
-        let local = [across, s2 - height * (k2 * v).sin(), c2 + height * (k2 * v).cos() + h];
-        transposed(&self.axes, local)
+        [across, s2 - height * (k2 * v).sin(), c2 + height * (k2 * v).cos()]
     }
 
     /// Whether it is a plane.

@@ -103,6 +103,8 @@ fn in_words(hypothesis: &str) -> &str {
         "cylinder" => "a pipe or round bar",
         "general" => "an evenly bent surface",
         "paraboloid" => "a paraboloid",
+        "quadric" => "an ellipsoid or another quadric",
+        "torus" => "a ring (torus)",
         _ => "a free surface that follows the contacts",
     }
 }
