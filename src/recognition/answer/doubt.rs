@@ -62,8 +62,8 @@ pub(super) struct Doubt {
 }
 
 impl Doubt {
-    /// Of intervals. With a fading of 8 and a least share of 0.1 they are up to half as wide again, and hold the truth as often: what
-    /// the evidence is that far against was true in none of 24 scenes and of 600 random surfaces.
+    /// Of intervals. With a fading of 8 and a least share of 0.1 they are up to half as wide again, and hold one of 100 random surfaces more, and
+    /// of shallow bumps, which pass for balls, 7 of 100.
     pub(super) const OF_INTERVAL: Doubt = Doubt { fading: 4.0, least: 0.05 };
 
     /// Of classes, which end sharply: bumps of 27 contacts, whose S lies beside such an end, have the right class in 63 of 100 fits, and by
