@@ -160,17 +160,19 @@ pub(in crate::recognition) fn weigh(
     if error {
         estimate = shares(nodes, |n| !n.is_displaced());
     }
+    weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
     let doubted = |doubt: Doubt| {
         let mut out = with_doubt(nodes, &estimate, error, doubt, &misfit);
         weights.between_readings(nodes, &mut out, doubt, &misfit);
         out
     };
-    let [interval, class] = [Doubt::OF_INTERVAL, Doubt::OF_CLASS].map(doubted);
+    // evidence does not tell an error of the sensor from shape, and what is read as one keeps the room that classes have
+    let of_interval = if error && !weights.taken_for_shape { Doubt::OF_CLASS } else { Doubt::OF_INTERVAL };
+    let [interval, class] = [of_interval, Doubt::OF_CLASS].map(doubted);
     (weights.interval, weights.class) = (interval, class);
     if !error {
         departed(nodes, &mut estimate);
     }
-    weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
     weights.heard = heard(nodes, if weights.taken_for_shape { &by_evidence } else { &estimate });
     weights.estimate = if weights.taken_for_shape { by_evidence } else { estimate };
     weights
