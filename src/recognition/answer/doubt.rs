@@ -67,7 +67,7 @@ impl Doubt {
     pub(super) const OF_INTERVAL: Doubt = Doubt { fading: 4.0, least: 0.05 };
 
     /// Of classes, which end sharply: bumps of 27 contacts, whose S lies beside such an end, have the right class in 63 of 100 fits, and by
-    /// this doubt 66 are forecast, by that of intervals 70.
+    /// this doubt 67 are forecast, by that of intervals 70.
     pub(super) const OF_CLASS: Doubt = Doubt { fading: 8.0, least: 0.1 };
 
     /// Share of a reading whose log evidence lies `gap` below the best: `most` where it is as good, fading slowly, because

@@ -130,16 +130,10 @@ impl Displacement {
             let weights = smooth::weights(surface, &made.knots, &rough, process);
             made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
         }
-        for body in Body::ALL {
-            let form = forms[body.number()];
-            // over a plane a body is none of what departs from two constant curvatures
-            let known = if surface.is_flat() { None } else { bodies::columns(&knots, surface, body, form) };
-            if let Some(coefficients) = known {
-                let mut body_positions = at_cells(&coefficients);
-                scale(&mut body_positions, -1.0);
-                made.bodies[body.number()] = (made.columns(), coefficients.ncols());
-                made.positions = beside(&made.positions, &body_positions);
-                made.to_coefficients = beside(&made.to_coefficients, &coefficients);
+        // over a plane a body is none of what departs from two constant curvatures
+        for body in Body::ALL.into_iter().filter(|_| !surface.is_flat()) {
+            if let Some(coefficients) = bodies::columns(&knots, surface, body, forms[body.number()]) {
+                made.add_body(body, &coefficients, at_cells(&coefficients));
             }
         }
         if cells.normals.is_some() {
@@ -163,6 +157,14 @@ impl Displacement {
         self.positions = beside(&self.positions, &scaled(&at_cells));
         let coefficients = linalg::product(rough.as_ref(), scaled(weights).as_ref());
         self.to_coefficients = beside(&self.to_coefficients, &coefficients);
+    }
+
+    /// Adds the columns of a body: spline coefficients and what these are at the cells.
+    fn add_body(&mut self, body: Body, coefficients: &Mat<f64>, mut at_cells: Mat<f64>) {
+        scale(&mut at_cells, -1.0);
+        self.bodies[body.number()] = (self.columns(), coefficients.ncols());
+        self.positions = beside(&self.positions, &at_cells);
+        self.to_coefficients = beside(&self.to_coefficients, coefficients);
     }
 
     /// Number of columns.

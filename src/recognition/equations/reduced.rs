@@ -264,6 +264,30 @@ mod tests {
         (0..2).for_each(|i| (0..=i).for_each(|j| near(by_columns.lower[(i, j)], by_cells.lower[(i, j)])));
     }
 
+    /// A displacement that is added to y is the same as one that y already has, whichever way the equations are solved.
+    #[test]
+    fn a_fixed_column_belongs_to_y() {
+        let rows = Mat::from_fn(14, 12, |i, j| ((7 * i + 3 * j + i * j) as f64).sin());
+        let added = Mat::from_fn(14, 12, |i, j| if j == 0 { rows[(i, 0)] + rows[(i, 5)] } else { rows[(i, j)] });
+        let [gram, other] = [&rows, &added].map(|rows| dense::gram(rows.as_ref()));
+        let plain = Columns { y: 0, fixed: None, unknowns: 2, z: (6, 4), rough: 0, factors: [0.7, 1.9] };
+        let fixed = Columns { fixed: Some(5), ..plain };
+        let variance = 0.3;
+        let positions = |gram| Grams { positions: gram, variance, normals: Some(gram) };
+        let expected = reduced(plain, positions(&other)).unwrap();
+        let found = reduced(fixed, positions(&gram)).unwrap();
+        let (_, right) = joint(plain, positions(&other));
+        let (_, same) = joint(fixed, positions(&gram));
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{a} {b}");
+        near(found.rss, expected.rss);
+        (0..2).for_each(|i| near(found.x[i], expected.x[i]));
+        same.iter().zip(&right).for_each(|(a, b)| near(*a, *b));
+        let z = rows.as_ref().subcols(6, 4);
+        let product = crate::linalg::product(z, z.transpose());
+        let by_cells = |columns, rows| reduced_in_cells(columns, rows, variance, [None, Some(&product)]).unwrap();
+        near(by_cells(fixed, &rows).rss, by_cells(plain, &added).rss);
+    }
+
     #[test]
     fn the_joint_equations_have_the_same_solution() {
         let rows = Mat::from_fn(14, 12, |i, j| ((7 * i + 3 * j + i * j) as f64).sin());

@@ -177,6 +177,7 @@ pub(super) fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) 
     let model = evidence.models.iter().find(|m| m.kind() == best.kind)?;
     let (mean, lower) = evidence.joint_posterior(best)?;
     let (x, z) = mean.split_at(best.kind.unknowns());
+    let weights = evidence.weights_of(best, z);
     let mut inverse = Mat::<f64>::identity(mean.len(), mean.len());
     dense::whiten(&lower, inverse.as_mut());
     // the prior's precision is 1: what the data do not tell stays at variance 1
@@ -184,9 +185,9 @@ pub(super) fn under_likeliest(evidence: &Evidence, rows: &Rows, nodes: &[Node]) 
         (x.len()..mean.len()).map(|j| (0..mean.len()).map(|i| inverse[(i, j)] * inverse[(i, j)]).sum::<f64>()).sum();
     Some(Moved {
         base: base_after(model, x),
-        slopes: slopes(rows, &evidence.weights_of(best, z), model, x),
+        slopes: slopes(rows, &weights, model, x),
         spent: OF_NORMALS * (z.len() as f64 - untold),
         kernel: best.kernel,
-        forms: nearest_forms(evidence, nodes, model, &evidence.weights_of(best, z)),
+        forms: nearest_forms(evidence, nodes, model, &weights),
     })
 }
