@@ -52,6 +52,11 @@ const AS_GOOD: f64 = 1.5;
 /// Factor of misfit within which a simple shape cannot be excluded when the misfit is the sensor's.
 const SIMPLE: f64 = 2.0;
 
+/// Log evidence that departures cost where nothing shows them: 8 to 11 on balls and bars. What lies farther behind is not unseen, but spoken
+/// against, as departures from a torus are on a paraboloid (14 to 32): with the whole least share there, all of it on one side, the
+/// interval of R ended in their middle.
+const UNSEEN: f64 = 10.0;
+
 /// How much room is left for what the evidence speaks against.
 #[derive(Clone, Copy)]
 pub(super) struct Doubt {
@@ -74,6 +79,11 @@ impl Doubt {
     /// no prior of shapes is known that well.
     fn share(self, most: f64, gap: f64) -> f64 {
         most * (-(gap - ALIKE).max(0.0) / self.fading).exp()
+    }
+
+    /// Least share of departures that lie `gap` below the best.
+    fn least(self, gap: f64) -> f64 {
+        self.least * (-(gap - UNSEEN).max(0.0) / self.fading).exp()
     }
 }
 
@@ -166,7 +176,7 @@ fn group_shares(nodes: &[Node], estimate: &[f64], error: bool, doubt: Doubt) -> 
     let any = sums[2] + sums[3];
     let best_of_any = best_of(2).max(best_of(3));
     let gap = best(nodes, |_| true) - best_of_any;
-    let both = any.max(if error { EITHER } else { doubt.share(DEPARTED, gap) }).max(doubt.least);
+    let both = any.max(if error { EITHER } else { doubt.share(DEPARTED, gap) }).max(doubt.least(gap));
     let general =
         if any + sums[4] < 0.5 { (sums[1] + any - both).max(doubt.least) } else { sums[1].min((1.0 - both).max(0.0)) };
     let exact = sums[0] + sums[4];
