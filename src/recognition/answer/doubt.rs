@@ -1,7 +1,8 @@
 //! The room that an interval leaves for doubt: weights in which what the evidence speaks against keeps a share.
 //!
 //! ```text
-//! v = w, but departures never below max(least, 0.8 e^-(gap - 2)/fading)        gap: log evidence by which they are behind
+//! v = w, but departures never below max(least e^-(gap - 10)/fading, 0.8 e^-(gap - 2)/fading), no e^ above 1
+//!                             gap: log evidence by which they are behind
 //! departures of the interval: natural ones; rough splines, and half of the smooth ones, with a prior ten times as loose, unless f may
 //!                             be an error;  departures that are free in form never below half, rough splines never below
 //!                             e^-(gap - 2)/fading / 2 of these
@@ -78,12 +79,17 @@ impl Doubt {
     /// Share of a reading whose log evidence lies `gap` below the best: `most` where it is as good, fading slowly, because
     /// no prior of shapes is known that well.
     fn share(self, most: f64, gap: f64) -> f64 {
-        most * (-(gap - ALIKE).max(0.0) / self.fading).exp()
+        most * self.faded(gap - ALIKE)
     }
 
-    /// Least share of departures that lie `gap` below the best.
-    fn least(self, gap: f64) -> f64 {
-        self.least * (-(gap - UNSEEN).max(0.0) / self.fading).exp()
+    /// Least share of departures whose log evidence lies `gap` below the best.
+    fn least_of_departures(self, gap: f64) -> f64 {
+        self.least * self.faded(gap - UNSEEN)
+    }
+
+    /// What so much log evidence leaves of a share.
+    fn faded(self, evidence: f64) -> f64 {
+        (-evidence.max(0.0) / self.fading).exp()
     }
 }
 
@@ -176,7 +182,7 @@ fn group_shares(nodes: &[Node], estimate: &[f64], error: bool, doubt: Doubt) -> 
     let any = sums[2] + sums[3];
     let best_of_any = best_of(2).max(best_of(3));
     let gap = best(nodes, |_| true) - best_of_any;
-    let both = any.max(if error { EITHER } else { doubt.share(DEPARTED, gap) }).max(doubt.least(gap));
+    let both = any.max(if error { EITHER } else { doubt.share(DEPARTED, gap) }).max(doubt.least_of_departures(gap));
     let general =
         if any + sums[4] < 0.5 { (sums[1] + any - both).max(doubt.least) } else { sums[1].min((1.0 - both).max(0.0)) };
     let exact = sums[0] + sums[4];
