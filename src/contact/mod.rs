@@ -4,10 +4,12 @@
 //! the product of two axes. Lengths are in the unit of the input, slopes have none. [`Frame`] is the patch frame that a
 //! fit works in: one origin, three axes and a single length.
 
+mod counted;
 mod frame;
 mod grid;
 mod scattered;
 
+pub(crate) use counted::counted;
 pub use frame::Frame;
 pub use grid::Grid;
 pub use scattered::{ContactWeights, Contacts, Orientation};

@@ -1,5 +1,6 @@
 //! Why nothing can be planned, with what would help.
 
+use crate::contact::counted;
 use crate::scene::SceneError;
 
 /// A fit, candidates or a world from which no next touch follows.
@@ -45,7 +46,8 @@ pub enum ExploreError {
     Turned,
     /// The first sweep is too small to span a patch.
     #[error(
-        "the first sweep spans no patch ({contacts} contacts, {along} by {across}): give at least two fingers and two stations, or the reach"
+        "the first sweep spans no patch ({}, {along} by {across}): give at least two fingers and two stations, or the reach",
+        counted(*contacts, "contact")
     )]
     NoPatch {
         /// Its contacts.
@@ -62,7 +64,8 @@ pub enum ExploreError {
     Around,
     /// The budget is spent by the first sweep.
     #[error(
-        "the first sweep alone makes {first} contacts, and the budget is {budget}: allow more, or make a smaller first sweep"
+        "the first sweep alone makes {}, and the budget is {budget}: allow more, or make a smaller first sweep",
+        counted(*first, "contact")
     )]
     Budget {
         /// Contacts of the first sweep.

@@ -1,7 +1,7 @@
 //! Why contacts give no fit. Every variant says what would be right.
 
 use crate::bspline::SplineError;
-use crate::contact::ContactError;
+use crate::contact::{ContactError, counted};
 use crate::solve::SolveError;
 
 /// A fit that cannot be had from this input with these options.
@@ -37,7 +37,9 @@ pub enum FitError {
     },
     /// Fewer equations than unknowns.
     #[error(
-        "{contacts} contacts give {equations} equations, too few for {unknowns} unknowns: add contacts or normals, or lower degree or segments"
+        "{} from {}, too few for {unknowns} unknowns: add contacts or normals, or lower degree or segments",
+        counted(*equations, "equation"),
+        counted(*contacts, "contact")
     )]
     TooFew {
         /// Contacts (pixels) with data.
@@ -165,7 +167,7 @@ pub enum FitError {
         moved: f64,
     },
     /// The contacts do not lie on one sheet.
-    #[error("{contacts} contacts make no parametric surface: {why}")]
+    #[error("no parametric surface comes of {}: {why}", counted(*contacts, "contact"))]
     Sheet {
         /// Number of contacts.
         contacts: usize,

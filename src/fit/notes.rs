@@ -4,6 +4,8 @@
 //! what the data lack (heights, noise, support)      what was done about it (steps, smoothing, reweighting, rotated axes)
 //! ```
 
+use crate::contact::counted;
+
 /// Remarks that belong to the answer.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -85,7 +87,8 @@ impl std::fmt::Display for Note {
                  largest one, and two surfaces explain the normals nearly as well; lower degree or segments, or add contacts"
             ),
             Note::Outliers { sites, steps } => {
-                write!(f, "{sites} contacts lost more than half their weight to the robust loss ({steps} reweightings)")
+                let [sites, steps] = [(*sites, "contact"), (*steps, "reweighting")].map(|(n, noun)| counted(n, noun));
+                write!(f, "the robust loss took more than half of the weight from {sites} ({steps})")
             }
             Note::Unsettled { moved } => write!(
                 f,

@@ -1,5 +1,6 @@
 //! Why there is no frontier, or no choice from one.
 
+use crate::contact::counted;
 use crate::scene::SceneError;
 
 /// A frontier that cannot be had, or a request that cannot be understood.
@@ -32,7 +33,8 @@ pub enum FrontierError {
     },
     /// Too few contacts to leave some out.
     #[error(
-        "{contacts} contacts are too few to judge a fit by contacts that were left out: {needed} are needed, or a scene, whose truth is known"
+        "{} cannot judge a fit by contacts that were left out: {needed} are needed, or a scene, whose truth is known",
+        counted(*contacts, "contact")
     )]
     TooFew {
         /// How many there are.

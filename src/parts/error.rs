@@ -1,6 +1,6 @@
 //! Why a cloud cannot be cut into parts, with what would help.
 
-use crate::contact::ContactError;
+use crate::contact::{ContactError, counted};
 
 /// A cloud that has no parts to tell.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,8 +11,9 @@ pub enum PartsError {
     Contacts(#[from] ContactError),
     /// Too few contacts.
     #[error(
-        "{contacts} contacts are too few to be cut into parts: each part is judged by the neighbourhoods of its contacts, which takes \
-         at least {needed}; touch more densely, or describe the whole by one surface"
+        "{} cannot be cut into parts: each part is judged by the neighbourhoods of its contacts, which takes at least {needed}; \
+         touch more densely, or describe the whole by one surface",
+        counted(*contacts, "contact")
     )]
     TooFew {
         /// Those that are there.

@@ -1,6 +1,6 @@
 //! Why a recognition refuses to answer, with what would help.
 
-use crate::contact::ContactError;
+use crate::contact::{ContactError, counted};
 
 /// Data or options from which no shape is recognised.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum RecognitionError {
         expected: &'static str,
     },
     /// Too few contacts to tell curvature from noise.
-    #[error("{found} contacts {kind} normals are too few to recognise a shape: at least {needed}")]
+    #[error("{} {kind} normals cannot tell a shape, which takes at least {needed}", counted(*found, "contact"))]
     TooFew {
         /// Contacts that can be used.
         found: usize,

@@ -220,8 +220,9 @@ pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -
     if document.unassigned > 0 {
         let _ = writeln!(
             text,
-            "{:>4}  {} contacts are in no part: off every part, and too few side by side for one of their own",
-            "-", document.unassigned
+            "{:>4}  {} in no part: off every part, and too few side by side for a part of their own",
+            "-",
+            crate::contact::counted(document.unassigned, "contact")
         );
     }
     for joint in &document.joints {

@@ -106,7 +106,7 @@ fn one_touch_is_told_what_is_missing() {
             let rows: String = ball().iter().take(count).map(|c| row(&c[..columns], ",") + "\n").collect();
             std::fs::write(directory.path().join("few.csv"), format!("{names}\n{rows}")).unwrap();
             let few = refused(directory.path(), "fit few.csv");
-            assert!(few.contains("too few to recognise a shape") && few.contains("touch a dozen places"), "{few}");
+            assert!(few.contains("cannot tell a shape") && few.contains("touch a dozen places"), "{few}");
             assert!(!few.contains("certificate") && !few.contains("rank"), "{few}");
         }
     }

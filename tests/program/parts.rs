@@ -173,7 +173,7 @@ fn bad_usage_and_bad_input_name_the_place_and_the_remedy() {
     );
     write("sphere.toml", "[surface]\nkind = \"sphere\"\nradius = 1.0\n[sweep]\npath = \"scan\"\nspacing = 0.1\n");
     let cases = [
-        ("parts one.csv", "1 contacts are too few to be cut into parts"),
+        ("parts one.csv", "1 contact cannot be cut into parts"),
         ("parts same.csv", "no extent"),
         ("parts noise.csv", "no normals of a surface"),
         ("parts parts-box --tolerance -1", "--tolerance -1: a length"),

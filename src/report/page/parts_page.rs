@@ -73,7 +73,7 @@ fn lead(document: &PartsDocument) -> String {
     };
     let left = match document.unassigned {
         0 => String::new(),
-        n => format!(" {n} contacts are in no part."),
+        n => format!(" In no part: {}.", crate::contact::counted(n, "contact")),
     };
     format!("The {} contacts show {named}.{left}", document.contacts)
 }

@@ -271,7 +271,8 @@ pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> Stri
     said.extend(noise(document));
     let out = contacts.left_out.iter().filter(|out| **out).count();
     if out > 0 {
-        said.push(format!("{out} contacts lie too far off to belong to the surface; they are not counted here, and drawn as crosses above."));
+        let out = crate::contact::counted(out, "contact");
+        said.push(format!("Too far off to belong to the surface, not counted here and drawn as crosses above: {out}."));
     }
     format!(
         "<section id=\"residuals\"><h2>Residuals</h2>\n<div class=\"figures\"><figure>{chart}</figure><div>{}</div></div></section>\n",
