@@ -10,14 +10,15 @@ the largest posterior variance of the height, one after the other. S and R are m
 posterior mean's first and second derivatives.
 
     cargo bench --bench explore -- export OBJECTS NOISES FIRST > touched.csv
-    python benches/peers/explore_gp.py touched.csv
+    python benches/peers/explore_gp.py touched.csv [PROCESSES]
     python benches/peers/explore_gp_check.py touched.csv        # the process beside a closed form
 """
 
 import os
 import sys
+from multiprocessing import get_context
 
-# one core, which is what the README's time is of
+# one core a process, which is what the README's time is of
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 import jax
@@ -182,7 +183,10 @@ def quantile(counts, q):
 
 
 def main():
-    found = [until(run) for run in read(sys.argv[1])]
+    processes = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    # JAX has threads of its own, which a forked process would lack
+    with get_context("spawn").Pool(processes) as pool:
+        found = list(pool.imap_unordered(until, read(sys.argv[1])))
     counts = [c for _, c in found]
     never = 100 * np.mean([c > BUDGET for c in counts])
     kinds = ", ".join(f"{kind} {quantile([c for o, c in found if o % 6 == k], 0.5)}" for k, kind in enumerate(KINDS))
