@@ -10,7 +10,7 @@ use std::io::Write;
 
 use ndarray::Array2;
 
-use crate::contact::{Contacts, Frame, Grid};
+use crate::contact::{Contacts, Frame, Grid, counted};
 use crate::curvature::ShapeClass;
 use crate::fit::FitError;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
@@ -272,7 +272,7 @@ fn set_aside(found: &Recognition) -> Vec<String> {
         _ if by_viewpoint => "pointed away from the viewpoint, or to the other side than the neighbours: reversed",
         _ => "pointed to the other side than the neighbours: reversed",
     };
-    let counted = [
+    let set_aside = [
         (found.outliers, "contact", "too far off the surface to belong to it: left out"),
         (
             found.normals_of_length_zero,
@@ -282,9 +282,8 @@ fn set_aside(found: &Recognition) -> Vec<String> {
         (found.normals_flipped, "normal", reversed),
         (found.normals_against, "normal", "more than 60 degrees off the surface: left out"),
     ];
-    let plural = |count: usize| if count == 1 { "" } else { "s" };
-    let some = counted.iter().filter(|(count, _, _)| *count > 0);
-    some.map(|(count, thing, what)| format!("{count} {thing}{} {what}", plural(*count))).collect()
+    let some = set_aside.iter().filter(|(count, _, _)| *count > 0);
+    some.map(|(count, thing, what)| format!("{} {what}", counted(*count, thing))).collect()
 }
 
 fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], segments: [usize; 2]) -> ChosenPart {

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::fold::folded;
 use super::table::significant;
-use crate::contact::Contacts;
+use crate::contact::{Contacts, counted};
 use crate::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts};
 
 /// Schema name.
@@ -222,7 +222,7 @@ pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -
             text,
             "{:>4}  {} in no part: off every part, and too few side by side for a part of their own",
             "-",
-            crate::contact::counted(document.unassigned, "contact")
+            counted(document.unassigned, "contact")
         );
     }
     for joint in &document.joints {

@@ -9,6 +9,7 @@ use super::html::{heading, short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{list, notes, table};
+use crate::contact::counted;
 use crate::report::json::write_json;
 use crate::report::parts::{PartPart, PartsDocument, write_parts_table};
 use crate::report::table::significant;
@@ -57,15 +58,15 @@ fn kind(part: &PartPart) -> String {
 
 /// Two planes and a cylinder.
 fn lead(document: &PartsDocument) -> String {
-    let mut counted: Vec<(&str, usize)> = Vec::new();
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
     for part in &document.parts {
-        match counted.iter_mut().find(|(name, _)| *name == part.kind) {
+        match kinds.iter_mut().find(|(name, _)| *name == part.kind) {
             Some((_, count)) => *count += 1,
-            None => counted.push((&part.kind, 1)),
+            None => kinds.push((&part.kind, 1)),
         }
     }
     let words: Vec<String> =
-        counted.iter().map(|(name, n)| format!("{n} {name}{}", if *n == 1 { "" } else { plural(name) })).collect();
+        kinds.iter().map(|(name, n)| format!("{n} {name}{}", if *n == 1 { "" } else { plural(name) })).collect();
     let named = match &words[..] {
         [] => "no part at all".to_string(),
         [only] => only.clone(),
@@ -73,7 +74,7 @@ fn lead(document: &PartsDocument) -> String {
     };
     let left = match document.unassigned {
         0 => String::new(),
-        n => format!(" In no part: {}.", crate::contact::counted(n, "contact")),
+        n => format!(" In no part: {}.", counted(n, "contact")),
     };
     format!("The {} contacts show {named}.{left}", document.contacts)
 }

@@ -12,6 +12,7 @@ use super::perspective::picture;
 use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
 use super::words::{apart, certificate, interval_of, named_level, noise};
+use crate::contact::counted;
 use crate::report::document::{FitDocument, MeasurePart, ShapePart, SpreadPart};
 use crate::report::percent::percent;
 use crate::report::radius::radius_bounds;
@@ -271,7 +272,7 @@ pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> Stri
     said.extend(noise(document));
     let out = contacts.left_out.iter().filter(|out| **out).count();
     if out > 0 {
-        let out = crate::contact::counted(out, "contact");
+        let out = counted(out, "contact");
         said.push(format!("Too far off to belong to the surface, not counted here and drawn as crosses above: {out}."));
     }
     format!(
