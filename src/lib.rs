@@ -36,62 +36,91 @@
 //! - `hard-cases`: the library of numerically hard cases as a public module.
 #![warn(missing_docs)]
 
-mod bspline;
-mod cases;
-#[cfg(feature = "cli")]
-#[doc(hidden)]
-pub mod cli;
-#[cfg(feature = "cli")]
-mod comparison;
-mod contact;
-mod curvature;
-mod draws;
-pub mod explore;
-pub mod fit;
-pub mod frontier;
-#[doc(hidden)]
-pub mod internals;
-#[cfg(feature = "cli")]
-mod io;
-mod linalg;
-pub mod montecarlo;
-mod observation;
-pub mod parametric;
-pub mod parts;
-pub mod plans;
-pub mod recognition;
-#[cfg(feature = "cli")]
-mod report;
-pub mod scene;
-mod shape;
-mod simd;
-mod solve;
-mod surface;
-mod threads;
-mod vector;
-
-pub use contact::{ContactError, ContactWeights, Contacts, Frame, Grid, Orientation};
-pub use fit::{Fit, FitOptions, fit_contacts, fit_grid};
 pub use nalgebra_sparse;
 pub use ndarray;
-pub use observation::stacked_csr;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use palpate_app::cli;
+pub use palpate_fitting::fit::{Fit, FitOptions, fit_contacts, fit_grid};
+pub use palpate_fitting::observation::stacked_csr;
+pub use palpate_geometry::contact::{ContactError, ContactWeights, Contacts, Frame, Grid, Orientation};
 
 /// Splines: knots, height fields `z = S(x, y)` and parametric surfaces `Q(u, v)`, evaluated with their derivatives.
 pub mod spline {
-    pub use crate::bspline::{Knots, SplineError, linspace};
-    pub use crate::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfacePoint};
+    pub use palpate_geometry::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfacePoint};
+    pub use palpate_numeric::bspline::{Knots, SplineError, linspace};
 }
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
 pub mod geometry {
-    pub use crate::curvature::{Derivatives, Principal, ShapeClass};
-    pub use crate::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps};
+    pub use palpate_geometry::curvature::{Derivatives, Principal, ShapeClass};
+    pub use palpate_geometry::shape::{Interval, ParametricMaps, ShapeGrid, ShapeMaps};
+}
+
+/// What to touch next: the places that tell most about S and R.
+pub mod explore {
+    pub use palpate_studies::explore::{ExploreError, TouchPlanner};
+}
+
+/// The paper's five steps: contacts, patch frame, least squares, curvature over a grid, and how far to trust the means.
+pub mod fit {
+    pub use palpate_fitting::fit::{
+        Certificate, Fit, FitError, FitOptions, FrameChoice, Method, MethodUsed, NoiseSds, NoiseSource, NormalSigma,
+        Note, Objective, OutsideDomain, Reason, Rms, Robust, Shape, SlopeWeights, Smooth, Statistic, SurfaceKind,
+        fit_contacts, fit_grid,
+    };
+}
+
+/// What accuracy costs in time: the cheapest configuration that keeps an error, or the most accurate within a time.
+pub mod frontier {
+    pub use palpate_studies::frontier::{Choice, FrontierError, Request};
+}
+
+/// Repeated fits with simulated noise: intervals of S and R over replicates of a scene.
+pub mod montecarlo {
+    pub use palpate_studies::montecarlo::{
+        Attribution, Coverage, EffectShare, FixedSites, LinearLaw, Path, Progress, Quantity, Share, Stopped, Study,
+        StudyError, StudyOptions, StudyResult, StudyState, Summary, Tolerance,
+    };
+}
+
+/// Surfaces `Q(u, v)` that no height field can hold: steep, round, closed.
+pub mod parametric {
+    pub use palpate_fitting::parametric::{FittedSurface, ParametricCertificate, ParametricFit, ParametricShape};
+}
+
+/// What a body is made of: planes, spheres, cylinders, cones and tori, and how they adjoin.
+pub mod parts {
+    pub use palpate_inference::parts::{
+        Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PointShapes,
+    };
+}
+
+/// Fits that are planned once and then repeated without allocation: scattered contacts, images, touches one by one.
+pub mod plans {
+    pub use palpate_fitting::plans::{ImagePlan, PlanError, SlopeColumns, SlopePlan, TouchStream};
+}
+
+/// Which kind of surface contacts show when no model is named, with S, R and their intervals.
+pub mod recognition {
+    pub use palpate_inference::recognition::{
+        Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
+        RecognitionError, RecognitionOptions, Tried,
+    };
+}
+
+/// The simulated world: bodies, sweeping fingers, the effects that a scene calls for, and the truth.
+pub mod scene {
+    pub use palpate_world::scene::{
+        ContactBatch, Effect, EffectDraws, ImportedSurface, NoiseLaw, SceneError, Simulator, Solid, Stage, Surface,
+        Sweep, Truth, World,
+    };
 }
 
 /// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.
 #[cfg(feature = "hard-cases")]
 pub mod hard_cases {
-    pub use crate::cases::{CaseData, Expectation, HardCase};
+    pub use palpate_studies::cases::{CaseData, Expectation, HardCase};
 }
 
 /// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.

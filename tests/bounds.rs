@@ -10,11 +10,11 @@
 use std::alloc::System;
 use std::path::Path;
 
-use palpate::internals::cases::Lcg;
-use palpate::internals::io::scene_file::read_scene;
-use palpate::internals::io::{ReadOptions, read_input_bytes, read_surface_bytes};
 use palpate::plans::TouchStream;
 use palpate::spline::{Knots, linspace};
+use palpate_app::io::scene_file::read_scene;
+use palpate_app::io::{ReadOptions, read_input_bytes, read_surface_bytes};
+use palpate_studies::cases::Lcg;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]

@@ -23,10 +23,10 @@ use std::process::{Command, ExitCode};
 use compare::{ALLOWED, Counts, growths};
 use ndarray::Array2;
 use palpate::fit::{Method, Note, Objective, Reason, SlopeWeights};
-use palpate::internals::linalg::TensorShape;
-use palpate::internals::simd::Isa;
-use palpate::internals::solve::Cholesky;
 use palpate::{Contacts, FitOptions, Grid, fit_contacts, fit_grid};
+use palpate_numeric::linalg::TensorShape;
+use palpate_numeric::simd::Isa;
+use palpate_numeric::solve::Cholesky;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, pool};
 

@@ -14,9 +14,9 @@
 //! *Nature* 466 (2010) 1102) without its covariance.
 
 use palpate::fit::{FitOptions, Objective, SlopeWeights, fit_contacts};
-use palpate::internals::draws::EffectDraws;
-use palpate::internals::scene::linspace;
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_numeric::draws::EffectDraws;
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 const SEED: u64 = 1997;

@@ -19,8 +19,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group};
 use palpate::Contacts;
 use palpate::Orientation;
 use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
-use palpate::internals::cases::Lcg;
-use palpate::internals::scene::linspace;
+use palpate_studies::cases::Lcg;
+use palpate_world::scene::linspace;
 
 struct Problem {
     rows: &'static str,

@@ -28,9 +28,9 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::linalg::solvers::{Qr, SymbolicQr};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, Mat, MatMut, Par, Side};
-use palpate::internals::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, assemble, normal_rhs};
-use palpate::internals::observation::{ScatteredSites, to_csr};
-use palpate::internals::solve::{Cholesky, TriangularFactor};
+use palpate_fitting::observation::{ScatteredSites, to_csr};
+use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, assemble, normal_rhs};
+use palpate_numeric::solve::{Cholesky, TriangularFactor};
 use workloads::{Fault, scattered, square_knots};
 
 /// Degree and segments a side: 9, 81, 400, 1089 and 4489 unknowns.

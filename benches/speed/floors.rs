@@ -14,14 +14,14 @@ mod workloads;
 use std::hint::black_box;
 use std::time::Instant;
 
-use palpate::internals::draws::EffectDraws;
-use palpate::internals::montecarlo::ROW_NOISE;
-use palpate::internals::simd::{
-    CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak,
-};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::spline::CurvatureGrid;
+use palpate_numeric::draws::EffectDraws;
+use palpate_numeric::simd::{
+    CHACHA_BLOCKS, CHACHA_WORDS, Isa, REPLICATES, chacha8, gaussian_triples, multiply_add_peak,
+};
+use palpate_studies::montecarlo::ROW_NOISE;
 use workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 
 /// Bytes of the arrays that rates are measured on: beyond every cache.

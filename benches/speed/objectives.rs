@@ -14,8 +14,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use palpate::fit::{NormalSigma, Note, Objective, SlopeWeights};
-use palpate::internals::cases::Lcg;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_studies::cases::Lcg;
 
 /// Sd of heights and of slopes.
 const NOISE: f64 = 0.01;

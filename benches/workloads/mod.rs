@@ -6,9 +6,9 @@
 //! W3  the same on 640 x 480 pixels                                    W5  its coefficients, 64 x 64 segments
 //! ```
 
-use palpate::internals::draws::EffectDraws;
 use palpate::plans::SlopeColumns;
 use palpate::spline::{Knots, linspace};
+use palpate_numeric::draws::EffectDraws;
 
 /// Any error of a bench.
 pub(crate) type Fault = Box<dyn std::error::Error + Send + Sync>;

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use palpate::cli::embedded::{self, FitAnswer};
 use palpate::explore::TouchPlanner;
-use palpate::internals::io::Input;
 use palpate::recognition::RecognisedSpline;
+use palpate_app::io::Input;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};

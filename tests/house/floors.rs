@@ -1,5 +1,6 @@
-//! The rooms import only downwards: every `crate::room` path under `src/` is parsed and held against the floors. So do the inner
-//! rooms of a room that has some, whichever way their paths are written. No two files import each other.
+//! Between crates the compiler holds that imports go downwards. Inside a crate this test does: every `crate::room` path is parsed
+//! and held against the floors. So do the inner rooms of a room that has some, whichever way their paths are written. No two
+//! files import each other.
 
 mod files;
 
@@ -8,7 +9,10 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Floor of every room; siblings on one floor do not import each other.
+/// The crates, each a folder under `src/`.
+const CRATES: [&str; 7] = ["numeric", "geometry", "world", "fitting", "inference", "studies", "app"];
+
+/// Floor of every room inside its crate; siblings on one floor do not import each other.
 const FLOORS: [(&str, u8); 27] = [
     ("simd", 0),
     ("threads", 0),
@@ -22,6 +26,7 @@ const FLOORS: [(&str, u8); 27] = [
     ("observation", 2),
     ("solve", 2),
     ("surface", 2),
+    ("neighbours", 2),
     ("shape", 3),
     ("fit", 4),
     ("comparison", 4),
@@ -36,7 +41,6 @@ const FLOORS: [(&str, u8); 27] = [
     ("io", 7),
     ("report", 8),
     ("cli", 9),
-    ("main", 10),
 ];
 
 /// Floors of the inner rooms, of rooms that have some; a file that stands beside them is held like an inner room. The room's own
@@ -152,22 +156,22 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// Imports of all files of a crate that do not go strictly downwards between its rooms.
+fn faults_of_crate(name: &str) -> Vec<String> {
+    let room = |file: &str| file.split('/').next().unwrap_or(file).trim_end_matches(".rs").to_string();
+    let files = files_of(name);
+    assert!(files.len() > 10, "the walk of {name} found only {} files", files.len());
+    let standing = files.iter().filter(|(file, _)| file != "lib.rs");
+    standing
+        .flat_map(|(file, source)| {
+            faults(&room(file), source).into_iter().map(move |fault| format!("{name}/{file}: {fault}"))
+        })
+        .collect()
+}
+
 #[test]
 fn imports_go_strictly_downwards() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
-    assert!(files.len() > 50, "the walk found only {} files", files.len());
-    let mut all = Vec::new();
-    for path in files {
-        let inside = path.strip_prefix(&src).expect("below src");
-        let first = inside.iter().next().expect("a name").to_string_lossy().trim_end_matches(".rs").to_string();
-        if first == "lib" || first == "internals" {
-            continue;
-        }
-        let source = std::fs::read_to_string(&path).expect("readable");
-        all.extend(faults(&first, &source).into_iter().map(|fault| format!("{}: {fault}", inside.display())));
-    }
+    let all: Vec<String> = CRATES.into_iter().flat_map(faults_of_crate).collect();
     assert!(all.is_empty(), "{all:#?}");
 }
 
@@ -182,16 +186,14 @@ fn an_upward_import_is_caught() {
     assert_eq!(faults("cellar", "").len(), 1);
 }
 
-/// All files of the library as `(path below src, text)`.
-fn library() -> Vec<(String, String)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+/// All files of a crate as `(path below the crate's folder, text)`.
+fn files_of(name: &str) -> Vec<(String, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(name);
     let mut paths = Vec::new();
-    sources(&src, &mut paths);
-    // the binary's own file is a crate apart
-    paths.retain(|path| !path.ends_with("src/main.rs"));
+    sources(&folder, &mut paths);
     paths.sort();
     let read = |path: &PathBuf| {
-        let inside = path.strip_prefix(&src).expect("below src").to_string_lossy().replace('\\', "/");
+        let inside = path.strip_prefix(&folder).expect("below the crate").to_string_lossy().replace('\\', "/");
         (inside, std::fs::read_to_string(path).expect("readable"))
     };
     paths.iter().map(read).collect()
@@ -208,7 +210,7 @@ fn fixture_files(fixture: &str) -> Vec<(String, String)> {
 
 #[test]
 fn inner_rooms_import_strictly_downwards() {
-    let library = library();
+    let library = files_of("inference");
     for (room, floors) in INNER {
         let found = inner_faults(room, floors, &library);
         assert!(found.is_empty(), "{found:#?}");
@@ -236,8 +238,10 @@ fn an_upward_import_between_inner_rooms_is_caught() {
 
 #[test]
 fn no_two_files_import_each_other() {
-    let found = files::circles(&library());
-    assert!(found.is_empty(), "{found:#?}");
+    for name in CRATES {
+        let found = files::circles(&files_of(name));
+        assert!(found.is_empty(), "{name}: {found:#?}");
+    }
 }
 
 #[test]
@@ -260,7 +264,7 @@ fn unsafe_code_stays_in_its_room() {
         let source = std::fs::read_to_string(&path).expect("readable");
         let tokens: TokenStream = source.parse().expect("the file parses");
         let inside = path.strip_prefix(&src).expect("below src");
-        assert!(inside.starts_with("simd") || !has_unsafe(tokens), "{}", inside.display());
+        assert!(inside.starts_with("numeric/simd") || !has_unsafe(tokens), "{}", inside.display());
     }
 }
 

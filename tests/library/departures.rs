@@ -2,9 +2,9 @@
 
 use palpate::Contacts;
 use palpate::geometry::ShapeClass;
-use palpate::internals::scene::linspace;
 use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions};
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_world::scene::linspace;
 
 /// Touches of a patch of half side 4 by three fingers.
 fn touched(surface: Surface, stations: usize, noise: [f64; 2], seed: u64) -> Contacts {

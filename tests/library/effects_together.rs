@@ -1,7 +1,7 @@
 //! What effects do to each other: nothing; and what holds for each of them beside its law.
-use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
 use palpate::{Contacts, Orientation};
+use palpate_world::scene::{ContactBatch, linspace};
 
 use crate::scene_effects::{LAWS, assert_close, minus};
 
@@ -44,7 +44,7 @@ fn every_effect_has_a_law_test_and_an_explain_line_in_the_physical_order() {
     reversed.reverse();
     let simulator = patch(reversed).compile().unwrap();
     assert_eq!(simulator.stage_names(), Effect::ORDER);
-    let text = palpate::internals::scene::explain::table(&simulator, &[]);
+    let text = palpate_world::scene::explain::table(&simulator, &[]);
     for line in simulator.explain() {
         assert!(!line.changes.is_empty());
         assert!(text.lines().any(|row| row.starts_with(line.name)), "no line on {} in\n{text}", line.name);

@@ -2,9 +2,9 @@
 
 use palpate::explore::{ExploreError, TouchPlanner};
 use palpate::fit::{Fit, NormalSigma, Objective, SlopeWeights};
-use palpate::internals::explore::{ExploreOptions, Goal, Stopped, Strategy, explore};
 use palpate::scene::{Effect, Surface, Sweep, World};
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_studies::explore::{ExploreOptions, Goal, Stopped, Strategy, explore};
 
 /// Points and normals of a torus under a sweep that leaves its middle open, with a wobble that stands for noise.
 fn touched() -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {

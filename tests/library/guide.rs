@@ -3,8 +3,8 @@
 //! The guide's models are sums and products of drawn quantities, not fits, so what is tested is the tally, the order
 //! statistics, the shortest interval and the standard errors; numbers in brackets are the guide's clauses and tables.
 
-use palpate::montecarlo::{Tally, summarise};
 use palpate::scene::{EffectDraws, NoiseLaw};
+use palpate_studies::montecarlo::{Tally, summarise};
 
 const TRIALS: usize = 1_000_000;
 

@@ -8,9 +8,9 @@ use golden::judge::{Judged, judge};
 use golden::record::{Tolerance, assert_like};
 use golden::{radius, record, table};
 use palpate::fit::{Objective, fit_contacts};
-use palpate::internals::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each};
-use palpate::internals::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
-use palpate::internals::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
+use palpate_numeric::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
+use palpate_studies::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each};
+use palpate_studies::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 
 /// The inputs here and those the reference solved are the same bits.
 fn same_inputs(name: &str) -> (HardCase, Golden) {

@@ -6,7 +6,7 @@
 use palpate::Fit;
 use palpate::fit::{Method, fit_contacts};
 use palpate::geometry::ShapeClass;
-use palpate::internals::io::scene_file::builtin;
+use palpate_app::io::scene_file::builtin;
 
 fn fit_scene(name: &str, method: Method) -> Fit {
     let scene = builtin(name).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -126,13 +126,13 @@ fn table_2_model_part() {
 #[test]
 fn cholesky_and_qr_agree_on_every_built_in_scene_without_effects() {
     let mut worst = 0.0_f64;
-    use palpate::internals::io::scene_file::{builtin_scenes, family_members};
+    use palpate_app::io::scene_file::{builtin_scenes, family_members};
     for scene in builtin_scenes().into_iter().chain(family_members()) {
         // surfaces in space, and bodies of several faces, have no height field to compare
         if scene.name.starts_with("parts-") {
             continue;
         }
-        if palpate::internals::io::scene_file::builtin(&scene.name).unwrap().fit.surface
+        if palpate_app::io::scene_file::builtin(&scene.name).unwrap().fit.surface
             == palpate::fit::SurfaceKind::Parametric
         {
             continue;

@@ -3,10 +3,10 @@
 use palpate::Contacts;
 use palpate::Orientation;
 use palpate::fit::{FitError, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
-use palpate::internals::parametric::choose_surface;
-use palpate::internals::scene::linspace;
 use palpate::parametric::{FittedSurface, ParametricFit};
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_fitting::parametric::choose_surface;
+use palpate_world::scene::linspace;
 
 mod shapes;
 
@@ -116,7 +116,7 @@ fn a_surface_that_bends_more_than_its_contacts_felt_is_refused() {
 
 #[test]
 fn noisy_normals_do_not_call_for_a_surface_in_space() {
-    let scene = palpate::internals::io::scene_file::builtin("poor-normals").unwrap();
+    let scene = palpate_app::io::scene_file::builtin("poor-normals").unwrap();
     let (contacts, _) = scene.world.compile().unwrap().simulate(scene.seed, 0);
     let (kind, reason) = choose_surface(&contacts, &scene.fit.clone().with_surface(SurfaceKind::Auto));
     assert_eq!(kind, SurfaceKind::Height, "{reason}");
@@ -131,7 +131,7 @@ fn noisy_normals_do_not_call_for_a_surface_in_space() {
 #[test]
 fn scenes_that_go_round_close_without_a_seam() {
     for (name, s_true, closed) in [("around-cylinder", Some(0.5), vec![1]), ("around-torus", None, vec![0, 1])] {
-        let scene = palpate::internals::io::scene_file::builtin(name).unwrap();
+        let scene = palpate_app::io::scene_file::builtin(name).unwrap();
         let (contacts, truth) = scene.world.compile().unwrap().simulate(scene.seed, 0);
         let fit = ParametricFit::new(&contacts, &scene.fit).unwrap();
         assert!(fit.certificate().fold_free && fit.certificate().settled, "{name}: {:?}", fit.certificate());

@@ -2,10 +2,10 @@
 
 use palpate::fit::FitOptions;
 use palpate::geometry::ShapeClass;
-use palpate::internals::scene::linspace;
 use palpate::recognition::{Recognition, RecognitionOptions};
 use palpate::scene::{Effect, Surface, Sweep, World};
 use palpate::{Contacts, fit_contacts};
+use palpate_world::scene::linspace;
 
 /// Touches of an even patch of half side 4; normals scatter by 2 degrees.
 fn touched(surface: Surface, [fingers, stations]: [usize; 2], sds: [f64; 3], seed: u64) -> Contacts {

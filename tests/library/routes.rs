@@ -3,10 +3,10 @@
 
 use ndarray::Array2;
 use palpate::fit::{FitOptions, Method, Objective, SlopeWeights, Smooth, fit_contacts, fit_grid};
-use palpate::internals::fit::Equations;
-use palpate::internals::linalg::Sites;
-use palpate::internals::observation::to_csr;
 use palpate::{Contacts, Fit, Grid};
+use palpate_fitting::fit::Equations;
+use palpate_fitting::observation::to_csr;
+use palpate_numeric::linalg::Sites;
 
 fn height(x: f64, y: f64) -> [f64; 3] {
     [

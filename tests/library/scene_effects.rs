@@ -1,6 +1,6 @@
 //! The law of every effect over 10^6 draws against its closed form, in sigma of the estimate.
-use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
+use palpate_world::scene::{ContactBatch, linspace};
 
 const DRAWS: usize = 1_000_000;
 const LANES: usize = 10_000;

@@ -1,6 +1,6 @@
 //! Every surface, in every pose, against references to 50 digits (tests/golden/surfaces.py).
 
-use palpate::internals::io::scene_file::read_scene;
+use palpate_app::io::scene_file::read_scene;
 use serde_json::Value;
 
 const GOLDEN: &str = include_str!("../golden/surfaces.json");

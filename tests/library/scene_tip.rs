@@ -1,6 +1,6 @@
 //! The rolled spherical tip: tip and surface share their normal at the contact, to 1e-12, and nothing pokes into the tip.
 
-use palpate::internals::io::scene_file::read_scene;
+use palpate_app::io::scene_file::read_scene;
 
 const SURFACES: &[&str] = &[
     "kind = \"plane\"\nrotation_deg = [15.0, -30.0, 0.0]",

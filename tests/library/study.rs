@@ -1,9 +1,9 @@
 //! Studies through the library: the paths to S and R agree, splits and threads change no bit, stopping and shares hold.
 
 use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
-use palpate::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
 use palpate::scene::{Effect, NoiseLaw, Simulator, Surface, Sweep, World};
 use palpate::spline::linspace;
+use palpate_studies::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
 
 fn world() -> World {
     let surface = Surface::cylinder(6.6).turned(30.0);

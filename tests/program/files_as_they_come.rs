@@ -3,8 +3,8 @@
 use std::io::{Cursor, Write};
 
 use ndarray::{Array1, Array2, ShapeBuilder};
-use palpate::internals::io::{Input, ReadOptions, Reading, read_input_bytes};
 use palpate::{Contacts, Orientation};
+use palpate_app::io::{Input, ReadOptions, Reading, read_input_bytes};
 
 use super::npz::NpzWriter;
 

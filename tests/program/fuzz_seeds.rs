@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use palpate::internals::io::scene_file::read_scene;
-use palpate::internals::io::{ReadOptions, read_input_bytes, read_surface_bytes};
+use palpate_app::io::scene_file::read_scene;
+use palpate_app::io::{ReadOptions, read_input_bytes, read_surface_bytes};
 
 /// Runs `read` on every seed of `target` and on its mutants; returns how many seeds were read without error.
 fn replay(target: &str, read: impl Fn(&[u8]) -> bool) -> usize {

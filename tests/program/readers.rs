@@ -3,8 +3,8 @@
 use std::io::{Cursor, Write};
 
 use ndarray::{Array1, Array2, ShapeBuilder};
-use palpate::internals::io::{ContactFormat, Input, Place, ReadOptions, Reading, read_input_bytes, write_contacts};
 use palpate::{ContactWeights, Contacts, Orientation};
+use palpate_app::io::{ContactFormat, Input, Place, ReadOptions, Reading, read_input_bytes, write_contacts};
 use proptest::prelude::*;
 
 use super::npz::NpzWriter;

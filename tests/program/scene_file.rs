@@ -2,9 +2,9 @@
 
 use palpate::fit::fit_contacts;
 use palpate::fit::{FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-use palpate::internals::io::scene_file::{SceneFileError, builtin, builtin_scenes, family_members, read_scene};
 use palpate::parametric::FittedSurface;
 use palpate::scene::Effect;
+use palpate_app::io::scene_file::{SceneFileError, builtin, builtin_scenes, family_members, read_scene};
 
 const SCENE: &str = "[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-4.0, 0.0, 4.0]\nfrom = -4.0\nto = 4.0\nstations = 9\n";
 
@@ -158,14 +158,14 @@ fn imported_surfaces_are_labelled() {
     let importer = |file: &str| -> Result<std::sync::Arc<dyn palpate::scene::ImportedSurface>, String> {
         if file == "parabola.json" { Ok(std::sync::Arc::new(Parabola)) } else { Err("no such file".into()) }
     };
-    let scene = palpate::internals::io::scene_file::read_scene_with(&text, &importer).unwrap();
+    let scene = palpate_app::io::scene_file::read_scene_with(&text, &importer).unwrap();
     let simulator = scene.world.compile().unwrap();
     let (_, truth) = simulator.simulate(1, 0);
     assert_eq!(truth.inverse_crime(), Some("parabola.json"));
-    assert!(palpate::internals::scene::explain::table(&simulator, &[]).contains("inverse crime"));
+    assert!(palpate_world::scene::explain::table(&simulator, &[]).contains("inverse crime"));
     assert!((truth.at(0.0, 0.0).unwrap().local.shape_index().unwrap() - 0.5).abs() < 1e-15);
     let missing = text.replace("parabola.json", "other.json");
-    let message = palpate::internals::io::scene_file::read_scene_with(&missing, &importer).err().unwrap().to_string();
+    let message = palpate_app::io::scene_file::read_scene_with(&missing, &importer).err().unwrap().to_string();
     assert!(message.contains("line 3, column 8: surface file other.json: no such file"), "{message}");
 }
 
@@ -185,9 +185,8 @@ fn sweeps_that_go_around_say_what_they_cannot() {
         let n = contacts.unit_normal(k).unwrap();
         assert!((n[1] - y / 5.0).abs() < 1e-12 && (n[2] - (z + 5.0) / 5.0).abs() < 1e-12, "station {k}");
     }
-    let said = |result: Result<palpate::internals::io::scene_file::SceneFile, SceneFileError>| {
-        result.err().unwrap().to_string()
-    };
+    let said =
+        |result: Result<palpate_app::io::scene_file::SceneFile, SceneFileError>| result.err().unwrap().to_string();
     let word = said(scene("cylinder", "arround", ""));
     assert!(word.contains("line 5") && word.contains("around"), "{word}");
     let ball = said(scene("sphere", "around", ""));
@@ -257,7 +256,7 @@ fn tables_1_and_2_come_out_of_their_scenes() {
 fn explain_lists_what_is_there_and_nothing_else() {
     let explain = |name: &str| {
         let simulator = builtin(name).unwrap().world.compile().unwrap();
-        palpate::internals::scene::explain::table(&simulator, &vec![1.5; simulator.stage_names().len()])
+        palpate_world::scene::explain::table(&simulator, &vec![1.5; simulator.stage_names().len()])
     };
     assert_eq!(
         explain("paper-cylinder"),

@@ -15,7 +15,7 @@ const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/p
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]
 fn the_committed_schemas_are_what_the_types_make() {
-    use palpate::internals::report::{
+    use palpate_app::report::{
         diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema,
     };
     let schemas = [
@@ -206,7 +206,7 @@ fn every_comparison_and_every_table_obeys_the_schema() {
 /// Every key of the design's section 4, spelt out here once more.
 #[test]
 fn no_promised_key_is_missing() {
-    let schema = palpate::internals::report::fit_schema();
+    let schema = palpate_app::report::fit_schema();
     let keys = |path: &[&str]| -> Vec<String> {
         let part = path.iter().fold(&schema, |part, key| &part["properties"][key]);
         part["properties"].as_object().unwrap().keys().cloned().collect()
@@ -227,14 +227,14 @@ fn no_promised_key_is_missing() {
         let found = keys(path);
         names.split(' ').for_each(|name| assert!(found.iter().any(|key| key == name), "{path:?} lacks {name}"));
     }
-    let explore = palpate::internals::report::explore_schema();
+    let explore = palpate_app::report::explore_schema();
     let promised = "schema strategy stopped contacts steps shape";
     promised.split(' ').for_each(|name| assert!(explore["properties"].get(name).is_some(), "no {name}"));
     let steps = &explore["properties"]["steps"]["items"]["properties"];
     "contacts S R touched".split(' ').for_each(|name| assert!(steps.get(name).is_some(), "no {name}"));
     let promised = "schema replicates stopped level path S R class linear effects seconds replicates_per_second seed range \
                     scene_hash";
-    let study = palpate::internals::report::study_schema();
+    let study = palpate_app::report::study_schema();
     promised.split_whitespace().for_each(|name| assert!(study["properties"].get(name).is_some(), "no {name}"));
     for name in "mean sd bias lo hi shortest standard_error".split(' ') {
         ["S", "R"].iter().for_each(|q| assert!(study["properties"][q]["properties"].get(name).is_some(), "{q}.{name}"));

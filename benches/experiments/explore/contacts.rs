@@ -5,9 +5,9 @@
 //! ```
 
 use palpate::FitOptions;
-use palpate::internals::explore::{ExploreOptions, Look, Strategy, explore};
-use palpate::internals::scene::linspace;
 use palpate::scene::Sweep;
+use palpate_studies::explore::{ExploreOptions, Look, Strategy, explore};
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 use crate::objects::{HALF, KINDS, object};

@@ -6,7 +6,7 @@
 //! as much as lattice                        least contacts from which on the median of u(R)/R stays below lattice's after 60
 //! ```
 
-use palpate::internals::explore::{Look, Strategy, explore};
+use palpate_studies::explore::{Look, Strategy, explore};
 use rayon::prelude::*;
 
 use crate::contacts::{BUDGET, errors, options};

@@ -4,9 +4,9 @@
 //! contacts = 21 x 21, the lattice of candidates        right: |error S| <= 0.01 and |error R|/R <= 0.02
 //! ```
 
-use palpate::internals::explore::{Look, Strategy, explore};
-use palpate::internals::scene::linspace;
 use palpate::scene::{Sweep, World};
+use palpate_studies::explore::{Look, Strategy, explore};
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 use crate::contacts::{errors, is_right, options};

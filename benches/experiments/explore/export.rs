@@ -5,8 +5,8 @@
 //! ```
 
 use palpate::Orientation;
-use palpate::internals::scene::linspace;
 use palpate::scene::{Sweep, World};
+use palpate_world::scene::linspace;
 
 use crate::objects::{HALF, object};
 

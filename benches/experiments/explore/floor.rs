@@ -10,9 +10,9 @@
 //! The oracle is a maximum likelihood fit to first order. Its plan is made at the true surface, which no strategy knows: a strategy that
 //! reached it would have to know the family, and the sizes, before it touches.
 
-use palpate::internals::draws::EffectDraws;
-use palpate::internals::scene::linspace;
 use palpate::scene::Surface;
+use palpate_numeric::draws::EffectDraws;
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 use crate::contacts::{BUDGET, Protocol, RIGHT, tell, tell_settled};

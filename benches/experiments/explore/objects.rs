@@ -4,9 +4,9 @@
 //! patch 8 by 8; radii 6 to 20; position noise 0.02 along each axis, normal noise 0.03 radian per tangent axis
 //! ```
 
-use palpate::internals::draws::EffectDraws;
-use palpate::internals::scene::linspace;
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_numeric::draws::EffectDraws;
+use palpate_world::scene::linspace;
 
 pub(crate) const KINDS: [&str; 6] = ["sphere", "cylinder", "saddle", "torus", "bump", "superquadric"];
 

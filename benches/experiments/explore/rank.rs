@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use palpate::explore::TouchPlanner;
 use palpate::fit::{Fit, NormalSigma, Objective};
-use palpate::internals::scene::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_world::scene::linspace;
 
 use crate::objects::{HALF, object};
 

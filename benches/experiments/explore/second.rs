@@ -6,9 +6,9 @@
 
 use palpate::FitOptions;
 use palpate::fit::{NormalSigma, Objective};
-use palpate::internals::explore::{ExploreOptions, Strategy, explore};
-use palpate::internals::scene::linspace;
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_studies::explore::{ExploreOptions, Strategy, explore};
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 use crate::contacts::options;

@@ -8,7 +8,7 @@
 //! Every stop whose interval does not hold the truth gets a line of its own.
 
 use palpate::FitOptions;
-use palpate::internals::explore::{Exploration, ExploreOptions, Goal, Look, Stopped, Strategy, explore};
+use palpate_studies::explore::{Exploration, ExploreOptions, Goal, Look, Stopped, Strategy, explore};
 use rayon::prelude::*;
 
 use crate::contacts::options;

@@ -1,7 +1,7 @@
 //! One exploration, look by look: errors, uncertainties, and what was recognised.
 
 use palpate::FitOptions;
-use palpate::internals::explore::{ExploreOptions, Look, Strategy, explore};
+use palpate_studies::explore::{ExploreOptions, Look, Strategy, explore};
 
 use crate::contacts::{BUDGET, options};
 use crate::objects::object;

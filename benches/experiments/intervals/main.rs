@@ -16,8 +16,8 @@ mod scenes;
 use palpate::fit::{Fit, FitOptions, Shape};
 use palpate::fit_contacts;
 use palpate::geometry::ShapeClass;
-use palpate::internals::io::scene_file::read_scene;
 use palpate::scene::{Simulator, Truth};
+use palpate_app::io::scene_file::read_scene;
 
 type Fault = Box<dyn std::error::Error>;
 
@@ -119,7 +119,7 @@ fn main() -> Result<(), Fault> {
         let read = read_scene(&text).map_err(|e| format!("{scene}: {e}"))?;
         let simulator = read.world.compile()?;
         let (noise, failed) = all(&simulator, &read.fit, replicates, |fit| fit);
-        let (total, _) = all(&simulator, &read.fit, recognised, palpate::Fit::with_model_error);
+        let (total, _) = all(&simulator, &read.fit, recognised, palpate::recognition::Recognition::beside);
         let pair = |of: [Option<f64>; 2], places: usize| {
             of.map(|v| v.map_or("-".into(), |v| format!("{v:.places$}"))).join(" \\| ")
         };

@@ -18,8 +18,8 @@ mod profile;
 mod starts;
 mod view;
 
-use palpate::internals::draws::EffectDraws;
-use palpate::internals::scene::linspace;
+use palpate_numeric::draws::EffectDraws;
+use palpate_world::scene::linspace;
 use rayon::prelude::*;
 
 use kinds::Kind;

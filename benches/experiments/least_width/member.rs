@@ -5,8 +5,8 @@
 //! over (x, y): z <- z - (height of p over the body's tangent plane)/(its change along the vertical), until it stands
 //! ```
 
-use palpate::internals::scene::surface::Local;
 use palpate::scene::Surface;
+use palpate_world::scene::surface::Local;
 
 use super::kinds::Kind;
 

@@ -4,7 +4,7 @@
 //! sizes, tilt, direction, place, side: uniform within the ranges of the kind        height in the middle: that of the true surface
 //! ```
 
-use palpate::internals::draws::EffectDraws;
+use palpate_numeric::draws::EffectDraws;
 
 use super::kinds::Kind;
 use super::member::Member;

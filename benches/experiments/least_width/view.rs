@@ -40,7 +40,7 @@ pub(crate) struct View {
 
 impl View {
     pub(crate) fn new(truth: &Member, places: Vec<[f64; 2]>, sd: [f64; 2]) -> View {
-        let axis = palpate::internals::scene::linspace(-4.0, 4.0, AVERAGED);
+        let axis = palpate_world::scene::linspace(-4.0, 4.0, AVERAGED);
         let grid: Vec<[f64; 2]> = axis.iter().flat_map(|x| axis.iter().map(move |y| [*x, *y])).collect();
         let heights = |list: &[[f64; 2]]| -> Vec<f64> {
             list.iter().map(|p| truth.seen(*p, 0.0).map_or(0.0, |seen| seen.z)).collect()

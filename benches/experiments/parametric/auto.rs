@@ -1,9 +1,9 @@
 //! Every paper scene under `auto`: which kind it chose, and the errors of both kinds against the truth.
 
 use palpate::fit::SurfaceKind;
-use palpate::internals::io::scene_file::{builtin, builtin_scenes, family_members};
 use palpate::parametric::FittedSurface;
 use palpate::scene::Truth;
+use palpate_app::io::scene_file::{builtin, builtin_scenes, family_members};
 
 pub(crate) fn print() {
     println!("\npaper scenes under auto: rms error of S and of R (relative) over each kind's own grid");
@@ -18,7 +18,7 @@ pub(crate) fn print() {
             Err(error) => error.to_string().chars().take(22).collect(),
         };
         let auto = file.fit.clone().with_surface(SurfaceKind::Auto);
-        let (chosen, why) = palpate::internals::parametric::choose_surface(&contacts, &auto);
+        let (chosen, why) = palpate_fitting::parametric::choose_surface(&contacts, &auto);
         let space = file
             .fit
             .clone()
@@ -36,7 +36,7 @@ pub(crate) fn print() {
 
 fn errors(found: &FittedSurface, truth: &Truth) -> String {
     let (mut s2, mut r2, mut n, mut m) = (0.0, 0.0, 0.0_f64, 0.0_f64);
-    let mut add = |s: f64, r: f64, local: palpate::internals::scene::surface::Local| {
+    let mut add = |s: f64, r: f64, local: palpate_world::scene::surface::Local| {
         r2 += (r / local.curvedness() - 1.0).powi(2);
         n += 1.0;
         if let Some(true_s) = local.shape_index().filter(|_| s.is_finite()) {

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use palpate::fit::Fit;
-use palpate::internals::scene::linspace;
 use palpate::parametric::ParametricFit;
 use palpate::scene::{Surface, Sweep, World};
+use palpate_world::scene::linspace;
 
 use crate::worlds::{self, cylinder};
 

@@ -2,9 +2,9 @@
 
 use palpate::Contacts;
 use palpate::fit::{Fit, FitOptions, NormalSigma, Objective, Smooth, SurfaceKind, fit_contacts};
-use palpate::internals::scene::linspace;
 use palpate::parametric::ParametricFit;
 use palpate::scene::{Effect, Simulator, Surface, Sweep, World};
+use palpate_world::scene::linspace;
 
 pub(crate) const SEED: u64 = 1997;
 pub(crate) const SIGMA: f64 = 0.02;

@@ -9,9 +9,9 @@
 
 use std::collections::BTreeMap;
 
-use palpate::internals::scene::linspace;
 use palpate::parts::{PartKind, Parts, PartsOptions};
 use palpate::scene::{Effect, Surface, Sweep, World};
+use palpate_world::scene::linspace;
 
 use crate::bodies::Random;
 

@@ -85,7 +85,7 @@ fn one(
     let clock = std::time::Instant::now();
     let found = Parts::of(&contacts, &PartsOptions::default()).expect("a body has parts");
     tally.seconds += clock.elapsed().as_secs_f64();
-    let agreement = palpate::internals::parts::against(&contacts, &found, &faces, drawn.faces.len());
+    let agreement = palpate_inference::parts::against(&contacts, &found, &faces, drawn.faces.len());
     tally.bodies += 1;
     tally.contacts += contacts.len();
     tally.right.push(100.0 * agreement.right);

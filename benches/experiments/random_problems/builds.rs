@@ -7,7 +7,7 @@
 //! Work on 4,096 contacts or fewer takes AVX2 at most, so problems with more are a run of their own (`--contacts 5000`).
 
 use palpate::fit::{Fit, fit_contacts};
-use palpate::internals::simd::Isa;
+use palpate_numeric::simd::Isa;
 
 use crate::problems::draw::{Family, draw_with};
 

@@ -10,8 +10,8 @@ mod no_effects;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use no_effects::cylinder;
-use palpate::internals::scene::{ContactBatch, linspace};
 use palpate::scene::{Effect, Sweep, World};
+use palpate_world::scene::{ContactBatch, linspace};
 
 const LANES: usize = 64;
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use criterion::{Criterion, Throughput};
 use palpate::Contacts;
-use palpate::internals::scene::{SurfacePoint, linspace};
 use palpate::scene::{Surface, Sweep, Truth, World};
+use palpate_world::scene::{SurfacePoint, linspace};
 
 use crate::instructions;
 

@@ -5,7 +5,7 @@
 mod numbers;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use palpate::internals::io::{Input, ReadOptions, Reading, read_input_bytes};
+use palpate_app::io::{Input, ReadOptions, Reading, read_input_bytes};
 
 const NAMES: [&str; 8] = ["a.xyz", "a.pts", "a.pcd", "a.off", "a.obj", "a.stl", "a.npy", "a.png"];
 

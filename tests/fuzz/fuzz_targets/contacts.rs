@@ -5,7 +5,7 @@
 mod numbers;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use palpate::internals::io::{Input, ReadOptions, Reading, read_input_bytes};
+use palpate_app::io::{Input, ReadOptions, Reading, read_input_bytes};
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     numbers::mutate(data, size, max_size, seed)

@@ -4,7 +4,7 @@
 mod numbers;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use palpate::internals::io::scene_file::read_scene;
+use palpate_app::io::scene_file::read_scene;
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     numbers::mutate(data, size, max_size, seed)

@@ -4,7 +4,7 @@
 //! N_i^p = (x - t_i)/(t_{i+p} - t_i) N_i^{p-1} + (t_{i+p+1} - x)/(t_{i+p+1} - t_{i+1}) N_{i+1}^{p-1}
 //! ```
 
-use palpate::internals::linalg::DoubleDouble as Dd;
+use palpate_numeric::linalg::DoubleDouble as Dd;
 
 /// Values, first and second derivatives of all basis functions; right limit at a knot, left at the last.
 pub(super) fn basis(knots: &[f64], degree: usize, x: Dd) -> [Vec<Dd>; 3] {

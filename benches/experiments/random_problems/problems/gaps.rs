@@ -5,7 +5,7 @@
 //! [ P_FD     P_FF    ] [ c_F ] = [ 0     ]          F the coefficients that lack data, D the rest, P the roughness
 //! ```
 
-use palpate::internals::linalg::DoubleDouble as Dd;
+use palpate_numeric::linalg::DoubleDouble as Dd;
 
 use super::least_squares::{Rows, dot};
 use super::oracle::{Grid, Solved, Written};

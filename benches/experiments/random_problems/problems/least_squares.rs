@@ -6,7 +6,7 @@
 //!
 //! M. J. D. Powell and J. K. Reid, Information Processing 68 (1969) 122; A. J. Cox and N. J. Higham (1998).
 
-use palpate::internals::linalg::DoubleDouble as Dd;
+use palpate_numeric::linalg::DoubleDouble as Dd;
 
 /// Below this share of a column's norm what is left of it depends on the other columns: not a problem of full rank.
 const DEPENDENT: f64 = 1e-13;

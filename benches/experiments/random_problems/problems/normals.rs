@@ -6,8 +6,8 @@
 //! t = 1, 1/2, 1/4, ..               the first whose steps do not run away
 //! ```
 
-use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::{Contacts, Orientation};
+use palpate_numeric::linalg::DoubleDouble as Dd;
 
 use super::least_squares::{Factor, Rows, dot};
 use super::oracle::{Grid, Solved, Written, products};

@@ -6,10 +6,10 @@
 //!
 //! The integral is a sum over Gauss's points of every knot cell, which is exact, so the penalty is rows like the others.
 
-use palpate::internals::cases::digits_absolute;
-use palpate::internals::linalg::DoubleDouble as Dd;
 use palpate::spline::Knots;
 use palpate::{Contacts, Orientation};
+use palpate_numeric::linalg::DoubleDouble as Dd;
+use palpate_studies::cases::digits_absolute;
 
 use super::basis::{basis, gauss};
 use super::least_squares::{Factor, Rows, dot};

@@ -5,7 +5,7 @@
 //! ```
 
 use palpate::Contacts;
-use palpate::internals::cases::Lcg;
+use palpate_studies::cases::Lcg;
 
 /// One of several values.
 pub(super) fn pick<T: Copy>(lcg: &mut Lcg, choices: &[T]) -> T {

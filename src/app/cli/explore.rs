@@ -1,0 +1,266 @@
+//! `palpate explore SCENE`: sweep, fit, plan, touch, until S and R are known well enough.
+
+use std::time::Instant;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::io::scene_file::SceneFile;
+use crate::io::{ContactFormat, Input, write_contacts};
+use crate::report::{
+    Answer, Description, ExploreDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
+    significant, write_explore_csv, write_explore_page, write_explore_picture, write_explore_table, write_json,
+};
+use palpate_fitting::fit::{FitOptions, SurfaceKind};
+use palpate_geometry::contact::Contacts;
+use palpate_inference::recognition::{Estimate, RecognitionOptions};
+use palpate_studies::explore::{Exploration, ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
+use palpate_world::scene::World;
+
+use super::automatic::{Found, Refusal, automatic};
+use super::failure::{Failure, fit_message};
+use super::interrupt;
+use super::named::{counting_other_kinds, fit_input};
+use super::options::{FitFlags, OutputFlags, PictureFlags};
+use super::output::print;
+use super::progress::Bar;
+use super::provenance::provenance;
+use super::scene;
+use super::values;
+
+/// Arguments of `palpate explore`.
+#[derive(Args)]
+pub(super) struct ExploreArgs {
+    /// Built-in scene, scene file, or - for standard input; its own sweep comes first
+    pub(super) scene: String,
+    /// How touches are chosen
+    #[arg(long, default_value = "shape", value_parser = strategy(), value_name = "NAME")]
+    strategy: Strategy,
+    /// Most contacts, those of the first sweep among them
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000), value_name = "N")]
+    pub(super) contacts: u32,
+    /// Stop when the standard uncertainty of S, in all, is at most this; R follows by --u-r
+    #[arg(long, value_parser = positive, value_name = "U", allow_hyphen_values = true, requires = "u_r")]
+    u_s: Option<f64>,
+    /// Stop when the standard uncertainty of R, in all, is at most this share of R; S follows by --u-s
+    #[arg(long, value_parser = positive, value_name = "SHARE", allow_hyphen_values = true, requires = "u_s")]
+    u_r: Option<f64>,
+    /// Touches between two looks at S and R
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
+    per_round: u32,
+    /// Plan whole lines of a finger instead of single touches (variance and shape)
+    #[arg(long)]
+    lines: bool,
+    /// Where touches may be made; default: the rectangle of the first sweep
+    #[arg(long, value_parser = values::domain, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true)]
+    reach: Option<[f64; 4]>,
+    /// Seed in place of the scene's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Level of the intervals
+    #[arg(long, value_parser = values::level)]
+    level: Option<f64>,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    pictures: PictureFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+/// A strategy by its name; clap proposes the nearest one.
+fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    let known = |word: String| Strategy::WORDS.iter().find(|(w, _)| *w == word).map(|(_, strategy)| *strategy);
+    PossibleValuesParser::new(Strategy::WORDS.map(|(word, _)| word))
+        .try_map(move |word| known(word).ok_or("no strategy"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
+    number.ok_or_else(|| "a positive number, such as 0.01".into())
+}
+
+impl ExploreArgs {
+    fn options(&self, seed: u64, level: f64) -> Result<ExploreOptions, Failure> {
+        let model = self.fit.names_a_model().then(|| self.fit.over(FitOptions::default()));
+        if model.as_ref().is_some_and(|model| model.surface != SurfaceKind::Height) {
+            let what = "--surface: touches are planned over x and y, by a height field; leave it out";
+            return Err(Failure::Input(what.into()));
+        }
+        Ok(ExploreOptions {
+            strategy: self.strategy,
+            contacts: self.contacts as usize,
+            goal: self.u_s.zip(self.u_r).map(|(u_s, u_r)| Goal { u_s, u_r }),
+            per_round: self.per_round as usize,
+            lines: self.lines,
+            seed: self.seed.unwrap_or(seed),
+            reach: self.reach,
+            level: self.level.unwrap_or(level),
+            model,
+        })
+    }
+
+    /// What changes nothing under this strategy.
+    fn without_effect(&self) -> Option<String> {
+        let plans = matches!(self.strategy, Strategy::Shape | Strategy::Variance);
+        (self.lines && !plans).then(|| format!("--lines changes nothing for {}", self.strategy.name()))
+    }
+}
+
+pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
+    let (scene, text) = scene::load_with_text(&args.scene)?;
+    args.output.prepare(&[args.scene.as_ref()], &[])?;
+    let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
+    interrupt::gently();
+    let (options, found) = play(args, &scene, |look: &Look| {
+        bar.step(words(look));
+        !interrupt::asked()
+    })?;
+    drop(bar);
+    let input = Input::Contacts(found.contacts.clone());
+    let answer = answer_of(&input, &options);
+    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    let document = document(args, &scene, (&options, &found), (&answer, &described));
+    let surface = described.ok();
+    let provenance = provenance(&args.scene, Some(text), Some(options.seed));
+    args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_deref(), &provenance, out))?;
+    let remark = inverse_crime_remark(&found.truth);
+    args.output.file("explore.json", &mut |out| write_json(&document, out))?;
+    args.output.file("explore.csv", &mut |out| write_explore_csv(&document, out))?;
+    args.pictures.write(&args.output, "explore", &|format, out| write_explore_picture(&document, format, out))?;
+    args.output
+        .file("contacts.csv", &mut |out| write_contacts(&found.contacts, ContactFormat::Csv, remark.as_deref(), out))?;
+    args.output.publish()?;
+    if args.output.json {
+        print(&mut |out| write_json(&document, out))?;
+        return ended(&document);
+    }
+    if args.output.quiet {
+        return ended(&document);
+    }
+    print(&mut |out| write_explore_table(&document, out))?;
+    ended(&document)
+}
+
+/// The same for a program that wants no files: the document, and the contacts.
+pub(super) fn explore_in_memory(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    seen: impl FnMut(&Look) -> bool,
+) -> Result<(ExploreDocument, Contacts), Failure> {
+    let (options, found) = play(args, scene, seen)?;
+    let input = Input::Contacts(found.contacts.clone());
+    let answer = answer_of(&input, &options);
+    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    Ok((document(args, scene, (&options, &found), (&answer, &described)), found.contacts))
+}
+
+fn play(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    seen: impl FnMut(&Look) -> bool,
+) -> Result<(ExploreOptions, Exploration), Failure> {
+    let options = args.options(scene.seed, scene.fit.level)?;
+    let found = explored(&scene.world, &options, seen)
+        .map_err(|e| Failure::Input(format!("{}: {}", scene.name, with_flags(&e))))?;
+    Ok((options, found))
+}
+
+fn document(
+    args: &ExploreArgs,
+    scene: &SceneFile,
+    (options, found): (&ExploreOptions, &Exploration),
+    (answer, described): (&Answered, &Described<'_>),
+) -> ExploreDocument {
+    let mut notes: Vec<String> = args.without_effect().into_iter().collect();
+    notes.extend(inverse_crime_remark(&found.truth));
+    notes.extend(finger_note(&scene.world));
+    match (answer, described) {
+        (Ok((answer, _)), Ok(_)) => notes.extend(answer.notes.iter().cloned()),
+        (_, Err(refusal)) => notes.push(refusal.clone()),
+        (Err(_), Ok(_)) => {}
+    }
+    let shape = described.as_ref().ok().map(|surface| surface.document().shape.clone());
+    ExploreDocument::new(&scene.name, found, options, shape, notes)
+}
+
+/// Exit 130 where Ctrl-C ended it early.
+fn ended(document: &ExploreDocument) -> Result<(), Failure> {
+    if !interrupt::asked() {
+        return Ok(());
+    }
+    let contacts = document.contacts;
+    Err(Failure::Interrupted(format!("interrupted after {contacts} contacts; what they show is kept")))
+}
+
+/// An answer with the seconds that it took, or why there is none.
+type Answered = Result<(Found, f64), String>;
+/// The same described.
+type Described<'a> = Result<Box<dyn Description + 'a>, String>;
+
+/// What all contacts show, as `palpate fit` answers.
+fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {
+    let level = options.level;
+    let began = Instant::now();
+    let found = match &options.model {
+        None => {
+            let recognition = RecognitionOptions { level, ..RecognitionOptions::default() };
+            automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
+        }
+        Some(model) => fit_input(input, &model.clone().with_level(level))
+            .map(|(fit, chosen)| (Answer::Fitted(counting_other_kinds(fit)), chosen))
+            .map(|(answer, chosen)| Found { answer, chosen, lack_of_fit: None, notes: Vec::new() })
+            .map_err(Refusal::Fit),
+    };
+    let found = found.map_err(|refusal| match refusal {
+        Refusal::Fit(error) => fit_message(&error),
+        Refusal::Shape(message) => message,
+    })?;
+    compute_shape(&found.answer, false);
+    Ok((found, began.elapsed().as_secs_f64()))
+}
+
+/// The answer described; its notes are told apart from it.
+fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Described<'a> {
+    let subject = Subject {
+        chosen: found.chosen.clone(),
+        lack_of_fit: found.lack_of_fit.clone(),
+        input,
+        unit: None,
+        truth: None,
+        bare: false,
+        notes: Vec::new(),
+    };
+    let seconds = Seconds { read: 0.0, fit: *taken, shape: 0.0, total: *taken };
+    describe_fit(&found.answer, &subject, seconds).map_err(|e| fit_message(&e))
+}
+
+/// Effects that belong to a finger err anew at every touch, because every touch counts as a finger of its own.
+fn finger_note(world: &World) -> Option<String> {
+    let of_fingers = world.effects.iter().map(|effect| effect.name()).filter(|name| *name == "finger_noise");
+    let names: Vec<&str> = of_fingers.collect();
+    (!names.is_empty()).then(|| {
+        format!("{}: every planned touch counts as a finger of its own, so its errors are drawn anew", names.join(", "))
+    })
+}
+
+/// The message with the library's options written as flags.
+fn with_flags(error: &ExploreError) -> String {
+    match error {
+        ExploreError::NoPatch { .. } => error.to_string().replace("the reach", "--reach X0,X1,Y0,Y1"),
+        ExploreError::Budget { .. } => error.to_string().replace("allow more", "allow more by --contacts"),
+        ExploreError::Option { option, value, expected } => {
+            format!("--{} {value}: {expected}", option.replace('_', "-"))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// S and R so far, for the bar.
+fn words(look: &Look) -> String {
+    let of = |name: &str, e: Option<Estimate>| {
+        e.map(|e| format!("{name} {} +- {}", significant(e.mean, 4), significant(e.u, 2)))
+    };
+    let both = [of("S", look.shape_index), of("R", look.curvedness)];
+    both.into_iter().flatten().collect::<Vec<_>>().join("  ")
+}

@@ -1,0 +1,232 @@
+//! `palpate fit INPUT`: contacts or a grid, from a file or a pipe, to surface and shape. Several files at once: `several.rs`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::io::{Input, ReadOptions, Reading, read_input};
+use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
+use palpate_fitting::fit::{FitError, FitOptions};
+use palpate_geometry::contact::ContactError;
+use palpate_inference::recognition::RecognitionOptions;
+
+use super::automatic::{Found, Refusal, automatic};
+use super::describe::{Destination, Taken, describe, document_of};
+use super::failure::{Failure, fit_message};
+use super::named::{counting_other_kinds, fit_input, with_own_axes_where_steep};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
+use super::output::Spinner;
+use super::preparation::PreparationFlags;
+use super::provenance::provenance;
+use super::reading::{ReadFlags, seen_from};
+use super::save::check_name;
+use super::several;
+
+/// Arguments of `palpate fit`.
+#[derive(Args)]
+pub(super) struct FitArgs {
+    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// One row a file: name, contacts, class, S and R with their uncertainty and interval, radius, notes, or why there is no answer
+    #[arg(long, value_name = "F.csv", conflicts_with = "save")]
+    table: Option<PathBuf>,
+    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
+    #[arg(long)]
+    skip_invalid: bool,
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    #[arg(long, value_name = "F")]
+    save: Option<PathBuf>,
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
+    #[arg(long)]
+    bare: bool,
+    #[command(flatten)]
+    preparation: PreparationFlags,
+    #[command(flatten)]
+    reading: ReadFlags,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+impl FitArgs {
+    /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
+    /// length zero and counts them. Normals that are not used may be anything.
+    fn read_options(&self) -> ReadOptions {
+        let keep_zero_normals = !self.fit.names_a_model() || self.preparation.needs_no_normals();
+        ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
+    }
+}
+
+pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
+    if let ([input], None) = (&args.inputs[..], &args.table) {
+        return fit_one(input, args);
+    }
+    let one_only = |option: &str| {
+        Failure::Input(format!("{option} is for one file; with several, --table F.csv has a row of each"))
+    };
+    if args.save.is_some() {
+        return Err(one_only("--save"));
+    }
+    if args.output.out.is_some() {
+        return Err(one_only("--out"));
+    }
+    several::fit_several(&args.inputs, args.table.as_deref(), &args.output, |input| row_of(input, args))
+}
+
+fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
+    if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
+    }
+    args.output.prepare(&[input], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
+    let spinner = args.output.spinner(format!("reading {}", input.display()));
+    let one = One::of(input, args, Some(&spinner))?;
+    drop(spinner);
+    describe(
+        &one.answer,
+        &one.reading.file,
+        &one.subject(args),
+        &one.taken,
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+            provenance: provenance(&one.reading.file, None, None),
+        },
+    )
+}
+
+/// The document of one of several files.
+fn row_of(input: &Path, args: &FitArgs) -> Result<FitDocument, Failure> {
+    let one = One::of(input, args, None)?;
+    document_of(&one.answer, &one.reading.file, &one.subject(args), &one.taken)
+}
+
+/// One file, read and fitted.
+struct One {
+    reading: Reading,
+    answer: Answer,
+    chosen: Option<ChosenPart>,
+    lack_of_fit: Option<LackOfFitPart>,
+    notes: Vec<String>,
+    taken: Taken,
+}
+
+impl One {
+    /// `spinner` shows what is done.
+    fn of(input: &Path, args: &FitArgs, spinner: Option<&Spinner>) -> Result<One, Failure> {
+        let began = Instant::now();
+        let read = || read_input(input, &args.read_options());
+        let mut reading = match spinner {
+            Some(spinner) => spinner.while_reading(read),
+            None => read(),
+        }?;
+        let prepared = args.preparation.apply(&mut reading)?;
+        let read = began.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        if let Some(spinner) = spinner {
+            spinner.phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
+        }
+        let found = answer(&reading, args).map_err(|refusal| {
+            Failure::Input(match refusal {
+                Refusal::Fit(error) => placed(&error, &reading),
+                Refusal::Shape(message) => format!("{}: {message}", reading.file),
+            })
+        })?;
+        let fitted = clock.elapsed().as_secs_f64();
+        let mut notes = notes(&reading);
+        notes.extend(prepared);
+        let Found { answer, chosen, lack_of_fit, notes: own } = found;
+        notes.extend(own);
+        let gridded = matches!(reading.input, Input::Grid(_));
+        notes.extend(args.fit.without_effect(answer.is_parametric(), gridded));
+        let taken = Taken { began, read, fitted };
+        Ok(One { reading, answer, chosen, lack_of_fit, notes, taken })
+    }
+
+    fn subject(&self, args: &FitArgs) -> Subject<'_> {
+        Subject {
+            chosen: self.chosen.clone(),
+            lack_of_fit: self.lack_of_fit.clone(),
+            input: &self.reading.input,
+            unit: args.words.unit.clone(),
+            truth: None,
+            bare: args.bare,
+            notes: self.notes.clone(),
+        }
+    }
+}
+
+/// The model that was named, or what the contacts show where none was.
+fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
+    let (input, mut fit) = (&reading.input, args.fit.over(FitOptions::default()));
+    let viewpoint = args.preparation.viewpoint;
+    if args.fit.names_a_model() {
+        if viewpoint.is_some() && !args.preparation.estimates_normals() {
+            let what =
+                "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
+            return Err(Refusal::Shape(what.into()));
+        }
+        let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
+        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
+        let found = if args.bare { found } else { counting_other_kinds(found) };
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
+    }
+    if args.bare {
+        let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
+             name a model beside it, as in --degree 2";
+        return Err(Refusal::Shape(what.into()));
+    }
+    fit.check().map_err(Refusal::Fit)?;
+    let viewpoint = viewpoint.or(seen_from(reading));
+    let recognition = RecognitionOptions {
+        grid: fit.grid,
+        level: fit.level,
+        viewpoint,
+        sigma_xy: fit.sigma_xy,
+        ..RecognitionOptions::default()
+    };
+    automatic(input, &recognition, &fit)
+}
+
+/// Contacts, or pixels.
+fn count_of(input: &Input) -> usize {
+    match input {
+        Input::Contacts(contacts) => contacts.len(),
+        Input::Grid(grid) => grid.z.len(),
+    }
+}
+
+/// The error with its file, and its line where it is about one contact.
+fn placed(error: &FitError, reading: &Reading) -> String {
+    let index = match error {
+        FitError::Outside { index, .. } | FitError::NormalDown { index, .. } | FitError::Steep { index, .. } => {
+            Some(*index)
+        }
+        FitError::Contacts(ContactError::NotFinite { index, .. } | ContactError::Weight { index, .. }) => Some(*index),
+        FitError::Contacts(ContactError::ZeroNormal { index }) => Some(*index),
+        _ => None,
+    };
+    match index.zip(reading.places.as_ref()) {
+        Some((index, places)) => format!("{}, {}: {}", reading.file, places.of(index), fit_message(error)),
+        None => format!("{}: {}", reading.file, fit_message(error)),
+    }
+}
+
+fn notes(reading: &Reading) -> Vec<String> {
+    let mut notes = reading.notes.clone();
+    if !reading.ignored.is_empty() {
+        notes.push(format!("columns not used: {}", reading.ignored.join(", ")));
+    }
+    if reading.skipped > 0 {
+        let what = if matches!(reading.input, Input::Grid(_)) { "infinite entries" } else { "invalid rows" };
+        notes.push(format!("{} {what} counted out", reading.skipped));
+    }
+    notes
+}

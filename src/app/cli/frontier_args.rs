@@ -1,0 +1,98 @@
+//! Arguments of `palpate frontier`, and the request in them.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use palpate_studies::frontier::{FrontierError, Request};
+
+use super::failure::Failure;
+use super::options::OutputFlags;
+use super::values;
+
+/// Seconds that the ways of fitting are timed for, where nothing else is said: noisy machines want more.
+const SECONDS: f64 = 20.0;
+
+/// Arguments of `palpate frontier`.
+#[derive(Args)]
+pub(super) struct FrontierArgs {
+    /// Built-in scene, scene file (.toml), - for a scene on standard input, or a file of contacts
+    #[arg(required_unless_present = "orders")]
+    pub(super) subject: Option<String>,
+    /// Ask for the cheapest fit whose root mean square error of S stays below this in 95 of 100 runs
+    #[arg(long, value_name = "E", value_parser = values::positive)]
+    error_s: Option<f64>,
+    /// Ask the same of R, in 1/length
+    #[arg(long, value_name = "E", value_parser = values::positive)]
+    error_r: Option<f64>,
+    /// Ask for the most accurate fit within this time, as 50us or 2ms
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    budget: Option<f64>,
+    /// Write the scene with what was picked into this file
+    #[arg(long, value_name = "F")]
+    pub(super) emit: Option<PathBuf>,
+    /// Leave the number of stations as the scene has it, instead of trying half and twice as many too
+    #[arg(long)]
+    pub(super) keep_stations: bool,
+    /// Seed of the replicates, instead of the scene's
+    #[arg(long)]
+    pub(super) seed: Option<u64>,
+    /// Seconds for timing the ways of fitting
+    #[arg(long, value_name = "S", value_parser = values::seconds, default_value_t = SECONDS)]
+    pub(super) seconds: f64,
+    /// Time the ways of fitting alone: no intervals, no solvers, no stages
+    #[arg(long)]
+    pub(super) bare: bool,
+    /// Leave out the count of instructions
+    #[arg(long)]
+    pub(super) uncounted: bool,
+    /// Measure the order of accuracy of every degree instead, on surfaces that are known
+    #[arg(long, conflicts_with_all = ["subject", "error_s", "error_r", "budget", "emit"])]
+    pub(super) orders: bool,
+    /// Make every call once for whoever counts
+    #[arg(long, hide = true)]
+    pub(super) counted: bool,
+    #[command(flatten)]
+    pub(super) output: OutputFlags,
+}
+
+impl FrontierArgs {
+    /// What is asked, where anything is.
+    pub(super) fn request(&self) -> Result<Option<Request>, Failure> {
+        let request = Request {
+            error_s: self.error_s,
+            error_r: self.error_r,
+            budget: self.budget,
+            keep_stations: self.keep_stations,
+        };
+        match request.check() {
+            Ok(()) => Ok(Some(request)),
+            Err(FrontierError::Empty) if self.emit.is_none() => Ok(None),
+            Err(FrontierError::Empty) => {
+                let what = "--emit writes what was picked: ask for something by --error-s, --error-r or --budget";
+                Err(Failure::Input(what.into()))
+            }
+            Err(error) => Err(Failure::Input(message(&error))),
+        }
+    }
+}
+
+/// An error of the library in the words of this command line.
+pub(super) fn message(error: &FrontierError) -> String {
+    let text = error.to_string();
+    match error {
+        FrontierError::Request { what, .. } => text.replacen(what, &format!("--{}", what.replace('_', "-")), 1),
+        _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_names_the_flag() {
+        let error = FrontierError::Request { what: "error_s", value: "-1".into(), expected: "more".into() };
+        assert_eq!(message(&error), "--error-s is -1: more");
+    }
+}

@@ -1,0 +1,100 @@
+//! `palpate run [SCENE]`: sweep, fit and describe one scene, with the truth beside it.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::io::Input;
+use crate::io::scene_file::SceneFile;
+use crate::report::{Answer, Subject, inverse_crime_remark};
+use palpate_world::scene::surface::Body;
+
+use super::describe::{Destination, Taken, describe};
+use super::failure::{Failure, fit_message};
+use super::named::{counting_other_kinds, fit_input};
+use super::options::{FitFlags, OutputFlags, WordsFlags};
+use super::provenance::provenance;
+use super::save::check_name;
+use super::scene;
+
+/// Arguments of `palpate run`.
+#[derive(Args)]
+pub(super) struct RunArgs {
+    /// Built-in scene, scene file, or - for standard input
+    #[arg(default_value = scene::DEFAULT)]
+    scene: String,
+    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    #[arg(long, value_name = "F")]
+    save: Option<PathBuf>,
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
+    #[arg(long)]
+    bare: bool,
+    #[command(flatten)]
+    fit: FitFlags,
+    #[command(flatten)]
+    words: WordsFlags,
+    #[command(flatten)]
+    output: OutputFlags,
+}
+
+pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let began = Instant::now();
+    if args.output.json && args.save.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Err(Failure::Input("--save - and --json both want standard output; give --save a file".into()));
+    }
+    let (scene, text) = scene::load_with_text(&args.scene)?;
+    args.output.prepare(&[args.scene.as_ref()], args.save.as_slice())?;
+    check_name(args.save.as_deref())?;
+    let spinner = args.output.spinner(format!("running {}", scene.name));
+    let wrong = |what: String| Failure::Input(format!("{}: {what}", scene.name));
+    let simulator = scene.world.compile().map_err(|e| wrong(e.to_string()))?;
+    let (reached, asked) = simulator.reach();
+    let (contacts, truth) = simulator.into_contacts(scene.seed, 0);
+    let read = began.elapsed().as_secs_f64();
+    let input = Input::Contacts(contacts);
+    let clock = Instant::now();
+    let (found, chosen) = fit_input(&input, &args.fit.over(scene.fit.clone()))
+        .map_err(|e| wrong(format!("{}{}", fit_message(&e), several_faces(&scene, "; "))))?;
+    let found = Answer::Fitted(if args.bare { found } else { counting_other_kinds(found) });
+    let fitted = clock.elapsed().as_secs_f64();
+    let mut notes = Vec::new();
+    if reached < asked {
+        notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
+    }
+    notes.extend(Some(several_faces(&scene, "")).filter(|words| !words.is_empty()));
+    notes.extend(inverse_crime_remark(&truth));
+    notes.extend(args.fit.without_effect(found.is_parametric(), false));
+    let subject = Subject {
+        chosen,
+        lack_of_fit: None,
+        input: &input,
+        unit: args.words.unit.clone(),
+        truth: Some(&truth),
+        bare: args.bare,
+        notes,
+    };
+    drop(spinner);
+    let taken = Taken { began, read, fitted };
+    describe(
+        &found,
+        &scene.name,
+        &subject,
+        &taken,
+        &Destination {
+            output: &args.output,
+            words: &args.words,
+            save: args.save.as_ref(),
+            grid: args.fit.typed_grid(),
+            provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
+        },
+    )
+}
+
+/// What to do with a body of several faces, which one patch rounds off; after `join`. Nothing for other surfaces.
+fn several_faces(scene: &SceneFile, join: &str) -> String {
+    match scene.world.surface.body {
+        Body::Solids(_) => format!("{join}a body of several faces is taken apart by palpate parts"),
+        _ => String::new(),
+    }
+}

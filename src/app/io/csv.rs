@@ -1,0 +1,162 @@
+//! Tables of text: a header naming columns in any order, one row per contact, `#` and `//` comments, blank lines ignored.
+//! [`table_form`] finds out what separates the fields and where the names stand.
+
+use std::io::Write;
+
+use palpate_geometry::contact::Contacts;
+
+use super::columns::{Column, Columns, Need, columns_of};
+use super::finger_names::FingerNames;
+use super::place::{Place, Runs, Unit};
+use super::separator::Separator;
+use super::table_form::{is_aside, table_form};
+use super::watch::tell_line;
+use super::{IoError, ReadOptions, Reading, ending};
+
+/// The columns of a table with where they come from.
+pub(super) struct Table {
+    pub(super) columns: Columns,
+    /// Line of each row.
+    pub(super) lines: Runs,
+    /// What was assumed because nothing said it.
+    notes: Vec<String>,
+}
+
+/// Contacts from the bytes of a CSV file.
+pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
+    let table = read_columns(file, bytes, Need::Contacts, options)?;
+    let reading = table.columns.into_reading(file, (table.lines, Unit::Line), options)?;
+    Ok(Reading { notes: table.notes, ..reading })
+}
+
+/// The known columns of a table and the line of each row. Fields that are no number become NaN under `skip_invalid`.
+pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadOptions) -> Result<Table, IoError> {
+    let text = utf8(file, bytes)?;
+    let form = table_form(file, text, &ending(file), need)?;
+    let rows = text
+        .split('\n')
+        .enumerate()
+        .skip(form.first_row)
+        .map(|(index, line)| (index + 1, line.trim()))
+        .filter(|(_, line)| !is_aside(line));
+    let names: Vec<&str> = form.names.iter().map(String::as_str).collect();
+    let mut columns = Columns::named(file, &names, need)?;
+
+    // per field of a row: which of `targets` it goes to
+    let mut targets: Vec<(Column, Vec<f64>)> = Vec::new();
+    let slots: Vec<Option<usize>> = names
+        .iter()
+        .map(|name| {
+            let column = Column::of(name).filter(|c| columns.has(*c))?;
+            targets.push((column, Vec::new()));
+            Some(targets.len() - 1)
+        })
+        .collect();
+    let mut lines = Runs::default();
+    let mut reader = RowReader { file, separator: form.separator, slots: &slots, fingers: None };
+    for (line, row) in rows {
+        tell_line(text, row);
+        match reader.read_row(line, row, &mut targets) {
+            Ok(()) => {}
+            Err(fault) if !options.skip_invalid => return Err(fault),
+            Err(_) => targets.iter_mut().for_each(|(_, values)| {
+                values.truncate(lines.len());
+                values.push(f64::NAN);
+            }),
+        }
+        lines.push(line);
+    }
+    for (column, values) in targets {
+        columns.set(column, values);
+    }
+    let notes = form.note.into_iter().chain(reader.fingers.as_ref().and_then(FingerNames::note)).collect();
+    Ok(Table { columns, lines, notes })
+}
+
+/// Reads the fields of one row after another.
+struct RowReader<'a> {
+    file: &'a str,
+    separator: Separator,
+    /// Per field of a row: which target it goes to.
+    slots: &'a [Option<usize>],
+    /// Set by the first row that has a finger.
+    fingers: Option<FingerNames>,
+}
+
+impl RowReader<'_> {
+    fn read_row(&mut self, line: usize, row: &str, targets: &mut [(Column, Vec<f64>)]) -> Result<(), IoError> {
+        let (file, separator, slots) = (self.file, self.separator, self.slots);
+        let wrong = |column: Column, text: &str| IoError::NotANumber {
+            file: file.into(),
+            place: Place::Line(line),
+            column: column.name(),
+            text: text.trim().into(),
+        };
+        // cells of the normal that are empty
+        let mut empty: Vec<Column> = Vec::new();
+        let mut found = 0;
+        let mut push = |field: &str| {
+            if let Some(&Some(slot)) = slots.get(found) {
+                let (column, values) = &mut targets[slot];
+                if matches!(column, Column::Nx | Column::Ny | Column::Nz) && field.trim().is_empty() {
+                    empty.push(*column);
+                    values.push(f64::NAN);
+                } else {
+                    values.push(self.value(*column, field).ok_or_else(|| wrong(*column, field))?);
+                }
+            }
+            found += 1;
+            Ok(())
+        };
+        match separator.character() {
+            _ if row.contains('"') => separator.fields(row).iter().try_for_each(|field| push(field))?,
+            Some(character) => row.split(character).try_for_each(&mut push)?,
+            None => row.split_whitespace().try_for_each(&mut push)?,
+        }
+        let expected = slots.len();
+        match empty[..] {
+            // part of a normal is no normal
+            [first] | [first, _] => Err(wrong(first, "")),
+            _ if found != expected => Err(IoError::FieldCount { file: file.into(), line, found, expected }),
+            _ => Ok(()),
+        }
+    }
+
+    fn value(&mut self, column: Column, field: &str) -> Option<f64> {
+        let number = self.separator.number(field);
+        match column {
+            Column::Finger => {
+                let fingers = self.fingers.get_or_insert_with(|| FingerNames::begun_by(number));
+                fingers.number_of(field.trim(), number)
+            }
+            _ => number,
+        }
+    }
+}
+
+fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, IoError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        IoError::NotUtf8 { file: file.into(), line }
+    })
+}
+
+/// Writes contacts with the shortest decimal that reads back to the same number.
+pub(super) fn write(contacts: &Contacts, remark: Option<&str>, out: &mut dyn Write) -> std::io::Result<()> {
+    if let Some(remark) = remark {
+        writeln!(out, "# {}", super::remark::one_line(remark))?;
+    }
+    let columns = columns_of(contacts);
+    let names: Vec<&str> = columns.iter().map(|(column, _)| column.name()).collect();
+    writeln!(out, "{}", names.join(","))?;
+    for row in 0..contacts.len() {
+        for (k, (_, values)) in columns.iter().enumerate() {
+            let comma = if k == 0 { "" } else { "," };
+            write!(out, "{comma}{}", values[row])?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! A saved fit as a surface to be touched: `z = S(x, y)` of a height field read back from its JSON.
+//!
+//! Its derivatives are the spline's own, so a fit of the contacts made on it has no model error by construction. That is
+//! an inverse crime, and every output of such a scene says so. The surface lies where it was fitted, in input units; one
+//! that was fitted in a rotated frame is touched along that frame's axes.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use palpate_geometry::surface::HeightField;
+use palpate_world::scene::surface::ImportedSurface;
+
+use super::{AnySurface, read_surface};
+
+#[derive(Debug)]
+struct SavedHeights {
+    label: String,
+    surface: HeightField,
+}
+
+impl ImportedSurface for SavedHeights {
+    fn label(&self) -> &str {
+        &self.label
+    }
+
+    fn jet(&self, x: f64, y: f64) -> Option<[f64; 6]> {
+        let [[x0, x1], [y0, y1]] = [0, 1].map(|axis| self.surface.knots()[axis].domain());
+        // the end polynomials go on outside, where no contact ever was
+        if !((x0..=x1).contains(&x) && (y0..=y1).contains(&y)) {
+            return None;
+        }
+        let at = self.surface.at(x, y);
+        Some([at.z, at.zx, at.zy, at.zxx, at.zxy, at.zyy])
+    }
+}
+
+/// Finds the surface that a scene names as `file`: a path relative to the folder of the scene.
+///
+/// # Errors
+/// In words, why it could not be had.
+pub(crate) fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn ImportedSurface>, String> {
+    if file == "-" {
+        return Err("a scene cannot take its surface from standard input".into());
+    }
+    let path: PathBuf = scene_folder.join(file);
+    let saved = read_surface(&path).map_err(|e| e.to_string())?;
+    if !saved.unsupported.is_empty() {
+        return Err(format!(
+            "{} of its coefficients are held by no data; there is no surface there",
+            saved.unsupported.len()
+        ));
+    }
+    match saved.surface {
+        AnySurface::Height(surface) => Ok(Arc::new(SavedHeights { label: file.to_string(), surface })),
+        _ => Err(
+            "a parametric surface has not one height over each x and y; save a fit whose surface is of the kind height"
+                .into(),
+        ),
+    }
+}

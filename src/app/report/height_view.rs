@@ -1,0 +1,101 @@
+//! A height field as a page shows it.
+//!
+//! ```text
+//! Q = A' (x, y, S(x, y))       residual = z - S(x, y), along the frame's z axis       net: Greville abscissae, coefficients
+//! ```
+
+use crate::io::Input;
+use palpate_fitting::fit::Fit;
+use palpate_geometry::contact::Frame;
+use palpate_geometry::shape::{Outline, ShapeMaps};
+use palpate_geometry::surface::HeightField;
+
+use super::surface_view::{ContactsView, Standing, SurfaceView, Vector, between};
+
+/// Uncertainties of a map where no fit is at hand.
+const NOT_SAVED: &str = "not saved with the surface";
+const DECLINED: &str = "declined (--bare)";
+const TOO_LONG: &str = "not computed point by point: the contacts leave nothing to tell noise from, or they are so many that \
+     it would take longer than the fit";
+const NOISE_ALONE: &str = "from noise alone, if this kind of surface is right";
+
+/// Points a side at which uncertainties are asked for; the coarser grid where the finer one would take too long.
+const SIDES: [usize; 2] = [25, 7];
+
+/// The view of a height field along the axes of `frame`; `fitted` is its fit, where there is one, with its input and whether
+/// its uncertainties are wanted.
+pub(super) fn height_view(
+    surface: &HeightField,
+    frame: &Frame,
+    maps: &ShapeMaps,
+    fitted: Option<(&Fit, &Input, bool)>,
+) -> SurfaceView {
+    let back = |p: Vector| if frame.keeps_axes() { p } else { frame.rotate_back(p) };
+    let (grid, points) = (&maps.grid, &maps.points);
+    let at = |(i, j): (usize, usize)| back([grid.x[i], grid.y[j], points[[i, j]].z]);
+    let knots = surface.knots();
+    let [gx, gy] = [knots[0].greville(), knots[1].greville()];
+    let net = surface.coefficients().indexed_iter().map(|((i, j), c)| back([gx[i], gy[j], *c]));
+    let (uncertainty, uncertainty_words) = uncertainty(maps, fitted);
+    let places = || maps.supported.indexed_iter().map(|(at, _)| at);
+    let value = |v: Option<f64>| v.unwrap_or(f64::NAN);
+    SurfaceView {
+        axes: ["x", "y"],
+        places: [grid.x.clone(), grid.y.clone()],
+        points: points.indexed_iter().map(|(place, _)| at(place)).collect(),
+        normals: points.iter().map(|p| back(p.normal())).collect(),
+        shape_index: places().map(|(i, j)| value(maps.shape_index_at(i, j))).collect(),
+        curvedness: places().map(|(i, j)| value(maps.curvedness_at(i, j))).collect(),
+        uncertainty,
+        uncertainty_words,
+        closed: [false; 2],
+        net: ([gx.len(), gy.len()], net.collect()),
+        contacts: fitted.map(|(_, input, _)| contacts(surface, frame, input)),
+        flat: None,
+    }
+}
+
+/// Leaves out what the contacts at these places do not surround; everything stays where nothing would be left.
+pub(super) fn leave_out_beyond(x: &[f64], y: &[f64], maps: &mut ShapeMaps) {
+    let outline = Outline::new(x, y);
+    let mut held = maps.supported.clone();
+    for ((i, j), held) in held.indexed_iter_mut() {
+        *held &= outline.holds(maps.grid.x[i], maps.grid.y[j]);
+    }
+    if held.iter().any(|held| *held) {
+        maps.supported = held;
+    }
+}
+
+fn contacts(surface: &HeightField, frame: &Frame, input: &Input) -> ContactsView {
+    let measured = if frame.keeps_axes() { "along z" } else { "along the patch's own z axis" };
+    ContactsView::new(input, measured, |_, point| {
+        let [x, y, z] = if frame.keeps_axes() { point } else { frame.rotate(point) };
+        let height = surface.at(x, y).z;
+        let foot = [x, y, height];
+        let foot = if frame.keeps_axes() { foot } else { frame.rotate_back(foot) };
+        Standing { place: [x, y], foot, residual: z - height, left_out: false }
+    })
+}
+
+type Uncertainty = (Option<[Vec<f64>; 2]>, &'static str);
+
+fn uncertainty(maps: &ShapeMaps, fitted: Option<(&Fit, &Input, bool)>) -> Uncertainty {
+    let Some((fit, _, wanted)) = fitted else { return (None, NOT_SAVED) };
+    if !wanted {
+        return (None, DECLINED);
+    }
+    let coarse = SIDES.into_iter().find_map(|side| Some((side, fit.pointwise(side)?)));
+    let Some((side, coarse)) = coarse else { return (None, TOO_LONG) };
+    let (n, m) = maps.supported.dim();
+    let share = |k: usize, count: usize| if count < 2 { 0.5 } else { k as f64 / (count - 1) as f64 };
+    let of = |values: Vec<f64>| {
+        let at = |((i, j), supported): ((usize, usize), &bool)| {
+            if *supported { between(&values, [side; 2], [share(i, n), share(j, m)]) } else { f64::NAN }
+        };
+        maps.supported.indexed_iter().map(at).collect()
+    };
+    let s = of(coarse.iter().map(|sds| sds.shape_index.unwrap_or(f64::NAN)).collect());
+    let r = of(coarse.iter().map(|sds| sds.curvedness.unwrap_or(f64::NAN)).collect());
+    (Some([s, r]), NOISE_ALONE)
+}

@@ -1,0 +1,390 @@
+//! `palpate.parts/1`: the parts of a body as a document, a table and CSV.
+//!
+//! ```text
+//! Parts, Agreement -> PartsDocument -> JSON (report/json.rs), a table; parts.csv; the picture in parts_picture.rs
+//! ```
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use serde::Serialize;
+
+use super::fold::folded;
+use super::table::significant;
+use palpate_geometry::contact::{Contacts, counted};
+use palpate_inference::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts};
+
+/// Schema name.
+pub(crate) const PARTS_SCHEMA: &str = "palpate.parts/1";
+
+/// Digits of lengths in the table.
+const DIGITS: i32 = 4;
+
+/// One part.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PartPart {
+    /// Its number.
+    pub id: usize,
+    /// Kind of primitive, or `patch`.
+    pub kind: String,
+    /// Seen from inside.
+    pub hollow: bool,
+    /// Where it lies and how large it is.
+    pub parameters: PartGeometry,
+    /// Standard uncertainties.
+    pub u: PartUncertainty,
+    /// Class by the mean S.
+    pub class: Option<String>,
+    /// Mean S.
+    #[serde(rename = "S")]
+    pub shape_index: Option<f64>,
+    /// Mean R.
+    #[serde(rename = "R")]
+    pub curvedness: f64,
+    /// Contacts.
+    pub points: usize,
+    /// Root mean square distance.
+    pub misfit: f64,
+    /// Whether the data reject it at 1 %.
+    pub rejected: Option<bool>,
+    /// Probability of so large a lack of fit by chance.
+    pub p: Option<f64>,
+    /// Root mean square of what noise does not explain.
+    pub departure: f64,
+}
+
+/// Two parts that meet.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct JointPart {
+    /// Their ids.
+    pub parts: [usize; 2],
+    /// `convex`, `concave` or `smooth`.
+    pub kind: String,
+    /// By how much the normal turns.
+    pub angle_deg: f64,
+}
+
+/// Noise as neighbourhoods show it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PartsNoisePart {
+    /// Along the normal.
+    pub distance: f64,
+    /// Of normals, in each tangent direction.
+    pub normal_deg: f64,
+}
+
+/// One true face.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct FacePart {
+    /// Its kind.
+    pub kind: String,
+    /// The part that it became, if it became one.
+    pub part: Option<usize>,
+    /// Its contacts.
+    pub contacts: usize,
+    /// Its contacts in each part; the last number counts those in none.
+    pub in_parts: Vec<usize>,
+}
+
+/// The truth of a scene beside the parts.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PartsTruthPart {
+    /// Every face that was seen.
+    pub faces: Vec<FacePart>,
+    /// Share of the contacts in the part that their face became.
+    pub right: f64,
+    /// Mean distance between found and true boundaries, in spacings.
+    pub boundary_error: Option<f64>,
+}
+
+/// The whole answer.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PartsDocument {
+    /// [`PARTS_SCHEMA`].
+    pub schema: &'static str,
+    /// File or scene.
+    pub input: String,
+    /// Contacts in all.
+    pub contacts: usize,
+    /// Median distance between neighbours.
+    pub spacing: f64,
+    /// Noise.
+    pub noise: PartsNoisePart,
+    /// Departures that were let pass while parts were looked for.
+    pub tolerance: f64,
+    /// Largest first.
+    pub parts: Vec<PartPart>,
+    /// Where they meet.
+    pub joints: Vec<JointPart>,
+    /// Contacts in no part.
+    pub unassigned: usize,
+    /// Of a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PartsTruthPart>,
+    /// What a user should know.
+    pub notes: Vec<String>,
+    /// Time taken.
+    pub seconds: f64,
+}
+
+impl PartsDocument {
+    /// From an answer; `notes` come before its own.
+    pub(crate) fn new(input: &str, found: &Parts, notes: Vec<String>, seconds: f64) -> PartsDocument {
+        PartsDocument {
+            schema: PARTS_SCHEMA,
+            input: input.into(),
+            contacts: found.labels.len(),
+            spacing: found.spacing,
+            noise: PartsNoisePart { distance: found.noise, normal_deg: found.normal_noise_deg },
+            tolerance: found.tolerance,
+            parts: found.parts.iter().map(part).collect(),
+            joints: found
+                .joints
+                .iter()
+                .map(|j| JointPart { parts: j.parts, kind: j.kind.name().into(), angle_deg: j.angle_deg })
+                .collect(),
+            unassigned: found.labels.iter().filter(|label| label.is_none()).count(),
+            truth: None,
+            notes: notes.into_iter().chain(found.notes.iter().cloned()).collect(),
+            seconds,
+        }
+    }
+
+    /// The same with the truth beside it.
+    pub(crate) fn with_truth(mut self, agreement: &Agreement, kinds: &[&str]) -> PartsDocument {
+        let face = |(k, row): (usize, &Vec<usize>)| FacePart {
+            kind: kinds.get(k).map_or(String::new(), |kind| (*kind).to_string()),
+            part: agreement.part_of_face[k],
+            contacts: row.iter().sum(),
+            in_parts: row.clone(),
+        };
+        let faces = agreement.table.iter().enumerate().map(face).filter(|face| face.contacts > 0).collect();
+        self.truth = Some(PartsTruthPart { faces, right: agreement.right, boundary_error: agreement.boundary_error });
+        self
+    }
+}
+
+fn part(part: &Part) -> PartPart {
+    PartPart {
+        id: part.id,
+        kind: part.kind.name().into(),
+        hollow: part.hollow,
+        parameters: part.geometry,
+        u: part.u,
+        class: part.class.map(|class| class.name().into()),
+        shape_index: part.shape_index,
+        curvedness: part.curvedness,
+        points: part.points,
+        misfit: part.misfit,
+        rejected: part.rejected,
+        p: part.p,
+        departure: part.departure,
+    }
+}
+
+/// A table for people: parts, joints, and the truth of a scene.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut text = format!(
+        "parts      {} of {}: {} contacts, some {} apart\n",
+        document.parts.len(),
+        document.input,
+        document.contacts,
+        significant(document.spacing, 2)
+    );
+    let _ = writeln!(
+        text,
+        "noise      {} along the normal, normals {} degrees; departures up to {} make no part of their own",
+        significant(document.noise.distance, 2),
+        significant(document.noise.normal_deg, 2),
+        significant(document.tolerance, 2)
+    );
+    let _ = writeln!(text, "{:>4}  {:<9} {:<13} {:>8}  {:<44} fit", "part", "kind", "class", "contacts", "size");
+    for part in &document.parts {
+        let class = part.class.as_deref().unwrap_or("-");
+        let kind = if part.hollow { format!("{} *", part.kind) } else { part.kind.clone() };
+        let _ = writeln!(
+            text,
+            "{:>4}  {kind:<9} {class:<13} {:>8}  {:<44} {}",
+            part.id,
+            part.points,
+            size_words(part),
+            fit_words(part)
+        );
+    }
+    if document.parts.iter().any(|part| part.hollow) {
+        text.push_str("      * seen from inside\n");
+    }
+    if document.unassigned > 0 {
+        let _ = writeln!(
+            text,
+            "{:>4}  {} in no part: off every part, and too few side by side for a part of their own",
+            "-",
+            counted(document.unassigned, "contact")
+        );
+    }
+    for joint in &document.joints {
+        let [a, b] = joint.parts;
+        let _ = writeln!(
+            text,
+            "joint      {a} and {b}: {}, the normal turns by {:.1} degrees",
+            joint.kind, joint.angle_deg
+        );
+    }
+    truth_lines(document, &mut text);
+    for note in &document.notes {
+        text.push_str(&folded(&format!("note       {note}"), Some(11)));
+    }
+    out.write_all(text.as_bytes())
+}
+
+fn truth_lines(document: &PartsDocument, text: &mut String) {
+    let Some(truth) = &document.truth else { return };
+    let boundary =
+        truth.boundary_error.map_or(String::new(), |e| format!(", boundaries {} spacings off", significant(e, 2)));
+    let _ =
+        writeln!(text, "truth      {:.2} % of the contacts in the part of their face{boundary}", 100.0 * truth.right);
+    let _ = write!(text, "           {:<16}", "true face");
+    (0..document.parts.len()).for_each(|k| {
+        let _ = write!(text, "{:>7}", format!("part {k}"));
+    });
+    let _ = writeln!(text, "{:>7}", "none");
+    for (k, face) in truth.faces.iter().enumerate() {
+        let _ = write!(text, "           {:<16}", format!("{k} {}", face.kind));
+        face.in_parts.iter().for_each(|n| {
+            let _ = write!(text, "{n:>7}");
+        });
+        text.push('\n');
+    }
+}
+
+/// `radius 5.001 +- 0.002`, and what else the kind has.
+fn size_words(part: &PartPart) -> String {
+    let (g, u) = (&part.parameters, &part.u);
+    let with = |name: &str, value: Option<f64>, u: Option<f64>| {
+        let value = value?;
+        let u = u.map_or(String::new(), |u| format!(" +- {}", significant(u, 2)));
+        Some(format!("{name} {}{u}", significant(value, DIGITS)))
+    };
+    let words: Vec<String> = [
+        with(if g.minor_radius.is_some() { "ring" } else { "radius" }, g.radius, u.radius),
+        with("tube", g.minor_radius, u.minor_radius),
+        with("half angle", g.half_angle_deg, u.half_angle_deg),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if words.is_empty()
+        && let Some([x, y, z]) = g.axis
+    {
+        return format!("normal ({x:.3}, {y:.3}, {z:.3})");
+    }
+    if !words.is_empty() {
+        return words.join(", ");
+    }
+    let of_shape = [with("S", part.shape_index, u.shape_index), with("R", Some(part.curvedness), u.curvedness)];
+    of_shape.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn fit_words(part: &PartPart) -> String {
+    let rms = format!("rms {}", significant(part.misfit, 2));
+    match part.rejected {
+        Some(true) => format!("{rms}, rejected: off by {}", significant(part.departure, 2)),
+        Some(false) => rms,
+        None if part.kind == PartKind::Patch.name() => format!("{rms}, no primitive"),
+        None => format!("{rms}, too few contacts for a test"),
+    }
+}
+
+/// `x,y,z,part`, one row a contact, the part empty where there is none.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write_parts_csv(contacts: &Contacts, found: &Parts, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut text = String::from("x,y,z,part,kind\n");
+    for (r, label) in found.labels.iter().enumerate() {
+        let _ = write!(text, "{},{},{},", contacts.x[r], contacts.y[r], contacts.z[r]);
+        match label {
+            Some(part) => {
+                let kind = found.parts.get(*part as usize).map_or("", |part| part.kind.name());
+                let _ = writeln!(text, "{part},{kind}");
+            }
+            None => text.push_str(",\n"),
+        }
+    }
+    out.write_all(text.as_bytes())
+}
+
+/// Documents in which everything is there, and in which nothing is, for the schema.
+pub(super) fn parts_samples() -> [PartsDocument; 2] {
+    let half = Some(0.5);
+    let full = PartsDocument {
+        schema: PARTS_SCHEMA,
+        input: "a scene".into(),
+        contacts: 1,
+        spacing: 0.5,
+        noise: PartsNoisePart { distance: 0.5, normal_deg: 0.5 },
+        tolerance: 0.5,
+        parts: vec![PartPart {
+            id: 0,
+            kind: "cone".into(),
+            hollow: false,
+            parameters: PartGeometry {
+                point: [0.5; 3],
+                axis: Some([0.5; 3]),
+                radius: half,
+                minor_radius: half,
+                half_angle_deg: half,
+                apex: Some([0.5; 3]),
+            },
+            u: PartUncertainty {
+                point: half,
+                axis_deg: half,
+                radius: half,
+                minor_radius: half,
+                half_angle_deg: half,
+                shape_index: half,
+                curvedness: half,
+            },
+            class: Some("ridge".into()),
+            shape_index: half,
+            curvedness: 0.5,
+            points: 1,
+            misfit: 0.5,
+            rejected: Some(false),
+            p: half,
+            departure: 0.5,
+        }],
+        joints: vec![JointPart { parts: [0, 1], kind: "convex".into(), angle_deg: 0.5 }],
+        unassigned: 0,
+        truth: Some(PartsTruthPart {
+            faces: vec![FacePart { kind: "cone".into(), part: Some(0), contacts: 1, in_parts: vec![1] }],
+            right: 0.5,
+            boundary_error: half,
+        }),
+        notes: vec!["a note".into()],
+        seconds: 0.5,
+    };
+    let mut empty = full.clone();
+    for part in &mut empty.parts {
+        part.parameters = PartGeometry { point: [0.5; 3], ..PartGeometry::default() };
+        part.u = PartUncertainty::default();
+        (part.class, part.shape_index, part.rejected, part.p) = (None, None, None, None);
+    }
+    if let Some(truth) = &mut empty.truth {
+        truth.boundary_error = None;
+        truth.faces.iter_mut().for_each(|face| face.part = None);
+    }
+    let mut without = full.clone();
+    without.truth = None;
+    without.parts = empty.parts.clone();
+    [full, without].map(|mut document| {
+        // what may be missing in one sample is missing in the other
+        if let (Some(truth), Some(emptied)) = (&mut document.truth, &empty.truth) {
+            truth.faces.extend(emptied.faces.iter().cloned());
+        }
+        document
+    })
+}

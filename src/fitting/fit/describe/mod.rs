@@ -1,0 +1,138 @@
+//! Steps 4 and 5: S and R over a grid; their means and spread, class, radius, direction, plane or not, and uncertainty.
+
+mod direction;
+mod flatness;
+mod interval;
+mod plane;
+pub(super) mod pointwise;
+pub(super) mod residuals;
+mod robust_plane;
+pub(super) mod shape;
+mod uncertainty;
+
+use ndarray::Array2;
+
+use crate::fit::reading::ModelReading;
+use crate::fit::solved::Solved;
+use crate::observation::Data;
+use direction::{Directions, directions};
+use flatness::{is_flat, plane_probability};
+use interval::{NoisePart, statistic};
+use palpate_geometry::contact::Frame;
+use palpate_geometry::curvature::ShapeClass;
+use palpate_geometry::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of};
+use palpate_geometry::surface::SurfacePoint;
+use shape::{Shape, Statistic};
+use uncertainty::Uncertainties;
+
+/// The significance at which the best plane is rejected; below it the patch is taken as a plane.
+const PLANE_SIGNIFICANCE: f64 = 0.01;
+
+/// Step 4: heights, derivatives, k1, k2, S and R over the grid of the options, in patch units.
+pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
+    let domain = [solved.patch.knots[0].domain(), solved.patch.knots[1].domain()];
+    let grid = ShapeGrid::over(domain, solved.options.grid, solved.options.inset);
+    let mut maps = solved.surface.shape_maps(grid, &solved.fitted.solution.unsupported);
+    // who names a domain asks about all of it, as streams and plans answer
+    if let (Data::Scattered { contacts, .. }, None) = (&solved.data, solved.options.domain) {
+        leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);
+    }
+    maps
+}
+
+/// Leaves out the grid points that lie outside of the contacts; all of them stay where none would be left.
+fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
+    let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| outline.holds(maps.grid.x[i], maps.grid.y[j]));
+    if held.iter().zip(&maps.supported).any(|(held, supported)| *held && *supported) {
+        maps.supported.zip_mut_with(&held, |supported, held| *supported &= held);
+    }
+}
+
+/// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units.
+pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelReading>) -> Shape {
+    let scale = solved.patch.frame.scale;
+    let s = local.spread_of_shape_index();
+    let r = local.spread_of(&local.curvedness, scale);
+    let plane_p = plane_probability(solved);
+    let is_plane = plane_p.is_some_and(|p| p > PLANE_SIGNIFICANCE) || r.mean.is_some_and(|mean| is_flat(solved, mean));
+    let u = model.map(|_| Uncertainties::new(solved, local, s.mean));
+    let [u_s, u_r] = [u.as_ref().and_then(|u| u.of_shape_index), u.as_ref().and_then(|u| u.of_curvedness)];
+    let u_s = u_s.map(|part| NoisePart { reaches: u.as_ref().and_then(|u| u.end_of_shape_index), ..part });
+    // what passes for a plane may be one: R is a length and lies above 0 by some of the noise
+    let u_r = u_r.map(|part| NoisePart { reaches: is_plane.then_some(0.0), ..part });
+    let curved = s.mean.filter(|_| !is_plane);
+    let class = curved.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
+    let level = solved.options.level;
+    let other = model.and_then(ModelReading::found);
+    let s_of_others = other.and_then(|other| other.shape_index);
+    let r_of_others = other.map(|other| other.curvedness);
+    let Directions { k1: direction_deg, axis } =
+        curved.filter(|_| model.is_some()).map_or(Directions::NONE, |_| directions(solved));
+    Shape {
+        shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, s_of_others, level, [-1.0, 1.0])),
+        curvedness: statistic(r, u_r, r_of_others, level, [0.0, f64::INFINITY]),
+        class,
+        class_probability: match (curved.zip(u_s), other) {
+            (Some(_), Some(other)) => every_class(&other.classes),
+            (Some((mean, u)), None) => class_probabilities(mean, u.u),
+            (None, _) => Vec::new(),
+        },
+        radius: r.mean.and_then(|mean| radius_of(class, mean)),
+        k1: local.spread_of(&local.k1, scale),
+        k2: local.spread_of(&local.k2, scale),
+        direction_deg,
+        axis_deg: axis.filter(|_| class.has_axis()),
+        support: s.count as f64 / local.grid.len() as f64,
+        plane_p,
+        maps: in_input_units(&solved.patch.frame, local),
+        gradients: u.map_or_else(GridGradients::unkept, |u| u.gradients),
+    }
+}
+
+/// Covariance of the noise in mean S and mean R, 1/length in input units.
+pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
+    let local = shape_over_grid(solved);
+    let gradients = GridGradients::new(&solved.surface, &local.rows);
+    let of_means = palpate_geometry::shape::mean_gradients(&solved.surface, &local, &gradients);
+    let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
+    Some(found / solved.patch.frame.scale)
+}
+
+/// Every class in the order of S, and the plane, with its probability.
+fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
+    let of = |class| found.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
+}
+
+/// Supported points of the grid with their heights, at most `most` each way: the middles of as many blocks.
+pub(super) fn places(local: &ShapeMaps, most: usize) -> Vec<[f64; 3]> {
+    let chosen = |count: usize| -> Vec<usize> {
+        let blocks = count.min(most);
+        (0..blocks).map(|k| (2 * k + 1) * count / (2 * blocks)).collect()
+    };
+    let columns = chosen(local.grid.y.len());
+    let all = chosen(local.grid.x.len()).into_iter().flat_map(|i| columns.iter().map(move |j| (i, *j)));
+    let held = all.filter(|&(i, j)| local.supported[[i, j]] && local.shape_index_at(i, j).is_some());
+    held.map(|(i, j)| [local.grid.x[i], local.grid.y[j], local.points[[i, j]].z]).collect()
+}
+
+/// Maps in input units along the frame's axes.
+fn in_input_units(frame: &Frame, local: &ShapeMaps) -> ShapeMaps {
+    let origin = if frame.keeps_axes() { frame.origin } else { frame.rotate(frame.origin) };
+    let mut maps = local.clone();
+    let place = |axis: &mut [f64], o: f64| axis.iter_mut().for_each(|v| *v = o + frame.scale * *v);
+    place(&mut maps.grid.x, origin[0]);
+    place(&mut maps.grid.y, origin[1]);
+    maps.points.mapv_inplace(|p| SurfacePoint {
+        z: origin[2] + frame.scale * p.z,
+        zx: p.zx,
+        zy: p.zy,
+        zxx: p.zxx / frame.scale,
+        zxy: p.zxy / frame.scale,
+        zyy: p.zyy / frame.scale,
+    });
+    for map in [&mut maps.k1, &mut maps.k2, &mut maps.curvedness] {
+        map.mapv_inplace(|k| k / frame.scale);
+    }
+    maps
+}

@@ -1,0 +1,299 @@
+//! Robust loss by iterative reweighting: slips and false contacts lose their weight, the pattern of the equations stays.
+//!
+//! ```text
+//! t = residual / scale        scale = 1.4826 median |r| of heights, median |r| / 1.1774 of normals (two dimensions)
+//! Huber  w = min(1, 1.345/|t|)            Tukey  w = (1 - (t/4.685)^2)^2, 0 beyond;  Tukey starts from Huber
+//! ```
+//!
+//! P. J. Huber, *Robust Statistics*, 1981; A. Beaton and J. Tukey, Technometrics 16 (1974). Both constants give 95 % of
+//! least squares' efficiency under normal noise. A contact has two weights, one for its height, one for its slopes.
+//! Where the noise sds are to be estimated, the robust scales are the estimate, because variance components count the slips.
+
+use crate::fit::noise::record::NoiseRecord;
+use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
+use crate::fit::noise::traces::hat_traces;
+use crate::fit::notes::Note;
+use crate::fit::objective::PlainFit;
+use crate::fit::objective::fitted::Fitted;
+use crate::fit::placing::Patch;
+use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
+use crate::observation::{Data, angular_residual_squared};
+use palpate_numeric::linalg::{Sites, visit_values};
+
+const HUBER: f64 = 1.345;
+const TUKEY: f64 = 4.685;
+/// Median of |N(0, 1)| is 1/1.4826.
+const OF_HEIGHTS: f64 = 1.482_6;
+/// Median length of two independent N(0, 1) is 1.17741.
+const OF_NORMALS: f64 = 1.0 / 1.177_41;
+/// Scales below this in the patch frame (where data are of size 1) are rounding.
+const NO_NOISE: f64 = 1e-13;
+/// Weights that move by less than this change S and R in the fifth digit at most; Tukey's take some 20 steps to do so.
+const CONVERGED: f64 = 1e-5;
+const MAX_STEPS: usize = 60;
+
+/// Residual sizes per site, `None` where the site has no such row.
+struct Distances {
+    z: Vec<Option<f64>>,
+    slope: Vec<Option<f64>>,
+}
+
+/// Which loss the weights are of.
+#[derive(Clone, Copy)]
+pub(in crate::fit) enum Loss {
+    Huber,
+    Tukey,
+}
+
+/// A fit whose weights have stopped moving.
+struct Reweighted {
+    fitted: Fitted,
+    /// Square roots of the weights of every site, `[heights, slopes]`.
+    weights: [Vec<f64>; 2],
+    steps: usize,
+    /// Largest move of a weight's root in the last step.
+    moved: f64,
+}
+
+/// Fits under the loss of the options.
+///
+/// # Errors
+/// Those of the plain fit.
+pub(super) fn fit_with_loss(
+    patch: &Patch,
+    data: &Data,
+    options: &FitOptions,
+    plain: PlainFit,
+) -> Result<Fitted, FitError> {
+    let start = plain(patch, data, options)?;
+    if options.robust == Robust::None {
+        return Ok(start);
+    }
+    let mut found = reweight(patch, data, options, (Loss::Huber, plain), start)?;
+    if options.robust == Robust::Tukey {
+        let steps = found.steps;
+        found = reweight(patch, data, options, (Loss::Tukey, plain), found.fitted)?;
+        found.steps += steps;
+    }
+    let Reweighted { mut fitted, weights, steps, moved } = found;
+    // these are square roots: half the weight is 0.5 in the square
+    let is_outlier = |r: usize| weights.iter().any(|w| w[r] * w[r] < 0.5);
+    let sites = (0..weights[0].len()).filter(|&r| is_outlier(r)).count();
+    fitted.notes.push(Note::Outliers { sites, steps });
+    if moved >= CONVERGED {
+        fitted.notes.push(Note::Unsettled { moved });
+    }
+    Ok(fitted)
+}
+
+/// Reweights and fits again until no weight moves.
+fn reweight(
+    patch: &Patch,
+    data: &Data,
+    options: &FitOptions,
+    (loss, plain): (Loss, PlainFit),
+    start: Fitted,
+) -> Result<Reweighted, FitError> {
+    let sites = start.equations.sites.len();
+    let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0, moved: 0.0 };
+    for step in 1..=MAX_STEPS {
+        let distances = distances(data, options, &found.fitted);
+        let scales = [scale(&distances.z, 0), scale(&distances.slope, 1)];
+        let next = [weigh(&distances.z, scales[0], loss), weigh(&distances.slope, scales[1], loss)];
+        let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
+        let moved = moves.fold(0.0_f64, f64::max);
+        let declared = with_scales(patch, data, options, scales);
+        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared);
+        let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
+        let is_last = moved < CONVERGED || step == MAX_STEPS;
+        if is_last {
+            let estimated = declared.objective != options.objective;
+            fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));
+        }
+        found = Reweighted { fitted, weights: next, steps: step, moved };
+        if is_last {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// More contacts would not help where it is the loss that has taken their weight.
+fn too_few_left(fault: FitError, loss: Loss) -> FitError {
+    match (fault, loss) {
+        (FitError::TooFew { equations, unknowns, .. }, Loss::Tukey) => FitError::Option {
+            option: "robust",
+            value: format!("tukey, which leaves {equations} equations of some weight for {unknowns} unknowns"),
+            expected: "take huber, under which every contact keeps some weight, or lower degree or segments",
+        },
+        (fault, _) => fault,
+    }
+}
+
+impl Loss {
+    /// Weight and derivative of psi = weight t at the residual t, in scales.
+    pub(in crate::fit) fn weight_and_slope(self, t: f64) -> [f64; 2] {
+        match self {
+            Loss::Huber if t <= HUBER => [1.0, 1.0],
+            Loss::Huber => [HUBER / t, 0.0],
+            Loss::Tukey if t < TUKEY => {
+                let square = (t / TUKEY).powi(2);
+                [(1.0 - square).powi(2), (1.0 - square) * (1.0 - 5.0 * square)]
+            }
+            Loss::Tukey => [0.0, 0.0],
+        }
+    }
+}
+
+/// What the residuals say of one kind of rows under a loss, by sums over its rows.
+struct LossSums {
+    /// Variance for the sandwich of weighted rows.
+    variance: f64,
+    /// By which factor the sum of weighted squares is too small for an F ratio.
+    efficiency: f64,
+    /// Degrees of freedom.
+    dof: f64,
+    /// Factor of the sd for the unknowns that the residuals have spent.
+    freedom: f64,
+}
+
+/// P. J. Huber, *Ann. Stat.* 1 (1973) 799, for one kind of rows:
+///
+/// ```text
+/// cov c = A^-1 (sum_b v_b E_b'W_b E_b) A^-1,     A = E'W E,     v = K^2 [sum psi^2/(rows - trace)] mean w/(mean psi')^2
+/// K = 1 + trace/rows var(psi')/(mean psi')^2
+/// ```
+///
+/// A normal has two rows: the mean of psi' over directions is (psi' + w)/2.
+fn loss_sums(distances: &[Option<f64>], scale: f64, loss: Loss, components: f64, trace: f64) -> LossSums {
+    let (mut count, mut sums) = (0.0, [0.0; 5]);
+    for t in distances.iter().flatten().map(|d| d / scale) {
+        let [w, slope] = loss.weight_and_slope(t);
+        let slope = if components > 1.0 { 0.5 * (slope + w) } else { slope };
+        count += 1.0;
+        [w, slope, slope * slope, (w * t).powi(2), w * t * t].iter().zip(&mut sums).for_each(|(v, sum)| *sum += v);
+    }
+    let rows = components * count;
+    let [weight, slope, slope_squares] = [0, 1, 2].map(|k| sums[k] / count);
+    let dof = rows - trace;
+    let spread = (slope_squares - slope * slope).max(0.0) / (slope * slope);
+    let correction = 1.0 + trace / rows * spread;
+    let variance = correction.powi(2) * sums[3] / dof * weight / (slope * slope);
+    LossSums {
+        variance,
+        efficiency: sums[4] / dof / variance,
+        dof: (dof * weight * MEDIAN_EFFICIENCY).max(1.0),
+        freedom: (rows / dof).sqrt(),
+    }
+}
+
+/// The noise of a reweighted fit. Scales by medians are those of residuals, which are smaller than the errors by the
+/// unknowns that they have spent; what is said of the noise is corrected for that, the weights are not.
+fn robust_noise(
+    fitted: &Fitted,
+    distances: &Distances,
+    scales: [Option<f64>; 2],
+    loss: Loss,
+    estimated: bool,
+) -> NoiseSds {
+    let mut sds = fitted.noise.sds(&fitted.equations, &fitted.solution);
+    let traces = hat_traces(&fitted.equations, &fitted.solution);
+    let squares = fitted.equations.residual_squares(&fitted.solution.coefficients);
+    let kinds = [(&distances.z, 1.0), (&distances.slope, 2.0)];
+    let mut efficiency = [0.0; 2];
+    for (b, (sizes, components)) in kinds.into_iter().enumerate() {
+        let Some(scale) = scales[b] else { continue };
+        let found = loss_sums(sizes, scale, loss, components, traces[b]);
+        // the rows need not be divided by this scale: their own sum of squares tells their unit
+        let unit = squares[b] / weighted_squares(sizes, scale, loss);
+        if !(found.variance * unit).is_finite() || found.variance <= 0.0 {
+            continue;
+        }
+        (sds.row_variances[b], sds.dof[b]) = (found.variance * unit, found.dof);
+        efficiency = [efficiency[0] + found.dof * found.efficiency, efficiency[1] + found.dof];
+        if estimated && b == 0 {
+            sds.sigma_z = sds.sigma_z.map(|sd| sd * found.freedom);
+        } else if estimated {
+            sds.sigma_normal_deg = sds.sigma_normal_deg.map(|sd| sd * found.freedom);
+            sds.sigma_slope = sds.sigma_slope.map(|sd| sd * found.freedom);
+        }
+    }
+    if efficiency[1] > 0.0 {
+        sds.efficiency = efficiency[0] / efficiency[1];
+    }
+    if estimated {
+        sds.source = NoiseSource::Estimated;
+    }
+    sds
+}
+
+fn weighted_squares(distances: &[Option<f64>], scale: f64, loss: Loss) -> f64 {
+    distances.iter().flatten().map(|d| d / scale).map(|t| loss.weight_and_slope(t)[0] * t * t).sum()
+}
+
+/// Square roots of the loss's weights; rows whose scale is zero to rounding keep their weight.
+fn weigh(distances: &[Option<f64>], scale: Option<f64>, loss: Loss) -> Vec<f64> {
+    let Some(scale) = scale else { return vec![1.0; distances.len()] };
+    let weight = |size: f64| loss.weight_and_slope(size / scale)[0];
+    distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
+}
+
+/// Robust scale of one kind of rows, 0 for heights and 1 for slopes or normals; `None` without rows, or where residuals are
+/// rounding.
+pub(in crate::fit) fn scale(distances: &[Option<f64>], kind: usize) -> Option<f64> {
+    let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
+    if sizes.is_empty() {
+        return None;
+    }
+    let middle = sizes.len() / 2;
+    let factor = if kind == 0 { OF_HEIGHTS } else { OF_NORMALS };
+    Some(factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|s| *s > NO_NOISE)
+}
+
+/// The options with the robust scales declared as noise sds, where sds were to be estimated.
+fn with_scales(patch: &Patch, data: &Data, options: &FitOptions, scales: [Option<f64>; 2]) -> FitOptions {
+    let [Some(z), Some(slope)] = scales else { return options.clone() };
+    let z = z * patch.frame.scale;
+    let normals = Objective::Normals(NormalSigma::Known { z, normal_deg: slope.to_degrees() });
+    let objective = match options.objective {
+        Objective::Auto if data.has_normals() => normals,
+        Objective::Normals(NormalSigma::Auto) => normals,
+        Objective::Auto | Objective::Slopes(SlopeWeights::Auto) => {
+            Objective::Slopes(SlopeWeights::Explicit([1.0 / z, 1.0 / slope, 1.0 / slope]))
+        }
+        declared => declared,
+    };
+    FitOptions { objective, ..options.clone() }
+}
+
+fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
+    let readings = data.readings();
+    let sites = &fitted.equations.sites;
+    let by_angle = data.has_normals() && !matches!(options.objective, Objective::Slopes(_));
+    let mut found = Distances { z: vec![None; sites.len()], slope: vec![None; sites.len()] };
+    let is_grid = sites.grid_axes().is_some();
+    // where errors in x and y make some rows worse than others, each counts in its own sd
+    let unequal = options.sigma_xy > 0.0;
+    let in_units = |distance: f64, weight: f64| if unequal { distance * weight } else { distance };
+    visit_values(sites, &fitted.solution.coefficients, |r, [s, p, q]| {
+        let (z, z_weight) = readings.height(r);
+        if z_weight != 0.0 {
+            found.z[r] = Some(in_units((z - s).abs(), z_weight));
+        }
+        if is_grid {
+            found.slope[r] = readings.slopes(r).map(|[zx, zy]| ((zx - p).powi(2) + (zy - q).powi(2)).sqrt());
+            return;
+        }
+        let measured = readings.at(r);
+        if measured.normal_weight != 0.0 {
+            let n = measured.normal;
+            let distance = if by_angle {
+                angular_residual_squared(n, p, q).sqrt()
+            } else {
+                (-n[0] / n[2] - p).hypot(-n[1] / n[2] - q)
+            };
+            found.slope[r] = Some(in_units(distance, measured.normal_weight));
+        }
+    });
+    found
+}

@@ -1,0 +1,15 @@
+//! Which contacts lie near each other, and what neighbours say of a normal.
+//!
+//! ```text
+//! tree               the k nearest of n points in O(log n)
+//! orientation        signs of normals, carried along a spanning tree of neighbours
+//! estimated_normals  the normal of the plane through the nearest contacts
+//! ```
+
+mod estimated_normals;
+mod orientation;
+mod tree;
+
+pub use estimated_normals::{NEAREST, plane_normal};
+pub use orientation::{Oriented, mean_of, oriented};
+pub use tree::Neighbours;

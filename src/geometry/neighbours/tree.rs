@@ -1,0 +1,193 @@
+//! Nearest neighbours by a k-d tree: points halved by the median of their widest direction until few are left.
+//!
+//! ```text
+//! build O(n log n)       one query O(log n) on average: a half is skipped when its plane lies beyond the k-th neighbour
+//! ```
+//!
+//! J. L. Bentley, *Commun. ACM* 18 (1975) 509. Equal distances are ordered by the point's number, so answers do not depend
+//! on how the tree happens to be cut.
+
+use std::borrow::Cow;
+
+use palpate_numeric::vector::{Vector, dot, minus};
+
+/// Points in a leaf: below this a scan is faster than another cut.
+const LEAF: usize = 12;
+
+/// A tree over points that it borrows, or owns once it is to outlive them.
+#[derive(Clone, Debug)]
+pub struct Neighbours<'a> {
+    points: Cow<'a, [Vector]>,
+    /// Numbers of the points, halves next to each other.
+    order: Vec<u32>,
+    /// Axis and place of every cut, in the order in which the halves are visited.
+    cuts: Vec<(u8, f64)>,
+}
+
+/// A neighbour: squared distance and number.
+type Near = (f64, u32);
+
+/// Up to so many neighbours are kept in order while they are found; of more, moving the rest at every find costs more than
+/// picking the nearest from a buffer now and then.
+const FEW: usize = 32;
+
+/// The nearest points that were met.
+struct Found {
+    k: usize,
+    /// The nearest `k` in order where they are few, else these and what came since they were picked.
+    near: Vec<Near>,
+    /// Length at which the nearest are picked again.
+    full: usize,
+    /// The farthest of `k` neighbours, where so many are known.
+    bound: Option<Near>,
+}
+
+impl Found {
+    fn new(k: usize) -> Found {
+        let room = if k <= FEW { k + 1 } else { k + k / 2 };
+        Found { k, near: Vec::with_capacity(room), full: k, bound: None }
+    }
+
+    fn keep(&mut self, new: Near) {
+        if self.bound.is_some_and(|bound| new >= bound) {
+            return;
+        }
+        if self.k > FEW {
+            self.near.push(new);
+            if self.near.len() >= self.full {
+                self.pick();
+            }
+            return;
+        }
+        let at = self.near.partition_point(|old| *old < new);
+        self.near.insert(at, new);
+        self.near.truncate(self.k);
+        self.bound = if self.near.len() == self.k { self.near.last().copied() } else { None };
+    }
+
+    /// Leaves the nearest `k` in the buffer.
+    fn pick(&mut self) {
+        let (_, farthest, _) = self.near.select_nth_unstable_by(self.k - 1, in_order);
+        self.bound = Some(*farthest);
+        self.near.truncate(self.k);
+        self.full = self.k + self.k / 2;
+    }
+
+    fn sorted(mut self) -> Vec<Near> {
+        if self.k > FEW {
+            if self.near.len() > self.k {
+                self.pick();
+            }
+            self.near.sort_unstable_by(in_order);
+        }
+        self.near
+    }
+}
+
+fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}
+
+impl<'a> Neighbours<'a> {
+    pub fn new(points: &'a [Vector]) -> Neighbours<'a> {
+        let mut items: Vec<(Vector, u32)> = points.iter().copied().zip(0..).collect();
+        let depth_of = |mut count: usize| {
+            let mut depth = 0;
+            while count > LEAF {
+                count = count.div_ceil(2);
+                depth += 1;
+            }
+            depth
+        };
+        let mut cuts = vec![(0, 0.0); (1 << depth_of(points.len())) - 1];
+        cut(&mut items, 0, &mut cuts);
+        let order = items.into_iter().map(|(_, number)| number).collect();
+        Neighbours { points: Cow::Borrowed(points), order, cuts }
+    }
+
+    /// The same tree with points of its own.
+    pub fn into_owned(self) -> Neighbours<'static> {
+        Neighbours { points: Cow::Owned(self.points.into_owned()), order: self.order, cuts: self.cuts }
+    }
+
+    /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
+    pub fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
+        if k == 0 {
+            return Vec::new();
+        }
+        let mut found = Found::new(k);
+        self.visit(place, 0, 0, self.order.len(), &mut found);
+        found.sorted()
+    }
+
+    /// Distance from point `number` to the nearest other point, and that point.
+    pub fn nearest_other(&self, number: usize) -> Option<(f64, usize)> {
+        let found = self.nearest(self.points[number], 2);
+        found.iter().find(|(_, other)| *other as usize != number).map(|(d, other)| (d.sqrt(), *other as usize))
+    }
+
+    fn visit(&self, place: Vector, node: usize, lo: usize, hi: usize, found: &mut Found) {
+        if node >= self.cuts.len() {
+            for &number in &self.order[lo..hi] {
+                let offset = minus(self.points[number as usize], place);
+                found.keep((dot(offset, offset), number));
+            }
+            return;
+        }
+        let (axis, at) = self.cuts[node];
+        let middle = lo + (hi - lo).div_ceil(2);
+        let beyond = place[usize::from(axis)] - at;
+        let halves = [(2 * node + 1, lo, middle), (2 * node + 2, middle, hi)];
+        let (near, far) = if beyond <= 0.0 { (halves[0], halves[1]) } else { (halves[1], halves[0]) };
+        self.visit(place, near.0, near.1, near.2, found);
+        if found.bound.is_none_or(|bound| beyond * beyond <= bound.0) {
+            self.visit(place, far.0, far.1, far.2, found);
+        }
+    }
+}
+
+/// Points move with their numbers, so that no level jumps through memory.
+fn cut(items: &mut [(Vector, u32)], node: usize, cuts: &mut [(u8, f64)]) {
+    if node >= cuts.len() {
+        return;
+    }
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (p, _) in items.iter() {
+        (0..3).for_each(|i| (lo[i], hi[i]) = (lo[i].min(p[i]), hi[i].max(p[i])));
+    }
+    let width = minus(hi, lo);
+    let axis = if width[0] >= width[1] && width[0] >= width[2] { 0 } else { 1 + usize::from(width[2] > width[1]) };
+    let middle = items.len().div_ceil(2);
+    if middle >= items.len() {
+        return;
+    }
+    items.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+    cuts[node] = (axis as u8, items[middle].0[axis]);
+    let (left, right) = items.split_at_mut(middle);
+    cut(left, 2 * node + 1, cuts);
+    cut(right, 2 * node + 2, cuts);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_finds_what_a_scan_finds() {
+        for count in [1, 2, 13, 100, 997] {
+            let points: Vec<Vector> = (0..count)
+                .map(|i| [(i as f64 * 0.37).sin(), (i as f64 * 1.71).cos(), ((i % 7) as f64 * 0.1)])
+                .collect();
+            let tree = Neighbours::new(&points);
+            for place in points.iter().step_by(11).chain([&[2.0, 0.0, -1.0]]) {
+                let mut all: Vec<Near> = (0..count as u32)
+                    .map(|i| (dot(minus(points[i as usize], *place), minus(points[i as usize], *place)), i))
+                    .collect();
+                all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                for k in [1, 9, FEW, FEW + 1, 60, 300] {
+                    assert_eq!(tree.nearest(*place, k), all[..k.min(count)]);
+                }
+            }
+        }
+    }
+}

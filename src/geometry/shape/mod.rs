@@ -1,0 +1,41 @@
+//! Shape of a patch: S and R over a grid, their means and spread, a class, a radius, and their uncertainty.
+//!
+//! ```text
+//! S_g, R_g at every grid point g that the data support     mean, sd (n - 1)
+//! u^2(mean S) = g' C g,   g = d(mean S)/dc,  C the coefficients' covariance       (delta method)
+//! P(class) = Phi((hi - mean)/u) - Phi((lo - mean)/u)
+//! ```
+//!
+//! The spread over the patch is not uncertainty: R varies over a paraboloid, for example, without any noise.
+
+mod gradient;
+#[cfg(test)]
+mod gradient_kernel;
+mod grid;
+mod grid_gradients;
+mod maps;
+mod outline;
+mod parametric_maps;
+mod plane;
+mod point_sds;
+mod repeated_gradients;
+mod summary;
+mod truth;
+mod uv_support;
+
+pub use gradient::{by_coefficients, shape_gradient};
+pub use gradient::{gap_gradient, mean_gradients, umbilic_gradients};
+pub use grid::ShapeGrid;
+pub use grid_gradients::{EightPoints, GridGradients};
+pub use maps::ShapeMaps;
+pub use maps::{Spread, spread};
+pub use outline::Outline;
+pub use parametric_maps::parametric_maps_at;
+pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
+pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub use point_sds::PointSds;
+pub use repeated_gradients::RepeatedGradients;
+pub use summary::Interval;
+pub use summary::{class_probabilities, normal_interval, radius_of};
+pub use truth::compare_with_truth;
+pub use uv_support::UvSupport;

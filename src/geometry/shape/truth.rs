@@ -1,0 +1,89 @@
+//! The fitted shape against the true one, point by point.
+//!
+//! ```text
+//! S, R          means of the truth over the points that the fit used
+//! error_S^2     mean of (S_fit - S_true)^2 over the points where both are defined, error_R likewise
+//! ```
+
+use super::ShapeMaps;
+
+/// The true shape over the points of a fit, and the error of the fit. `None` where nothing can be compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TruthComparison {
+    /// Mean true shape index.
+    pub shape_index: Option<f64>,
+    /// Mean true curvedness, 1/length.
+    pub curvedness: Option<f64>,
+    /// Pointwise rms error of S.
+    pub error_shape_index: Option<f64>,
+    /// Pointwise rms error of R, 1/length.
+    pub error_curvedness: Option<f64>,
+}
+
+/// True shape index (where defined) and curvedness at one point.
+pub(super) type TrueShapeAt = (Option<f64>, f64);
+
+/// Compares maps with `truth(x, y, z)`, which is `None` where the true surface does not reach.
+pub fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<TrueShapeAt>) -> TruthComparison {
+    let [mut s, mut r, mut error_s, mut error_r] = [Mean::default(); 4];
+    for (i, x) in maps.grid.x.iter().enumerate() {
+        for (j, y) in maps.grid.y.iter().enumerate() {
+            let Some(curvedness) = maps.curvedness_at(i, j) else { continue };
+            let Some((true_s, true_r)) = truth([*x, *y, maps.points[[i, j]].z]) else { continue };
+            r.add(true_r);
+            error_r.add((curvedness - true_r).powi(2));
+            if let (Some(found), Some(true_s)) = (maps.shape_index_at(i, j), true_s) {
+                s.add(true_s);
+                error_s.add((found - true_s).powi(2));
+            }
+        }
+    }
+    TruthComparison {
+        shape_index: s.get(),
+        curvedness: r.get(),
+        error_shape_index: error_s.get().map(f64::sqrt),
+        error_curvedness: error_r.get().map(f64::sqrt),
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    count: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1.0;
+    }
+
+    fn get(self) -> Option<f64> {
+        (self.count > 0.0).then(|| self.sum / self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::*;
+    use crate::shape::ShapeGrid;
+    use crate::surface::HeightField;
+    use palpate_numeric::bspline::Knots;
+
+    #[test]
+    fn errors_are_root_mean_squares_over_supported_points() {
+        let knots = [Knots::uniform(2, 1, 0.0, 1.0).unwrap(), Knots::uniform(2, 1, 0.0, 1.0).unwrap()];
+        let surface = HeightField::new(knots, Array2::from_shape_fn((3, 3), |(i, _)| (i as f64).powi(2))).unwrap();
+        let mut maps = surface.shape_maps(ShapeGrid::over([[0.0, 1.0]; 2], [2, 2], 0.0), &[]);
+        maps.supported[[0, 0]] = false;
+        maps.curvedness.fill(1.0);
+        let found = compare_with_truth(&maps, |[x, _, _]| Some((None, 1.0 + 3.0 * x)));
+        assert_eq!((found.shape_index, found.error_shape_index), (None, None));
+        // one supported point at x = 0 with error 0, two at x = 1 with error 3
+        assert_eq!(found.curvedness, Some(3.0));
+        assert!((found.error_curvedness.unwrap() - 6.0_f64.sqrt()).abs() < 1e-15);
+    }
+}

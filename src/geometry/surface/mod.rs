@@ -1,0 +1,15 @@
+//! The fitted surface: `S(x, y) = sum_ij c_ij N_i(x) M_j(y)`, its derivatives, tangents and unit normal.
+//!
+//! Paper Eq. 5. A height field is the map `Q(x, y) = (x, y, S(x, y))`; curvature is written for any Q
+//! ([`crate::curvature::Derivatives`]), so a [`Parametric`] surface, which may be vertical or closed, is a second type beside it.
+
+mod height_field;
+mod parametric;
+mod rows;
+#[cfg(feature = "serde")]
+mod saved;
+
+pub use height_field::{HeightField, SurfacePoint};
+pub use parametric::{Parametric, ParametricPoint};
+pub use rows::CurvatureGrid;
+pub use rows::pieces_of;

@@ -1,0 +1,255 @@
+//! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
+
+use super::cloud::Cloud;
+use super::doubt::{is_free_form, is_rejected, reach};
+use super::evidence::Cells;
+use super::exact::{Exact, simplest};
+use super::few::few;
+use super::free_form::{FreeForm, free_form};
+use super::joints::joints;
+use super::leftover::label_leftover;
+use super::local::{LocalShape, Noise};
+use super::partition::{NONE, Partition};
+use super::primitive::{MOST, PartKind, Primitive};
+use super::result::{Part, PartGeometry, PartUncertainty, Parts};
+use super::small::Square;
+use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_numeric::threads;
+use palpate_numeric::vector::{Vector, along, scaled};
+
+/// What the answer is made of.
+pub(super) struct Findings<'a> {
+    pub(super) cloud: &'a Cloud,
+    pub(super) shapes: &'a [LocalShape],
+    pub(super) noise: Noise,
+    pub(super) coarse: Noise,
+    pub(super) tolerance: f64,
+    pub(super) cells: &'a Cells,
+}
+
+impl Findings<'_> {
+    /// The whole answer.
+    pub(super) fn parts(&self, mut partition: Partition, notes: Vec<String>) -> Parts {
+        let cloud = self.cloud;
+        let exact_parts = partition.parts.len() as u32;
+        let patches = label_leftover(cloud, self.shapes, &mut partition.labels, exact_parts);
+        let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
+        let exact = threads::map(exact_parts as usize, 1, |part| {
+            let inner = partition.inner(cloud, &members[part]);
+            simplest(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
+        });
+        let few = few(cloud, &members, &exact);
+        let likely = |(k, coarse): (usize, &Primitive)| {
+            let primitive = exact[k].map_or(*coarse, |e| e.descended.primitive);
+            let [s, r] = mean_shape(cloud, &primitive, &members[k]);
+            let contradicts = few[k].as_ref().is_some_and(|few| few.contradicts(class_of(&primitive, s), r));
+            (!contradicts).then_some(primitive)
+        };
+        let surface: Vec<Option<Primitive>> = partition.parts.iter().enumerate().map(likely).collect();
+        let normal = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
+            Some(Some(primitive)) => primitive.nearest(place).1,
+            _ => cloud.normals[i],
+        };
+        let mut joints = joints(cloud, &partition.labels, normal);
+        let is_free_form = is_free_form(&exact);
+        let mut parts: Vec<Part> = members
+            .iter()
+            .enumerate()
+            .map(|(k, members)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
+                (Some(Some(primitive)), few) => {
+                    let mut part = self.primitive_part(primitive, exact[k].as_ref(), members, is_free_form);
+                    if let Some(few) = few {
+                        few.widen(cloud, part.kind, part.geometry.radius, &mut part.u);
+                    }
+                    part
+                }
+                (_, Some(few)) => Part { class: Some(few.class()), ..self.patch_part(members, Some(few.free_form())) },
+                (_, None) => self.patch_part(members, free_form(cloud, members)),
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..parts.len()).collect();
+        order.sort_by_key(|k| (std::cmp::Reverse(parts[*k].points), *k));
+        let mut number = vec![0; parts.len()];
+        order.iter().enumerate().for_each(|(id, k)| number[*k] = id);
+        parts.iter_mut().zip(&number).for_each(|(part, id)| part.id = *id);
+        parts.sort_by_key(|part| part.id);
+        for joint in &mut joints {
+            joint.parts = joint.parts.map(|k| number[k]);
+            joint.parts.sort_unstable();
+        }
+        joints.sort_by_key(|joint| joint.parts);
+        let label = |l: &u32| (*l != NONE).then(|| number[*l as usize] as u32);
+        Parts {
+            parts,
+            joints,
+            labels: partition.labels.iter().map(label).collect(),
+            spacing: cloud.spacing * cloud.scale,
+            noise: self.noise.distance * cloud.scale,
+            normal_noise_deg: self.noise.normal.to_degrees(),
+            tolerance: self.tolerance * cloud.scale,
+            notes,
+        }
+    }
+
+    fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32], free_form: bool) -> Part {
+        let cloud = self.cloud;
+        let [s, r] = mean_shape(cloud, primitive, members);
+        let mean = (primitive.kind != PartKind::Plane).then_some(s);
+        let rejected = exact.and_then(is_rejected);
+        let mut u = exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members));
+        reach(cloud, members, exact, (mean, r), free_form || rejected == Some(true), &mut u);
+        Part {
+            id: 0,
+            kind: primitive.kind,
+            hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
+            geometry: geometry(cloud, primitive),
+            u,
+            class: Some(class_of(primitive, s)),
+            shape_index: mean,
+            curvedness: r / cloud.scale,
+            points: members.len(),
+            misfit: exact.map_or(0.0, |e| e.noise.distance * cloud.scale),
+            rejected,
+            p: exact.and_then(|e| e.p),
+            departure: exact.map_or(0.0, |e| e.departure * cloud.scale),
+        }
+    }
+
+    /// By what was found of the region as a whole, else by the means over its contacts.
+    fn patch_part(&self, members: &[u32], found: Option<FreeForm>) -> Part {
+        let cloud = self.cloud;
+        let middle = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
+        let point = cloud.outside(scaled(1.0 / members.len() as f64, middle));
+        let (shape_index, curvedness, misfit) = match &found {
+            Some(f) => (f.shape_index.map(|(mean, _)| mean), f.curvedness.0, f.misfit),
+            None => self.means_over(members),
+        };
+        let u = found.map_or(PartUncertainty::default(), |f| PartUncertainty {
+            shape_index: f.shape_index.and_then(|(_, u)| u),
+            curvedness: f.curvedness.1.map(|u| u / cloud.scale),
+            ..PartUncertainty::default()
+        });
+        Part {
+            id: 0,
+            kind: PartKind::Patch,
+            hollow: false,
+            geometry: PartGeometry { point, ..PartGeometry::default() },
+            u,
+            class: shape_index.map(ShapeClass::of_shape_index),
+            shape_index,
+            curvedness: curvedness / cloud.scale,
+            points: members.len(),
+            misfit: misfit * cloud.scale,
+            rejected: None,
+            p: None,
+            departure: 0.0,
+        }
+    }
+
+    /// S, R and the median misfit as the surfaces through neighbours have them.
+    fn means_over(&self, members: &[u32]) -> (Option<f64>, f64, f64) {
+        let known: Vec<&LocalShape> = members.iter().map(|&i| &self.shapes[i as usize]).collect();
+        let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
+        let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
+        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        let mut variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
+        variances.sort_by(f64::total_cmp);
+        (mean(&of_s), mean(&of_r).unwrap_or(0.0), variances[variances.len() / 2].sqrt())
+    }
+}
+
+/// Mean S and R of a primitive over the places of its contacts, in the cloud's units.
+fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterator<Item = &'a u32>) -> [f64; 2] {
+    let (mut s_sum, mut r_sum, mut count) = (0.0, 0.0, 0.0);
+    for &i in members {
+        let [k1, k2] = primitive.curvatures(cloud.points[i as usize]);
+        s_sum += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
+        r_sum += curvedness(k1, k2);
+        count += 1.0;
+    }
+    [s_sum / count, r_sum / count]
+}
+
+/// Class of a primitive of this mean S.
+fn class_of(primitive: &Primitive, shape_index: f64) -> ShapeClass {
+    if primitive.kind == PartKind::Plane { ShapeClass::Plane } else { ShapeClass::of_shape_index(shape_index) }
+}
+
+fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); parts];
+    for (i, label) in labels.iter().enumerate().filter(|(_, l)| **l != NONE) {
+        members[*label as usize].push(i as u32);
+    }
+    members
+}
+
+/// In the input's units, with directions made unique: the largest component of an axis is positive, a cone widens along its own.
+fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
+    let [one, two] = primitive.sizes;
+    let axis = primitive.axes[2];
+    let largest = (0..3).fold(0, |best, k| if axis[k].abs() > axis[best].abs() { k } else { best });
+    let upward = if axis[largest] < 0.0 { scaled(-1.0, axis) } else { axis };
+    let point = cloud.outside(primitive.origin);
+    let length = |v: f64| Some(v * cloud.scale);
+    let base = PartGeometry { point, ..PartGeometry::default() };
+    match primitive.kind {
+        PartKind::Plane => PartGeometry { axis: Some(scaled(primitive.side, axis)), ..base },
+        PartKind::Sphere => PartGeometry { radius: length(one), ..base },
+        PartKind::Cylinder => PartGeometry { axis: Some(upward), radius: length(one), ..base },
+        PartKind::Cone => PartGeometry {
+            axis: Some(scaled(if two < 0.0 { -1.0 } else { 1.0 }, axis)),
+            radius: length(one),
+            half_angle_deg: Some(two.abs().to_degrees()),
+            apex: (two != 0.0).then(|| cloud.outside(along(primitive.origin, -one / two.tan(), axis))),
+            ..base
+        },
+        PartKind::Torus => PartGeometry { axis: Some(upward), radius: length(one), minor_radius: length(two), ..base },
+        PartKind::Patch => base,
+    }
+}
+
+fn uncertainty(cloud: &Cloud, exact: &Exact, members: &[u32]) -> PartUncertainty {
+    let Some(covariance) = exact.covariance() else { return PartUncertainty::default() };
+    let kind = exact.descended.primitive.kind;
+    let free = kind.free();
+    let sd = |k: usize| free.contains(&k).then(|| covariance[k][k].max(0.0).sqrt());
+    let length = |v: Option<f64>| v.map(|v| v * cloud.scale);
+    // one number for several directions: the root mean square
+    let joint = |of: &[usize]| {
+        let sds: Vec<f64> = of.iter().filter_map(|k| sd(*k)).collect();
+        (!sds.is_empty()).then(|| (sds.iter().map(|s| s * s).sum::<f64>() / sds.len() as f64).sqrt())
+    };
+    let [of_s, of_r] = of_shape(cloud, &exact.descended.primitive, &covariance, members);
+    PartUncertainty {
+        point: length(joint(&[0, 1, 2])),
+        axis_deg: joint(&[3, 4]).map(f64::to_degrees),
+        radius: length(sd(5)),
+        minor_radius: if kind == PartKind::Torus { length(sd(6)) } else { None },
+        half_angle_deg: if kind == PartKind::Cone { sd(6).map(f64::to_degrees) } else { None },
+        shape_index: (kind == PartKind::Torus).then_some(of_s),
+        curvedness: (kind != PartKind::Plane).then_some(of_r / cloud.scale),
+    }
+}
+
+/// Standard uncertainties of mean S and R by the delta method, with differences over a tenth of each unknown's own.
+fn of_shape(cloud: &Cloud, primitive: &Primitive, covariance: &Square<MOST>, members: &[u32]) -> [f64; 2] {
+    /// Contacts over which the means are taken; they hardly change with more.
+    const ENOUGH: usize = 200;
+    let free = primitive.kind.free();
+    let some = || members.iter().step_by(members.len().div_ceil(ENOUGH).max(1));
+    let mut gradients = [[0.0; MOST]; 2];
+    for &k in free {
+        let step = 0.1 * covariance[k][k].max(0.0).sqrt().max(f64::MIN_POSITIVE);
+        let at = |sign: f64| {
+            let mut moved = [0.0; MOST];
+            moved[k] = sign * step;
+            mean_shape(cloud, &primitive.moved(&moved), some())
+        };
+        let (plus, minus) = (at(1.0), at(-1.0));
+        (0..2).for_each(|n| gradients[n][k] = (plus[n] - minus[n]) / (2.0 * step));
+    }
+    gradients.map(|g| {
+        let square = free.iter().flat_map(|&i| free.iter().map(move |&j| g[i] * covariance[i][j] * g[j])).sum::<f64>();
+        square.max(0.0).sqrt()
+    })
+}

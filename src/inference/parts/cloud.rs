@@ -1,0 +1,87 @@
+//! The contacts as a segmentation sees them: in units of their own size about their own centre, each with its neighbours.
+//!
+//! ```text
+//! p <- (p - mean) / s,  s = rms distance from the mean        spacing = median distance to the nearest other point
+//! ```
+//!
+//! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
+
+use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::threads;
+use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
+
+/// Neighbours of a point, nearest first, itself left out. Local surfaces of six unknowns take them all: with 3 rows each, a
+/// tenth of the rows is spent on unknowns; more would reach across small features.
+pub(super) const NEAREST: usize = 20;
+
+/// The nearest of them, along which regions grow and labels agree.
+pub(super) const LINKED: usize = 8;
+
+/// Fewest points of a cloud: the neighbours of one, and it.
+pub(super) const FEWEST: usize = NEAREST + 4;
+
+/// Points with unit normals and their neighbours.
+#[derive(Clone, Debug)]
+pub(super) struct Cloud {
+    pub(super) points: Vec<Vector>,
+    pub(super) normals: Vec<Vector>,
+    neighbours: Vec<u32>,
+    /// Median distance between nearest neighbours.
+    pub(super) spacing: f64,
+    /// What one unit here is in the input.
+    pub(super) scale: f64,
+    pub(super) centre: Vector,
+}
+
+/// Points in units of their size about their centre, that centre and that size; `None` where all points are one.
+pub(super) fn framed(points: &[Vector]) -> Option<(Vec<Vector>, Vector, f64)> {
+    let count = points.len() as f64;
+    let first = points[0];
+    let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
+    let centre = along(first, 1.0 / count, sum);
+    let square = |p: &Vector| dot(minus(*p, centre), minus(*p, centre));
+    let scale = (points.iter().map(square).sum::<f64>() / count).sqrt();
+    let is_sound = scale > 0.0 && scale.is_finite();
+    is_sound.then(|| (points.iter().map(|p| scaled(1.0 / scale, minus(*p, centre))).collect(), centre, scale))
+}
+
+impl Cloud {
+    /// From points and unit normals in the input's units; `None` where all points are one.
+    pub(super) fn new(points: &[Vector], normals: Vec<Vector>) -> Option<Cloud> {
+        let (points, centre, scale) = framed(points)?;
+        let tree = Neighbours::new(&points);
+        let of = |i: usize| -> ([u32; NEAREST], f64) {
+            let found = tree.nearest(points[i], NEAREST + 1);
+            let others = found.iter().filter(|(_, j)| *j as usize != i);
+            let mut list = [i as u32; NEAREST];
+            list.iter_mut().zip(others.clone()).for_each(|(place, (_, j))| *place = *j);
+            (list, others.clone().next().map_or(0.0, |(d, _)| d.sqrt()))
+        };
+        let found = threads::map(points.len(), 256, of);
+        let mut nearest: Vec<f64> = found.iter().map(|(_, distance)| *distance).collect();
+        let middle = nearest.len() / 2;
+        let (_, spacing, _) = nearest.select_nth_unstable_by(middle, f64::total_cmp);
+        let spacing = *spacing;
+        let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
+        Some(Cloud { points, normals, neighbours, spacing, scale, centre })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The neighbours of point `i`, nearest first.
+    pub(super) fn near(&self, i: usize) -> &[u32] {
+        &self.neighbours[i * NEAREST..(i + 1) * NEAREST]
+    }
+
+    /// The nearest of them.
+    pub(super) fn linked(&self, i: usize) -> &[u32] {
+        &self.near(i)[..LINKED]
+    }
+
+    /// A point in the input's units.
+    pub(super) fn outside(&self, p: Vector) -> Vector {
+        along(self.centre, self.scale, p)
+    }
+}

@@ -1,0 +1,284 @@
+//! Least squares of a primitive through points and normals, by Levenberg's and Marquardt's damping.
+//!
+//! ```text
+//! minimise  sum_i (d(p_i) / u_d)^2 + |n(p_i) - n_i|^2 / u_n^2        4 rows a point, at most 7 unknowns
+//! by tau    -g / u_d                     -s H / u_n                        g = grad d, H its Hessian, s the free side
+//! by omega  -(q x g) / u_d               (-s H (e_j x q) + e_j x m) / u_n  m = n_i in the primitive's axes
+//! by sizes  d by_size / u_d              s g by_size / u_n
+//! ```
+//!
+//! Rows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
+//! 11 (1963) 431.
+
+use super::primitive::{At, MOST, Primitive};
+use super::small::{Square, cholesky, inverse, solve};
+use palpate_numeric::vector::{Vector, along, cross, dot};
+
+/// Most steps; from a start of the right kind six to ten are enough.
+const STEPS: usize = 40;
+
+/// A step that lowers the sum by less than this share ends the descent.
+const SETTLED: f64 = 1e-10;
+
+/// Points with normals, and how far each is off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample<'a> {
+    pub(super) points: &'a [Vector],
+    pub(super) normals: &'a [Vector],
+    /// Standard deviation of a distance.
+    pub(super) u_distance: f64,
+    /// Standard deviation of a normal per tangent axis, radians.
+    pub(super) u_normal: f64,
+}
+
+/// A primitive at its minimum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Descended {
+    pub(super) primitive: Primitive,
+    /// The sum of squares.
+    pub(super) sum: f64,
+    /// The normal matrix, by the unknowns that are free; ones on the diagonal of the others.
+    pub(super) matrix: Square<MOST>,
+}
+
+impl Descended {
+    /// Covariance of the unknowns; `None` where the points leave one open.
+    pub(super) fn covariance(&self) -> Option<Square<MOST>> {
+        let scale: [f64; MOST] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST> =
+            std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j] / (scale[i] * scale[j])));
+        let mut covariance = inverse(&cholesky(&scaled)?);
+        let free = self.primitive.kind.free();
+        for i in 0..MOST {
+            for j in 0..MOST {
+                let both = free.contains(&i) && free.contains(&j);
+                covariance[i][j] = if both { covariance[i][j] / (scale[i] * scale[j]) } else { 0.0 };
+            }
+        }
+        Some(covariance)
+    }
+}
+
+/// The rows of one point: residual and derivatives by all unknowns, the distance's first, then the normal's three.
+pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST]); 4] {
+    let q = primitive.own(p);
+    let m = primitive.axes.map(|axis| dot(axis, n));
+    let at = primitive.at(q);
+    let s = primitive.side;
+    let mut all = [(0.0, [0.0; MOST]); 4];
+    all[0] = (at.distance, distance_row(&at, q));
+    for (row, entry) in all.iter_mut().enumerate().skip(1) {
+        let k = row - 1;
+        entry.0 = s * at.gradient[k] - m[k];
+        (0..3).for_each(|j| entry.1[j] = -s * at.hessian[k][j]);
+        for j in 0..2 {
+            let mut e = [0.0; 3];
+            e[j] = 1.0;
+            entry.1[3 + j] = -s * dot(at.hessian[k], cross(e, q)) + cross(e, m)[k];
+            entry.1[5 + j] = s * at.gradient_by_size[j][k];
+        }
+    }
+    all
+}
+
+fn distance_row(at: &At, q: Vector) -> [f64; MOST] {
+    let g = at.gradient;
+    let turn = cross(q, g);
+    [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1]]
+}
+
+/// How many of the unknowns the distances determine; the normals determine the rest: the trace of the hat matrix over the rows
+/// of distances. `None` where the points leave an unknown open.
+pub(super) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f64> {
+    let covariance = found.covariance()?;
+    let free = found.primitive.kind.free();
+    let mut matrix = [[0.0; MOST]; MOST];
+    for p in sample.points {
+        let q = found.primitive.own(*p);
+        let row = distance_row(&found.primitive.at(q), q);
+        free.iter().for_each(|&i| free.iter().for_each(|&j| matrix[i][j] += row[i] * row[j]));
+    }
+    let trace: f64 = free
+        .iter()
+        .flat_map(|&i| free.iter().map(move |&j| (i, j)))
+        .map(|(i, j)| matrix[i][j] * covariance[j][i])
+        .sum();
+    Some((trace / sample.u_distance.powi(2)).clamp(0.0, free.len() as f64))
+}
+
+/// The sum of squares alone.
+pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
+    let one = |(p, n): (&Vector, &Vector)| {
+        let (d, normal) = primitive.nearest(*p);
+        let off = along(normal, -1.0, *n);
+        (d / sample.u_distance).powi(2) + dot(off, off) / sample.u_normal.powi(2)
+    };
+    sample.points.iter().zip(sample.normals).map(one).sum()
+}
+
+/// Normal matrix, gradient and sum of squares.
+fn equations(primitive: &Primitive, sample: &Sample) -> (Square<MOST>, [f64; MOST], f64) {
+    let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST]; MOST], [0.0; MOST], 0.0);
+    let free = primitive.kind.free();
+    let weights = [sample.u_distance.powi(-2), sample.u_normal.powi(-2)];
+    for (p, n) in sample.points.iter().zip(sample.normals) {
+        for (number, (residual, row)) in rows(primitive, *p, *n).into_iter().enumerate() {
+            let weight = weights[usize::from(number > 0)];
+            sum += weight * residual * residual;
+            for (k, &i) in free.iter().enumerate() {
+                let heavy = weight * row[i];
+                gradient[i] += heavy * residual;
+                free[..=k].iter().for_each(|&j| matrix[i][j] += heavy * row[j]);
+            }
+        }
+    }
+    for i in 0..MOST {
+        (0..i).for_each(|j| matrix[j][i] = matrix[i][j]);
+        if !free.contains(&i) {
+            matrix[i][i] = 1.0;
+        }
+    }
+    (matrix, gradient, sum)
+}
+
+/// Descends from `start`; `None` where the points do not determine this kind of primitive.
+pub(super) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
+    let count = sample.points.len() as f64;
+    let sum_of = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, *p));
+    let centre = sum_of.map(|v| v / count);
+    let mut primitive = start.about(centre);
+    let (mut matrix, mut gradient, mut sum) = equations(&primitive, sample);
+    let mut damping = 1e-3;
+    for _ in 0..STEPS {
+        if !sum.is_finite() {
+            return None;
+        }
+        let mut damped = matrix;
+        (0..MOST).for_each(|i| damped[i][i] *= 1.0 + damping);
+        let scale: [f64; MOST] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST> =
+            std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
+        let Some(lower) = cholesky(&scaled) else {
+            damping *= 10.0;
+            continue;
+        };
+        let step = solve(&lower, std::array::from_fn(|i| -gradient[i] / scale[i]));
+        let next = primitive.moved(&std::array::from_fn(|i| step[i] / scale[i])).about(centre);
+        let (next_matrix, next_gradient, next_sum) = equations(&next, sample);
+        if next_sum < sum {
+            let settled = sum - next_sum <= SETTLED * sum;
+            (primitive, matrix, gradient, sum) = (next, next_matrix, next_gradient, next_sum);
+            damping = (0.2 * damping).max(1e-12);
+            if settled {
+                break;
+            }
+        } else {
+            // at the minimum nothing is lower by rounding
+            if next_sum <= sum * (1.0 + 1e-12) || damping > 1e8 {
+                break;
+            }
+            damping *= 10.0;
+        }
+    }
+    Some(Descended { primitive, sum, matrix })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::primitive::{PartKind, axes_along};
+    use palpate_numeric::vector::{norm, unit};
+
+    fn primitive(kind: PartKind) -> Primitive {
+        let sizes = match kind {
+            PartKind::Cone => [2.0, 0.4],
+            PartKind::Torus => [3.0, 0.8],
+            _ => [2.0, 0.0],
+        };
+        Primitive { kind, origin: [0.3, -0.2, 0.5], axes: axes_along(unit([1.0, 2.0, -0.5])), sizes, side: -1.0 }
+    }
+
+    const PLACES: [Vector; 3] = [[2.1, 0.4, -0.6], [-1.2, 1.9, 2.2], [0.2, -2.4, 1.1]];
+
+    /// Central differences of the residuals by every unknown, through the step that the descent takes.
+    #[test]
+    fn every_derivative_is_that_of_finite_differences() {
+        const STEP: f64 = 1e-6;
+        for kind in PartKind::EXACT {
+            let at = primitive(kind);
+            let normal = unit([0.2, -0.7, 0.4]);
+            for place in PLACES {
+                let row = rows(&at, place, normal);
+                for &unknown in kind.free() {
+                    let residual = |sign: f64| {
+                        let mut step = [0.0; MOST];
+                        step[unknown] = sign * STEP;
+                        rows(&at.moved(&step), place, normal).map(|(residual, _)| residual)
+                    };
+                    let (plus, minus) = (residual(1.0), residual(-1.0));
+                    for k in 0..4 {
+                        let difference = (plus[k] - minus[k]) / (2.0 * STEP);
+                        let error = (difference - row[k].1[unknown]).abs();
+                        assert!(
+                            error < 1e-7,
+                            "{kind:?}, row {k}, unknown {unknown}: {difference} {}",
+                            row[k].1[unknown]
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_the_normal_and_has_length_one() {
+        for kind in PartKind::EXACT {
+            let at = primitive(kind);
+            for place in PLACES {
+                let (_, normal) = at.nearest(place);
+                assert!((norm(normal) - 1.0).abs() < 1e-14);
+                for k in 0..3 {
+                    let along_axis = |sign: f64| {
+                        let mut moved = place;
+                        moved[k] += sign * 1e-6;
+                        at.nearest(moved).0
+                    };
+                    assert!(((along_axis(1.0) - along_axis(-1.0)) / 2e-6 - normal[k]).abs() < 1e-8, "{kind:?}");
+                }
+            }
+        }
+    }
+
+    /// Exact points of a primitive, started a little off, come back to its sizes.
+    #[test]
+    fn a_descent_finds_the_sizes_that_made_the_points() {
+        for kind in PartKind::EXACT {
+            let truth = primitive(kind);
+            let mut points = Vec::new();
+            let mut normals = Vec::new();
+            for k in 0..60 {
+                let (a, b) = (0.11 * f64::from(k), (0.618 * f64::from(k)).fract() - 0.5);
+                let mut place = [4.0 * a.cos(), 4.0 * a.sin(), 3.0 * b];
+                // onto the surface along the normal
+                for _ in 0..3 {
+                    let world = along(truth.origin, 1.0, truth.out(place));
+                    let (d, normal) = truth.nearest(world);
+                    let on = along(world, -d, normal);
+                    place = truth.own(on);
+                }
+                let world = along(truth.origin, 1.0, truth.out(place));
+                points.push(world);
+                normals.push(truth.nearest(world).1);
+            }
+            let sample = Sample { points: &points, normals: &normals, u_distance: 0.01, u_normal: 0.01 };
+            let start = truth.moved(&[0.02, -0.03, 0.02, 0.01, -0.02, 0.03, 0.01]);
+            let found = descend(&start, &sample).unwrap();
+            assert!(found.sum < 1e-12, "{kind:?}: {}", found.sum);
+            if !matches!(kind, PartKind::Plane | PartKind::Cone) {
+                assert!((found.primitive.sizes[0] - truth.sizes[0]).abs() < 1e-8, "{kind:?}");
+            }
+            assert!(kind != PartKind::Cone || (found.primitive.sizes[1] - truth.sizes[1]).abs() < 1e-8);
+            assert!(found.covariance().is_some());
+        }
+    }
+}

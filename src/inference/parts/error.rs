@@ -1,0 +1,46 @@
+//! Why a cloud cannot be cut into parts, with what would help.
+
+use palpate_geometry::contact::{ContactError, counted};
+
+/// A cloud that has no parts to tell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartsError {
+    /// The contacts themselves are faulty.
+    #[error(transparent)]
+    Contacts(#[from] ContactError),
+    /// Too few contacts.
+    #[error(
+        "{} cannot be cut into parts: each part is judged by the neighbourhoods of its contacts, which takes at least {needed}; \
+         touch more densely, or describe the whole by one surface",
+        counted(*contacts, "contact")
+    )]
+    TooFew {
+        /// Those that are there.
+        contacts: usize,
+        /// Those that it takes.
+        needed: usize,
+    },
+    /// All contacts lie in one place, or so far apart that their distances overflow.
+    #[error("the contacts have no extent: they lie in one place, or their distances overflow")]
+    NoExtent,
+    /// Neighbouring normals have nothing to do with each other.
+    #[error(
+        "neighbouring normals agree in {percent:.0} % of the pairs only, so they are no normals of a surface; leave them out, and they are \
+         estimated from the positions"
+    )]
+    Normals {
+        /// Pairs of nearest neighbours that are parallel up to 45 degrees, either way.
+        percent: f64,
+    },
+    /// An option is out of its range.
+    #[error("{option} = {value}: {expected}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+}

@@ -1,0 +1,271 @@
+//! Each part fitted to all its inner points, with the noise that they show, uncertainties, and whether the data reject it.
+//!
+//! ```text
+//! u_d^2 = sum d^2 / (n - t),  u_n^2 = sum |n - n_i|^2 / (2 n - unknowns + t)       t = trace of the distances' hat matrix
+//! covariance = C_jk sqrt(f_j f_k)          C = (J' W J)^-1,  f_k = variance of sum_i h_ik over cells / variance of independent ones
+//!              h_i = C J_i' W r_i          what contact i moves the unknowns by; f_k = 1 unless neighbours share errors
+//! F = (between / (cells - t)) / (within / (points - cells))
+//!     between = sum_c n_c mean_c(d)^2,  within = sum_c sum_i (d_i - mean_c)^2          cells of some 12 neighbouring points
+//! ```
+//!
+//! Points of one cell are near-replicates: whatever the true surface is, it hardly varies within a cell, so that the scatter
+//! there is noise and the means beyond noise are lack of fit. A scanner's error that neighbours share is lack of fit, too, and
+//! the parameters are then as uncertain as so few independent errors leave them. The half angle of a pipe is told by its
+//! normals, and errors that these share count for it however independent the distances are. N. R. Draper and H. Smith, *Applied
+//! Regression Analysis*, section 2.1; the covariance is that of K.-Y. Liang and S. L. Zeger, *Biometrika* 73 (1986) 13.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::cloud::{Cloud, FEWEST, LINKED};
+use super::descent::{Descended, Sample, rows, share_of_distances};
+use super::evidence::Cells;
+use super::hypothesis::{CAP, cost, sampled};
+use super::local::{Noise, ROUNDING};
+use super::partition::exact;
+use super::primitive::{MOST, PartKind, Primitive};
+use super::small::Square;
+use palpate_numeric::vector::{dot, minus};
+
+/// Points of a cell besides its first.
+const CELL: usize = 11;
+
+/// Below this probability the data reject the primitive. One true primitive in a hundred is then rejected by chance.
+pub(super) const REJECTED: f64 = 0.01;
+
+/// Half angles within so many uncertainties of zero are those of cylinders: an interval of 95 % holds zero.
+const LIKELY: f64 = 1.96;
+
+/// A part's primitive at the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exact {
+    pub(super) descended: Descended,
+    /// The noise that its inner points show.
+    pub(super) noise: Noise,
+    /// Probability of so large a lack of fit by chance; `None` with too few cells.
+    pub(super) p: Option<f64>,
+    /// Root mean square of what noise does not explain, along the normal.
+    pub(super) departure: f64,
+    /// By how much shared errors widen the variance of every unknown.
+    shared: [f64; MOST],
+}
+
+impl Exact {
+    /// Covariance of the unknowns; `None` where the points leave one open.
+    pub(super) fn covariance(&self) -> Option<Square<MOST>> {
+        let independent = self.descended.covariance()?;
+        let wider = |i: usize, j: usize| independent[i][j] * (self.shared[i] * self.shared[j]).sqrt();
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| wider(i, j))))
+    }
+
+    /// Whether this is a cone whose half angle may as well be zero.
+    fn may_be_cylinder(&self) -> bool {
+        let angle = self.descended.primitive.sizes[1];
+        let is_cone = self.descended.primitive.kind == PartKind::Cone;
+        is_cone && self.covariance().is_none_or(|covariance| angle.powi(2) < LIKELY.powi(2) * covariance[6][6])
+    }
+}
+
+/// The simplest primitive of the part: a cone whose half angle's interval holds zero is a cylinder.
+pub(super) fn simplest(
+    cloud: &Cloud,
+    inner: &[u32],
+    start: &Primitive,
+    coarse: &Noise,
+    cells: &Cells,
+) -> Option<Exact> {
+    let found = fitted(cloud, inner, start, coarse, cells)?;
+    if !found.may_be_cylinder() {
+        return Some(found);
+    }
+    let cone = found.descended.primitive;
+    let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0], ..cone };
+    fitted(cloud, inner, &cylinder, coarse, cells).or(Some(found))
+}
+
+/// Fits until the noise has settled, to the points that the primitive explains.
+fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise, cells: &Cells) -> Option<Exact> {
+    let mut noise = *coarse;
+    let mut kept = explained(cloud, inner, start, coarse);
+    let mut descended = exact(cloud, &kept, start, &noise)?;
+    for _ in 0..4 {
+        kept = explained(cloud, inner, &descended.primitive, coarse);
+        let next = noise_of(cloud, &kept, &descended, &noise);
+        let settled = (next.distance / noise.distance - 1.0).abs().max((next.normal / noise.normal - 1.0).abs()) < 1e-4;
+        noise = next;
+        descended = exact(cloud, &kept, &descended.primitive, &noise)?;
+        if settled {
+            break;
+        }
+    }
+    let inner = &kept;
+    let share = share(cloud, inner, &descended, &noise);
+    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
+    let shared = shared(cloud, inner, &descended, &noise, cells);
+    Some(Exact { descended, noise, p, departure, shared })
+}
+
+/// By how much shared errors widen the variance of every unknown: through what each contact moves it by.
+fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, cells: &Cells) -> [f64; MOST] {
+    let Some(covariance) = descended.covariance() else { return [1.0; MOST] };
+    let free = descended.primitive.kind.free();
+    let weights = [noise.distance.powi(-2), noise.normal.powi(-2)];
+    let mut moves: [Vec<(u32, f64)>; MOST] = Default::default();
+    for &i in inner {
+        let mut pull = [0.0; MOST];
+        let rows = rows(&descended.primitive, cloud.points[i as usize], cloud.normals[i as usize]);
+        for (number, (residual, row)) in rows.into_iter().enumerate() {
+            let heavy = weights[usize::from(number > 0)] * residual;
+            free.iter().for_each(|&k| pull[k] += heavy * row[k]);
+        }
+        for &k in free {
+            moves[k].push((i, free.iter().map(|&j| covariance[k][j] * pull[j]).sum()));
+        }
+    }
+    std::array::from_fn(|k| cells.shared(&moves[k], free.len()))
+}
+
+/// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
+/// cone's top turn its half angle by five uncertainties.
+fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
+    let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
+    let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
+    if kept.len() >= FEWEST { kept } else { inner.to_vec() }
+}
+
+/// The unknowns that the distances determine.
+fn share(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise) -> f64 {
+    let (points, normals) = sampled(cloud, inner, usize::MAX);
+    let sample = Sample { points: &points, normals: &normals, u_distance: noise.distance, u_normal: noise.normal };
+    share_of_distances(descended, &sample).unwrap_or(descended.primitive.kind.free().len() as f64)
+}
+
+/// Two variance components; the unknowns are shared out as the rows determine them under the noise `before`.
+fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise) -> Noise {
+    let primitive = &descended.primitive;
+    let (mut distances, mut normals) = (0.0, 0.0);
+    for &i in inner {
+        let (d, normal) = primitive.nearest(cloud.points[i as usize]);
+        let off = minus(normal, cloud.normals[i as usize]);
+        distances += d * d;
+        normals += dot(off, off);
+    }
+    let unknowns = primitive.kind.free().len() as f64;
+    let count = inner.len() as f64;
+    let share = share(cloud, inner, descended, before);
+    // a normal has two rows: the third is along the normal itself
+    Noise {
+        distance: (distances / (count - share).max(1.0)).sqrt().max(ROUNDING),
+        normal: (normals / (2.0 * count - unknowns + share).max(1.0)).sqrt().max(ROUNDING),
+    }
+}
+
+/// The probability of F, and the departure.
+fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive, share: f64) -> (Option<f64>, f64) {
+    let distance = |i: u32| primitive.nearest(cloud.points[i as usize]).0;
+    let (mut between, mut within, mut cells, mut points) = (0.0, 0.0, 0.0, 0.0);
+    for cell in cells_of(cloud, inner) {
+        let values: Vec<f64> = cell.iter().map(|&i| distance(i)).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        between += count * mean * mean;
+        within += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        cells += 1.0;
+        points += count;
+    }
+    let (upper, lower) = (cells - share, points - cells);
+    if upper < 3.0 || lower < 3.0 {
+        return (None, 0.0);
+    }
+    let (mean_between, mean_within) = (between / upper, within / lower);
+    if mean_within.sqrt() <= ROUNDING {
+        // no noise at all: whatever is left is rounding, or a misfit that needs no statistics
+        let rejected = mean_between.sqrt() > 100.0 * ROUNDING;
+        return (Some(if rejected { 0.0 } else { 1.0 }), (between / points).sqrt());
+    }
+    let p = FisherSnedecor::new(upper, lower).map(|law| law.sf(mean_between / mean_within)).ok();
+    (p.filter(|p| p.is_finite()), ((between - upper * mean_within).max(0.0) / points).sqrt())
+}
+
+/// Neighbouring points in cells, every inner point in one; cells of fewer than 4 are left out.
+fn cells_of(cloud: &Cloud, inner: &[u32]) -> Vec<Vec<u32>> {
+    let mut free = vec![false; cloud.len()];
+    inner.iter().for_each(|&i| free[i as usize] = true);
+    let mut cells = Vec::new();
+    // along the axes the walk is even, whatever the order of the file
+    for &first in inner {
+        if !free[first as usize] {
+            continue;
+        }
+        free[first as usize] = false;
+        let mut cell = vec![first];
+        for &j in cloud.near(first as usize).iter().take(LINKED + CELL) {
+            if free[j as usize] && cell.len() <= CELL {
+                free[j as usize] = false;
+                cell.push(j);
+            }
+        }
+        if cell.len() >= 4 {
+            cells.push(cell);
+        }
+    }
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::hypothesis::{descended, extent};
+    use palpate_numeric::draws::EffectDraws;
+
+    /// Contacts each way, contacts of a side of the squares that share an error, and radius at the middle in spacings.
+    const SIDE: u32 = 30;
+    const SQUARE: u32 = 6;
+    const RADIUS: f64 = 12.0;
+
+    /// A body that widens by this angle, touched over 140 degrees of its round: places are off by 0.3, so that normals tell the
+    /// angle; every normal is off by 0.01, and those of a square lean together by `shared` along the axis.
+    fn touched(half_angle: f64, shared: f64) -> Cloud {
+        let draws = EffectDraws::new(5, "exact");
+        let contact = |k: u32| {
+            let [i, j] = [k % SIDE, k / SIDE];
+            let (mut own, mut common) = ([0.0; 4], [0.0; 1]);
+            draws.gaussians(1, u64::from(k), 4, &mut own);
+            draws.gaussians(2, u64::from(i / SQUARE + SIDE * (j / SQUARE)), 1, &mut common);
+            let turn = 140_f64.to_radians() * (f64::from(i) / f64::from(SIDE - 1) - 0.5);
+            let along = f64::from(j) - 0.5 * f64::from(SIDE - 1);
+            let radius = RADIUS + along * half_angle.tan() + 0.3 * own[0];
+            let lean = half_angle.tan() + shared * common[0];
+            let normal = [turn.sin() + 0.01 * own[1], 0.01 * own[2] - lean, turn.cos() + 0.01 * own[3]];
+            ([radius * turn.sin(), along, radius * turn.cos()], palpate_numeric::vector::unit(normal))
+        };
+        let (points, normals): (Vec<_>, Vec<_>) = (0..SIDE * SIDE).map(contact).unzip();
+        Cloud::new(&points, normals).unwrap()
+    }
+
+    fn found(cloud: &Cloud, simple: bool) -> Exact {
+        let members: Vec<u32> = (0..cloud.len() as u32).collect();
+        let (points, normals) = sampled(cloud, &members, usize::MAX);
+        let sample = Sample { points: &points, normals: &normals, u_distance: 0.002, u_normal: 0.02 };
+        let cone = descended(PartKind::Cone, &sample, &[], extent(&points)).unwrap().primitive;
+        let (coarse, cells) = (Noise { distance: 0.1, normal: 0.3 }, Cells::new(cloud));
+        let fit = if simple { simplest } else { fitted };
+        fit(cloud, &members, &cone, &coarse, &cells).unwrap()
+    }
+
+    #[test]
+    fn a_cone_whose_half_angle_may_be_zero_is_a_cylinder() {
+        let kind = |cloud: &Cloud| found(cloud, true).descended.primitive.kind;
+        assert_eq!(kind(&touched(0.0, 0.0)), PartKind::Cylinder);
+        assert_eq!(kind(&touched(0.1, 0.0)), PartKind::Cone);
+        assert_eq!(kind(&touched(0.0, 0.03)), PartKind::Cylinder);
+    }
+
+    /// Independent errors of normals turn a half angle by 0.0003, those of 25 squares by up to 0.03/5.
+    #[test]
+    fn errors_that_neighbours_share_widen_what_they_turn() {
+        let sd = |shared: f64| found(&touched(0.2, shared), false).covariance().unwrap()[6][6].sqrt();
+        let [alone, together] = [sd(0.0), sd(0.03)];
+        assert!(alone < 0.001, "{alone}");
+        assert!(together > 4.0 * alone && together < 0.02, "{alone} {together}");
+    }
+}

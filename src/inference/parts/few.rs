@@ -1,0 +1,136 @@
+//! What touches tell that are too few for a test of any primitive: the answer of the recognition, which knows of errors that
+//! neighbours share.
+//!
+//! ```text
+//! asked where no part of the cloud has cells enough for a test of its lack of fit (`exact.rs`)
+//! P(class of the primitive | contacts) >= P(likeliest class) / 2      the primitive stays; u(S), u(R), u(radius)/radius are at least
+//! and its R in the interval of R                                      u(S), u(R), u(R)/R of the recognition
+//! else                                                                a patch with S, R and u of the recognition
+//! ```
+//!
+//! Twenty-nine touches of a ball by a tactile sensor whose slopes are wrong by 0.09 fit a blunt cone best, with a radius that is
+//! off by 240 times its u (`benches/runs/scans.md`). A cloud with tested parts judges its small ones by the others (`doubt.rs`).
+
+use super::cloud::Cloud;
+use super::exact::Exact;
+use super::free_form::FreeForm;
+use super::hypothesis::sampled;
+use super::primitive::PartKind;
+use super::result::PartUncertainty;
+use crate::recognition::{Recognition, RecognitionOptions};
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::curvature::ShapeClass;
+
+/// A class at least so likely, beside the likeliest, is not contradicted. Touches that leave open whether a ridge is a dome
+/// give both some half.
+const OPEN: f64 = 0.5;
+
+/// What the recognition says of the members of one part.
+#[derive(Clone, Debug)]
+pub(super) struct Few {
+    found: Recognition,
+}
+
+/// Of every part, where none of the cloud's primitives could be tested.
+pub(super) fn few(cloud: &Cloud, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
+    let tested = exact.iter().flatten().any(|e| e.p.is_some());
+    let asked = |k: usize| if tested { None } else { Few::of(cloud, &members[k]) };
+    (0..exact.len()).map(asked).collect()
+}
+
+impl Few {
+    /// `None` where the recognition refuses.
+    fn of(cloud: &Cloud, members: &[u32]) -> Option<Few> {
+        let (points, normals) = sampled(cloud, members, usize::MAX);
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        Recognition::of(&contacts, &RecognitionOptions::default()).ok().map(|found| Few { found })
+    }
+
+    /// Whether a primitive of this class and mean R, in the cloud's units, is hardly what the contacts show.
+    pub(super) fn contradicts(&self, class: ShapeClass, curvedness: f64) -> bool {
+        let classes = &self.found.class_probability;
+        let of = |class: ShapeClass| classes.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+        let [lo, hi] = self.found.curvedness.interval;
+        let bends_otherwise = class != ShapeClass::Plane && !(lo..=hi).contains(&curvedness);
+        bends_otherwise || classes.first().is_some_and(|(_, most)| of(class) < OPEN * most)
+    }
+
+    /// The class of the mean S, or plane.
+    pub(super) fn class(&self) -> ShapeClass {
+        self.found.class
+    }
+
+    /// S and R in place of a primitive's.
+    pub(super) fn free_form(&self) -> FreeForm {
+        let found = &self.found;
+        FreeForm {
+            shape_index: found.shape_index.map(|s| (s.mean, Some(s.u))),
+            curvedness: (found.curvedness.mean, Some(found.curvedness.u)),
+            misfit: found.tried.first().map_or(0.0, |likeliest| likeliest.rms),
+        }
+    }
+
+    /// Lets u of a primitive that stays reach as far as the recognition's; sizes in the input's units.
+    pub(super) fn widen(&self, cloud: &Cloud, kind: PartKind, radius: Option<f64>, u: &mut PartUncertainty) {
+        let (s, r) = (self.found.shape_index, self.found.curvedness);
+        u.curvedness = u.curvedness.map(|own| own.max(r.u / cloud.scale));
+        u.shape_index = u.shape_index.map(|own| own.max(s.map_or(0.0, |s| s.u)));
+        if r.mean > 0.0 && matches!(kind, PartKind::Sphere | PartKind::Cylinder | PartKind::Cone) {
+            u.radius = u.radius.zip(radius).map(|(own, radius)| own.max(radius * r.u / r.mean));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parts::{Part, PartKind, Parts, PartsOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::Vector;
+
+    const RADIUS: f64 = 3.8;
+
+    /// The part that 29 touches of a ball show whose normals lean outwards by `rim` radians more than the ball's.
+    fn touched(rim: f64, seed: u64) -> Part {
+        let draws = EffectDraws::new(seed, "few");
+        let (mut points, mut normals) = (Vec::<Vector>::new(), Vec::<Vector>::new());
+        for k in 0..29_u32 {
+            let mut noise = [0.0; 3];
+            draws.gaussians(1, u64::from(k), 3, &mut noise);
+            let (angle, rho) = (2.399_963 * f64::from(k), 1.6 * ((f64::from(k) + 0.5) / 29.0).sqrt());
+            let (s, c) = angle.sin_cos();
+            let height = (RADIUS * RADIUS - rho * rho).sqrt();
+            points.push([rho * c, rho * s, height - RADIUS + 0.005 * noise[0]]);
+            let lean = rho / height + rim;
+            normals.push([lean * c + 0.02 * noise[1], lean * s + 0.02 * noise[2], 1.0]);
+        }
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        Parts::of(&contacts, &PartsOptions::default()).unwrap().parts.remove(0)
+    }
+
+    /// How many u the radius of a ball or cone, or else R, is off.
+    fn off(part: &Part) -> f64 {
+        let of_r = (part.curvedness - 1.0 / RADIUS).abs() / part.u.curvedness.unwrap();
+        let of_radius = part.geometry.radius.zip(part.u.radius).map(|(r, u)| (r - RADIUS).abs() / u);
+        of_radius.unwrap_or(of_r)
+    }
+
+    /// A blunt cone fits them best.
+    #[test]
+    fn touches_with_leaning_normals_are_no_cone_with_a_sure_radius() {
+        for seed in 1..=3 {
+            let part = touched(0.25, seed);
+            assert!(part.rejected.is_none() && part.kind != PartKind::Cone, "{part:?}");
+            assert!(off(&part) < 3.0, "off by {} u: {part:?}", off(&part));
+        }
+    }
+
+    #[test]
+    fn touches_of_a_ball_are_a_ball() {
+        for seed in 1..=3 {
+            let part = touched(0.0, seed);
+            assert_eq!((part.kind, part.points), (PartKind::Sphere, 29));
+            assert!(off(&part) < 3.0, "off by {} u: {part:?}", off(&part));
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Which primitive a set of points shows, and how far about a point it reaches.
+//!
+//! ```text
+//! cost(p) = min(d^2 / u_d^2 + |n(p) - n|^2 / u_n^2, CAP)                   score = sum of costs + unknowns ln(rows)
+//! grow: fit the region, take the connected points that cost less than CAP, at most twice as many, and fit again
+//! ```
+//!
+//! The kind is chosen anew at every size: what looks flat while it is small is a cylinder when it has grown. P. J. Besl and
+//! R. C. Jain, *Segmentation through variable-order surface fitting*, IEEE PAMI 10 (1988) 167.
+
+use super::cloud::{Cloud, NEAREST};
+use super::descent::{Descended, Sample, descend, sum_of_squares};
+use super::local::Noise;
+use super::primitive::{PartKind, Primitive};
+use super::start::starts;
+use palpate_numeric::vector::{Vector, dot, minus};
+
+/// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.
+pub(super) const CAP: f64 = 16.0;
+
+/// Points that a growing region is fitted to: with 4 rows each they settle 7 unknowns, and more only take time.
+const SAMPLED: usize = 300;
+
+/// Most rounds of growth; each may double the region.
+const ROUNDS: usize = 40;
+
+/// What a point costs under a primitive.
+pub(super) fn cost(primitive: &Primitive, p: Vector, n: Vector, u: &Noise) -> f64 {
+    let (d, normal) = primitive.nearest(p);
+    let off = minus(normal, n);
+    ((d / u.distance).powi(2) + dot(off, off) / u.normal.powi(2)).min(CAP)
+}
+
+/// A primitive with its score over the points that it was fitted to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scored {
+    pub(super) primitive: Primitive,
+    pub(super) score: f64,
+}
+
+/// Points and normals of some members, `most` at the most, evenly among them.
+pub(super) fn sampled(cloud: &Cloud, members: &[u32], most: usize) -> (Vec<Vector>, Vec<Vector>) {
+    let count = members.len().min(most);
+    let taken = (0..count).map(|k| members[k * members.len() / count] as usize);
+    taken.map(|i| (cloud.points[i], cloud.normals[i])).unzip()
+}
+
+/// The kind that explains these points with the least score; `before` is one more place to start from.
+pub(super) fn best(sample: &Sample, before: &[Primitive]) -> Option<Scored> {
+    let rows = (4 * sample.points.len()) as f64;
+    let extent = extent(sample.points);
+    let mut found: Option<Scored> = None;
+    for kind in PartKind::EXACT {
+        let price = kind.free().len() as f64 * rows.ln();
+        // a sum of zero would not pay for the unknowns
+        if found.is_some_and(|best| price >= best.score) {
+            continue;
+        }
+        let Some(descended) = descended(kind, sample, before, extent) else { continue };
+        let score = descended.sum + price;
+        if found.is_none_or(|best| score < best.score) {
+            found = Some(Scored { primitive: descended.primitive, score });
+        }
+    }
+    found
+}
+
+/// The best descent of one kind.
+pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], extent: f64) -> Option<Descended> {
+    let mut all = starts(kind, sample);
+    all.extend(before.iter().filter(|p| p.kind == kind));
+    all.retain(|start| start.is_sound(1e3 * extent));
+    // of several starts the two nearest to the points are worth a descent
+    all.sort_by(|a, b| sum_of_squares(a, sample).total_cmp(&sum_of_squares(b, sample)));
+    let found = all.iter().take(2).filter_map(|start| descend(start, sample));
+    let sound = found.filter(|d| d.primitive.is_sound(extent) && d.sum.is_finite());
+    sound.min_by(|a, b| a.sum.total_cmp(&b.sum))
+}
+
+/// The largest side of the points' box.
+pub(super) fn extent(points: &[Vector]) -> f64 {
+    let range = |k: usize| {
+        let (lo, hi) =
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])));
+        hi - lo
+    };
+    (0..3).map(range).fold(0.0, f64::max)
+}
+
+/// Memory of the walks through the cloud.
+#[derive(Debug)]
+pub(super) struct Walk {
+    visited: Vec<u32>,
+    walk: u32,
+}
+
+impl Walk {
+    pub(super) fn new(points: usize) -> Walk {
+        Walk { visited: vec![0; points], walk: 0 }
+    }
+
+    /// The connected points about `from` for which `takes` holds, nearest first in links, at most `most`.
+    pub(super) fn reach(
+        &mut self,
+        cloud: &Cloud,
+        from: &[u32],
+        most: usize,
+        takes: impl Fn(usize) -> bool,
+    ) -> Vec<u32> {
+        self.walk += 1;
+        let mut found = Vec::new();
+        for &i in from {
+            if self.visited[i as usize] != self.walk && takes(i as usize) {
+                self.visited[i as usize] = self.walk;
+                found.push(i);
+            }
+        }
+        let mut next = 0;
+        while next < found.len() && found.len() < most {
+            let i = found[next] as usize;
+            next += 1;
+            for &j in cloud.linked(i) {
+                if self.visited[j as usize] != self.walk {
+                    self.visited[j as usize] = self.walk;
+                    if takes(j as usize) {
+                        found.push(j);
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The primitive about one point, and the points that it explains.
+pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Option<(Primitive, Vec<u32>)> {
+    let first: Vec<u32> = std::iter::once(seed as u32).chain(cloud.near(seed).iter().copied()).collect();
+    let mut members = first.clone();
+    let mut before: Vec<Primitive> = Vec::new();
+    let mut stable = 0;
+    for _ in 0..ROUNDS {
+        let (points, normals) = sampled(cloud, &members, SAMPLED);
+        let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
+        let primitive = best(&sample, &before)?.primitive;
+        let most = 2 * members.len() + NEAREST;
+        let taken = walk.reach(cloud, &first, most, |i| cost(&primitive, cloud.points[i], cloud.normals[i], u) < CAP);
+        if taken.len() < NEAREST / 2 {
+            return None;
+        }
+        let settled = taken.len() < most && taken.len().abs_diff(members.len()) <= members.len() / 50;
+        stable = if settled { stable + 1 } else { 0 };
+        members = taken;
+        before = vec![primitive];
+        if stable == 2 {
+            break;
+        }
+    }
+    before.pop().map(|primitive| (primitive, members))
+}

@@ -1,0 +1,142 @@
+//! The surface about each point: a parabola through its neighbours and their normals, with S and R and how sure they are.
+//!
+//! ```text
+//! z = c0 + c1 x + c2 y + (c3 x^2 + 2 c4 x y + c5 y^2) / 2        axes: the point's own normal is z
+//! rows: heights / u_z, slopes n_z^2 / u_n                          21 points, 63 rows, 6 unknowns
+//! u_z^2, u_n^2 = residual sums / (rows - trace of the block's hat matrix), at the quantile of points that few edges reach
+//! ```
+//!
+//! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
+
+use super::cloud::Cloud;
+use super::primitive::axes_along;
+use super::small::{Square, cholesky, inverse, solve};
+use palpate_geometry::curvature::{Derivatives, Principal};
+use palpate_numeric::threads;
+use palpate_numeric::vector::{dot, minus};
+
+/// Share of the points that is thought to lie away from every edge. A quarter of them may then be wrong, and the noise is
+/// still that of the smooth ones; with the median, two edges in a small cloud would raise it.
+const SMOOTH: f64 = 0.3;
+/// The same quantile of a gaussian.
+const SMOOTH_GAUSSIAN: f64 = -0.5244;
+
+/// Noise below this share of the cloud's size is rounding.
+pub(super) const ROUNDING: f64 = 1e-10;
+
+/// Standard deviations of a point along the normal and of a normal per tangent axis, in the cloud's units and in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Noise {
+    pub(super) distance: f64,
+    pub(super) normal: f64,
+}
+
+/// The surface at one point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LocalShape {
+    /// Curvatures there; `None` where the neighbours leave them open.
+    pub(super) principal: Option<Principal>,
+    /// Standard uncertainty of S.
+    pub(super) u_shape_index: f64,
+    /// Residual sums over their degrees of freedom: heights, normals.
+    pub(super) variance: [f64; 2],
+}
+
+/// The noise that most neighbourhoods show, and the surface at every point.
+pub(super) fn local_shapes(cloud: &Cloud) -> (Noise, Vec<LocalShape>) {
+    // the ratio of the two noises decides little: any start of the right size finds it in two rounds
+    let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
+    let mut shapes = Vec::new();
+    for _ in 0..3 {
+        shapes = threads::map(cloud.len(), 64, |i| local_shape(cloud, i, &noise));
+        let quantile = |block: usize| {
+            let mut values: Vec<f64> = shapes.iter().map(|s: &LocalShape| s.variance[block]).collect();
+            let at = (SMOOTH * values.len() as f64) as usize;
+            let (_, value, _) = values.select_nth_unstable_by(at, f64::total_cmp);
+            // Wilson and Hilferty: the quantile of a mean of so many squares
+            let freedom = [16.0, 36.0][block];
+            let share: f64 = 2.0 / (9.0 * freedom);
+            (*value / (1.0 - share + SMOOTH_GAUSSIAN * share.sqrt()).powi(3)).sqrt()
+        };
+        noise = Noise { distance: quantile(0).max(ROUNDING), normal: quantile(1).max(ROUNDING) };
+    }
+    (noise, shapes)
+}
+
+fn local_shape(cloud: &Cloud, i: usize, noise: &Noise) -> LocalShape {
+    let axes = axes_along(cloud.normals[i]);
+    let length = cloud.spacing;
+    let mut rows: Vec<([f64; 6], f64, usize)> = Vec::with_capacity(3 * cloud.near(i).len() + 3);
+    for &j in std::iter::once(&(i as u32)).chain(cloud.near(i)) {
+        let offset = minus(cloud.points[j as usize], cloud.points[i]);
+        let [x, y, z] = axes.map(|axis| dot(axis, offset) / length);
+        let [nx, ny, nz] = axes.map(|axis| dot(axis, cloud.normals[j as usize]));
+        let heavy = length / noise.distance;
+        rows.push((
+            [heavy, heavy * x, heavy * y, 0.5 * heavy * x * x, heavy * x * y, 0.5 * heavy * y * y],
+            heavy * z,
+            0,
+        ));
+        if nz > 0.2 {
+            let heavy = nz * nz / noise.normal;
+            rows.push(([0.0, heavy, 0.0, heavy * x, heavy * y, 0.0], -heavy * nx / nz, 1));
+            rows.push(([0.0, 0.0, heavy, 0.0, heavy * x, heavy * y], -heavy * ny / nz, 1));
+        }
+    }
+    solved(&rows, length, noise).unwrap_or(LocalShape {
+        principal: None,
+        u_shape_index: f64::INFINITY,
+        variance: [f64::MAX; 2],
+    })
+}
+
+fn solved(rows: &[([f64; 6], f64, usize)], length: f64, noise: &Noise) -> Option<LocalShape> {
+    let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
+    for (row, value, _) in rows {
+        for a in 0..6 {
+            right[a] += row[a] * value;
+            (0..=a).for_each(|b| matrix[a][b] += row[a] * row[b]);
+        }
+    }
+    (0..6).for_each(|a| (0..a).for_each(|b| matrix[b][a] = matrix[a][b]));
+    let lower = cholesky(&matrix)?;
+    let c = solve(&lower, right);
+    let covariance = inverse(&lower);
+    let (mut sums, mut freedom) = ([0.0; 2], [0.0; 2]);
+    for (row, value, block) in rows {
+        let residual = value - row.iter().zip(&c).map(|(r, c)| r * c).sum::<f64>();
+        sums[*block] += residual * residual;
+        freedom[*block] += 1.0 - quadratic(&covariance, row, row);
+    }
+    let scale = [noise.distance, noise.normal];
+    let variance = [0, 1].map(|k| sums[k] / freedom[k].max(1.0) * scale[k] * scale[k]);
+    let [_, zx, zy, xx, xy, yy] = c;
+    // x, y, z were divided by the length: slopes stay, curvatures are its inverse
+    let principal = Derivatives::of_height(zx, zy, xx, xy, yy).principal()?;
+    let by = |direction: [f64; 3]| {
+        let [x, y, _] = direction;
+        [0.0, 0.0, 0.0, x * x, 2.0 * x * y, y * y]
+    };
+    let (one, two) = (by(principal.direction1), by(principal.direction2));
+    let (k1, k2) = (principal.k1, principal.k2);
+    let square = (k1 * k1 + k2 * k2).max(f64::MIN_POSITIVE);
+    let combined = |p: f64, q: f64| {
+        let row: [f64; 6] = std::array::from_fn(|k| p * one[k] + q * two[k]);
+        quadratic(&covariance, &row, &row).max(0.0).sqrt()
+    };
+    let in_s = std::f64::consts::FRAC_2_PI / square;
+    Some(LocalShape {
+        u_shape_index: combined(in_s * k2, -in_s * k1),
+        principal: Some(Principal {
+            k1: k1 / length,
+            k2: k2 / length,
+            difference: principal.difference / length,
+            ..principal
+        }),
+        variance,
+    })
+}
+
+fn quadratic(matrix: &Square<6>, a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    (0..6).map(|i| a[i] * (0..6).map(|j| matrix[i][j] * b[j]).sum::<f64>()).sum()
+}

@@ -1,0 +1,171 @@
+//! S and R at every point of a whole object, without cutting it: each point's jet, with its uncertainty.
+//!
+//! ```text
+//! u(k)^2 = q' cov(c_xx, c_xy, c_yy) q, q along the principal direction        cov grows where the misfit exceeds the noise
+//! u(S)^2, u(R)^2 by the delta method + what equal curvatures (S) and flatness (R) add at second order
+//! ```
+//!
+//! Points are taken one by one from one tree: memory and time grow with their number, and no result depends on another's.
+
+use super::cloud::{FEWEST, framed};
+use super::error::PartsError;
+use super::jet::{Jet, Law, Touched, jet};
+use super::ladder::{asked, law, quantile};
+use super::options::PartsOptions;
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::curvature::{Derivatives, Principal};
+use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::threads;
+use palpate_numeric::vector::Vector;
+
+/// Shape at each input point, in the order and unit of the input; what a point's neighbours leave open is not a number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointShapes {
+    /// Unit normals of the surface through the neighbours.
+    pub normals: Vec<[f64; 3]>,
+    /// Larger principal curvature.
+    pub k1: Vec<f64>,
+    /// Smaller principal curvature.
+    pub k2: Vec<f64>,
+    /// Shape index S.
+    pub shape_index: Vec<f64>,
+    /// Curvedness R.
+    pub curvedness: Vec<f64>,
+    /// Standard uncertainty of S: noise, and bend beyond second order.
+    pub u_shape_index: Vec<f64>,
+    /// The same of R.
+    pub u_curvedness: Vec<f64>,
+    /// Neighbours that each surface was fitted to.
+    pub neighbours: usize,
+    /// Median distance between neighbouring points.
+    pub spacing: f64,
+    /// Standard deviation of points along the normal, as neighbourhoods show it.
+    pub noise: f64,
+    /// Standard deviation of normals in each tangent direction, degrees; `None` where they were estimated.
+    pub normal_noise_deg: Option<f64>,
+    /// What a user should know.
+    pub notes: Vec<String>,
+}
+
+/// What one point gets: normal, k1, k2, S, R, u(S), u(R).
+type At = (Vector, [f64; 6]);
+
+impl PointShapes {
+    /// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
+    ///
+    /// ```
+    /// # use palpate_inference::facade as palpate;
+    /// use palpate::Contacts;
+    /// use palpate::parts::{PartsOptions, PointShapes};
+    ///
+    /// // all round a ball of radius 5
+    /// let at = |k: usize| ((k as f64 + 0.5) / 200.0 - 1.0, 2.4 * k as f64);
+    /// let normals: Vec<[f64; 3]> = (0..400).map(at).map(|(z, a)| [a.cos(), a.sin(), 0.0].map(|v| v * (1.0 - z * z).sqrt())).zip((0..400).map(at))
+    ///     .map(|([x, y, _], (z, _))| [x, y, z]).collect();
+    /// let points: Vec<[f64; 3]> = normals.iter().map(|n| n.map(|v| 5.0 * v)).collect();
+    /// let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+    /// let shapes = PointShapes::of(&contacts, &PartsOptions::default())?;
+    /// assert!(shapes.curvedness.iter().all(|r| (r - 0.2).abs() < 0.002));
+    /// # Ok::<(), palpate::parts::PartsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the contacts are faulty, too few, in one place, or their normals are none.
+    pub fn of(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+        shape_at_points(contacts, options)
+    }
+}
+
+fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
+    options.check()?;
+    contacts.check()?;
+    if contacts.len() < FEWEST + 1 {
+        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST + 1 });
+    }
+    let mut notes = Vec::new();
+    let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+    let measured = contacts.unit_normal(0).is_some();
+    let normals = super::normals(contacts, &points, options, &mut notes)?;
+    let (points, _, scale) = framed(&points).ok_or(PartsError::NoExtent)?;
+    let tree = Neighbours::new(&points);
+    let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };
+    let asked = asked(&touched);
+    let nearest = asked.iter().filter_map(|&i| tree.nearest_other(i)).map(|(distance, _)| distance);
+    let spacing = quantile(nearest, 0.5);
+    let law = law(&touched, &asked, spacing).filter(|_| spacing > 0.0).ok_or(PartsError::NoExtent)?;
+    let all = threads::map(points.len(), 64, |i| at(&touched, i, &law));
+    let mut shapes = gathered(&all, scale);
+    let open = shapes.curvedness.iter().filter(|r| r.is_nan()).count();
+    if open > 0 {
+        notes.push(format!("{open} of {} points have too few neighbours on their side for a curvature", points.len()));
+    }
+    shapes.notes = notes;
+    (shapes.neighbours, shapes.spacing, shapes.noise) = (law.size, spacing * scale, law.noise.distance * scale);
+    shapes.normal_noise_deg = measured.then(|| law.noise.normal.to_degrees());
+    Ok(shapes)
+}
+
+fn at(touched: &Touched, i: usize, law: &Law) -> At {
+    let open = (touched.normals[i], [f64::NAN; 6]);
+    let Some(jet) = jet(touched, i, law) else { return open };
+    let [_, zx, zy, xx, xy, yy] = jet.low;
+    let Some(principal) = Derivatives::of_height(zx, zy, xx, xy, yy).principal() else { return open };
+    let [u_s, u_r] = uncertainties(&jet, &principal, law);
+    let normal = [0, 1, 2].map(|k| (0..3).map(|a| jet.axes[a][k] * principal.normal[a]).sum::<f64>());
+    let s = principal.shape_index().unwrap_or(f64::NAN);
+    (normal, [principal.k1, principal.k2, s, principal.curvedness(), u_s, u_r])
+}
+
+/// Of S and of R.
+fn uncertainties(jet: &Jet, principal: &Principal, law: &Law) -> [f64; 2] {
+    let (one, two) = (principal.direction1, principal.direction2);
+    let along = |a: Vector, b: Vector| [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[1] * b[1]];
+    let (first, across, second) = (along(one, one), along(one, two), along(two, two));
+    let growth = growth(jet, law);
+    let variance = |p: f64, q: f64, r: f64| {
+        let row: [f64; 3] = std::array::from_fn(|k| p * first[k] + q * across[k] + r * second[k]);
+        let sum =
+            (0..3).map(|i| row[i] * (0..3).map(|j| jet.covariance[i + 3][j + 3] * row[j]).sum::<f64>()).sum::<f64>();
+        let open = jet.sixth * jet.sixth * (p * p + q * q / 2.0 + r * r);
+        growth * sum.max(0.0) + open
+    };
+    let (k1, k2) = (principal.k1, principal.k2);
+    let square = (k1 * k1 + k2 * k2).max(f64::MIN_POSITIVE);
+    // the difference of nearly equal curvatures is their distance in two components, of which the delta method sees one
+    let twist = variance(0.0, 2.0, 0.0);
+    let gap = principal.difference * principal.difference;
+    let unequal = if twist > 0.0 { twist * twist / (gap + twist) } else { 0.0 };
+    let in_s = std::f64::consts::FRAC_2_PI / square;
+    let by_gap = in_s * 0.5 * (k1 + k2);
+    let s = variance(in_s * k2, 0.0, -in_s * k1) + by_gap * by_gap * unequal;
+    // R is the length of three components; where it is no longer than their noise, all of them count
+    let noise = 0.5 * (variance(1.0, 0.0, 0.0) + variance(0.0, 0.0, 1.0)) + variance(0.0, 1.0, 0.0);
+    let r = 0.5 * variance(k1 / square.sqrt(), 0.0, k2 / square.sqrt());
+    let flat = if noise > 0.0 { noise * noise / (0.5 * square + noise) } else { 0.0 };
+    [s.sqrt(), (r + flat).sqrt()]
+}
+
+/// The share of the misfit that chance does not explain, at least 1.
+fn growth(jet: &Jet, law: &Law) -> f64 {
+    let noise = [law.noise.distance, law.noise.normal];
+    let ratio = |k: usize| {
+        let chance = 1.0 + 2.0 * (2.0 / jet.freedom[k]).sqrt();
+        jet.variance[k] / (noise[k] * noise[k] * chance)
+    };
+    ratio(0).max(ratio(1)).max(1.0)
+}
+
+fn gathered(all: &[At], scale: f64) -> PointShapes {
+    let column = |k: usize, unit: f64| all.iter().map(|(_, values)| values[k] * unit).collect::<Vec<f64>>();
+    let per_length = 1.0 / scale;
+    PointShapes {
+        normals: all.iter().map(|(normal, _)| *normal).collect(),
+        k1: column(0, per_length),
+        k2: column(1, per_length),
+        shape_index: column(2, 1.0),
+        curvedness: column(3, per_length),
+        u_shape_index: column(4, 1.0),
+        u_curvedness: column(5, per_length),
+        ..PointShapes::default()
+    }
+}

@@ -1,0 +1,271 @@
+//! The five exact primitives by their signed distance, with everything that least squares asks of it.
+//!
+//! ```text
+//! q = B'(p - o), B = [e1 e2 a]            rho = hypot(q1, q2), h = q3
+//! plane     d = h                         cylinder  d = rho - r
+//! sphere    d = |q| - r                   cone      d = (rho - r) cos(alpha) - h sin(alpha)
+//! torus     d = hypot(rho - R, h) - r
+//! ```
+//!
+//! Each is the distance itself, so |grad d| = 1 and the gradient is the normal. A primitive moves by `tau` along its own
+//! axes and turns by `omega` about e1 and e2, in which case `dq = -tau - omega x q`. What a size does to d and to its gradient is known
+//! in closed form, and so is the Hessian of d, which is all that the rows of positions and normals need.
+//! G. Lukacs, R. Martin, D. Marshall, *Faithful least-squares fitting of spheres, cylinders, cones and tori*, ECCV 1998.
+
+use palpate_numeric::vector::{Vector, along, cross, dot, minus, reject, unit};
+
+/// What a part is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum PartKind {
+    /// A plane.
+    Plane,
+    /// A ball, from outside or from inside.
+    Sphere,
+    /// A round bar or bore.
+    Cylinder,
+    /// A cone or a piece of one.
+    Cone,
+    /// A ring, or a rounded edge that runs round.
+    Torus,
+    /// A smooth surface that is none of these.
+    Patch,
+}
+
+impl PartKind {
+    /// The exact primitives, those with fewer unknowns first.
+    pub const EXACT: [PartKind; 5] =
+        [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus];
+
+    /// The word used in every output.
+    pub fn name(self) -> &'static str {
+        match self {
+            PartKind::Plane => "plane",
+            PartKind::Sphere => "sphere",
+            PartKind::Cylinder => "cylinder",
+            PartKind::Cone => "cone",
+            PartKind::Torus => "torus",
+            PartKind::Patch => "patch",
+        }
+    }
+
+    /// Which of `tau1 tau2 tau3 omega1 omega2 size1 size2` are unknown.
+    pub(super) fn free(self) -> &'static [usize] {
+        match self {
+            PartKind::Plane => &[2, 3, 4],
+            PartKind::Sphere => &[0, 1, 2, 5],
+            PartKind::Cylinder => &[0, 1, 3, 4, 5],
+            PartKind::Cone => &[0, 1, 3, 4, 5, 6],
+            PartKind::Torus => &[0, 1, 2, 3, 4, 5, 6],
+            PartKind::Patch => &[],
+        }
+    }
+}
+
+/// Most unknowns of a primitive.
+pub(super) const MOST: usize = 7;
+
+/// A primitive in the cloud's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Primitive {
+    pub(super) kind: PartKind,
+    /// A point of the plane or of the axis; the centre of sphere and torus.
+    pub(super) origin: Vector,
+    /// e1, e2 and the axis a (of a plane its normal).
+    pub(super) axes: [Vector; 3],
+    /// Radius (of the torus the ring's), and half angle of the cone or radius of the tube.
+    pub(super) sizes: [f64; 2],
+    /// 1 where the free side is that of growing d, else -1.
+    pub(super) side: f64,
+}
+
+/// The distance at one point in the primitive's own axes, with its derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct At {
+    pub(super) distance: f64,
+    pub(super) gradient: Vector,
+    pub(super) hessian: [Vector; 3],
+    /// By the sizes: of the distance, and of the gradient.
+    pub(super) by_size: [f64; 2],
+    pub(super) gradient_by_size: [Vector; 2],
+}
+
+/// Two unit vectors that complete `a` to right-handed axes.
+pub(super) fn axes_along(a: Vector) -> [Vector; 3] {
+    let least = (0..3).fold(0, |least, k| if a[k].abs() < a[least].abs() { k } else { least });
+    let mut start = [0.0; 3];
+    start[least] = 1.0;
+    let e1 = unit(reject(start, a));
+    [e1, cross(a, e1), a]
+}
+
+impl Primitive {
+    /// The point in the primitive's own axes.
+    pub(super) fn own(&self, p: Vector) -> Vector {
+        let offset = minus(p, self.origin);
+        self.axes.map(|axis| dot(axis, offset))
+    }
+
+    /// A direction of the primitive's own axes in the cloud's.
+    pub(super) fn out(&self, v: Vector) -> Vector {
+        let [e1, e2, a] = self.axes;
+        along(along(e1.map(|c| c * v[0]), v[1], e2), v[2], a)
+    }
+
+    /// Signed distance towards the free side, and the unit normal to it.
+    pub(super) fn nearest(&self, p: Vector) -> (f64, Vector) {
+        let q = self.own(p);
+        let (distance, gradient) = self.distance(q);
+        (self.side * distance, self.out(gradient.map(|g| self.side * g)))
+    }
+
+    /// Distance and gradient in the own axes.
+    pub(super) fn distance(&self, q: Vector) -> (f64, Vector) {
+        let rho = q[0].hypot(q[1]);
+        let radial = radial(q, rho);
+        let [one, two] = self.sizes;
+        match self.kind {
+            PartKind::Plane | PartKind::Patch => (q[2], [0.0, 0.0, 1.0]),
+            PartKind::Sphere => {
+                let length = rho.hypot(q[2]);
+                (length - one, if length > 0.0 { q.map(|v| v / length) } else { [0.0, 0.0, 1.0] })
+            }
+            PartKind::Cylinder => (rho - one, [radial[0], radial[1], 0.0]),
+            PartKind::Cone => {
+                let (sin, cos) = two.sin_cos();
+                ((rho - one) * cos - q[2] * sin, [cos * radial[0], cos * radial[1], -sin])
+            }
+            PartKind::Torus => {
+                let (across, up) = (rho - one, q[2]);
+                let length = across.hypot(up);
+                let [c, s] = if length > 0.0 { [across / length, up / length] } else { [1.0, 0.0] };
+                (length - two, [c * radial[0], c * radial[1], s])
+            }
+        }
+    }
+
+    /// Everything at a point of the own axes.
+    pub(super) fn at(&self, q: Vector) -> At {
+        let (distance, gradient) = self.distance(q);
+        let rho = q[0].hypot(q[1]).max(f64::MIN_POSITIVE);
+        let radial = radial(q, rho);
+        let mut at =
+            At { distance, gradient, hessian: [[0.0; 3]; 3], by_size: [0.0; 2], gradient_by_size: [[0.0; 3]; 2] };
+        match self.kind {
+            PartKind::Plane | PartKind::Patch => {}
+            PartKind::Sphere => {
+                let length = (distance + self.sizes[0]).max(f64::MIN_POSITIVE);
+                at.hessian = square(|i, j| (identity(i, j) - gradient[i] * gradient[j]) / length);
+                at.by_size[0] = -1.0;
+            }
+            PartKind::Cylinder => {
+                at.hessian = square(|i, j| around(radial, i, j) / rho);
+                at.by_size[0] = -1.0;
+            }
+            PartKind::Cone => {
+                let (sin, cos) = self.sizes[1].sin_cos();
+                at.hessian = square(|i, j| cos * around(radial, i, j) / rho);
+                at.by_size = [-cos, -(rho - self.sizes[0]) * sin - q[2] * cos];
+                at.gradient_by_size[1] = [-sin * radial[0], -sin * radial[1], -cos];
+            }
+            PartKind::Torus => {
+                let length = (distance + self.sizes[1]).max(f64::MIN_POSITIVE);
+                let c = dot(gradient, radial);
+                let s = gradient[2];
+                // along the tube's circle, and round the axis
+                let tangent = [-s * radial[0], -s * radial[1], c];
+                at.hessian = square(|i, j| tangent[i] * tangent[j] / length + c * around(radial, i, j) / rho);
+                at.by_size = [-c, -1.0];
+                at.gradient_by_size[0] = tangent.map(|t| s / length * t);
+            }
+        }
+        at
+    }
+
+    /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2`.
+    pub(super) fn moved(&self, step: &[f64; MOST]) -> Primitive {
+        let origin = (0..3).fold(self.origin, |o, k| along(o, step[k], self.axes[k]));
+        let omega = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
+        let axis = unit(along(self.axes[2], 1.0, cross(omega, self.axes[2])));
+        let first = unit(reject(along(self.axes[0], 1.0, cross(omega, self.axes[0])), axis));
+        let sizes = [self.sizes[0] + step[5], self.sizes[1] + step[6]];
+        Primitive { origin, axes: [first, cross(axis, first), axis], sizes, ..*self }
+    }
+
+    /// The same primitive with its origin where the axis (of a plane: the plane) is nearest to `centre`, so that turning
+    /// moves the points least.
+    pub(super) fn about(&self, centre: Vector) -> Primitive {
+        let q = self.own(centre);
+        let mut same = *self;
+        match self.kind {
+            PartKind::Plane => same.origin = along(centre, -q[2], self.axes[2]),
+            PartKind::Cylinder => same.origin = along(self.origin, q[2], self.axes[2]),
+            PartKind::Cone => {
+                same.origin = along(self.origin, q[2], self.axes[2]);
+                same.sizes[0] += q[2] * self.sizes[1].tan();
+            }
+            PartKind::Sphere | PartKind::Torus | PartKind::Patch => {}
+        }
+        same
+    }
+
+    /// Principal curvatures `k1 >= k2` at a point, the normal towards the free side.
+    pub(super) fn curvatures(&self, p: Vector) -> [f64; 2] {
+        let q = self.own(p);
+        let rho = q[0].hypot(q[1]).max(f64::MIN_POSITIVE);
+        let [one, two] = self.sizes;
+        // of the surface itself, not of the parallel one through p
+        let [a, b] = match self.kind {
+            PartKind::Plane | PartKind::Patch => [0.0, 0.0],
+            PartKind::Sphere => [-1.0 / one, -1.0 / one],
+            PartKind::Cylinder => [0.0, -1.0 / one],
+            PartKind::Cone => {
+                let (distance, _) = self.distance(q);
+                [0.0, -two.cos() / (rho - distance * two.cos()).abs().max(f64::MIN_POSITIVE)]
+            }
+            PartKind::Torus => {
+                let (_, gradient) = self.distance(q);
+                let c = dot(gradient, radial(q, rho));
+                [-1.0 / two, -c / (one + two * c)]
+            }
+        };
+        let (a, b) = (self.side * a, self.side * b);
+        [a.max(b), a.min(b)]
+    }
+
+    /// Whether the sizes are those of a body, and not so large against `extent` that a simpler kind is as good.
+    pub(super) fn is_sound(&self, extent: f64) -> bool {
+        /// Sizes beyond this many extents bend the surface by less than a thousandth of its width.
+        const FAR: f64 = 100.0;
+        let [one, two] = self.sizes;
+        let size = |v: f64| v > 0.0 && v < FAR * extent;
+        let finite = self.origin.iter().chain(self.axes.iter().flatten()).all(|v| v.is_finite());
+        finite
+            && match self.kind {
+                PartKind::Plane | PartKind::Patch => true,
+                PartKind::Sphere | PartKind::Cylinder => size(one),
+                PartKind::Cone => one.is_finite() && two.abs() < 1.55 && one.abs() < FAR * extent,
+                // a tube far wider than its ring is a ball in disguise
+                PartKind::Torus => size(one) && size(two) && one > 0.2 * two,
+            }
+    }
+}
+
+fn radial(q: Vector, rho: f64) -> Vector {
+    if rho > 0.0 && (q[0] != 0.0 || q[1] != 0.0) { [q[0] / rho, q[1] / rho, 0.0] } else { [1.0, 0.0, 0.0] }
+}
+
+fn identity(i: usize, j: usize) -> f64 {
+    f64::from(u8::from(i == j))
+}
+
+/// The projector on the direction round the axis.
+fn around(radial: Vector, i: usize, j: usize) -> f64 {
+    let tangent = [-radial[1], radial[0], 0.0];
+    tangent[i] * tangent[j]
+}
+
+fn square(entry: impl Fn(usize, usize) -> f64) -> [Vector; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}

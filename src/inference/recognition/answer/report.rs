@@ -1,0 +1,313 @@
+//! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
+
+use crate::recognition::contacts::Dropped;
+use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::evidence::Node;
+use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::region::{RecognisedSurface, Region, places};
+use crate::recognition::{
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, dense,
+};
+use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_geometry::shape::radius_of;
+
+use super::compared::{hypothesis_of, reported};
+use super::field::Points;
+use super::findings::Findings;
+use super::misfit::{self, misfit};
+use super::posterior::{Summary, likeliest, summary};
+use super::shares::total;
+
+/// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
+const MAPPED: usize = 400;
+
+/// Standard uncertainty of S, and of R relative to it, that splines leave however precise the contacts are: five segments hold a bump or a wave
+/// over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too large, and S of a bump 0.001 too small.
+const OF_SPLINES: f64 = 5e-4;
+
+/// The same for bodies, which splines hold better than bumps: S and R of an ellipsoid of half axes 9, 6 and 5 that is touched
+/// without noise over 8 by 8 are off by 6e-5 and 7e-5.
+const OF_BODIES: f64 = 1e-4;
+
+/// Misfit, as a share of the relief, from which on single contacts are asked whether it has a pattern.
+const LARGE: f64 = 0.25;
+
+/// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
+const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
+
+/// The points that contacts support.
+fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
+    points.iter().zip(supported).filter(|(_, supported)| **supported).map(|(point, _)| point.clone()).collect()
+}
+
+/// The middle of the chart.
+fn middle_of(surface: &RecognisedSurface) -> [f64; 2] {
+    [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]))
+}
+
+fn failed(step: &'static str) -> RecognitionError {
+    RecognitionError::Arithmetic { step, what: "no hypothesis could be computed" }
+}
+
+impl Findings<'_> {
+    /// The whole answer.
+    pub(in crate::recognition) fn recognition(
+        &self,
+        options: &RecognitionOptions,
+    ) -> Result<Recognition, RecognitionError> {
+        let tried = self.tried();
+        let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
+        let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
+        let (best, _) = own.max_by(|a, b| a.1.total_cmp(b.1)).ok_or_else(|| failed("comparison of hypotheses"))?;
+        let state = likeliest(self.evidence, best).ok_or_else(|| failed("likeliest surface"))?;
+        let misfit = self.misfit(best, &state)?;
+        let scale = self.patch.frame.scale;
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        let Some(Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
+        let around = |state: State| Region::new(self.patch, self.evidence, base, state, self.asked.means, options);
+        let region = around(state);
+        let mut found = self.summary_over(&region, best, options).ok_or_else(|| failed("averaging"))?;
+        let region = if found.surface == region.surface.state { region } else { around(found.surface.clone()) };
+        let Region { surface, map: points, supported, lattice, within_map, over: level_over } = region;
+        if self.asked.means.is_none() && within_map.is_none() {
+            found.move_to(&surface.state, &lattice, &held(&points, &supported));
+        }
+        let of_splines = match best.group() {
+            2 => OF_SPLINES,
+            4 => OF_BODIES,
+            _ => 0.0,
+        };
+        found.curvedness.doubted(self.doubt_of_places.hypot(of_splines));
+        if let Some(s) = found.shape_index.as_mut().filter(|_| of_splines > 0.0) {
+            s.blurred(of_splines, [-1.0, 1.0]);
+        }
+        let map = self.map(&surface, &points, &supported, &found);
+        let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
+        let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
+        let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
+        let place_of = |p: &ChartPoint| surface.at(p.chart[0], p.chart[1]);
+        let curvedness = scaled_estimate(found.curvedness, scale);
+        let [k1, k2] = [found.k1 / scale, found.k2 / scale];
+        let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
+        let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
+        let directions = if directed { self.directions(&surface) } else { None };
+        // along a ridge or rut runs the direction of the smaller of the two in size
+        let lengthwise = usize::from(found.k1.abs() > found.k2.abs());
+        let axis = directions.map(|both| both[lengthwise]).filter(|_| class.has_axis());
+        let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
+            self.patch.dropped;
+        Ok(Recognition {
+            hypothesis,
+            class,
+            class_probability: found.classes.clone(),
+            shape_index: shape,
+            curvedness,
+            k1,
+            k2,
+            radius: radius_of(class, curvedness.mean),
+            radii: radii(class, k1, k2),
+            radius_interval: bounds[0].zip(bounds[1]).map(|(lo, hi)| [lo, hi]),
+            direction: directions.map(|[k1, _]| k1),
+            axis,
+            axis_within_deg: axis.and(found.directions_within_deg).map(|both| both[lengthwise]),
+            plane_probability,
+            frame: self.patch.frame,
+            support: (supported.iter().filter(|s| **s).count(), points.len()),
+            map,
+            grid: options.grid,
+            over: level_over,
+            averaged: match self.asked.means {
+                Some(_) => lattice.iter().map(place_of).collect(),
+                None => held(&points, &supported).iter().map(place_of).collect(),
+            },
+            surface,
+            outliers,
+            missing,
+            normals_of_length_zero,
+            normals_against,
+            normals_flipped,
+            normals: self.patch.normals,
+            noise: self.noise(best),
+            tried,
+            effective_contacts: self.effective_contacts(best),
+            contacts: self.patch.points.len(),
+            notes: self.notes(best, &misfit, class),
+            predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
+            misfit,
+        })
+    }
+
+    /// Estimates and intervals over the points of a region.
+    fn summary_over(&self, region: &Region, best: &Node, options: &RecognitionOptions) -> Option<Summary> {
+        let map = &region.map[..region.map.len().min(MAPPED)];
+        let [u, v] = middle_of(&region.surface);
+        // planes and spheres have no directions
+        let is_directed = !matches!(best.kind, Kind::Plane | Kind::Sphere);
+        let over = Points {
+            all: &region.lattice,
+            map,
+            within: region.within_map.as_deref().filter(|_| map.len() == region.map.len()),
+            middle: is_directed.then(|| region.surface.chart_point(u, v)),
+            touched: &places(&region.surface, self.asked.touches),
+        };
+        summary(self.evidence, self.nodes, self.weights, best, &over, options)
+    }
+
+    /// Correlation between the distances of single contacts and of those beside them, and the number of pairs: it shows a pattern that
+    /// is finer than the cells, as along an edge.
+    fn agreement_of_neighbours(&self, best: &Node, state: &State) -> (f64, f64) {
+        let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
+        let distance = |i: usize| self.distance(base, best, state, self.patch.points[i]);
+        let (mut product, mut square) = (0.0, 0.0);
+        for &[i, j] in self.nearest {
+            let (here, beside) = (distance(i), distance(j));
+            product += here * beside;
+            square += 0.5 * (here * here + beside * beside);
+        }
+        (if square > 0.0 { product / square } else { 0.0 }, self.nearest.len() as f64)
+    }
+
+    fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {
+        let residuals = self.residuals(best, state);
+        let size = self.size(&residuals);
+        let outliers =
+            100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
+        let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);
+        let certain = best.is_displaced() && self.weights.displaced > 0.95;
+        let findings = misfit::Findings {
+            of_relief: size / self.relief,
+            correlated,
+            tau: best.tau() / self.relief,
+            displacement: certain.then_some(self.weights.size),
+        };
+        let mut found = misfit(self.evidence.cells, &residuals, &findings);
+        if size > LARGE * self.relief {
+            let (correlation, pairs) = self.agreement_of_neighbours(best, state);
+            if correlation > found.neighbour_correlation {
+                (found.neighbour_correlation, found.p) = (correlation, misfit::chance(correlation, pairs).min(found.p));
+                found.words = misfit::words(&findings, found.p);
+            }
+        }
+        if size > UNEXPLAINED[0] * self.relief && size > UNEXPLAINED[1] && found.p < 0.01 {
+            return Err(RecognitionError::NotOneSheet { misfit: 100.0 * size / self.relief, outliers });
+        }
+        Ok(found)
+    }
+
+    fn map(
+        &self,
+        surface: &RecognisedSurface,
+        points: &[ChartPoint],
+        supported: &[bool],
+        found: &Summary,
+    ) -> Vec<MapPoint> {
+        let scale = self.patch.frame.scale;
+        let mean_u = |k: usize| found.u.iter().map(|u| u[k]).sum::<f64>() / found.u.len().max(1) as f64;
+        let typical = [mean_u(0), mean_u(1)];
+        let one = |(i, point): (usize, &ChartPoint)| {
+            let bent = surface.state.at(point);
+            let u = if found.u.len() == points.len() { found.u[i] } else { typical };
+            MapPoint {
+                position: self.patch.frame.to_input(bent.place),
+                normal: self.patch.frame.rotate_back(bent.normal),
+                shape_index: shape_index(bent.k1 + bent.k2, bent.k1 - bent.k2),
+                curvedness: curvedness(bent.k1, bent.k2) / scale,
+                k1: bent.k1 / scale,
+                k2: bent.k2 / scale,
+                supported: supported[i],
+                u_shape_index: u[0],
+                u_curvedness: u[1] / scale,
+            }
+        };
+        points.iter().enumerate().map(one).collect()
+    }
+
+    /// Directions of k1 and of k2 in the middle of the cells, input axes.
+    fn directions(&self, surface: &RecognisedSurface) -> Option<[[f64; 3]; 2]> {
+        let [u, v] = middle_of(surface);
+        let both = surface.state.directions(&surface.chart_point(u, v))?;
+        Some(both.map(|direction| self.patch.frame.rotate_back(direction)))
+    }
+
+    fn noise(&self, best: &Node) -> NoiseFound {
+        let cells = self.evidence.cells;
+        let scale = self.patch.frame.scale;
+        let per_cell = self.patch.points.len() as f64 / cells.points.len() as f64;
+        let per_normal = self.patch.normals_per_cell(cells);
+        NoiseFound {
+            sd_z: scale * (best.variance * per_cell).sqrt(),
+            sd_correlated: scale * best.tau(),
+            correlation_length: (best.ratio > 0.0).then_some(scale * best.length),
+            sd_normal_deg: self.linearised.normal_noise.map(|n| (n.variance * per_normal).sqrt().to_degrees()),
+        }
+    }
+
+    /// `(total variance of one contact) 1' Sigma^-1 1`.
+    fn effective_contacts(&self, best: &Node) -> f64 {
+        let cells = self.evidence.cells;
+        let Some(lower) = self.evidence.kernels[best.kernel].factor(&cells.variance, self.distances) else {
+            return 0.0;
+        };
+        let mut ones = vec![1.0; cells.points.len()];
+        dense::forward(&lower, &mut ones);
+        let per_cell = self.patch.points.len() as f64 / cells.points.len() as f64;
+        (per_cell + best.ratio) * ones.iter().map(|v| v * v).sum::<f64>()
+    }
+
+    /// What the normals are too steep by, in words; `None` where they may not be.
+    fn words_of_gain(&self, best: &Node) -> Option<String> {
+        let gain = self.linearised.gain.as_ref()?.mean(&self.evidence.coefficients(best)?)?;
+        let how = if gain > 0.0 { "steeper" } else { "flatter" };
+        Some(format!(
+            "the normals are {:.0} % {how} than the positions say, all alike: how strongly the surface bends was taken from the positions; \
+             --ignore-normals does without normals",
+            100.0 * gain.abs()
+        ))
+    }
+
+    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
+        let mut notes = self.patch.notes.clone();
+        notes.extend(self.words_of_gain(best));
+        if self.weights.displacement_is_error() {
+            let read = match self.weights.taken_for_shape {
+                true => "is read as shape, but may be an error of the sensor: the intervals hold both",
+                false => "is read as an error of the sensor, not as shape",
+            };
+            notes.push(format!("a departure of {:.1} % of the relief {read}", 100.0 * self.weights.size));
+        }
+        if self.place_errors.shown {
+            let sd = self.place_errors.across.sqrt() * self.patch.frame.scale;
+            let rounded: f64 = format!("{sd:.1e}").parse().unwrap_or(sd);
+            notes.push(format!(
+                "contacts on slopes scatter more than on level ground: x and y err by about {rounded}, and the answer counts that"
+            ));
+        }
+        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class != ShapeClass::Plane {
+            notes.push(
+                "the misfit is as large as the shape itself: the class describes only its coarsest part".to_string(),
+            );
+        }
+        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class == ShapeClass::Plane {
+            notes.push("what is not flat here is a pattern that none of the shapes describes".to_string());
+        }
+        notes
+    }
+}
+
+fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {
+    Estimate {
+        mean: e.mean / scale,
+        sd: e.sd / scale,
+        u_noise: e.u_noise / scale,
+        u_model: e.u_model / scale,
+        u: e.u / scale,
+        interval: e.interval.map(|v| v / scale),
+        ..e
+    }
+}
+
+/// Radii of dome and trough, the smaller first.
+fn radii(class: ShapeClass, k1: f64, k2: f64) -> Option<[f64; 2]> {
+    let (large, small) = (k1.abs().max(k2.abs()), k1.abs().min(k2.abs()));
+    matches!(class, ShapeClass::Dome | ShapeClass::Trough).then(|| [1.0 / large, 1.0 / small])
+}

@@ -1,0 +1,248 @@
+//! Weights of the hypotheses: those of the estimate follow from the evidence, those of the interval leave room for
+//! doubt.
+//!
+//! ```text
+//! w ~ exp(log evidence)                                   the estimate
+//! v                                                       the interval and the classes: `doubt.rs`
+//! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
+//! P(neighbours share errors > rms f / 20) > 0.1,
+//! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
+//! ```
+//!
+//! So read, it is left out of the estimate where the rest is a simple shape, or where f is unlike natural departures. What
+//! is neither plane, ball nor cylinder departs from two constant curvatures anyway, and f then is the likelier part of it.
+//!
+//! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
+//! whose single readings scatter may err as a whole by about as much; where a patch bends little, that is much of its
+//! relief. Above both bounds a displacement is shape. It is shape too where many contacts show that neighbours share no
+//! errors: a sensor that errs as a whole errs from contact to contact. Otherwise the contacts cannot tell shape from a
+//! sensor's error, and the interval gives half to either reading; from 1/8 to 1/4 of the relief the share without
+//! displacement fades to nothing. That a model's departure and an error cannot be told apart without knowledge from
+//! elsewhere: J. Brynjarsdottir, A. O'Hagan, *Inverse Problems* 30 (2014) 114007.
+
+use faer::Mat;
+
+use crate::recognition::dense;
+use crate::recognition::departures::{Body, is_free};
+use crate::recognition::equations::{Rows, column_of, first_of_displacement};
+use crate::recognition::evidence::{Evidence, Node, likeliest};
+use crate::recognition::kinds::Kind;
+use crate::recognition::statistics::{median, standard_deviation};
+use palpate_geometry::neighbours::Neighbours;
+
+use super::doubt::{Doubt, EITHER, departed, keep_simple, with_doubt};
+use super::shares::{best, raise, shares, total};
+
+/// Sizes of f, relative to the relief, that are read as the sensor's error.
+const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
+
+/// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief
+/// below which such an error must stay.
+const OF_SCATTER: f64 = 2.0;
+const MOST: f64 = 0.5;
+
+/// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
+/// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
+/// shape, whatever its size.
+const OF_DEPARTURE: f64 = 0.05;
+const REFUTED: f64 = 0.1;
+
+/// Log likelihood of the normals for every cell, and log evidence of everything, by which a displaced surface has to be ahead
+/// of the plain ones before it is shape whatever its size: a sensor that errs in its positions does not tilt normals that
+/// were measured on their own. A sensor may tilt all normals by as large a multiple of their scatter as it may displace
+/// positions ([`OF_SCATTER`]); half the square of that is 2. The normals of a tactile image are slopes of its own heights,
+/// so they follow its errors: 1 for each of 29 normals of a touched ball. Normals with a scatter of 0.5 degrees are ahead by
+/// 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
+///
+/// A tactile image displaces its contacts by many times what neighbours differ by (22 times on that ball). A departure below
+/// [`OF_SCATTER`] is no such error, and normals that are ahead by the second number all together show that it is shape. Of 120
+/// objects that were touched at 441 places each, 91 had S and R right without that, and 101 with it
+/// (`benches/runs/explore.md`).
+const BY_NORMALS: f64 = 0.5 * OF_SCATTER * OF_SCATTER;
+const BY_ALL: f64 = 8.0;
+
+/// Share of natural departures, or of bodies, in the estimate from which on the interval of R holds theirs. Without that the interval of an
+/// ellipsoid misses in 7 to 10 of 100 fits instead of 5 or 6; saddles of 27 contacts have one that is a seventh wider.
+pub(super) const HEARD: f64 = 0.25;
+
+/// Weights of all nodes.
+#[derive(Clone, Debug, Default)]
+pub(in crate::recognition) struct Weights {
+    /// Of the estimate.
+    pub(super) estimate: Vec<f64>,
+    /// Of the interval.
+    pub(super) interval: Vec<f64>,
+    /// Of the classes.
+    pub(super) class: Vec<f64>,
+    /// Of bodies whose intervals of R are held as if each were alone: within a body, 1 in all; 0 elsewhere.
+    pub(super) heard: Vec<f64>,
+    /// Posterior probability of a displacement.
+    pub(super) displaced: f64,
+    /// Its root mean square relative to the relief; 0 where it is too improbable to matter.
+    pub(super) size: f64,
+    /// The same relative to the scatter of single contacts.
+    pub(super) of_scatter: f64,
+    /// Posterior probability, among displaced surfaces, that neighbours share errors of at least a tenth of it.
+    pub(super) shared: f64,
+    /// Log evidence by which a displaced surface is ahead.
+    pub(super) gap: f64,
+    /// Log likelihood by which all normals prefer the displaced surface.
+    pub(in crate::recognition) normals: f64,
+    /// Number of cells.
+    cells: f64,
+    /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
+    pub(super) taken_for_shape: bool,
+}
+
+impl Weights {
+    /// Whether the displacement is the sensor's error rather than shape.
+    pub(super) fn displacement_is_error(&self) -> bool {
+        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_scatter < OF_SCATTER);
+        SENSOR[0] < self.size && small && self.may_be_error()
+    }
+
+    /// Whether the interval has a share of surfaces without the displacement, because that may be the sensor's error.
+    pub(in crate::recognition) fn displacement_may_be_error(&self) -> bool {
+        self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * SENSOR[1])
+    }
+
+    /// Leaves room for the other reading, of a displacement as shape or as the sensor's error.
+    fn between_readings(&self, nodes: &[Node], out: &mut [f64], doubt: Doubt, misfit: impl Fn(Kind) -> f64) {
+        if self.displaced <= 0.5 {
+            return;
+        }
+        if self.displacement_is_error() {
+            keep_simple(out, nodes, doubt, misfit);
+            return;
+        }
+        // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
+        let fading = EITHER * (2.0 - self.size / SENSOR[1]);
+        let plain = |n: &Node| !n.is_displaced();
+        if self.may_be_error() && fading > total(out, nodes, plain) {
+            raise(out, nodes, plain, |_| true, fading.min(EITHER));
+            departed(nodes, out);
+        }
+    }
+
+    /// Whether errors that neighbours share are large enough for a sensor that errs as a whole, and no normals say that the
+    /// displacement is shape.
+    fn may_be_error(&self) -> bool {
+        let every_one = self.normals > BY_NORMALS * self.cells;
+        let together = self.normals > BY_ALL && self.of_scatter < OF_SCATTER;
+        let confirmed = (every_one || together) && self.gap > BY_ALL;
+        self.shared > REFUTED && !confirmed
+    }
+}
+
+/// Weighs the nodes; `misfit` is the root mean square distance of a kind's fit.
+pub(in crate::recognition) fn weigh(
+    evidence: &Evidence,
+    rows: &Rows,
+    nodes: &[Node],
+    relief: f64,
+    contacts_per_cell: f64,
+    misfit: impl Fn(Kind) -> f64,
+) -> Weights {
+    let mut estimate = shares(nodes, |_| true);
+    let displaced = total(&estimate, nodes, |n| n.is_displaced());
+    let mut weights = Weights { displaced, ..Weights::default() };
+    if displaced > 0.05 {
+        let departure = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
+        weights.size = departure / relief;
+        weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
+        weights.shared = shared(evidence, nodes, &estimate, OF_DEPARTURE * departure) / displaced;
+    }
+    weights.gap = best(nodes, |n| n.is_displaced()) - best(nodes, |n| !n.is_displaced());
+    weights.normals = normals_gain(evidence, nodes).unwrap_or(0.0);
+    weights.cells = evidence.cells.points.len() as f64;
+    let by_evidence = estimate.clone();
+    let error = weights.displacement_is_error();
+    if error {
+        estimate = shares(nodes, |n| !n.is_displaced());
+    }
+    weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
+    let doubted = |doubt: Doubt| {
+        let mut out = with_doubt(nodes, &estimate, error, doubt, &misfit);
+        weights.between_readings(nodes, &mut out, doubt, &misfit);
+        out
+    };
+    // evidence does not tell an error of the sensor from shape, and what is read as one keeps the room that classes have
+    let of_interval = if error && !weights.taken_for_shape { Doubt::OF_CLASS } else { Doubt::OF_INTERVAL };
+    let [interval, class] = [of_interval, Doubt::OF_CLASS].map(doubted);
+    (weights.interval, weights.class) = (interval, class);
+    if !error {
+        departed(nodes, &mut estimate);
+    }
+    weights.heard = heard(nodes, if weights.taken_for_shape { &by_evidence } else { &estimate });
+    weights.estimate = if weights.taken_for_shape { by_evidence } else { estimate };
+    weights
+}
+
+/// Shares within every body that is as likely as the likeliest one to within [`BY_ALL`], where bodies have a good part of the estimate: a ring
+/// and an ellipsoid that no contact tells apart differ in R by some per cent, and which of them has fewer numbers says little.
+fn heard(nodes: &[Node], estimate: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; nodes.len()];
+    if total(estimate, nodes, Node::is_body) < HEARD {
+        return out;
+    }
+    let likeliest = best(nodes, Node::is_body);
+    for body in Body::ALL {
+        let own = |n: &Node| n.departure.body() == Some(body);
+        if best(nodes, own) > likeliest - BY_ALL {
+            out.iter_mut().zip(shares(nodes, own)).for_each(|(out, share)| *out += share);
+        }
+    }
+    out
+}
+
+/// Whether the rest is no simple shape under these weights of plain nodes, and natural departures explain the contacts about as
+/// well as any displacement does that is free in form.
+fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
+    let simple = total(plain, nodes, |n| n.group() == 0);
+    let free = |n: &Node| n.departure.process().is_none_or(is_free);
+    simple < 0.5 && best(nodes, |n| n.is_natural()) > best(nodes, free) - BY_ALL
+}
+
+/// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.
+fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
+    let best = |displaced: bool| {
+        let own = nodes.iter().filter(|n| n.is_displaced() == displaced);
+        likeliest(own)
+    };
+    let [plain, displaced] = [false, true].map(|d| evidence.misfit_of_normals(best(d)?));
+    Some(plain? - displaced?)
+}
+
+/// Weight of the displaced nodes under which neighbours share errors of at least `size`.
+fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f64 {
+    let tree = Neighbours::new(&evidence.cells.feet);
+    let apart = (0..evidence.cells.feet.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+    let apart = median(apart);
+    total(weights, nodes, |n| n.is_displaced() && n.tau() * (-0.5 * apart / n.length).exp() > size)
+}
+
+/// Standard deviation of a single contact's independent error under the likeliest displaced node.
+fn scatter(nodes: &[Node], weights: &[f64], contacts_per_cell: f64) -> f64 {
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.is_displaced());
+    let best = displaced.max_by(|a, b| a.1.total_cmp(b.1));
+    best.map_or(0.0, |(node, _)| (node.variance * contacts_per_cell).sqrt()).max(f64::MIN_POSITIVE)
+}
+
+/// Root mean square of the likeliest displacement over the cells, without what the general surface could take up.
+fn displacement_size(evidence: &Evidence, rows: &Rows, nodes: &[Node], weights: &[f64]) -> Option<f64> {
+    let displaced = nodes.iter().zip(weights).filter(|(n, _)| n.is_displaced());
+    let (node, _) = displaced.max_by(|a, b| a.1.total_cmp(b.1))?;
+    let (mean, _) = evidence.joint_posterior(node)?;
+    let (p, z, y) = (node.kind.unknowns(), first_of_displacement(), column_of(node.kind));
+    let along_columns = evidence.weights_of(node, &mean[p..]);
+    let n = rows.positions.nrows();
+    let mut f: Vec<f64> = (0..n)
+        .map(|i| along_columns.iter().enumerate().map(|(j, w)| rows.positions[(i, z + j)] * w).sum::<f64>())
+        .collect();
+    let column = |i: usize, j: usize| rows.positions[(i, y + 1 + j)];
+    let normal = Mat::from_fn(p, p, |a, b| (0..n).map(|i| column(i, a) * column(i, b)).sum());
+    let mut along: Vec<f64> = (0..p).map(|a| (0..n).map(|i| column(i, a) * f[i]).sum()).collect();
+    dense::solve(&dense::cholesky(&normal)?, &mut along);
+    (0..n).for_each(|i| f[i] -= (0..p).map(|a| column(i, a) * along[a]).sum::<f64>());
+    Some(standard_deviation(&f))
+}

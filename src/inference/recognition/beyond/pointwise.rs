@@ -1,0 +1,110 @@
+//! Uncertainty of a recognised surface point by point.
+//!
+//! ```text
+//! S, R               standard deviations over the drawn surfaces, between the points of the map
+//! position, normal   a quadratic height over the chart, fitted to the contacts that belong to the surface:
+//!                    u^2 = s^2 f'(X'X)^-1 f,   f = (1, u, v, u^2, u v, v^2),   s^2 = (sd^2 + shared sd^2) N / N_eff
+//! ```
+//!
+//! The draws tell of curvatures and not of heights. A quadratic over the chart has all that a recognised surface may do near
+//! its own shape; a plane or a sphere would leave it less. N_eff contacts with independent errors would tell the mean height
+//! as well as all N do, so that shared errors count. Normals are not counted, which makes both larger than they need be.
+
+use crate::recognition::{MapPoint, Recognition, dense};
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::shape::PointSds;
+
+/// Coefficients of the quadratic.
+const TERMS: usize = 6;
+
+/// Contacts that are looked at; of more, every so many-th.
+const ENOUGH: usize = 4096;
+
+/// A part of the largest diagonal entry that keeps a design of few contacts solvable.
+const RIDGE: f64 = 1e-12;
+
+/// The recognised surface with what tells its uncertainty.
+#[derive(Debug)]
+pub struct Pointwise<'a> {
+    found: &'a Recognition,
+    /// Lower Cholesky factor of X'X / N, and the chart's middle and half sides.
+    design: Option<faer::Mat<f64>>,
+    middle: [f64; 2],
+    half: [f64; 2],
+    /// Variance of the mean height.
+    variance: f64,
+}
+
+impl<'a> Pointwise<'a> {
+    /// Of contacts, which for a grid are its pixels.
+    pub fn new(found: &'a Recognition, contacts: &Contacts) -> Pointwise<'a> {
+        let surface = &found.surface;
+        let middle = [surface.u, surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
+        let half = [surface.u, surface.v].map(|[lo, hi]| (0.5 * (hi - lo)).max(f64::MIN_POSITIVE));
+        let step = contacts.len().div_ceil(ENOUGH).max(1);
+        let mut sums = faer::Mat::<f64>::zeros(TERMS, TERMS);
+        let mut count = 0.0;
+        for r in (0..contacts.len()).step_by(step) {
+            let chart = surface.chart_of([contacts.x[r], contacts.y[r], contacts.z[r]]);
+            let f = terms([0, 1].map(|k| (chart[k] - middle[k]) / half[k]));
+            // strays far off the patch would say that it is known there
+            if f.iter().all(|v| v.abs() <= 4.0) {
+                count += 1.0;
+                (0..TERMS).for_each(|a| (0..TERMS).for_each(|b| sums[(a, b)] += f[a] * f[b]));
+            }
+        }
+        let largest = (0..TERMS).map(|k| sums[(k, k)]).fold(f64::MIN_POSITIVE, f64::max);
+        (0..TERMS).for_each(|k| sums[(k, k)] += RIDGE * largest);
+        (0..TERMS).for_each(|a| (0..TERMS).for_each(|b| sums[(a, b)] /= f64::max(count, 1.0)));
+        let noise = &found.noise;
+        let total = noise.sd_z * noise.sd_z + noise.sd_correlated * noise.sd_correlated;
+        let variance = total / found.effective_contacts.max(1.0);
+        Pointwise { found, design: dense::cholesky(&sums), middle, half, variance }
+    }
+
+    /// Standard uncertainties on the surface nearest to a place, input units.
+    pub fn at(&self, place: [f64; 3]) -> Option<PointSds> {
+        let chart = self.found.surface.chart_of(place);
+        let local = [0, 1].map(|k| (chart[k] - self.middle[k]) / self.half[k]);
+        let lower = self.design.as_ref()?;
+        let of = |mut f: [f64; TERMS]| {
+            dense::forward(lower, &mut f);
+            self.variance * f.iter().map(|v| v * v).sum::<f64>()
+        };
+        let [u, v] = local;
+        let lengths = self.half.map(|h| h * self.found.surface.frame.scale);
+        let tilts = of([0.0, 1.0, 0.0, 2.0 * u, v, 0.0]) / lengths[0].powi(2)
+            + of([0.0, 0.0, 1.0, 0.0, u, 2.0 * v]) / lengths[1].powi(2);
+        let [s, r] = self.shape_at(self.found.share_of_map(place));
+        let curved = self.found.shape_index.is_some();
+        let sds = PointSds {
+            position: of(terms(local)).sqrt(),
+            normal: tilts.sqrt(),
+            shape_index: s.filter(|_| curved),
+            curvedness: r,
+        };
+        // lengths are those of the input already
+        sds.position.is_finite().then_some(sds.scaled(1.0))
+    }
+
+    /// Those of S and R between the four nearest points of the map.
+    fn shape_at(&self, share: [f64; 2]) -> [Option<f64>; 2] {
+        let [n, m] = self.found.grid;
+        let cell = |k: usize, count: usize| {
+            let t = share[k].clamp(0.0, 1.0) * count.saturating_sub(1) as f64;
+            let first = (t.floor() as usize).min(count.saturating_sub(2));
+            (first, t - first as f64)
+        };
+        let ((i, s), (j, t)) = (cell(0, n), cell(1, m));
+        let at = |i: usize, j: usize| self.found.map.get(i.min(n - 1) * m + j.min(m - 1));
+        let value = |pick: fn(&MapPoint) -> f64| {
+            let between = |i: usize| Some((1.0 - t) * pick(at(i, j)?) + t * pick(at(i, j + 1)?));
+            Some((1.0 - s) * between(i)? + s * between(i + 1)?).filter(|u| u.is_finite())
+        };
+        [value(|p| p.u_shape_index), value(|p| p.u_curvedness)]
+    }
+}
+
+fn terms([u, v]: [f64; 2]) -> [f64; TERMS] {
+    [1.0, u, v, u * u, u * v, v * v]
+}

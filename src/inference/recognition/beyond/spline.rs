@@ -1,0 +1,214 @@
+//! The recognised surface as a tensor-product spline, so that it can be saved, evaluated and drawn like any other.
+//!
+//! ```text
+//! height field   z = S(x, y)      least squares on samples of the surface and of its normals, where contacts support it
+//! parametric     (x, y, z)(u, v)  least squares on samples of every coordinate; u and v are arc lengths, input units
+//! ```
+//!
+//! A height field keeps the input's own axes and is taken where the surface stands nowhere steep over them. Segments
+//! are doubled until the spline misses the recognised surface by far less than the contacts do.
+
+use ndarray::Array2;
+
+use crate::recognition::Recognition;
+use palpate_fitting::fit::{
+    Fit, FitError, FitOptions, FrameChoice, Objective, OutsideDomain, SlopeWeights, fit_contacts, fit_grid,
+};
+use palpate_geometry::contact::{Contacts, Grid};
+use palpate_geometry::shape::UvSupport;
+use palpate_geometry::surface::{HeightField, Parametric};
+use palpate_numeric::bspline::linspace;
+use palpate_numeric::vector::{Vector, minus, norm};
+
+/// Samples each way: a few for every unknown of the finest spline below.
+const SAMPLES: usize = 33;
+
+/// Degree of the spline: its curvatures are smooth.
+const DEGREE: usize = 4;
+
+/// Numbers of segments that are tried, the coarsest first.
+const SEGMENTS: [usize; 4] = [2, 4, 8, 16];
+
+/// The spline may miss the recognised surface by this share of the contacts' misfit.
+const OF_MISFIT: f64 = 1e-3;
+
+/// The same as a share of the patch's size, for contacts without noise.
+const OF_SIZE: f64 = 1e-7;
+
+/// Cells each way of the supported region as triangles.
+const CELLS: usize = 16;
+
+/// A recognised surface as a spline, in the input's coordinates.
+#[derive(Clone, Debug)]
+pub enum RecognisedSpline {
+    /// Heights over the input's x and y, with the fit to the samples that made them.
+    Height {
+        /// The spline.
+        surface: HeightField,
+        /// The fit to the samples.
+        fit: Box<Fit>,
+    },
+    /// A map into space over arc lengths u and v.
+    Parametric {
+        /// The spline.
+        surface: Parametric,
+        /// The part of (u, v) that contacts surround.
+        support: UvSupport,
+    },
+}
+
+/// Points and normals of the surface at an even lattice of its chart.
+struct Samples {
+    u: Vec<f64>,
+    v: Vec<f64>,
+    points: Vec<Vector>,
+    normals: Vec<Vector>,
+    supported: Vec<bool>,
+}
+
+impl Recognition {
+    /// The recognised surface as a spline: a height field over the input's axes, or else a map into space.
+    ///
+    /// # Errors
+    /// When the surface's coordinates leave no distinct knots.
+    pub fn spline(&self) -> Result<RecognisedSpline, FitError> {
+        let samples = Samples::of(self);
+        let rms = self.tried.iter().find(|t| t.hypothesis == self.hypothesis).map_or(0.0, |t| t.rms);
+        let size = norm(minus(samples.points[0], samples.points[samples.points.len() - 1]));
+        let enough = (OF_MISFIT * rms).max(OF_SIZE * size);
+        match self.over {
+            Some(over) => samples.height_field(over, enough),
+            None => samples.parametric(self, enough),
+        }
+    }
+}
+
+impl Samples {
+    fn of(found: &Recognition) -> Samples {
+        let surface = &found.surface;
+        let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, SAMPLES));
+        let places: Vec<(f64, f64)> = u.iter().flat_map(|a| v.iter().map(|b| (*a, *b))).collect();
+        let (points, normals) = places.iter().map(|(a, b)| surface.at(*a, *b)).unzip();
+        let mut supported: Vec<bool> = places.iter().map(|(a, b)| surface.supported_at(*a, *b)).collect();
+        if supported.iter().filter(|s| **s).count() < SAMPLES {
+            supported.fill(true);
+        }
+        Samples { u, v, points, normals, supported }
+    }
+
+    fn used(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.points.len()).filter(|&i| self.supported[i])
+    }
+
+    fn height_field(&self, over: [[f64; 2]; 2], enough: f64) -> Result<RecognisedSpline, FitError> {
+        let points: Vec<Vector> = self.used().map(|i| self.points[i]).collect();
+        let normals: Vec<Vector> = self.used().map(|i| self.normals[i]).collect();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let mut options = FitOptions {
+            degree: [DEGREE; 2],
+            frame: Some(FrameChoice::Keep),
+            domain: Some([over[0][0], over[0][1], over[1][0], over[1][1]]),
+            outside: OutsideDomain::Extend,
+            objective: Objective::Slopes(SlopeWeights::Equal),
+            ..FitOptions::default()
+        };
+        let mut best: Option<Fit> = None;
+        // contacts that surround a narrow strip leave few samples: no more segments than these determine
+        for segments in SEGMENTS.into_iter().filter(|n| (n + DEGREE).pow(2) <= 3 * points.len()) {
+            options.segments = [segments; 2];
+            let fit = fit_contacts(&contacts, &options)?;
+            let done = fit.rms().z.is_some_and(|z| z <= enough);
+            best = Some(fit);
+            if done {
+                break;
+            }
+        }
+        let fit = Box::new(best.ok_or(FitError::Rank { rank: 0, unknowns: 0 })?);
+        Ok(RecognisedSpline::Height { surface: fit.input_surface()?, fit })
+    }
+
+    fn parametric(&self, found: &Recognition, enough: f64) -> Result<RecognisedSpline, FitError> {
+        let scale = found.surface.frame.scale;
+        let [u, v] = [&self.u, &self.v].map(|axis| axis.iter().map(|t| t * scale).collect::<Vec<f64>>());
+        let mut best = None;
+        for segments in SEGMENTS {
+            let options = FitOptions { degree: [DEGREE; 2], segments: [segments; 2], ..FitOptions::default() };
+            let coordinate = |k: usize| {
+                let z = Array2::from_shape_fn((SAMPLES, SAMPLES), |(i, j)| self.points[i * SAMPLES + j][k]);
+                fit_grid(&Grid::new(u.clone(), v.clone(), z), &options)
+            };
+            let fits = [coordinate(0)?, coordinate(1)?, coordinate(2)?];
+            let done = fits.iter().all(|fit| fit.rms().z.is_some_and(|z| z <= enough));
+            best = Some(fits);
+            if done {
+                break;
+            }
+        }
+        let fits = best.ok_or(FitError::Rank { rank: 0, unknowns: 0 })?;
+        let [x, y, z] = [fits[0].input_surface()?, fits[1].input_surface()?, fits[2].input_surface()?];
+        let at = |at: (usize, usize)| [x.coefficients()[at], y.coefficients()[at], z.coefficients()[at]];
+        let coefficients = Array2::from_shape_fn(x.coefficients().dim(), at);
+        let surface = Parametric::new(x.knots().clone(), coefficients)?;
+        Ok(RecognisedSpline::Parametric { surface, support: support(found, scale) })
+    }
+}
+
+/// Cells of the chart with all four corners supported, as triangles.
+fn support(found: &Recognition, scale: f64) -> UvSupport {
+    let surface = &found.surface;
+    let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, CELLS + 1));
+    let held = Array2::from_shape_fn((CELLS + 1, CELLS + 1), |(i, j)| surface.supported_at(u[i], v[j]));
+    let at = |i: usize, j: usize| [scale * u[i], scale * v[j]];
+    let whole = vec![[at(0, 0), at(CELLS, 0), at(CELLS, CELLS)], [at(0, 0), at(CELLS, CELLS), at(0, CELLS)]];
+    if held.iter().all(|h| *h) {
+        return UvSupport::new(whole, [None; 2]);
+    }
+    let mut triangles = Vec::new();
+    for i in 0..CELLS {
+        for j in 0..CELLS {
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            if corners.iter().all(|at| held[*at]) {
+                let [a, b, c, d] = corners.map(|(i, j)| at(i, j));
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    if triangles.is_empty() {
+        triangles = whole;
+    }
+    UvSupport::new(triangles, [None; 2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recognition::RecognitionOptions;
+    use palpate_numeric::vector::dot;
+
+    /// Contacts with normals on a cylinder of radius 5 along y, up to `reach` radians to both sides.
+    fn cylinder(reach: f64) -> Contacts {
+        let places = (0..180).map(|i| {
+            let (a, y) = (reach * ((i % 20) as f64 / 9.5 - 1.0), (i / 20) as f64);
+            ([5.0 * a.sin(), y, 5.0 * a.cos()], [a.sin(), 0.0, a.cos()])
+        });
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = places.unzip();
+        Contacts::from_points(&points).with_normal_vectors(&normals)
+    }
+
+    #[test]
+    fn a_level_patch_becomes_a_height_field_and_half_a_pipe_a_map() {
+        let found = Recognition::of(&cylinder(0.8), &RecognitionOptions::default()).unwrap();
+        let RecognisedSpline::Height { surface, .. } = found.spline().unwrap() else { panic!("no height field") };
+        let here = surface.at(2.0, 4.0);
+        assert!((here.z - 21.0_f64.sqrt()).abs() < 1e-4);
+        let found = Recognition::of(&cylinder(1.5), &RecognitionOptions::default()).unwrap();
+        let RecognisedSpline::Parametric { surface, support } = found.spline().unwrap() else { panic!("no map") };
+        let [u, v] = [0, 1].map(|k| surface.knots()[k].domain()).map(|[lo, hi]| 0.3 * lo + 0.7 * hi);
+        assert!(support.holds(u, v));
+        let here = surface.at(u, v);
+        let [x, _, z] = here.point;
+        assert!((x.hypot(z) - 5.0).abs() < 1e-3);
+        let p = here.principal().unwrap();
+        assert!(dot(p.normal, [x, 0.0, z]) > 0.0 && (p.k2 + 0.2).abs() < 1e-3, "{p:?}");
+    }
+}

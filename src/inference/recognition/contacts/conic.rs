@@ -1,0 +1,68 @@
+//! Whether places lie on one conic: a ring, two lines, an ellipse. Heights over them do not tell how a surface bends.
+//!
+//! ```text
+//! A = [1 u v u^2 u v v^2], columns with mean square 1        u, v: places in the plane of the patch, each with mean 0 and sd 1
+//! on a conic:  least eigenvalue of A'A/n < 10^-3             then some A w is nearly 0 with |w| = 1
+//! ```
+//!
+//! Heights `A c` over such places are the same for c and for c + t w, whatever t is, and w bends. F. L. Bookstein, *Computer Graphics
+//! and Image Processing* 9 (1979) 56, on fitting conics to scattered places.
+
+use faer::Mat;
+
+use crate::recognition::dense;
+use palpate_numeric::linalg;
+
+/// Least eigenvalue below which places lie on a conic. Three by three touches have 0.13, a ring that is wide by a tenth of its radius 2e-3, one
+/// whose touches scatter by a hundredth of it 2e-4: what the latter tell of the bend is what they err by.
+const ON_CONIC: f64 = 1e-3;
+
+/// Terms of the second degree in two variables.
+const TERMS: usize = 6;
+
+/// Whether these places lie on one conic, or so near to it that they tell nothing else.
+pub(in crate::recognition) fn on_conic(places: &[[f64; 2]]) -> bool {
+    let count = places.len() as f64;
+    let mean = |k: usize| places.iter().map(|p| p[k]).sum::<f64>() / count;
+    let means = [mean(0), mean(1)];
+    let sd = |k: usize| (places.iter().map(|p| (p[k] - means[k]).powi(2)).sum::<f64>() / count).sqrt();
+    let sds = [sd(0), sd(1)];
+    let mut columns = Mat::from_fn(places.len(), TERMS, |i, term| {
+        let [u, v] = [0, 1].map(|k| (places[i][k] - means[k]) / sds[k]);
+        [1.0, u, v, u * u, u * v, v * v][term]
+    });
+    for j in 0..TERMS {
+        let column = columns.col_as_slice_mut(j);
+        let size = column.iter().map(|v| v * v).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        column.iter_mut().for_each(|v| *v /= size);
+    }
+    let gram = dense::gram(columns.as_ref());
+    linalg::eigen(gram.as_ref()).is_some_and(|eigen| eigen.values[0] < ON_CONIC)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(width: f64) -> Vec<[f64; 2]> {
+        let place = |k: usize| {
+            let (radius, turn) =
+                (5.0 + width * ((37 * k % 40) as f64 / 39.0 - 0.5), k as f64 * std::f64::consts::TAU / 40.0);
+            [3.0 + radius * turn.cos(), 2.0 + 0.4 * radius * turn.sin()]
+        };
+        (0..40).map(place).collect()
+    }
+
+    fn lattice(rows: &[f64], stations: usize) -> Vec<[f64; 2]> {
+        rows.iter().flat_map(|x| (0..stations).map(move |k| [*x, 0.5 * k as f64])).collect()
+    }
+
+    #[test]
+    fn rings_and_two_rows_are_conics_and_three_rows_are_none() {
+        assert!(on_conic(&ring(0.0)) && on_conic(&ring(0.05)));
+        // wide by a tenth of its radius
+        assert!(!on_conic(&ring(0.5)));
+        assert!(on_conic(&lattice(&[-4.0, 4.0], 15)) && on_conic(&lattice(&[-4.0, 4.0, 4.02], 15)));
+        assert!(!on_conic(&lattice(&[-4.0, 0.0, 4.0], 3)) && !on_conic(&lattice(&[-0.1, 0.0, 0.1], 15)));
+    }
+}

@@ -1,0 +1,25 @@
+//! What was given: contacts in order, a frame of their own, normals on one side, and their averages.
+//!
+//! ```text
+//! c = mean P      e3 = mean unit normal, or the direction of least spread      1 unit = sqrt(w1 + w2), variances along the patch
+//! cell = mean of the contacts in one voxel, at most 200 of them
+//! ```
+//!
+//! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
+//! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
+//! `cells.rs` averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts without any.
+
+mod believable_normals;
+mod cells;
+mod conic;
+mod frame;
+mod input;
+mod set_aside;
+
+pub(in crate::recognition) use believable_normals::{AGAINST, derived_from_positions};
+pub(in crate::recognition) use cells::{CellNormals, Cells, cells, is_known};
+pub(in crate::recognition) use conic::on_conic;
+pub(in crate::recognition) use frame::patch_frame;
+pub(in crate::recognition) use input::{Given, check_options};
+pub(in crate::recognition) use set_aside::Dropped;
+pub use set_aside::NormalsUse;

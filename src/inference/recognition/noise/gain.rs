@@ -1,0 +1,144 @@
+//! A sensor whose normals are all too steep, or all too flat, by one factor.
+//!
+//! ```text
+//! slopes measured = (1 + g) slopes true          g ~ N(0, GAIN^2), one for all normals
+//! y_n = .. + g v,   v = (n.a) ((n.a) n - a) . t  a: normal of the patch's frame, n: of the surface, t: tangent
+//! Sigma_n <- Sigma_n + GAIN^2 v v'               W'W <- W'W - c c'/k,   log det <- log det + log(GAIN^2 k)
+//! c = W' v~,   k = 1/GAIN^2 + v~'v~,   mean of g = c . coefficients / k          W, v~: rows and v whitened by Sigma_n
+//! ```
+//!
+//! Slopes that a sensor takes from shading, or heights in another unit, leave positions and normals that each show a smooth surface,
+//! of other curvatures. Nothing in the residuals of either tells, and both together show something between them, with an interval
+//! that holds neither. With a gain the positions tell how strongly the surface bends, and the normals how that varies.
+//!
+//! Where positions say little, as under three fingers, whose heights lie on a circle whatever was touched, some surface explains both
+//! without a gain. That this surface is none of the simple ones is no reason for a gain, however much likelier simple ones are before
+//! the contacts are looked at: a gain is believed where no surface explains both as well.
+
+use faer::Mat;
+
+use crate::recognition::contacts::Cells;
+use crate::recognition::dense;
+use crate::recognition::kinds::{Kind, Model};
+use palpate_numeric::vector::{dot, minus, scaled, unit};
+
+/// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
+/// counts.
+const GAIN: f64 = 0.2;
+
+/// Gains up to this multiple of [`GAIN`] are believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
+const MOST: f64 = 3.0;
+
+/// Cells needed: twice the unknowns of the general surface. Five touches whose heights hardly bend had a gain that turned a cap into a
+/// cup.
+const FEWEST: usize = 12;
+
+/// Log odds against such a sensor: one in twenty.
+pub(in crate::recognition) const RARE: f64 = 3.0;
+
+/// What a gain does to the normals of every cell.
+#[derive(Clone, Debug)]
+pub(in crate::recognition) struct Gain {
+    /// v along both tangents.
+    steeper: [Vec<f64>; 2],
+    /// c and k of the rows that it was taken out of.
+    told: Option<(Vec<f64>, f64)>,
+}
+
+impl Gain {
+    /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
+    /// are too few to tell by themselves how the surface bends.
+    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
+        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST)?;
+        let general = models.iter().find(|m| m.kind() == Kind::General)?;
+        let normal = |i: usize| {
+            let (_, n) = general.distance_and_normal(cells.points[i]);
+            let Some(slopes) = slopes else { return n };
+            unit(minus(n, cells.gradient(i, n, [slopes[0][i], slopes[1][i]])))
+        };
+        let of = |side: usize, i: usize| {
+            let n = normal(i);
+            let steep = n[2];
+            dot(scaled(steep, minus(scaled(steep, n), [0.0, 0.0, 1.0])), cells.tangents[side][i])
+        };
+        let steeper = [0, 1].map(|side| (0..cells.points.len()).map(|i| of(side, i)).collect());
+        Some(Gain { steeper, told: None })
+    }
+
+    /// Takes the gain out of both halves of the whitened rows of the normals, whose errors have this factor and variance; gives back
+    /// `log(GAIN^2 k)`. Taken out of the Gram matrix, it would leave nothing but rounding of contacts without noise.
+    pub(super) fn taken_out(&mut self, halves: &mut [Mat<f64>; 2], lower: &Mat<f64>, variance: f64) -> f64 {
+        let mut steeper = self.steeper.clone();
+        steeper.iter_mut().for_each(|v| dense::forward_in_columns(lower, v));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let square = steeper.iter().map(|v| dot(v, v)).sum::<f64>() / variance;
+        let k = GAIN.powi(-2) + square;
+        // of the rows along v this share is left out, so that of their square 1/(1 + GAIN^2 square) stays
+        let share = 1.0 - (1.0 + GAIN * GAIN * square).sqrt().recip();
+        let mut c = vec![0.0; halves[0].ncols()];
+        for (j, c) in c.iter_mut().enumerate() {
+            *c = (0..2).map(|side| dot(halves[side].col_as_slice(j), &steeper[side])).sum::<f64>() / variance;
+            let by = if square > 0.0 { share * *c / square } else { 0.0 };
+            for (half, v) in halves.iter_mut().zip(&steeper) {
+                half.col_as_slice_mut(j).iter_mut().zip(v).for_each(|(row, v)| *row -= by * v);
+            }
+        }
+        self.told = Some((c, k));
+        (GAIN * GAIN * k).ln()
+    }
+
+    /// Whether a sensor may be so wrong.
+    pub(in crate::recognition) fn is_believable(&self, coefficients: &[f64]) -> bool {
+        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST * GAIN)
+    }
+
+    /// Mean of the gain where the columns have these coefficients.
+    pub(in crate::recognition) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
+        let (c, k) = self.told.as_ref()?;
+        Some(c.iter().zip(coefficients).map(|(c, x)| c * x).sum::<f64>() / k)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::recognition::{Recognition, RecognitionOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::Vector;
+
+    /// 49 touches of a ball of radius 10 whose slopes are measured `steeper` times too steep.
+    fn touched(steeper: f64, seed: u64) -> Recognition {
+        let draws = EffectDraws::new(seed, "gain");
+        let (mut points, mut normals) = (Vec::<Vector>::new(), Vec::<Vector>::new());
+        for k in 0..49_u32 {
+            let mut noise = [0.0; 3];
+            draws.gaussians(u64::from(k), 0, 3, &mut noise);
+            let [x, y] = [k % 7, k / 7].map(|v| 4.0 * (f64::from(v) / 3.0 - 1.0));
+            let height = (100.0 - x * x - y * y).sqrt();
+            points.push([x, y, height - 10.0 + 0.02 * noise[0]]);
+            let slope = |v: f64, noise: f64| steeper * v / height + 0.03 * noise;
+            normals.push([slope(x, noise[1]), slope(y, noise[2]), 1.0]);
+        }
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        Recognition::of(&contacts, &RecognitionOptions::default()).unwrap()
+    }
+
+    fn says_steeper(found: &Recognition) -> bool {
+        found.notes.iter().any(|note| note.contains("steeper than the positions say"))
+    }
+
+    /// Without a gain no interval of R holds the truth (`benches/runs/coverage.md`).
+    #[test]
+    fn normals_that_are_all_too_steep_do_not_bend_a_ball_more() {
+        for seed in 1..=4 {
+            let found = touched(1.3, seed);
+            assert!(says_steeper(&found), "{:?}", found.notes);
+            assert!((found.curvedness.mean - 0.1).abs() < 3.0 * found.curvedness.u, "{:?}", found.curvedness);
+        }
+    }
+
+    #[test]
+    fn normals_that_agree_with_the_positions_have_no_gain() {
+        assert!((1..=4).all(|seed| !says_steeper(&touched(1.0, seed))));
+    }
+}

@@ -1,0 +1,22 @@
+//! Which part of which surface the answer is about.
+//!
+//! ```text
+//! Q(u, v) = point of the reported surface        supported: inside the contacts' outline and near enough to one of them
+//! map, lattice = even grids over x and y, or over the chart where the surface stands steep
+//! ```
+//!
+//! `surface.rs` comes first, then `support.rs`. `over_plane.rs` finds the surface over given x and y, and `map.rs` chooses the points.
+//! `predictive.rs` says what touches at other places would measure.
+
+mod map;
+mod over_plane;
+mod predictive;
+mod support;
+mod surface;
+
+pub(in crate::recognition) use map::Region;
+pub use predictive::PredictiveDraw;
+pub(in crate::recognition) use predictive::{Place, measured, places, predicted};
+pub(in crate::recognition) use support::hull;
+pub use surface::RecognisedSurface;
+pub(in crate::recognition) use surface::chart_point;

@@ -1,0 +1,179 @@
+//! Where contacts support the surface: inside their outline and near enough to one of them.
+//!
+//! ```text
+//! inside the convex hull of the contacts' chart positions (the outline counts, and a little more), and
+//! nearest contact within max(3 x 95 % quantile of nearest-neighbour distances, 1.1 x widest gap between cells)
+//! ```
+//!
+//! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the paths of
+//! a few fingers are far apart, and what lies between two of them is still the touched surface.
+
+use crate::recognition::contacts::Cells;
+use crate::recognition::start::thinned;
+use crate::recognition::statistics::median;
+use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::vector::{Vector, dot, minus, norm};
+
+/// Contacts whose nearest neighbours are looked up.
+const SAMPLE: usize = 4000;
+
+/// Growth from one edge to the next longer one that tells repeats of a site from its neighbours: repeats differ by noise,
+/// sites by the step of the finger. Along a finger and across fingers the steps differ less.
+const SUDDEN: f64 = 5.0;
+
+/// Share of the reach by which a point may lie outside the outline. Errors move the contacts on the outline by less than
+/// their distance from each other, and the edge of an even grid would otherwise be inside here and outside there.
+const BEYOND: f64 = 0.03;
+
+/// The region that contacts support.
+#[derive(Clone, Debug)]
+pub(super) struct Support<'a> {
+    hull: Vec<[f64; 2]>,
+    tree: Neighbours<'a>,
+    reach: f64,
+    beyond: f64,
+}
+
+impl<'a> Support<'a> {
+    /// Of contacts, by their feet, with their chart positions.
+    pub(in crate::recognition) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+        let tree = Neighbours::new(feet);
+        let sample = thinned(feet, SAMPLE);
+        let mut nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+        nearest.sort_unstable_by(f64::total_cmp);
+        let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
+        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet));
+        Support { hull: hull(charts), tree, reach, beyond: BEYOND * reach }
+    }
+
+    /// The same region, independent of the contacts' lifetime.
+    pub(super) fn into_owned(self) -> Support<'static> {
+        Support { hull: self.hull, tree: self.tree.into_owned(), reach: self.reach, beyond: self.beyond }
+    }
+
+    /// Range of the chart that the contacts cover.
+    pub(super) fn range(&self, side: usize) -> [f64; 2] {
+        let lo = self.hull.iter().map(|p| p[side]).fold(f64::INFINITY, f64::min);
+        let hi = self.hull.iter().map(|p| p[side]).fold(f64::NEG_INFINITY, f64::max);
+        [lo, hi]
+    }
+
+    /// Whether a chart position, at this place of the surface, is supported.
+    pub(super) fn holds(&self, chart: [f64; 2], place: Vector) -> bool {
+        let inside = (0..self.hull.len()).all(|i| {
+            let (a, b) = (self.hull[i], self.hull[(i + 1) % self.hull.len()]);
+            turn(a, b, chart) >= -self.beyond * (b[0] - a[0]).hypot(b[1] - a[1])
+        });
+        inside && self.tree.nearest(place, 1).first().is_some_and(|(squared, _)| squared.sqrt() <= self.reach)
+    }
+}
+
+/// Twice the area of a triangle, positive to the left.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Convex hull, to the left around (A. M. Andrew, 1979).
+pub(in crate::recognition) fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut sorted = near_the_outline(points);
+    sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    sorted.dedup();
+    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut lower = chain(&mut sorted.iter().copied());
+    lower.extend(chain(&mut sorted.iter().rev().copied()));
+    lower
+}
+
+/// The points without those well inside the octagon of the farthest points in eight directions, which no hull has as
+/// corners (S. G. Akl and G. T. Toussaint, *Inf. Process. Lett.* 7 (1978) 219).
+fn near_the_outline(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    /// Share of the octagon's area by which a point has to be inside each side.
+    const WELL: f64 = 1e-9;
+    const DIRECTIONS: [[f64; 2]; 8] =
+        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
+    let Some(&first) = points.first() else { return Vec::new() };
+    let mut corners = [first; 8];
+    let mut farthest = [f64::NEG_INFINITY; 8];
+    for p in points {
+        for (k, d) in DIRECTIONS.iter().enumerate() {
+            let along = d[0] * p[0] + d[1] * p[1];
+            if along > farthest[k] {
+                (farthest[k], corners[k]) = (along, *p);
+            }
+        }
+    }
+    let size = (farthest[0] + farthest[4]).abs() * (farthest[2] + farthest[6]).abs();
+    let is_well_inside = |p: &[f64; 2]| {
+        (0..8).all(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 8]);
+            a == b || turn(a, b, *p) > WELL * size
+        })
+    };
+    points.iter().filter(|p| !is_well_inside(p)).copied().collect()
+}
+
+/// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge.
+fn widest_gap(points: &[Vector]) -> f64 {
+    let n = points.len();
+    let mut nearest = vec![f64::INFINITY; n];
+    let mut inside = vec![false; n];
+    let mut edges = Vec::with_capacity(n);
+    let mut now = 0;
+    for _ in 1..n {
+        inside[now] = true;
+        for i in 0..n {
+            let offset = minus(points[i], points[now]);
+            nearest[i] = nearest[i].min(dot(offset, offset));
+        }
+        let outside = (0..n).filter(|&i| !inside[i]);
+        let Some(next) = outside.min_by(|&i, &j| nearest[i].total_cmp(&nearest[j])) else { break };
+        edges.push(norm([nearest[next].sqrt(), 0.0, 0.0]));
+        now = next;
+    }
+    edges.sort_unstable_by(f64::total_cmp);
+    let largest = edges.last().copied().unwrap_or(0.0);
+    let between_sites = edges.split_off(repeats(&edges));
+    largest.min(4.0 * median(between_sites))
+}
+
+/// How many of the edges, shortest first, join touches of one and the same site: those below a sudden growth, if they are
+/// a third of all and not nearly all.
+fn repeats(edges: &[f64]) -> usize {
+    let n = edges.len();
+    let grows = |k: &usize| edges[*k] > SUDDEN * edges[*k - 1];
+    (n.div_ceil(3).max(1)..=n * 9 / 10).filter(|k| *k < n).find(grows).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_keeps_corners_and_the_gap_is_that_between_fingers() {
+        let lattice: Vec<[f64; 2]> = (0..25).map(|i| [(i % 5) as f64, (i / 5) as f64]).collect();
+        assert_eq!(hull(&lattice), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        let fingers: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
+        assert_eq!(widest_gap(&fingers), 3.0);
+    }
+
+    /// Every place touched twice, once as exactly as can be and once with noise.
+    #[test]
+    fn repeats_of_a_site_do_not_narrow_the_gap() {
+        for noise in [0.0, 0.02] {
+            let twice: Vec<Vector> =
+                (0..36).map(|i| [(i / 2 % 6) as f64 + noise * (i % 2) as f64, 4.0 * (i / 12) as f64, 0.0]).collect();
+            assert!((widest_gap(&twice) - 4.0).abs() < 0.1, "{noise}");
+        }
+        assert_eq!(repeats(&[1.0; 12]), 0);
+    }
+}

@@ -1,0 +1,170 @@
+//! Many calls timed side by side, so that whatever slows the machine for a while slows all of them.
+//!
+//! ```text
+//! round:   every call in turn, a few times over;  a round's time of a call is the least of these
+//! time:    median over the rounds;  its interval from medians of rounds drawn again (B. Efron, *Ann. Statist.* 7 (1979) 1)
+//! ```
+//!
+//! What a timed call returns is handed on after the clock has stopped: accuracy and time are those of the same calls.
+
+use std::time::{Duration, Instant};
+
+use palpate_numeric::draws::Lcg;
+
+/// Calls of one kind in a row: the first finds the caches cold, which a robot that fits again and again does not meet.
+const IN_A_ROW: usize = 3;
+/// Samples of the bootstrap; the ends of an interval of 95 % are then some 5 % of its width off.
+const SAMPLES: usize = 200;
+
+/// Median time of one call, with the interval that rounds drawn again give in 95 of 100 cases; seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Clocked {
+    /// Median over the rounds.
+    pub median: f64,
+    /// Lower end.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+/// How long rounds go on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Rounds at least: fewer have no interval.
+    pub least: usize,
+    /// Rounds at most.
+    pub most: usize,
+    /// Seconds for all calls together, beyond the least rounds.
+    pub seconds: f64,
+    /// Seconds for each call, likewise: slow calls are made less often.
+    pub each: f64,
+}
+
+/// A call to be timed; it is told how many calls of it there were before.
+pub(super) type Call<'a, R> = Box<dyn FnMut(u64) -> R + 'a>;
+
+/// Asked before every call, while no clock runs, with the round and how many there are at most; its no ends the rounds.
+pub type Watch<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
+
+/// Times every call in rounds. `keep(k, number, result)` gets what the timed calls returned.
+pub(super) fn rounds<R>(
+    calls: &mut [Call<'_, R>],
+    limits: Limits,
+    watch: Watch<'_>,
+    keep: impl FnMut(usize, u64, R),
+) -> Vec<Clocked> {
+    round_times(calls, limits, watch, keep).iter().map(|rounds| clocked(rounds)).collect()
+}
+
+/// The time of every call in every round, seconds.
+pub(super) fn round_times<R>(
+    calls: &mut [Call<'_, R>],
+    limits: Limits,
+    watch: Watch<'_>,
+    mut keep: impl FnMut(usize, u64, R),
+) -> Vec<Vec<f64>> {
+    let began = Instant::now();
+    let mut times: Vec<Vec<f64>> = vec![Vec::new(); calls.len()];
+    let mut numbers = vec![0; calls.len()];
+    let mut spent = vec![0.0; calls.len()];
+    for round in 0..limits.most {
+        if round >= limits.least && began.elapsed().as_secs_f64() > limits.seconds {
+            break;
+        }
+        for step in 0..calls.len() {
+            if !watch(round, limits.most) {
+                return times;
+            }
+            // each round begins elsewhere, so that no call has always the same neighbour before it
+            let k = (step + round * 7) % calls.len();
+            if round >= limits.least && spent[k] > limits.each {
+                continue;
+            }
+            let mut least = Duration::MAX;
+            let in_a_row = if spent[k] > limits.each { 1 } else { IN_A_ROW };
+            for _ in 0..in_a_row {
+                let clock = Instant::now();
+                let result = calls[k](numbers[k]);
+                let taken = clock.elapsed();
+                keep(k, numbers[k], result);
+                numbers[k] += 1;
+                least = least.min(taken);
+                spent[k] += taken.as_secs_f64();
+            }
+            times[k].push(least.as_secs_f64());
+        }
+    }
+    times
+}
+
+/// What a counter of instructions is told to look at: never inlined, so that it finds the name.
+#[inline(never)]
+pub fn counted_region<R>(call: &mut dyn FnMut() -> R) -> R {
+    std::hint::black_box(call())
+}
+
+/// Median and bootstrap interval of some rounds.
+pub(super) fn clocked(rounds: &[f64]) -> Clocked {
+    if rounds.is_empty() {
+        return Clocked { median: f64::NAN, lo: f64::NAN, hi: f64::NAN };
+    }
+    let mut draws = Lcg::new(rounds.len() as u64);
+    let mut drawn = vec![0.0; rounds.len()];
+    let mut medians: Vec<f64> = (0..SAMPLES)
+        .map(|_| {
+            let mut below = |count: usize| ((draws.uniform() * count as f64) as usize).min(count - 1);
+            drawn.iter_mut().for_each(|value| *value = rounds[below(rounds.len())]);
+            median(&mut drawn)
+        })
+        .collect();
+    medians.sort_unstable_by(f64::total_cmp);
+    let at = |share: f64| medians[(share * (SAMPLES - 1) as f64).round() as usize];
+    Clocked { median: median(&mut rounds.to_vec()), lo: at(0.025), hi: at(0.975) }
+}
+
+/// The middle value, or the mean of the two in the middle; reorders the values.
+pub(super) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let (even, middle) = (values.len().is_multiple_of(2), values.len() / 2);
+    let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if even { 0.5 * (lower + *upper) } else { *upper }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_lie_in_the_middle_and_their_intervals_around_them() {
+        assert_eq!((median(&mut [3.0, 1.0, 2.0]), median(&mut [4.0, 1.0, 2.0, 3.0])), (2.0, 2.5));
+        let rounds: Vec<f64> = (0..101).map(f64::from).collect();
+        let found = clocked(&rounds);
+        assert!(found.median == 50.0 && found.lo < 45.0 && found.hi > 55.0 && found.lo > 25.0, "{found:?}");
+        assert!(clocked(&[]).median.is_nan());
+    }
+
+    #[test]
+    fn every_result_of_a_timed_call_is_handed_on_once() {
+        let mut calls: Vec<Call<'_, u64>> = vec![Box::new(|number| number), Box::new(|number| 100 + number)];
+        let mut seen = [Vec::new(), Vec::new()];
+        let limits = Limits { least: 2, most: 4, seconds: 9.0, each: 9.0 };
+        let times = rounds(&mut calls, limits, &|_, most| most == 4, |k, number, result| {
+            assert_eq!(result, 100 * k as u64 + number);
+            seen[k].push(number);
+        });
+        assert!(times.iter().all(|time| time.lo <= time.median && time.median <= time.hi));
+        assert!(seen.iter().all(|numbers| numbers.iter().copied().eq(0..numbers.len() as u64)));
+    }
+
+    #[test]
+    fn whoever_watches_ends_the_rounds() {
+        let mut calls: Vec<Call<'_, u64>> = vec![Box::new(|number| number)];
+        let limits = Limits { least: 5, most: 9, seconds: 9.0, each: 9.0 };
+        let times = round_times(&mut calls, limits, &|round, _| round < 2, |_, _, _| ());
+        assert_eq!(times[0].len(), 2);
+    }
+}

@@ -1,0 +1,120 @@
+//! One way to fit a scene: surface, degree, segments, weights, and how many stations each finger stops at.
+//!
+//! ```text
+//! candidates = {height} x degrees x segments x weights x stations  +  {parametric} x degrees x stations
+//! ```
+
+use palpate_fitting::fit::{FitOptions, NormalSigma, Objective, SlopeWeights, SurfaceKind};
+
+/// Degrees across and along the fingers that are tried; beyond 5 the rows of a few dozen contacts determine little more.
+const DEGREES: [[usize; 2]; 6] = [[2, 2], [3, 3], [4, 4], [5, 5], [2, 4], [4, 2]];
+/// Segments across and along the fingers. Fingers are few and stations many, so that some pairs cut along them alone.
+const SEGMENTS: [[usize; 2]; 4] = [[1, 1], [1, 2], [2, 2], [1, 4]];
+/// Weights that are tried besides the scene's own.
+const OBJECTIVES: [Objective; 5] = [
+    Objective::Slopes(SlopeWeights::Tangent),
+    Objective::Slopes(SlopeWeights::Position),
+    Objective::Slopes(SlopeWeights::Equal),
+    Objective::Slopes(SlopeWeights::Auto),
+    Objective::Normals(NormalSigma::Auto),
+];
+/// Degree and segments of the parametric surfaces that are tried: each takes some hundred times as long as a height field.
+const PARAMETRIC: [(usize, [usize; 2]); 2] = [(3, [1, 1]), (3, [2, 2])];
+
+/// One way to fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// Everything that decides the fit.
+    pub options: FitOptions,
+    /// Stations of each finger; `None` where the sweep stays as it is.
+    pub stations: Option<usize>,
+}
+
+impl Configuration {
+    /// The line by which people tell it from others.
+    pub(crate) fn label(&self) -> String {
+        let [p, q] = self.options.degree;
+        let [n, m] = self.options.segments;
+        let degree = if p == q { format!("{p}") } else { format!("{p},{q}") };
+        let stations = self.stations.map_or(String::new(), |count| format!(", {count} stations"));
+        format!("{} degree {degree}, {n}x{m}, {}{stations}", self.options.surface.name(), self.weights())
+    }
+
+    /// The weights in the words of a scene.
+    pub(crate) fn weights(&self) -> String {
+        match self.options.objective {
+            Objective::Auto => "auto".into(),
+            Objective::Slopes(SlopeWeights::Explicit([z, x, y])) => format!("weights {z},{x},{y}"),
+            Objective::Slopes(weights) => {
+                let known = SlopeWeights::WORDS.iter().find(|(_, known)| *known == weights);
+                format!("weights {}", known.map_or("", |(word, _)| word))
+            }
+            Objective::Normals(NormalSigma::Auto) => "sigma auto".into(),
+            Objective::Normals(NormalSigma::Known { z, normal_deg }) => format!("sigma {z},{normal_deg}"),
+        }
+    }
+}
+
+/// Everything that is tried beside the scene's own choice `own`, which comes first. `stations` are the numbers of stations,
+/// the scene's own first.
+pub(super) fn candidates(own: &FitOptions, stations: &[Option<usize>], normals: bool) -> Vec<Configuration> {
+    let mut found = Vec::new();
+    let mut add = |configuration: Configuration| {
+        if !found.contains(&configuration) {
+            found.push(configuration);
+        }
+    };
+    let with = |degree: [usize; 2], segments: [usize; 2], objective: Objective| FitOptions {
+        surface: SurfaceKind::Height,
+        closed: [false; 2],
+        degree,
+        segments,
+        knots: None,
+        objective,
+        ..own.clone()
+    };
+    for count in stations {
+        add(Configuration { options: own.clone(), stations: *count });
+    }
+    let objectives = OBJECTIVES.iter().filter(|objective| normals || !matches!(objective, Objective::Normals(_)));
+    let objectives: Vec<Objective> = objectives.chain([&own.objective]).copied().collect();
+    for count in stations {
+        for degree in DEGREES {
+            for segments in SEGMENTS {
+                for objective in &objectives {
+                    add(Configuration { options: with(degree, segments, *objective), stations: *count });
+                }
+            }
+        }
+    }
+    for (degree, segments) in PARAMETRIC.into_iter().filter(|_| normals) {
+        let objective = Objective::Normals(NormalSigma::Auto);
+        let options = FitOptions { surface: SurfaceKind::Parametric, ..with([degree; 2], segments, objective) };
+        add(Configuration { options, stations: stations.first().copied().flatten() });
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_candidate_is_there_once_and_the_scenes_own_first() {
+        let own = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
+        let found = candidates(&own, &[None, Some(12)], true);
+        assert_eq!(found[0], Configuration { options: own, stations: None });
+        assert_eq!(found.len(), 6 * 4 * 5 * 2 + 2);
+        let mut labels: Vec<String> = found.iter().map(Configuration::label).collect();
+        labels.sort();
+        labels.dedup();
+        assert_eq!(labels.len(), found.len());
+    }
+
+    #[test]
+    fn labels_say_what_is_fitted() {
+        let options = FitOptions { degree: [3, 2], segments: [1, 4], ..FitOptions::default() };
+        let one = Configuration { options, stations: Some(9) };
+        assert_eq!(one.label(), "height degree 3,2, 1x4, auto, 9 stations");
+    }
+}

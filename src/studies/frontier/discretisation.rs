@@ -1,0 +1,218 @@
+//! The first frontier: degree, segments, stations, weights and kind of surface, each timed and judged on the same calls.
+//!
+//! ```text
+//! for every candidate, round after round:   contacts of replicate b -> fit, S, R [-> intervals]   timed
+//!                                           the same answer against the truth                     judged
+//! ```
+
+use std::cell::Cell;
+
+use palpate_fitting::fit::FitOptions;
+use palpate_numeric::threads;
+use palpate_world::scene::World;
+
+use super::FrontierError;
+use super::clock::{Call, Limits, Watch, rounds};
+use super::configuration::{Configuration, candidates};
+use super::errors::{Judged, QUANTITIES, errors_of, share};
+use super::judge::{Answer, call, judge};
+use super::memory;
+use super::pareto;
+use super::point::Point;
+use super::touches::{REPLICATES, Touches, stations};
+
+/// Rounds at least and at most: three calls a round make 120 of a short call, so that every replicate is judged.
+const LEAST: usize = 5;
+const MOST: usize = 40;
+/// Seconds for each of the two calls of a candidate: what takes milliseconds needs fewer repeats.
+const EACH: f64 = 0.5;
+
+/// A candidate with its point and with the errors of S and R in every replicate, from which a request is answered.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// What was done.
+    pub configuration: Configuration,
+    /// What came out.
+    pub point: Point,
+    /// Rms errors of S and R over the grid, replicate by replicate; NaN where there is none.
+    pub runs: Vec<[f64; 2]>,
+}
+
+/// A scene with its candidates, ready to be measured.
+#[derive(Debug)]
+pub struct Subject {
+    touches: Vec<Touches>,
+    candidates: Vec<Configuration>,
+    /// True mean R over the touched points: the unit of errors of R beside those of S.
+    curvedness: f64,
+    /// Whether S and R are defined somewhere.
+    defined: [bool; 2],
+    /// Whether calls with intervals are timed besides those without.
+    intervals: bool,
+}
+
+impl Subject {
+    /// The candidates of a scene; `vary` tries other numbers of stations too.
+    ///
+    /// # Errors
+    /// A scene that cannot be simulated.
+    pub(crate) fn new(world: &World, own: &FitOptions, seed: u64, vary: bool) -> Result<Subject, FrontierError> {
+        Subject::with_replicates(world, own, seed, vary, REPLICATES)
+    }
+
+    /// The same with at most so many replicates.
+    ///
+    /// # Errors
+    /// A scene that cannot be simulated.
+    pub fn with_replicates(
+        world: &World,
+        own: &FitOptions,
+        seed: u64,
+        vary: bool,
+        most: u64,
+    ) -> Result<Subject, FrontierError> {
+        let counts = if vary { stations(world) } else { vec![None] };
+        let touches: Result<Vec<Touches>, _> = counts.iter().map(|n| Touches::new(world, *n, seed, most)).collect();
+        Subject::of(touches?, own)
+    }
+
+    fn of(touches: Vec<Touches>, own: &FitOptions) -> Result<Subject, FrontierError> {
+        let counts: Vec<Option<usize>> = touches.iter().map(|touches| touches.stations).collect();
+        let candidates = candidates(own, &counts, true);
+        let truth = touches.first().and_then(|touches| touches.replicates.first()).map(|(_, truth)| truth);
+        let points = truth.map_or(0, |truth| truth.points.len());
+        let curvedness =
+            truth.map_or(0.0, |truth| (0..points).map(|r| truth.curvedness(r)).sum::<f64>() / points.max(1) as f64);
+        let has_index = truth.is_some_and(|truth| (0..points).any(|r| truth.shape_index(r).is_some()));
+        Ok(Subject { touches, candidates, curvedness, defined: [has_index, points > 0], intervals: true })
+    }
+
+    /// Whether S and R are defined somewhere on the true surface.
+    pub(crate) fn defined(&self) -> [bool; 2] {
+        self.defined
+    }
+
+    /// The same without calls that compute intervals.
+    pub fn bare(self) -> Subject {
+        Subject { intervals: false, ..self }
+    }
+
+    /// Calls of each candidate.
+    pub fn calls_each(&self) -> usize {
+        if self.intervals { 2 } else { 1 }
+    }
+
+    /// Every call of the frontier: without and with intervals, candidate by candidate.
+    pub fn calls(&self) -> Vec<Call<'_, Answer>> {
+        let kinds = &[false, true][..self.calls_each()];
+        let all = self.candidates.iter().flat_map(|candidate| kinds.iter().map(move |interval| (candidate, *interval)));
+        all.map(|(candidate, interval)| -> Call<'_, Answer> {
+            let replicates = &self.touches_of(candidate).replicates;
+            Box::new(move |number| {
+                let (contacts, _) = &replicates[(number % replicates.len() as u64) as usize];
+                call(contacts, &candidate.options, interval)
+            })
+        })
+        .collect()
+    }
+
+    fn touches_of(&self, candidate: &Configuration) -> &Touches {
+        let own = self.touches.iter().find(|touches| touches.stations == candidate.stations);
+        own.unwrap_or(&self.touches[0])
+    }
+
+    /// Measures every candidate, on one thread, in about so many seconds. What a watch ended early is no result.
+    pub fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
+        threads::alone(|| self.measure_here(seconds, watch))
+    }
+
+    fn measure_here(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
+        let count = self.candidates.len();
+        let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); count];
+        let mut held: Vec<Vec<[Option<bool>; 2]>> = vec![Vec::new(); count];
+        let memory: Vec<Cell<Option<u64>>> = vec![Cell::new(None); count];
+        let each = self.calls_each();
+        let mut calls = self.calls();
+        let limits = Limits { least: LEAST, most: MOST, seconds, each: EACH };
+        let times = rounds(&mut calls, limits, watch, |k, number, answer| {
+            let (candidate, interval) = (k / each, k % each == 1);
+            let touches = self.touches_of(&self.candidates[candidate]);
+            // a replicate that comes round again was judged before
+            let Some((contacts, truth)) = touches.replicates.get(number as usize) else { return };
+            if interval {
+                held[candidate].push(judge(&answer, truth, true).held);
+                return;
+            }
+            judged[candidate].push(judge(&answer, truth, false));
+            if let (0, Ok(found)) = (number, &answer) {
+                memory[candidate].set(Some(memory::bytes(found, contacts.len())));
+            }
+        });
+        drop(calls);
+        let mut measured: Vec<Measured> = (0..count)
+            .map(|k| {
+                let mut point = self.point(k, &judged[k], &held[k]);
+                if point.failed.is_none() {
+                    point.memory = memory[k].get();
+                }
+                point.seconds = Some(times[each * k]);
+                point.seconds_interval = self.intervals.then(|| times[each * k + 1]);
+                let rms = |judged: &Judged, q: usize| judged.deviations[q].rms().unwrap_or(f64::NAN);
+                let runs = judged[k].iter().map(|judged| [rms(judged, 0), rms(judged, 1)]).collect();
+                Measured { configuration: self.candidates[k].clone(), point, runs }
+            })
+            .collect();
+        mark(&mut measured);
+        measured
+    }
+
+    fn point(&self, k: usize, judged: &[Judged], held: &[[Option<bool>; 2]]) -> Point {
+        let candidate = &self.candidates[k];
+        let failed = judged.iter().find_map(|judged| judged.failed.clone());
+        let errors: [_; QUANTITIES.len()] = std::array::from_fn(|q| errors_of(judged, q));
+        let covered = |q: usize| share(held.iter().filter_map(|held| held[q]));
+        let mut point = Point {
+            label: candidate.label(),
+            method: candidate.options.method.name().into(),
+            surface: candidate.options.surface.name(),
+            weights: candidate.weights(),
+            degree: candidate.options.degree,
+            segments: candidate.options.segments,
+            stations: candidate.stations,
+            contacts: self.touches_of(candidate).contacts(),
+            errors,
+            coverage: [covered(0), covered(1)],
+            replicates: judged.len() as u64,
+            support: judged.first().map(|judged| judged.support),
+            failed,
+            ..Point::default()
+        };
+        if point.failed.is_none() && point.support == Some(0.0) {
+            point.failed =
+                Some("the data support no point of the shape grid: too few contacts for these coefficients".into());
+        }
+        if point.failed.is_none() {
+            point.error = self.together(&point, |errors| errors.rms);
+            let ends = [0, 1].map(|end| self.together(&point, |errors| errors.interval[end]));
+            point.error_interval = ends[0].zip(ends[1]).map(|(lo, hi)| [lo, hi]);
+        }
+        point
+    }
+
+    /// `sqrt(S^2 + (R/R_true)^2)`; what the truth does not have is left out.
+    fn together(&self, point: &Point, of: impl Fn(&super::errors::Errors) -> f64) -> Option<f64> {
+        let part = |q: usize, unit: f64| point.errors[q].as_ref().map(|errors| of(errors) / unit);
+        let unit = if self.curvedness > 0.0 { self.curvedness } else { 1.0 };
+        match (part(0, 1.0), part(1, unit)) {
+            (Some(s), Some(r)) => Some(s.hypot(r)),
+            (None, r) if !self.defined[0] => r,
+            _ => None,
+        }
+    }
+}
+
+/// Marks those that no other beats.
+pub fn mark(measured: &mut [Measured]) {
+    let mut points: Vec<&mut Point> = measured.iter_mut().map(|measured| &mut measured.point).collect();
+    pareto::mark(&mut points);
+}

@@ -1,0 +1,44 @@
+//! What accuracy costs in time: which way of fitting a scene buys how much accuracy for how many microseconds on this machine.
+//!
+//! ```text
+//! discretisation   degree x segments x stations x weights x surface      errors of S, R, k1, height, slope  against time
+//! solver           Cholesky, refined, QR, Kronecker, gradients, f32      digits of the coefficients          against time
+//! interval         linear, recognised, Monte Carlo                       error of the ends, coverage         against time
+//! ```
+//!
+//! Every point is timed and judged on the same calls, on one thread. [`Request::pick`] answers a request for accuracy or for
+//! time with the configuration that keeps it.
+
+mod clock;
+mod configuration;
+mod discretisation;
+mod error;
+mod errors;
+mod hard;
+mod held_out;
+mod interval;
+mod judge;
+mod memory;
+mod orders;
+mod pareto;
+mod pick;
+mod point;
+mod reference;
+mod single;
+mod solver;
+mod stages;
+mod touches;
+
+pub use clock::{Clocked, Watch, counted_region};
+pub use discretisation::{Measured, Subject, mark};
+pub use error::FrontierError;
+pub use errors::{Errors, QUANTITIES, Share};
+pub use hard::{SolverSubject, cholesky_ends, mark_solvers};
+pub use held_out::held_out;
+pub use interval::IntervalSubject;
+pub use orders::{Order, orders};
+pub use pick::{Choice, Request};
+pub use pick::{check_truth, choose};
+pub use point::{Frontier, Point};
+pub use stages::{Stage, of_fit, of_replicate};
+pub use touches::REPLICATES;

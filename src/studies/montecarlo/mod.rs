@@ -1,0 +1,72 @@
+//! Repeated fits with simulated noise: intervals of S and R over replicates of a scene.
+//!
+//! ```text
+//! scene -> Engine (fixed sites | refit | whole fits) -> values of every replicate -> Tally -> Summary
+//! ```
+
+mod attribution;
+mod control;
+mod coverage;
+mod engine;
+mod error;
+mod evaluator;
+mod exact_sum;
+mod fixed_sites;
+mod histogram;
+mod least_width;
+mod linear_law;
+mod linear_rows;
+mod options;
+mod oracle;
+mod order;
+mod path;
+mod problem;
+mod quantity;
+mod random_surfaces;
+mod refit;
+mod rest;
+mod state;
+mod stopping;
+mod study;
+mod summary;
+mod tally;
+mod whole;
+
+#[doc(hidden)]
+pub use attribution::attribute;
+pub use attribution::{Attribution, EffectShare, Share};
+#[doc(hidden)]
+pub use control::ControlTally;
+#[doc(hidden)]
+pub use coverage::{Coverages, Held, coverage};
+#[doc(hidden)]
+pub use engine::{Engine, Values};
+pub use error::StudyError;
+#[doc(hidden)]
+pub use exact_sum::ExactSum;
+pub use fixed_sites::FixedSites;
+#[doc(hidden)]
+pub use fixed_sites::ROW_NOISE;
+#[doc(hidden)]
+pub use histogram::{Bins, Histogram};
+pub use least_width::{LeastWidth, SHARE};
+pub use linear_law::LinearLaw;
+#[doc(hidden)]
+pub use linear_law::linear_law;
+pub use options::{StudyOptions, Tolerance};
+pub use oracle::{Family, noise_of, oracle_sd};
+pub use order::Coverage;
+#[doc(hidden)]
+pub use order::{Counted, Ranked, Sorted};
+pub use path::Path;
+pub use quantity::Quantity;
+pub use random_surfaces::RandomSurface;
+pub use state::StudyState;
+#[doc(hidden)]
+pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};
+pub use study::{Progress, Stopped, Study, StudyResult};
+pub use summary::Summary;
+#[doc(hidden)]
+pub use summary::{class_shares, summarise};
+#[doc(hidden)]
+pub use tally::{OtherBins, Store, Tally};
