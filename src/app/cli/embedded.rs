@@ -23,13 +23,13 @@ use palpate_inference::recognition::{Recognition, RecognitionOptions};
 use palpate_studies::explore::planning_fit;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
 
-use super::automatic::{Found, Refusal, automatic};
+use super::explicit_model::fit_input;
 use super::explore::{ExploreArgs, explore_in_memory};
 use super::failure::Failure;
 use super::frontier::is_scene;
 use super::frontier_args::FrontierArgs;
 use super::merge::join;
-use super::named::fit_input;
+use super::recognise_or_fit::{Found, Refusal, automatic};
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
 use super::{frontier_input, frontier_scene, values};

@@ -17,14 +17,14 @@ use palpate_inference::recognition::{Estimate, RecognitionOptions};
 use palpate_studies::explore::{Exploration, ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
 use palpate_world::scene::World;
 
-use super::automatic::{Found, Refusal, automatic};
+use super::explicit_model::{counting_other_kinds, fit_input};
 use super::failure::{Failure, fit_message};
 use super::interrupt;
-use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::output::print;
 use super::progress::Bar;
 use super::provenance::provenance;
+use super::recognise_or_fit::{Found, Refusal, automatic};
 use super::scene;
 use super::values;
 

@@ -11,17 +11,17 @@ use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
 use palpate_inference::recognition::RecognitionOptions;
 
-use super::automatic::{Found, Refusal, automatic};
+use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
+use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::failure::{Failure, fit_message};
-use super::named::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
+use super::recognise_or_fit::{Found, Refusal, automatic};
 use super::save::check_name;
-use super::several;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -75,7 +75,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     if args.output.out.is_some() {
         return Err(one_only("--out"));
     }
-    several::fit_several(&args.inputs, args.table.as_deref(), &args.output, |input| row_of(input, args))
+    batch::fit_several(&args.inputs, args.table.as_deref(), &args.output, |input| row_of(input, args))
 }
 
 fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {

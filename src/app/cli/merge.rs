@@ -11,7 +11,7 @@ use palpate_studies::montecarlo::{Stopped, StudyError, StudyState};
 use super::failure::Failure;
 use super::options::{OutputFlags, PictureFlags};
 use super::provenance::provenance;
-use super::study::{Told, part, source_of, tell};
+use super::study::{PageExtras, part, source_of, tell};
 use super::study_plan::{Plan, StudyArgs};
 
 /// Arguments of `palpate merge`.
@@ -30,7 +30,7 @@ pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     args.output.prepare(&args.parts.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[])?;
     let (plan, document, whole) = join(&args.parts, || args.output.spinner("shares of the effects"))?;
     let provenance = provenance(&plan.name, None, Some(plan.study.seed()));
-    let told = Told { provenance, asked: plan.identity.replicates, pictures: &args.pictures };
+    let told = PageExtras { provenance, asked: plan.identity.replicates, pictures: &args.pictures };
     tell(&args.output, &plan, &document, &whole, &told)
 }
 

@@ -7,7 +7,7 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
-mod automatic;
+mod batch;
 mod completions;
 mod coverage;
 mod coverage_parts;
@@ -18,6 +18,7 @@ mod diff;
 pub mod embedded;
 mod examples;
 mod explain;
+mod explicit_model;
 mod explore;
 mod failure;
 mod fit;
@@ -31,7 +32,6 @@ mod gathered;
 mod help;
 mod interrupt;
 mod merge;
-mod named;
 mod options;
 mod output;
 mod parts;
@@ -39,18 +39,18 @@ mod preparation;
 mod progress;
 mod provenance;
 mod reading;
+mod recognise_or_fit;
 mod run;
 mod save;
 mod scene;
 mod scenes;
-mod several;
 mod show;
 mod simulate;
 mod study;
 mod study_plan;
 mod sweep;
 mod values;
-mod weighed;
+mod zero_weights;
 
 use std::process::ExitCode;
 

@@ -22,7 +22,7 @@ use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 use super::scene;
-use super::weighed::is_without_heights;
+use super::zero_weights::is_without_heights;
 
 /// Arguments of `palpate parts`.
 #[derive(Args)]

@@ -11,8 +11,8 @@ use crate::report::{Answer, Subject, inverse_crime_remark};
 use palpate_world::scene::surface::Body;
 
 use super::describe::{Destination, Taken, describe};
+use super::explicit_model::{counting_other_kinds, fit_input};
 use super::failure::{Failure, fit_message};
-use super::named::{counting_other_kinds, fit_input};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::provenance::provenance;
 use super::save::check_name;

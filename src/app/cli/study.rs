@@ -140,7 +140,7 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         plan,
         &document,
         &state,
-        &Told { provenance, asked: range[1] - range[0], pictures: &args.pictures },
+        &PageExtras { provenance, asked: range[1] - range[0], pictures: &args.pictures },
     )?;
     if cut_short {
         let done = state.done();
@@ -177,7 +177,7 @@ fn resumed(args: &StudyArgs, plan: &Plan, range: [u64; 2]) -> Result<Option<Stud
 }
 
 /// What the page says beside the document.
-pub(super) struct Told<'a> {
+pub(super) struct PageExtras<'a> {
     pub(super) provenance: Provenance,
     /// Replicates that were asked for.
     pub(super) asked: u64,
@@ -191,7 +191,7 @@ pub(super) fn tell(
     plan: &Plan,
     document: &StudyDocument,
     state: &StudyState,
-    told: &Told<'_>,
+    told: &PageExtras<'_>,
 ) -> Result<(), Failure> {
     output.file("study.json", &mut |out| write_json(document, out))?;
     if output.out.is_some() {

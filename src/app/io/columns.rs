@@ -8,8 +8,8 @@ use std::collections::HashSet;
 
 use palpate_geometry::contact::{ContactWeights, Contacts, Orientation};
 
+use super::escape_control_chars::visible;
 use super::place::{Place, Places, Runs, Unit};
-use super::visible::visible;
 use super::{Input, IoError, Points, ReadOptions, Reading};
 
 /// A column that palpate knows.

@@ -8,9 +8,9 @@ use palpate_geometry::contact::Contacts;
 use super::columns::{Column, Columns, Need, columns_of};
 use super::finger_names::FingerNames;
 use super::place::{Place, Runs, Unit};
+use super::read_progress::tell_line;
 use super::separator::Separator;
 use super::table_form::{is_aside, table_form};
-use super::watch::tell_line;
 use super::{IoError, ReadOptions, Reading, ending};
 
 /// The columns of a table with where they come from.

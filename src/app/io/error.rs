@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use palpate_geometry::contact::ContactError;
 
 use super::Place;
-use super::form::READ;
-use super::visible::visible;
+use super::escape_control_chars::visible;
+use super::format_detection::READ;
 
 /// Names less alike than this, of 1, are not proposed.
 const ALIKE: f64 = 0.85;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::visible::visible;
+use super::escape_control_chars::visible;
 
 /// Fingers of which all names are said in the note; of more, the first ones.
 const SAID: usize = 6;

@@ -18,17 +18,20 @@ mod columns;
 mod csv;
 mod depth;
 mod error;
+mod escape_control_chars;
 mod finger_names;
-mod form;
+mod format_detection;
 mod imported;
 mod limits;
 mod names;
 mod npy;
 mod npz;
 mod npz_writer;
+mod output_transaction;
 mod page_file;
 mod place;
 mod ply;
+mod read_progress;
 mod records;
 mod remark;
 mod same_file;
@@ -39,11 +42,8 @@ mod support_map;
 mod surface_file;
 mod surfaces;
 mod table_form;
-mod together;
 mod uncertainty_map;
 mod unpack;
-mod visible;
-mod watch;
 mod write;
 
 use std::path::Path;
@@ -52,27 +52,27 @@ use palpate_geometry::contact::{Contacts, Grid};
 
 use columns::Need;
 use depth::DepthImage;
-use form::Form;
+use format_detection::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
 pub(crate) use depth::Intrinsics;
 pub(crate) use error::IoError;
+pub(crate) use escape_control_chars::visible;
 pub(crate) use imported::import_surface;
 pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
+pub(crate) use output_transaction::Together;
 pub(crate) use page_file::{DOCUMENT_TAG, END_TAG, TABLE_TAG, page_content, schema_of};
 pub use place::Place;
 pub(crate) use place::Places;
+pub(crate) use read_progress::{ReadPhase, ReadProgress, watched};
 pub(crate) use records::{RecordFormat, Records, write_parquet};
 pub(crate) use same_file::same_file;
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, text_hash, write_study};
 pub(crate) use support_map::SupportMap;
 pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};
 pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad};
-pub(crate) use together::Together;
 pub(crate) use uncertainty_map::{PointUncertainty, UNCERTAINTY_POINTS, UncertaintyMap};
-pub(crate) use visible::visible;
-pub(crate) use watch::{ReadPhase, ReadProgress, watched};
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
@@ -142,7 +142,7 @@ pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
     let (file, bytes) = read_bytes(path)?;
     let bytes = unpack::unpacked(&file, &bytes)?;
     let strict = ReadOptions::default();
-    match form::form_of(&bytes, &ending(&file)) {
+    match format_detection::form_of(&bytes, &ending(&file)) {
         Ok(Form::Npz) => npz::read_columns(&file, &bytes, Need::Points)?.into_points(&file, &Place::Entry),
         Ok(_) => {
             let csv::Table { columns, lines, .. } = csv::read_columns(&file, &bytes, Need::Points, &strict)?;
@@ -159,11 +159,11 @@ pub(crate) fn read_points(path: &Path) -> Result<Points, IoError> {
 pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), IoError> {
     let mut bytes = Vec::new();
     let (file, outcome) = if path == Path::new("-") {
-        ("standard input".to_string(), watch::fetch(std::io::stdin().lock(), None, &mut bytes))
+        ("standard input".to_string(), read_progress::fetch(std::io::stdin().lock(), None, &mut bytes))
     } else {
         let content = std::fs::File::open(path).and_then(|file| {
             let size = file.metadata().ok().and_then(|about| usize::try_from(about.len()).ok());
-            watch::fetch(file, size, &mut bytes)
+            read_progress::fetch(file, size, &mut bytes)
         });
         (visible(&path.display().to_string()), content)
     };
@@ -214,7 +214,7 @@ pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Resu
 }
 
 fn read_form(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    match form::form_of(bytes, &ending(file)) {
+    match format_detection::form_of(bytes, &ending(file)) {
         Ok(Form::Npz) if !bytes.starts_with(b"PK") => {
             Err(IoError::Zip { file: file.into(), what: "no zip archive".into() })
         }

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use super::IoError;
 use super::columns::Column;
-use super::visible::visible;
+use super::escape_control_chars::visible;
 
 /// Names by letters and digits, beside [`Column::name`] itself.
 const OTHERS: [(&str, &str); 30] = [

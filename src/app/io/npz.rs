@@ -11,12 +11,12 @@ use palpate_geometry::contact::{Contacts, Grid};
 
 use super::columns::{Column, Columns, Need, columns_of};
 use super::depth::{self, DepthImage, Intrinsics};
+use super::escape_control_chars::visible;
 use super::names::in_our_words;
 use super::npy::Header;
 use super::npz_writer::NpzWriter;
 use super::place::Unit;
 use super::unpack::{limit, limit_words};
-use super::visible::visible;
 use super::{Input, IoError, ReadOptions, Reading};
 
 /// No deflate stream unpacks to more than this many times its length (RFC 1951: 258 bytes from two bits).

@@ -17,7 +17,7 @@ use palpate_geometry::contact::Contacts;
 use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
 use super::names::in_our_words;
 use super::place::{Place, Runs, Unit};
-use super::watch::{Counted, ReadPhase, tell_line};
+use super::read_progress::{Counted, ReadPhase, tell_line};
 use super::{IoError, ReadOptions, Reading};
 
 /// The known columns of one vertex, NaN where the file has none.

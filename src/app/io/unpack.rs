@@ -10,7 +10,7 @@ use std::io::Read;
 use flate2::read::MultiGzDecoder;
 
 use super::IoError;
-use super::watch::{Counted, ReadPhase};
+use super::read_progress::{Counted, ReadPhase};
 
 /// Any small file may unpack to this much, whatever its ratio: a table of 60 MB is read in a second.
 const ALWAYS: u64 = 64 << 20;

@@ -12,7 +12,8 @@ use palpate_numeric::simd::Isa;
 use palpate_world::scene::Truth;
 
 use super::description::{
-    Again, Description, PICTURE_CELLS, ShownGrid, Subject, measure, shares, spread_part, take_again, take_back_class,
+    Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, measure, shares, spread_part, take_again,
+    take_back_class,
 };
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
@@ -335,12 +336,12 @@ fn truth_part(fit: &Fit, shape: &Shape, truth: &Truth) -> TruthPart {
     }
 }
 
-fn spreads(maps: &ShapeMaps) -> Again {
+fn spreads(maps: &ShapeMaps) -> SpreadsOverGrid {
     let places: Vec<(usize, usize)> = maps.supported.indexed_iter().filter(|(_, s)| **s).map(|(at, _)| at).collect();
     let over = |value: &dyn Fn(usize, usize) -> Option<f64>| -> Spread {
         spread(places.iter().filter_map(|(i, j)| value(*i, *j)).collect::<Vec<_>>().into_iter())
     };
-    Again {
+    SpreadsOverGrid {
         grid: [maps.grid.x.len(), maps.grid.y.len()],
         spreads: [
             over(&|i, j| maps.shape_index_at(i, j)),

@@ -11,7 +11,7 @@ use palpate_geometry::surface::Parametric;
 use palpate_world::scene::Truth;
 
 use super::description::{
-    Again, Description, PICTURE_CELLS, ShownGrid, Subject, measure, shares, spread_part, take_again,
+    Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, measure, shares, spread_part, take_again,
 };
 use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
 use super::parametric::write_parametric_maps_csv;
@@ -289,8 +289,8 @@ fn truth_part(fit: &ParametricFit, truth: &Truth) -> TruthPart {
     }
 }
 
-fn spreads(maps: &ParametricMaps) -> Again {
-    Again {
+fn spreads(maps: &ParametricMaps) -> SpreadsOverGrid {
+    SpreadsOverGrid {
         grid: [maps.grid.x.len(), maps.grid.y.len()],
         spreads: [&maps.shape_index, &maps.curvedness, &maps.k1, &maps.k2].map(|map| spread(maps.defined(map))),
     }

@@ -191,14 +191,14 @@ pub(super) fn spread_part(spread: Spread) -> SpreadPart {
 }
 
 /// Mean and spread of S, R, k1 and k2 over another grid than the saved one.
-pub(super) struct Again {
+pub(super) struct SpreadsOverGrid {
     pub(super) grid: [usize; 2],
     pub(super) spreads: [Spread; 4],
 }
 
 /// Puts the shape over another grid into the document. The covariance is not saved, so everything that came from it
 /// becomes undefined. Whether the patch is a plane was decided with the covariance, and stays.
-pub(super) fn take_again(document: &mut FitDocument, again: &Again) {
+pub(super) fn take_again(document: &mut FitDocument, again: &SpreadsOverGrid) {
     let [s, r, k1, k2] = again.spreads;
     let plane = document.shape.class.as_deref() == Some(ShapeClass::Plane.name());
     let class = s.mean.filter(|_| !plane).map(ShapeClass::of_shape_index);

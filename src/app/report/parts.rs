@@ -22,7 +22,7 @@ const DIGITS: i32 = 4;
 
 /// One part.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct PartPart {
+pub(crate) struct PartRecord {
     /// Its number.
     pub id: usize,
     /// Kind of primitive, or `patch`.
@@ -113,7 +113,7 @@ pub(crate) struct PartsDocument {
     /// Departures that were let pass while parts were looked for.
     pub tolerance: f64,
     /// Largest first.
-    pub parts: Vec<PartPart>,
+    pub parts: Vec<PartRecord>,
     /// Where they meet.
     pub joints: Vec<JointPart>,
     /// Contacts in no part.
@@ -164,8 +164,8 @@ impl PartsDocument {
     }
 }
 
-fn part(part: &Part) -> PartPart {
-    PartPart {
+fn part(part: &Part) -> PartRecord {
+    PartRecord {
         id: part.id,
         kind: part.kind.name().into(),
         hollow: part.hollow,
@@ -261,7 +261,7 @@ fn truth_lines(document: &PartsDocument, text: &mut String) {
 }
 
 /// `radius 5.001 +- 0.002`, and what else the kind has.
-fn size_words(part: &PartPart) -> String {
+fn size_words(part: &PartRecord) -> String {
     let (g, u) = (&part.parameters, &part.u);
     let with = |name: &str, value: Option<f64>, u: Option<f64>| {
         let value = value?;
@@ -288,7 +288,7 @@ fn size_words(part: &PartPart) -> String {
     of_shape.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-fn fit_words(part: &PartPart) -> String {
+fn fit_words(part: &PartRecord) -> String {
     let rms = format!("rms {}", significant(part.misfit, 2));
     match part.rejected {
         Some(true) => format!("{rms}, rejected: off by {}", significant(part.departure, 2)),
@@ -327,7 +327,7 @@ pub(super) fn parts_samples() -> [PartsDocument; 2] {
         spacing: 0.5,
         noise: PartsNoisePart { distance: 0.5, normal_deg: 0.5 },
         tolerance: 0.5,
-        parts: vec![PartPart {
+        parts: vec![PartRecord {
             id: 0,
             kind: "cone".into(),
             hollow: false,

@@ -32,30 +32,32 @@
 //! ```
 
 mod certificate;
+mod degree_elevation_test;
 mod describe;
 mod error;
 mod linear;
+mod model_reading;
 mod noise;
 mod notes;
 mod objective;
 mod options;
 mod placing;
-mod reading;
-mod richer;
 mod solved;
 pub mod stages;
 
 pub use certificate::Certificate;
+pub use degree_elevation_test::richer_reading;
 pub use describe::residuals::Rms;
 pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
 #[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
-pub use linear::free::Free;
+pub use linear::free_unknowns::Free;
 pub use linear::reasons::Reason;
 #[doc(hidden)]
 pub use linear::solution::Solution;
-pub use noise::probes::Signs;
+pub use model_reading::{ModelReading, Reading};
+pub use noise::hutchinson::Signs;
 pub use noise::sds::{NoiseSds, NoiseSource};
 pub use notes::Note;
 pub use options::method::MethodUsed;
@@ -69,8 +71,6 @@ pub use placing::Patch;
 pub use placing::axes::{STEEP, steepness};
 #[doc(hidden)]
 pub use placing::sites::DataSites;
-pub use reading::{ModelReading, Reading};
-pub use richer::richer_reading;
 
 use std::sync::OnceLock;
 

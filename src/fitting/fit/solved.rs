@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use crate::fit::noise::fingers::Fingers;
-use crate::fit::noise::levels::Levels;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource};
+use crate::fit::noise::variance_ratio_posterior::Levels;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::Patch;
 use crate::fit::{FitOptions, Robust};

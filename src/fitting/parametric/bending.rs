@@ -12,7 +12,7 @@
 //! contacts has one of 2.5.
 
 use super::cells::Cells;
-use super::foot::Feet;
+use super::foot_point::Feet;
 use super::patch_contacts::PatchContacts;
 use super::vector::{Vector, arc, cross, dot, norm, unit};
 

@@ -7,7 +7,7 @@
 //! A trial folds when `Q_u x Q_v` at a Gauss point or a foot makes an obtuse angle with its direction before the step.
 
 use super::cells::Row;
-use super::foot::Feet;
+use super::foot_point::Feet;
 use super::parallel;
 use super::problem::{Parts, Problem, Sums};
 use super::vector::{Vector, dot};

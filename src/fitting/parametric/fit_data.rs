@@ -2,7 +2,7 @@
 
 use super::cells::Cells;
 use super::descent::Solver;
-use super::foot::Feet;
+use super::foot_point::Feet;
 use super::patch_contacts::PatchContacts;
 use super::problem::Weights;
 use crate::fit::FitOptions;

@@ -12,6 +12,7 @@
 //! Everything is made of scalar products, so S and R do not change when the contacts are rotated in space.
 
 mod bending;
+mod cell_sums;
 mod cells;
 mod certificate;
 mod choice;
@@ -19,13 +20,11 @@ mod descent;
 mod describe;
 mod dual;
 mod fairness;
-mod few;
 mod fingers;
 mod fit_data;
 mod fitted;
 mod flattening;
-mod foot;
-mod gather;
+mod foot_point;
 mod gradient;
 mod hull;
 mod isomap;
@@ -40,6 +39,7 @@ mod problem;
 mod quadrature;
 mod robust;
 mod start;
+mod subset_start;
 mod thinning;
 mod vector;
 
@@ -88,7 +88,7 @@ impl ParametricFit {
         let (weights, unknown) = noise::first(options.objective, options.smooth, [SLACK, TIE], frame.scale);
         let mut problem = Problem::new(&cells, &contacts, &flat.places, &gauss, weights);
         let mut solver = Solver::new(&problem)?;
-        let (mut state, mut reached, few) = few::fit(&mut problem, &mut solver, &flat, unknown)?;
+        let (mut state, mut reached, few) = subset_start::fit(&mut problem, &mut solver, &flat, unknown)?;
         let weights = problem.weights;
         let mut weighted = contacts.clone();
         if options.robust != Robust::None {
@@ -100,7 +100,7 @@ impl ParametricFit {
         let weights = problem.weights;
         let mut last = certificate::final_factor(&problem, &mut solver, &state)?;
         if few.standing.is_some() {
-            last.condition = few::unraised_factor(&problem, [SLACK, TIE], &mut solver, &state)?;
+            last.condition = subset_start::unraised_factor(&problem, [SLACK, TIE], &mut solver, &state)?;
         }
         let residuals = problem.residuals(&state.coefficients, &state.feet);
         let data = FitData {

@@ -10,7 +10,7 @@
 //! moves of the coefficients along the surface do not change E.
 
 use super::descent::{COARSE_TOLERANCE, Descent, Solver, State, TOLERANCE};
-use super::foot::Feet;
+use super::foot_point::Feet;
 use super::problem::{Parts, Problem, Weights};
 use super::start::start;
 use super::vector::Vector;

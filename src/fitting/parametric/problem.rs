@@ -18,10 +18,10 @@
 //!
 //! With du_b the rows vanish for a mere change of (u, v), so that it does not slow down Gauss-Newton.
 
+use super::cell_sums::{Buckets, Gather, Products};
 use super::cells::{Cells, Jet};
 use super::fairness::{ORDERS, RESIDUALS, ThirdJet, residuals, values};
-use super::foot::Feet;
-use super::gather::{Buckets, Gather, Products};
+use super::foot_point::Feet;
 use super::parallel;
 use super::patch_contacts::PatchContacts;
 use super::quadrature::GaussPoint;

@@ -9,9 +9,9 @@
 //! derivatives keeps a surface of any degree and number of segments near a biquadratic, whose curvatures stay moderate;
 //! closed directions need none.
 
+use super::cell_sums::{Buckets, Gather, Products};
 use super::cells::Row;
 use super::descent::Solver;
-use super::gather::{Buckets, Gather, Products};
 use super::problem::Problem;
 use super::vector::Vector;
 use crate::fit::FitError;

@@ -1,18 +1,18 @@
 //! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
 
 use super::cloud::Cloud;
-use super::doubt::{is_free_form, is_rejected, reach};
 use super::evidence::Cells;
 use super::exact::{Exact, simplest};
-use super::few::few;
 use super::free_form::{FreeForm, free_form};
 use super::joints::joints;
-use super::leftover::label_leftover;
+use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
 use super::primitive::{MOST, PartKind, Primitive};
+use super::recognition_fallback::few;
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
 use super::small::Square;
+use super::unexplained_regions::label_leftover;
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, scaled};

@@ -10,7 +10,7 @@
 //! Rows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
-use super::primitive::{At, MOST, Primitive};
+use super::primitive::{DistanceJet, MOST, Primitive};
 use super::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, along, cross, dot};
 
@@ -81,7 +81,7 @@ pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; 
     all
 }
 
-fn distance_row(at: &At, q: Vector) -> [f64; MOST] {
+fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST] {
     let g = at.gradient;
     let turn = cross(q, g);
     [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1]]

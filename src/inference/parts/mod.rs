@@ -26,37 +26,37 @@
 //! # Ok::<(), palpate::parts::PartsError>(())
 //! ```
 
-mod against;
 mod answer;
 mod cloud;
+mod correlated_noise;
+mod correlated_noise_merge;
 mod descent;
-mod doubt;
 mod error;
+mod evaluation;
 mod evidence;
 mod exact;
-mod few;
 mod free_form;
 mod hypothesis;
 mod jet;
 mod joints;
-mod ladder;
-mod leftover;
+mod lack_of_fit_uncertainty;
 mod local;
+mod normal_orientation;
 mod options;
 mod partition;
 mod point_shapes;
 mod primitive;
+mod recognition_fallback;
 mod result;
-mod sides;
+mod scale_selection;
 mod small;
 mod start;
-mod waves;
-mod wide_noise;
+mod unexplained_regions;
 
-pub use against::boundary;
-#[doc(hidden)]
-pub use against::{Agreement, against};
 pub use error::PartsError;
+pub use evaluation::boundary;
+#[doc(hidden)]
+pub use evaluation::{Agreement, against};
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;
 pub use point_shapes::PointShapes;
@@ -105,7 +105,7 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;
     let (noise, shapes) = local_shapes(&cloud);
     let tolerance = options.tolerance.map_or((UNRESOLVED * cloud.spacing).max(UNSEEN), |t| t / cloud.scale);
-    let wide = wide_noise::wide_noise(&cloud, &shapes, &noise);
+    let wide = correlated_noise::wide_noise(&cloud, &shapes, &noise);
     let unseen_deg = if estimated { BLURRED_DEG } else { UNSEEN_DEG };
     let coarse = Noise { distance: wide.distance.hypot(tolerance), normal: wide.normal.hypot(unseen_deg.to_radians()) };
     let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
@@ -113,7 +113,7 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
     let mut partition = partition(&field);
-    if waves::absorb(&mut partition, &field) {
+    if correlated_noise_merge::absorb(&mut partition, &field) {
         partition.refit(&field);
     }
     let cells = &field.cells;
@@ -129,7 +129,7 @@ fn normals(
 ) -> Result<Vec<Vector>, PartsError> {
     let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
     if let Some(mut normals) = given {
-        let turned = sides::one_side(points, &mut normals)?;
+        let turned = normal_orientation::one_side(points, &mut normals)?;
         if turned > 0 {
             notes.push(format!(
                 "{turned} of {} normals point to the other side than their neighbours' and were reversed",

@@ -10,8 +10,8 @@
 use super::cloud::{FEWEST, framed};
 use super::error::PartsError;
 use super::jet::{Jet, Law, Touched, jet};
-use super::ladder::{asked, law, quantile};
 use super::options::PartsOptions;
+use super::scale_selection::{asked, law, quantile};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_geometry::neighbours::Neighbours;
@@ -48,7 +48,7 @@ pub struct PointShapes {
 }
 
 /// What one point gets: normal, k1, k2, S, R, u(S), u(R).
-type At = (Vector, [f64; 6]);
+type PointShape = (Vector, [f64; 6]);
 
 impl PointShapes {
     /// Shape index and curvedness at every contact, from the surface through its neighbours: also on bodies that no height field holds.
@@ -105,7 +105,7 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     Ok(shapes)
 }
 
-fn at(touched: &Touched, i: usize, law: &Law) -> At {
+fn at(touched: &Touched, i: usize, law: &Law) -> PointShape {
     let open = (touched.normals[i], [f64::NAN; 6]);
     let Some(jet) = jet(touched, i, law) else { return open };
     let [_, zx, zy, xx, xy, yy] = jet.low;
@@ -155,7 +155,7 @@ fn growth(jet: &Jet, law: &Law) -> f64 {
     ratio(0).max(ratio(1)).max(1.0)
 }
 
-fn gathered(all: &[At], scale: f64) -> PointShapes {
+fn gathered(all: &[PointShape], scale: f64) -> PointShapes {
     let column = |k: usize, unit: f64| all.iter().map(|(_, values)| values[k] * unit).collect::<Vec<f64>>();
     let per_length = 1.0 / scale;
     PointShapes {

@@ -82,7 +82,7 @@ pub(super) struct Primitive {
 
 /// The distance at one point in the primitive's own axes, with its derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct At {
+pub(super) struct DistanceJet {
     pub(super) distance: f64,
     pub(super) gradient: Vector,
     pub(super) hessian: [Vector; 3],
@@ -146,12 +146,17 @@ impl Primitive {
     }
 
     /// Everything at a point of the own axes.
-    pub(super) fn at(&self, q: Vector) -> At {
+    pub(super) fn at(&self, q: Vector) -> DistanceJet {
         let (distance, gradient) = self.distance(q);
         let rho = q[0].hypot(q[1]).max(f64::MIN_POSITIVE);
         let radial = radial(q, rho);
-        let mut at =
-            At { distance, gradient, hessian: [[0.0; 3]; 3], by_size: [0.0; 2], gradient_by_size: [[0.0; 3]; 2] };
+        let mut at = DistanceJet {
+            distance,
+            gradient,
+            hessian: [[0.0; 3]; 3],
+            by_size: [0.0; 2],
+            gradient_by_size: [[0.0; 3]; 2],
+        };
         match self.kind {
             PartKind::Plane | PartKind::Patch => {}
             PartKind::Sphere => {

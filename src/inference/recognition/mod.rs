@@ -30,13 +30,13 @@
 //! ```
 
 mod answer;
-mod beyond;
 mod contacts;
 mod dense;
-mod departures;
+mod discrepancy;
 mod equations;
 mod error;
 mod evidence;
+mod free_form;
 mod kinds;
 mod noise;
 mod options;
@@ -47,12 +47,12 @@ mod statistics;
 #[cfg(test)]
 mod tests;
 
-pub use beyond::RecognisedSpline;
+pub use free_form::RecognisedSpline;
 // free-form parts are described by the same field as contacts that no simple shape explains
-pub use beyond::{FieldRequest, Flexible, Pointwise, Shown, shown};
-pub use beyond::{flexible, own_axes};
 pub use contacts::NormalsUse;
 pub use error::RecognitionError;
+pub use free_form::{FieldRequest, Flexible, Pointwise, Shown, shown};
+pub use free_form::{flexible, own_axes};
 pub use options::RecognitionOptions;
 pub use region::PredictiveDraw;
 pub use region::RecognisedSurface;
@@ -61,10 +61,10 @@ pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition
 use palpate_geometry::contact::{Contacts, Grid};
 use palpate_numeric::vector::Vector;
 
-use contacts::{Given, check_options};
-use evidence::{At, Evidence, Linearised, Node};
+use contacts::{Observations, check_options};
+use evidence::{Evidence, Linearised, Node, SearchContext};
 use kinds::{Kind, Model};
-use options::Asked;
+use options::RequestedPlaces;
 
 impl Recognition {
     /// Recognises the shape that contacts show.
@@ -82,8 +82,8 @@ impl Recognition {
         touches: &[[f64; 2]],
     ) -> Result<Recognition, RecognitionError> {
         check_options(options)?;
-        let asked = Asked { touches, ..Asked::default() };
-        recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
+        let asked = RequestedPlaces { touches, ..RequestedPlaces::default() };
+        recognise_given(Observations::from_contacts(contacts, options)?, &asked, options)
     }
 
     /// Recognises the shape of a height map. Missing pixels are left out; the free side is that of larger z.
@@ -93,7 +93,7 @@ impl Recognition {
     pub fn of_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         check_options(options)?;
         let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
-        recognise_given(Given::from_grid(grid, options)?, &Asked::default(), &upward)
+        recognise_given(Observations::from_grid(grid, options)?, &RequestedPlaces::default(), &upward)
     }
 
     /// Of contacts, with S and R averaged over these places of the input instead of the region that contacts support.
@@ -103,15 +103,19 @@ impl Recognition {
         options: &RecognitionOptions,
     ) -> Result<Recognition, RecognitionError> {
         check_options(options)?;
-        let asked = Asked { means: Some(places), ..Asked::default() };
-        recognise_given(Given::from_contacts(contacts, options)?, &asked, options)
+        let asked = RequestedPlaces { means: Some(places), ..RequestedPlaces::default() };
+        recognise_given(Observations::from_contacts(contacts, options)?, &asked, options)
     }
 }
 
 /// The steps, top to bottom, each in its room: the contacts are put in order (`contacts`), a robust surface says which of them belong
 /// together (`start`), how they err is told (`noise`), every kind of surface with its departures (`kinds`, `departures`) is asked how
 /// probable it is (`equations`, `evidence`), and the answer is told over the part that contacts support (`region`, `answer`).
-fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
+fn recognise_given(
+    given: Observations,
+    asked: &RequestedPlaces,
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
     let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();
     let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy);
@@ -128,7 +132,7 @@ fn recognise_given(given: Given, asked: &Asked, options: &RecognitionOptions) ->
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
-    let at = At { cells: &cells, contacts: &patch.points, factors: &factors, limit };
+    let at = SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit };
     let weigh = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
         // a plane that a body stands over misfits it whatever the body is
         let models = if linearised.over_plane.is_some() { &plain.models } else { &linearised.models };

@@ -75,7 +75,7 @@ impl RecognitionOptions {
 
 /// Places that a caller asks about.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Asked<'a> {
+pub(super) struct RequestedPlaces<'a> {
     /// Where S and R are averaged, input coordinates; `None` is where contacts support the surface.
     pub(super) means: Option<&'a [Vector]>,
     /// Where touches are predicted, x and y of the input.

@@ -12,11 +12,11 @@
 
 mod blocks;
 mod condition;
+mod dense;
 mod double_double;
 mod grid_assembly;
 mod grid_axis;
 mod grid_rows;
-mod one_thread;
 mod row_products;
 mod site_groups;
 mod sites;
@@ -24,9 +24,9 @@ mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};
 pub use condition::inverse_norm1_estimate;
+pub use dense::{Eigen, cholesky, eigen, product};
 pub use double_double::DoubleDouble;
 pub use grid_axis::GridAxis;
-pub use one_thread::{Eigen, cholesky, eigen, product};
 pub use row_products::{apply_rows, descent, residuals, visit_grid_rows, visit_values};
 pub use row_products::{assemble, normal_rhs};
 pub use site_groups::{KEPT, SiteGroups, SiteRows};

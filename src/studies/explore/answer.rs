@@ -11,10 +11,10 @@ use palpate_geometry::shape::compare_with_truth;
 use palpate_inference::recognition::{Estimate, Recognition, RecognitionOptions};
 use palpate_world::scene::Truth;
 
-use super::departure::{Departure, departure};
+use super::curvature_departure_test::{Departure, departure};
 use super::model::{fit_of, planning_fit};
 use super::predictive_planner::PredictivePlanner;
-use super::richer::richer_p;
+use super::richer_spline_test::richer_p;
 
 /// The answer to some contacts.
 pub(super) enum Answer {

@@ -12,11 +12,11 @@ use palpate_geometry::contact::Contacts;
 use palpate_world::scene::{Truth, World};
 
 use super::ExploreError;
+use super::acquisition::Situation;
 use super::answer::Answer;
-use super::choice::Situation;
-use super::hand::Hand;
-use super::look::{Look, Stopped};
 use super::planner::TouchPlanner;
+use super::simulated_sensor::Hand;
+use super::status::{Look, Stopped};
 use super::stopping::Goal;
 use super::strategy::Strategy;
 

@@ -30,29 +30,29 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod acquisition;
 mod answer;
-mod choice;
 mod covariance;
-mod departure;
+mod curvature_departure_test;
 mod error;
 mod exploration;
-mod hand;
-mod look;
 mod model;
 mod planner;
 mod predictive_planner;
-mod richer;
+mod richer_spline_test;
 mod rows;
+mod simulated_sensor;
+mod status;
 mod stopping;
 mod strategy;
 
 pub use error::ExploreError;
 #[doc(hidden)]
 pub use exploration::{Exploration, ExploreOptions, explore};
-#[doc(hidden)]
-pub use look::{Look, Stopped};
 pub use model::planning_fit;
 pub use planner::TouchPlanner;
+#[doc(hidden)]
+pub use status::{Look, Stopped};
 #[doc(hidden)]
 pub use stopping::Goal;
 #[doc(hidden)]

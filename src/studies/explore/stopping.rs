@@ -12,7 +12,7 @@
 //! Whoever looks often and stops when an interval happens to be narrow stops too often where it is too narrow. The second
 //! look is a fresh one: it is made with touches that the first did not know.
 
-use super::look::{Look, Stopped};
+use super::status::{Look, Stopped};
 
 /// The goals: standard uncertainties of S, and of R as a share of R.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,11 +15,11 @@ use super::FrontierError;
 use super::clock::{Call, Limits, Watch, rounds};
 use super::configuration::{Configuration, candidates};
 use super::errors::{Judged, QUANTITIES, errors_of, share};
-use super::judge::{Answer, call, judge};
 use super::memory;
 use super::pareto;
 use super::point::Point;
-use super::touches::{REPLICATES, Touches, stations};
+use super::replicates::{REPLICATES, Touches, stations};
+use super::scoring::{Answer, call, judge};
 
 /// Rounds at least and at most: three calls a round make 120 of a short call, so that every replicate is judged.
 const LEAST: usize = 5;

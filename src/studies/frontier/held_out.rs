@@ -17,10 +17,10 @@ use super::clock::{Call, Limits, Watch, rounds};
 use super::configuration::{Configuration, candidates};
 use super::discretisation::Measured;
 use super::errors::{Judged, errors_of};
-use super::judge::{Answer, call, judge_contacts};
 use super::memory;
 use super::pareto;
 use super::point::Point;
+use super::scoring::{Answer, call, judge_contacts};
 
 /// Parts: a fit sees four fifths of the contacts.
 const PARTS: usize = 5;

@@ -23,7 +23,7 @@ use super::clock::{Call, Limits, Watch, rounds};
 use super::errors::share;
 use super::pareto;
 use super::point::Point;
-use super::touches::{REPLICATES, Touches, is_random};
+use super::replicates::{REPLICATES, Touches, is_random};
 
 /// Replicates of the reference, by what one costs.
 const MANY: u64 = 200_000;
@@ -38,7 +38,7 @@ const LIMITS: Limits = Limits { least: 4, most: 40, seconds: 12.0, each: 0.6 };
 
 /// What a method gives: an interval of one replicate, or two quantiles of all.
 #[derive(Clone, Copy, Debug)]
-pub enum Given {
+pub enum StatedInterval {
     /// Of one replicate.
     OfReplicate([Option<[f64; 2]>; 2]),
     /// Of the scene.
@@ -141,30 +141,30 @@ impl<'a> IntervalSubject<'a> {
     }
 
     /// Every call: linear, recognised, and the studies.
-    pub fn calls(&self) -> Vec<Call<'_, Given>> {
+    pub fn calls(&self) -> Vec<Call<'_, StatedInterval>> {
         let replicates = &self.touches.replicates;
         let contacts = move |number: u64| &replicates[(number % replicates.len() as u64) as usize].0;
-        let mut calls: Vec<Call<'_, Given>> = vec![
+        let mut calls: Vec<Call<'_, StatedInterval>> = vec![
             Box::new(move |number| match FittedSurface::of(contacts(number), self.options) {
                 Ok((FittedSurface::Height(fit), _)) => {
                     let shape = fit.shape();
                     let both = [shape.shape_index.interval, shape.curvedness.interval];
-                    Given::OfReplicate(both.map(|interval| interval.map(|i| [i.lo, i.hi])))
+                    StatedInterval::OfReplicate(both.map(|interval| interval.map(|i| [i.lo, i.hi])))
                 }
-                _ => Given::Nothing,
+                _ => StatedInterval::Nothing,
             }),
             Box::new(move |number| {
                 let options = RecognitionOptions { level: self.options.level, ..RecognitionOptions::default() };
                 let found = Recognition::of(contacts(number), &options).ok();
-                found.map_or(Given::Nothing, |found| {
+                found.map_or(StatedInterval::Nothing, |found| {
                     let s = found.shape_index.map(|estimate| estimate.interval);
-                    Given::OfReplicate([s, Some(found.curvedness.interval)])
+                    StatedInterval::OfReplicate([s, Some(found.curvedness.interval)])
                 })
             }),
         ];
         for (_, study) in &self.studies {
             calls.push(Box::new(move |number| {
-                Given::OfScene(quantiles(study, (number + 1) * APART, study.options().most()))
+                StatedInterval::OfScene(quantiles(study, (number + 1) * APART, study.options().most()))
             }));
         }
         calls
@@ -182,7 +182,7 @@ impl<'a> IntervalSubject<'a> {
 
     fn measure_here(&self, watch: Watch<'_>) -> Vec<Point> {
         let labels = self.labels();
-        let mut found: Vec<Vec<(usize, Given)>> = vec![Vec::new(); labels.len()];
+        let mut found: Vec<Vec<(usize, StatedInterval)>> = vec![Vec::new(); labels.len()];
         let times = rounds(&mut self.calls(), LIMITS, watch, |k, number, given| {
             let replicate = number as usize % self.values.len().max(1);
             if k >= 2 || (number as usize) < self.values.len() {
@@ -196,7 +196,7 @@ impl<'a> IntervalSubject<'a> {
         points
     }
 
-    fn point(&self, label: &str, found: &[(usize, Given)]) -> Point {
+    fn point(&self, label: &str, found: &[(usize, StatedInterval)]) -> Point {
         let mut point = Point {
             label: label.into(),
             method: label.into(),
@@ -231,16 +231,16 @@ impl<'a> IntervalSubject<'a> {
         Some([value - (hi - nominal), value - (lo - nominal)])
     }
 
-    fn interval(&self, b: usize, given: &Given, q: usize) -> Option<[f64; 2]> {
+    fn interval(&self, b: usize, given: &StatedInterval, q: usize) -> Option<[f64; 2]> {
         match given {
-            Given::OfReplicate(both) => both[q],
-            Given::OfScene(both) => self.carried(b, both[q], q),
-            Given::Nothing => None,
+            StatedInterval::OfReplicate(both) => both[q],
+            StatedInterval::OfScene(both) => self.carried(b, both[q], q),
+            StatedInterval::Nothing => None,
         }
     }
 
     /// The error of the farther end in units of the reference's half width, root mean square of S and R.
-    fn error(&self, b: usize, given: &Given) -> Option<f64> {
+    fn error(&self, b: usize, given: &StatedInterval) -> Option<f64> {
         let of = |q: usize| {
             let (own, right) = (self.interval(b, given, q)?, self.carried(b, self.reference[q], q)?);
             let half = 0.5 * (right[1] - right[0]);
@@ -251,13 +251,15 @@ impl<'a> IntervalSubject<'a> {
     }
 
     /// Whether intervals hold the truth: of each replicate its own, of the scene's the last one carried to every replicate.
-    fn held(&self, found: &[(usize, Given)], q: usize) -> Vec<bool> {
-        let holds = |b: usize, given: &Given| {
+    fn held(&self, found: &[(usize, StatedInterval)], q: usize) -> Vec<bool> {
+        let holds = |b: usize, given: &StatedInterval| {
             let ([lo, hi], truth) = (self.interval(b, given, q)?, self.truths.get(b)?[q]?);
             Some(lo <= truth && truth <= hi)
         };
         match found.last() {
-            Some((_, given @ Given::OfScene(_))) => (0..self.values.len()).filter_map(|b| holds(b, given)).collect(),
+            Some((_, given @ StatedInterval::OfScene(_))) => {
+                (0..self.values.len()).filter_map(|b| holds(b, given)).collect()
+            }
             _ => found.iter().filter_map(|(b, given)| holds(*b, given)).collect(),
         }
     }

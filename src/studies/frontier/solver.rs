@@ -17,7 +17,7 @@ use palpate_fitting::fit::{DataSites, Equations};
 use palpate_numeric::linalg::{Sites, StencilMatrix};
 use palpate_numeric::solve::{Cholesky, FastDiagonalisation, GridSolver, TriangularFactor};
 
-use super::single::SingleFactor;
+use super::single_precision::SingleFactor;
 
 /// Refinement stops when a correction is no longer half as large as the one before; more steps than these never help.
 const MOST_REFINEMENTS: usize = 30;

@@ -16,7 +16,7 @@
 
 use super::engine::Engine;
 use super::linear_law::LinearLaw;
-use super::rest::AtRest;
+use super::noise_free_draws::AtRest;
 use palpate_geometry::shape::Interval;
 use palpate_numeric::draws::EffectDraws;
 

@@ -16,7 +16,7 @@ use statrs::function::erf;
 
 use super::evaluator::Evaluator;
 use super::linear_rows::LinearRows;
-use super::order::{Ranked, Sorted, symmetric_ranks};
+use super::order_statistics::{Ranked, Sorted, symmetric_ranks};
 use super::stopping::BatchEstimate;
 use palpate_numeric::simd::{Isa, REPLICATES};
 

@@ -89,7 +89,7 @@ fn clopper_pearson(k: u64, n: u64) -> Interval {
 
 /// One fit: truth, value, stated interval and u of S and of R; the interval that counts other kinds of surface, too.
 #[derive(Clone, Copy, Debug, Default)]
-struct Asked {
+struct FitOutcome {
     truth: [Option<f64>; 2],
     value: [Option<f64>; 2],
     interval: [Option<Interval>; 2],
@@ -102,15 +102,15 @@ struct Asked {
 pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries: &[Summary]) -> Coverages {
     let simulator = study.engine().simulator();
     let seed = study.seed();
-    let fits: Vec<Option<Asked>> = palpate_numeric::threads::map(replicates as usize, 1, |b| {
+    let fits: Vec<Option<FitOutcome>> = palpate_numeric::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
         match FittedSurface::of(&contacts, options).ok()?.0 {
             FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
             FittedSurface::Parametric(_) => None,
         }
     });
-    let fitted: Vec<Asked> = fits.iter().flatten().copied().collect();
-    let held = |q: usize, interval: &dyn Fn(&Asked) -> Option<Interval>| {
+    let fitted: Vec<FitOutcome> = fits.iter().flatten().copied().collect();
+    let held = |q: usize, interval: &dyn Fn(&FitOutcome) -> Option<Interval>| {
         let pairs = fitted.iter().filter_map(|fit| Some((fit.truth[q]?, interval(fit)?)));
         let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, i)| {
             (inside + u64::from(i.lo <= truth && truth <= i.hi), asked + 1)
@@ -125,7 +125,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
             RecognitionOptions { level: options.level, sigma_xy: options.sigma_xy, ..RecognitionOptions::default() };
         Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
     });
-    let recognised: Vec<Told> = recognised.into_iter().flatten().collect();
+    let recognised: Vec<RecognitionOutcome> = recognised.into_iter().flatten().collect();
     Coverages {
         chosen: both.map(|q| chosen(&recognised, q)),
         chosen_width: both.map(|q| width(&recognised, q)),
@@ -154,14 +154,14 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
 
 /// One recognition: truth, value and interval of S and of R; the probability of its class and whether that is the true one.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct RecognitionOutcome {
     truth: [Option<f64>; 2],
     value: [Option<f64>; 2],
     interval: [Option<[f64; 2]>; 2],
     class: (f64, bool),
 }
 
-impl Told {
+impl RecognitionOutcome {
     /// The error of S, or the relative one of R; `None` where there is no truth, or R is 0.
     fn error(&self, q: usize) -> Option<f64> {
         let (value, truth) = (self.value[q]?, self.truth[q]?);
@@ -171,7 +171,7 @@ impl Told {
 }
 
 /// The truth is taken at the places that the means were taken over.
-fn told(found: &Recognition, truth: &Truth) -> Told {
+fn told(found: &Recognition, truth: &Truth) -> RecognitionOutcome {
     let places = found.averaged.iter().filter_map(|(point, normal)| truth.near(*point, *normal));
     let local: Vec<_> = places.collect();
     let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
@@ -179,7 +179,7 @@ fn told(found: &Recognition, truth: &Truth) -> Told {
     let r = mean(local.iter().map(|l| l.curvedness()).collect());
     let class = s.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let given = found.class_probability.iter().find(|(c, _)| *c == found.class).map_or(0.0, |(_, p)| *p);
-    Told {
+    RecognitionOutcome {
         truth: [s, r],
         value: [found.shape_index.map(|e| e.mean), Some(found.curvedness.mean)],
         interval: [found.shape_index.map(|e| e.interval), Some(found.curvedness.interval)],
@@ -190,7 +190,7 @@ fn told(found: &Recognition, truth: &Truth) -> Told {
 /// Rounding of a truth that an interval ends at.
 const ROUNDING: f64 = 1e-9;
 
-fn chosen(told: &[Told], q: usize) -> Held {
+fn chosen(told: &[RecognitionOutcome], q: usize) -> Held {
     let pairs = told.iter().filter_map(|t| Some((t.truth[q]?, t.interval[q]?)));
     let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, [lo, hi])| {
         (inside + u64::from(lo - ROUNDING <= truth && truth <= hi + ROUNDING), asked + 1)
@@ -199,14 +199,14 @@ fn chosen(told: &[Told], q: usize) -> Held {
 }
 
 /// Median half width over 1.96 sd of the values.
-fn width(told: &[Told], q: usize) -> Option<f64> {
+fn width(told: &[RecognitionOutcome], q: usize) -> Option<f64> {
     let values: Vec<f64> = told.iter().filter_map(|t| t.value[q]).collect();
     let sd = spread(values.iter().copied()).sd.filter(|sd| *sd > 0.0)?;
     Some(half_width(told, q)? / (1.96 * sd))
 }
 
 /// Median half width.
-fn half_width(told: &[Told], q: usize) -> Option<f64> {
+fn half_width(told: &[RecognitionOutcome], q: usize) -> Option<f64> {
     median(told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect())
 }
 
@@ -215,7 +215,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-fn forecast(told: &[Told]) -> Option<[f64; 2]> {
+fn forecast(told: &[RecognitionOutcome]) -> Option<[f64; 2]> {
     let n = told.len() as f64;
     let given = told.iter().map(|t| t.class.0).sum::<f64>() / n;
     (n > 0.0).then(|| [given, told.iter().filter(|t| t.class.1).count() as f64 / n])
@@ -228,14 +228,14 @@ fn carried(summary: &Summary, value: f64, quantity: usize) -> Option<Interval> {
     Some(Interval { lo: (value - (ends.hi - nominal)).max(floor), hi: (value - (ends.lo - nominal)).min(ceiling) })
 }
 
-fn asked(fit: Fit, truth: &Truth) -> Asked {
+fn asked(fit: Fit, truth: &Truth) -> FitOutcome {
     let shape = fit.shape();
     let compared = compare_with_truth(&shape.maps, |[x, y, _]| {
         let local = truth.at(x, y)?.local;
         Some((local.shape_index(), local.curvedness()))
     });
     let statistics = [&shape.shape_index, &shape.curvedness];
-    let by_noise = Asked {
+    let by_noise = FitOutcome {
         truth: [compared.shape_index, compared.curvedness],
         value: statistics.map(|s| s.mean),
         interval: statistics.map(|s| s.interval),
@@ -245,7 +245,7 @@ fn asked(fit: Fit, truth: &Truth) -> Asked {
     };
     let counted = Recognition::beside(fit);
     let shape = counted.shape();
-    Asked { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
+    FitOutcome { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
 }
 
 #[cfg(test)]

@@ -12,13 +12,13 @@
 use super::control::LinearControl;
 use super::error::StudyError;
 use super::evaluator::Evaluator;
+use super::full_refit::Whole;
 use super::linear_rows::{LinearRows, direct_lane};
-use super::path::{Path, choose, row_noise};
+use super::noise_free_draws::AtRest;
 use super::problem::Problem;
 use super::quantity::Quantity;
 use super::refit::Refit;
-use super::rest::AtRest;
-use super::whole::Whole;
+use super::strategy::{Path, choose, row_noise};
 use palpate_fitting::fit::{Fit, FitOptions, OutsideDomain, SurfaceKind};
 use palpate_fitting::fit::{FitError, fit_contacts};
 use palpate_geometry::contact::Contacts;

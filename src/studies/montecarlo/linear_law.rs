@@ -15,7 +15,7 @@ use std::sync::Arc;
 use statrs::function::erf;
 
 use super::engine::Engine;
-use super::rest::{AtRest, Poked};
+use super::noise_free_draws::{AtRest, Poked};
 use super::stopping::numerical_tolerance;
 use super::summary::Summary;
 use palpate_geometry::shape::Interval;

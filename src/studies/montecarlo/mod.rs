@@ -7,30 +7,30 @@
 mod attribution;
 mod control;
 mod coverage;
+mod cramer_rao;
 mod engine;
 mod error;
 mod evaluator;
 mod exact_sum;
 mod fixed_sites;
+mod full_refit;
 mod histogram;
-mod least_width;
 mod linear_law;
 mod linear_rows;
+mod minimax_length;
+mod noise_free_draws;
 mod options;
-mod oracle;
-mod order;
-mod path;
+mod order_statistics;
 mod problem;
 mod quantity;
 mod random_surfaces;
 mod refit;
-mod rest;
 mod state;
 mod stopping;
+mod strategy;
 mod study;
 mod summary;
 mod tally;
-mod whole;
 
 #[doc(hidden)]
 pub use attribution::attribute;
@@ -39,6 +39,7 @@ pub use attribution::{Attribution, EffectShare, Share};
 pub use control::ControlTally;
 #[doc(hidden)]
 pub use coverage::{Coverages, Held, coverage};
+pub use cramer_rao::{Family, noise_of, oracle_sd};
 #[doc(hidden)]
 pub use engine::{Engine, Values};
 pub use error::StudyError;
@@ -49,21 +50,20 @@ pub use fixed_sites::FixedSites;
 pub use fixed_sites::ROW_NOISE;
 #[doc(hidden)]
 pub use histogram::{Bins, Histogram};
-pub use least_width::{LeastWidth, SHARE};
 pub use linear_law::LinearLaw;
 #[doc(hidden)]
 pub use linear_law::linear_law;
+pub use minimax_length::{LeastWidth, SHARE};
 pub use options::{StudyOptions, Tolerance};
-pub use oracle::{Family, noise_of, oracle_sd};
-pub use order::Coverage;
+pub use order_statistics::Coverage;
 #[doc(hidden)]
-pub use order::{Counted, Ranked, Sorted};
-pub use path::Path;
+pub use order_statistics::{Counted, Ranked, Sorted};
 pub use quantity::Quantity;
 pub use random_surfaces::RandomSurface;
 pub use state::StudyState;
 #[doc(hidden)]
 pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};
+pub use strategy::Path;
 pub use study::{Progress, Stopped, Study, StudyResult};
 pub use summary::Summary;
 #[doc(hidden)]

@@ -1,8 +1,8 @@
 //! Options of a study: the `[study]` section of a scene file, and what the command line may say.
 
 use super::error::StudyError;
-use super::path::Path;
 use super::quantity::Quantity;
+use super::strategy::Path;
 
 /// Most replicates whose values are all kept (64 MB for S and R); beyond, they are counted in bins.
 pub(super) const KEPT: u64 = 1 << 22;

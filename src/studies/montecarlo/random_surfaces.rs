@@ -8,7 +8,7 @@
 //! contacts       27 to 200 over a square of half width 4; sd of z 0.005 to 0.05, of normals 60 degrees a unit of that
 //! ```
 
-use super::oracle::Family;
+use super::cramer_rao::Family;
 use palpate_numeric::draws::EffectDraws;
 use palpate_world::scene::{Effect, ImportedSurface, Surface, Sweep, World, linspace};
 

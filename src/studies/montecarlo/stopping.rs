@@ -11,7 +11,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::options::Tolerance;
-use super::order::{Ranked, Sorted};
+use super::order_statistics::{Ranked, Sorted};
 
 /// Mean, sd, lower and upper end of S and of R over one batch of the stopping rule.
 pub type BatchEstimate = [[f64; 4]; 2];

@@ -1,7 +1,7 @@
 //! What a study says: means, intervals, class shares, each with how far it is converged.
 
 use super::control::Correction;
-use super::order::{Coverage, Ranked};
+use super::order_statistics::{Coverage, Ranked};
 use super::state::StudyState;
 use super::tally::{Store, Tally};
 use palpate_geometry::curvature::ShapeClass;

@@ -10,7 +10,7 @@
 use super::exact_sum::ExactSum;
 use super::histogram::{Bins, Histogram};
 use super::options::{KEPT, PILOT};
-use super::order::{Counted, Ranked, Sorted};
+use super::order_statistics::{Counted, Ranked, Sorted};
 
 /// How the values are kept.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 
 use crate::io::columns::{Column, Columns, Need};
 use crate::io::place::{Runs, Unit};
-use crate::io::watch::tell_line;
+use crate::io::read_progress::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 #[derive(Default)]

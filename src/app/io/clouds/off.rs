@@ -5,7 +5,7 @@
 
 use crate::io::columns::{Column, Columns, Need};
 use crate::io::place::{Place, Runs, Unit};
-use crate::io::watch::tell_line;
+use crate::io::read_progress::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 const WITH_NORMALS: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];

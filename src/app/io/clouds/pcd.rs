@@ -11,7 +11,7 @@
 use crate::io::columns::{Column, Columns, Need};
 use crate::io::names::in_our_words;
 use crate::io::place::{Place, Runs, Unit};
-use crate::io::watch::tell_line;
+use crate::io::read_progress::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::lzf;

@@ -2,12 +2,12 @@
 //! 50 bytes a triangle). The facets' own normals are not read: they say no more than the order of the corners, and are
 //! often zero. [`super::soup`] joins the corners and finds normals.
 
-use crate::io::form::is_binary_stl;
+use crate::io::format_detection::is_binary_stl;
 use crate::io::place::Unit;
 use crate::io::{IoError, ReadOptions, Reading};
 
 use super::soup::Soup;
-use crate::io::watch::tell_line;
+use crate::io::read_progress::tell_line;
 
 /// Bytes before the first triangle, and of each.
 const START: usize = 84;

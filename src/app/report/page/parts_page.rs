@@ -10,7 +10,7 @@ use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{list, notes, table};
 use crate::report::json::write_json;
-use crate::report::parts::{PartPart, PartsDocument, write_parts_table};
+use crate::report::parts::{PartRecord, PartsDocument, write_parts_table};
 use crate::report::table::significant;
 use crate::report::words::like;
 use palpate_geometry::contact::counted;
@@ -52,7 +52,7 @@ pub(crate) fn write_parts_page(
 }
 
 /// `plane`, `cylinder, hollow`.
-fn kind(part: &PartPart) -> String {
+fn kind(part: &PartRecord) -> String {
     if part.hollow { format!("{}, seen from inside", part.kind) } else { part.kind.clone() }
 }
 
@@ -120,7 +120,7 @@ fn parts(document: &PartsDocument) -> String {
     format!("<section id=\"parts\"><h2>Parts</h2>\n{}</section>\n", table(&head, &rows))
 }
 
-fn agreement(part: &PartPart) -> String {
+fn agreement(part: &PartRecord) -> String {
     let off = significant(part.misfit, 2);
     let departure = significant(part.departure, 2);
     match part.rejected {

@@ -12,7 +12,7 @@ mod uncertainty;
 
 use ndarray::Array2;
 
-use crate::fit::reading::ModelReading;
+use crate::fit::model_reading::ModelReading;
 use crate::fit::solved::Solved;
 use crate::observation::Data;
 use direction::{Directions, directions};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
-use crate::fit::linear::free::Free;
-use crate::fit::linear::gaps::solve_with_gaps;
+use crate::fit::linear::free_unknowns::Free;
+use crate::fit::linear::minimum_roughness::solve_with_gaps;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};
 use crate::fit::linear::solution::Solution;

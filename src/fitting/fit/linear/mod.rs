@@ -7,9 +7,9 @@
 
 mod cholesky;
 pub(super) mod equations;
-pub(super) mod free;
-mod gaps;
+pub(super) mod free_unknowns;
 mod grid;
+mod minimum_roughness;
 mod pivoted;
 mod qr;
 pub(super) mod reasons;
@@ -18,7 +18,7 @@ pub(super) mod solution;
 
 use crate::fit::{FitError, Method};
 use equations::Equations;
-use free::Free;
+use free_unknowns::Free;
 use grid::GridMethod;
 use palpate_numeric::linalg::{Sites, StencilMatrix};
 use palpate_numeric::solve::SolveError;
@@ -61,7 +61,7 @@ fn solve_refined(equations: &Equations, method: Method, refinement: Refinement) 
     }?;
     if heights == 0 {
         solution.reasons.push(Reason::NoHeights);
-        gaps::centre_heights(equations, &mut solution.coefficients);
+        minimum_roughness::centre_heights(equations, &mut solution.coefficients);
     }
     Ok(solution)
 }

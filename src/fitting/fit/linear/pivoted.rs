@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
-use crate::fit::linear::free::Free;
+use crate::fit::linear::free_unknowns::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::fit::FitError;
 use crate::fit::linear::cholesky::{self, NormalFactor};
 use crate::fit::linear::equations::Equations;
-use crate::fit::linear::free::Free;
+use crate::fit::linear::free_unknowns::Free;
 use crate::fit::linear::pivoted::by_pivoted_qr;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::refinement::{Refinement, refine};

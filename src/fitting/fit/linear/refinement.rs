@@ -5,7 +5,7 @@
 //! ```
 
 use crate::fit::linear::equations::Equations;
-use crate::fit::linear::free::Free;
+use crate::fit::linear::free_unknowns::Free;
 use crate::fit::linear::solution::Solution;
 
 /// Refinement steps at most; each step gains about -log10(condition^2 u) digits, two are nearly always enough.

@@ -11,10 +11,10 @@
 pub(super) mod components;
 pub(super) mod declared;
 pub(super) mod fingers;
-pub(super) mod levels;
-pub(super) mod probes;
+pub(super) mod hutchinson;
 mod ratios;
 pub(super) mod record;
 mod row_sums;
 pub(super) mod sds;
 pub(super) mod traces;
+pub(super) mod variance_ratio_posterior;

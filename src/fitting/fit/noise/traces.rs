@@ -6,7 +6,7 @@
 
 use crate::fit::linear::equations::{Equations, RowKind, data_normal_matrix, only};
 use crate::fit::linear::solution::Solution;
-use crate::fit::noise::probes::Signs;
+use crate::fit::noise::hutchinson::Signs;
 use palpate_numeric::linalg::StencilMatrix;
 
 /// Unknowns up to which a trace takes one solve for each, where the factor has no trace of its own. Cholesky's comes from

@@ -11,9 +11,9 @@
 //! weights and sds are in input units, so their lengths are multiplied or divided by the patch's scale.
 
 mod contraction;
+mod errors_in_variables;
 pub(super) mod fitted;
 mod gauss_newton;
-mod located;
 mod normals;
 pub(super) mod robust;
 mod setting;
@@ -38,7 +38,11 @@ type PlainFit = fn(&Patch, &Data, &FitOptions) -> Result<Fitted, FitError>;
 /// Where the data do not suit the objective or the method, or determine no surface.
 pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
     let fit_at = |data: &Data| fit_in_place(patch, data, options);
-    if options.sigma_xy > 0.0 { located::fit_located(patch, data, options.sigma_xy, fit_at) } else { fit_at(data) }
+    if options.sigma_xy > 0.0 {
+        errors_in_variables::fit_located(patch, data, options.sigma_xy, fit_at)
+    } else {
+        fit_at(data)
+    }
 }
 
 /// The same for contacts that lie where they are said to lie.

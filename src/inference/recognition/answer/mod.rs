@@ -9,16 +9,16 @@
 //! many show together, and `posterior.rs` draws them. `misfit.rs` looks for a pattern in the residuals. `findings.rs` holds
 //! all of it, `compared.rs` lists the kinds that were compared, and `report.rs` puts all into the result.
 
-mod compared;
-mod doubt;
-mod drawn;
-mod field;
-mod findings;
+mod inference;
+mod interval_weights;
 mod misfit;
+mod model_comparison;
+mod normalised_weights;
 mod posterior;
+mod posterior_samples;
 mod report;
-mod shares;
+mod shape_means;
 mod weights;
 
-pub(in crate::recognition) use findings::Findings;
+pub(in crate::recognition) use inference::Findings;
 pub(in crate::recognition) use weights::weigh;

@@ -25,7 +25,7 @@
 use faer::Mat;
 use statrs::function::erf;
 
-use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::{Evidence, Node};
 use crate::recognition::kinds::Kind;
 use crate::recognition::region::{PredictiveDraw, measured, predicted};
@@ -35,8 +35,8 @@ use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::threads;
 
-use super::drawn::{Drawn, classes, interval_of, pointwise, within_deg};
-use super::field::{Field, Points};
+use super::posterior_samples::{Drawn, classes, interval_of, pointwise, within_deg};
+use super::shape_means::{Field, Points};
 use super::weights::Weights;
 
 /// Draws in all.

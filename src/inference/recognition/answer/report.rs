@@ -1,7 +1,7 @@
 //! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
 
 use crate::recognition::contacts::Dropped;
-use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::region::{RecognisedSurface, Region, places};
@@ -11,12 +11,12 @@ use crate::recognition::{
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;
 
-use super::compared::{hypothesis_of, reported};
-use super::field::Points;
-use super::findings::Findings;
+use super::inference::Findings;
 use super::misfit::{self, misfit};
+use super::model_comparison::{hypothesis_of, reported};
+use super::normalised_weights::total;
 use super::posterior::{Summary, likeliest, summary};
-use super::shares::total;
+use super::shape_means::Points;
 
 /// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
 const MAPPED: usize = 400;

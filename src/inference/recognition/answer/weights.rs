@@ -23,15 +23,15 @@
 use faer::Mat;
 
 use crate::recognition::dense;
-use crate::recognition::departures::{Body, is_free};
+use crate::recognition::discrepancy::{Body, is_free};
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::evidence::{Evidence, Node, likeliest};
 use crate::recognition::kinds::Kind;
 use crate::recognition::statistics::{median, standard_deviation};
 use palpate_geometry::neighbours::Neighbours;
 
-use super::doubt::{Doubt, EITHER, departed, keep_simple, with_doubt};
-use super::shares::{best, raise, shares, total};
+use super::interval_weights::{Doubt, EITHER, departed, keep_simple, with_doubt};
+use super::normalised_weights::{best, raise, shares, total};
 
 /// Sizes of f, relative to the relief, that are read as the sensor's error.
 const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];

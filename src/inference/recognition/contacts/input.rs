@@ -11,7 +11,7 @@ const NEEDED: [usize; 2] = [9, 4];
 
 /// Positions and normals in the input's coordinates.
 #[derive(Clone, Debug, Default)]
-pub(in crate::recognition) struct Given {
+pub(in crate::recognition) struct Observations {
     pub(in crate::recognition) points: Vec<Vector>,
     /// Unit normals, zero where there is none.
     pub(in crate::recognition) normals: Option<Vec<Vector>>,
@@ -41,15 +41,15 @@ pub(in crate::recognition) fn check_options(options: &RecognitionOptions) -> Res
     Ok(())
 }
 
-impl Given {
+impl Observations {
     pub(in crate::recognition) fn from_contacts(
         contacts: &Contacts,
         options: &RecognitionOptions,
-    ) -> Result<Given, RecognitionError> {
+    ) -> Result<Observations, RecognitionError> {
         let has_normals = contacts.orientation != Orientation::None;
         if has_normals && !options.use_normals {
             let positions = Contacts { orientation: Orientation::None, ..contacts.clone() };
-            return Ok(Given { ignored: true, ..Given::from_contacts(&positions, options)? });
+            return Ok(Observations { ignored: true, ..Observations::from_contacts(&positions, options)? });
         }
         match contacts.check() {
             // normals of length zero are left out and counted
@@ -66,16 +66,16 @@ impl Given {
                 Some((0..zx.len()).map(|r| unit_where_known([-zx[r], -zy[r], 1.0])).collect())
             }
         };
-        Given { points, normals, ..Given::default() }.sorted()
+        Observations { points, normals, ..Observations::default() }.sorted()
     }
 
     pub(in crate::recognition) fn from_grid(
         grid: &Grid,
         options: &RecognitionOptions,
-    ) -> Result<Given, RecognitionError> {
+    ) -> Result<Observations, RecognitionError> {
         grid.check()?;
         let slopes = grid.zx.as_ref().zip(grid.zy.as_ref());
-        let mut given = Given { ignored: slopes.is_some() && !options.use_normals, ..Given::default() };
+        let mut given = Observations { ignored: slopes.is_some() && !options.use_normals, ..Observations::default() };
         let slopes = slopes.filter(|_| options.use_normals);
         let mut normals = Vec::new();
         for (i, &x) in grid.x.iter().enumerate() {
@@ -97,7 +97,7 @@ impl Given {
         given.sorted()
     }
 
-    fn sorted(self) -> Result<Given, RecognitionError> {
+    fn sorted(self) -> Result<Observations, RecognitionError> {
         let kind = usize::from(self.normals.is_some());
         if self.points.len() < NEEDED[kind] {
             let (found, needed) = (self.points.len(), NEEDED[kind]);
@@ -115,7 +115,7 @@ impl Given {
         };
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| compare_rest(a.1, b.1)));
         let taken = |of: &[Vector]| order.iter().map(|&(_, i)| of[i as usize]).collect::<Vec<Vector>>();
-        Ok(Given { points: taken(&self.points), normals: self.normals.as_deref().map(taken), ..self })
+        Ok(Observations { points: taken(&self.points), normals: self.normals.as_deref().map(taken), ..self })
     }
 }
 

@@ -9,17 +9,17 @@
 //! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
 //! `cells.rs` averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts without any.
 
-mod believable_normals;
 mod cells;
 mod conic;
+mod derived_normals_test;
+mod excluded;
 mod frame;
 mod input;
-mod set_aside;
 
-pub(in crate::recognition) use believable_normals::{AGAINST, derived_from_positions};
 pub(in crate::recognition) use cells::{CellNormals, Cells, cells, is_known};
 pub(in crate::recognition) use conic::on_conic;
+pub(in crate::recognition) use derived_normals_test::{AGAINST, derived_from_positions};
+pub(in crate::recognition) use excluded::Dropped;
+pub use excluded::NormalsUse;
 pub(in crate::recognition) use frame::patch_frame;
-pub(in crate::recognition) use input::{Given, check_options};
-pub(in crate::recognition) use set_aside::Dropped;
-pub use set_aside::NormalsUse;
+pub(in crate::recognition) use input::{Observations, check_options};

@@ -6,10 +6,10 @@
 //!
 //! `rows.rs` makes y, J and Z, `moved.rs` changes them where they stand about a displaced surface, and `reduced.rs` eliminates z.
 
-mod moved;
+mod linearisation_point;
 mod reduced;
 mod rows;
 
-pub(in crate::recognition) use moved::{Moved, slopes};
+pub(in crate::recognition) use linearisation_point::{Moved, slopes};
 pub(in crate::recognition) use reduced::{Columns, Grams, Reduced, joint, reduced, reduced_in_cells};
 pub(in crate::recognition) use rows::{Rows, column_of, first_of_displacement};

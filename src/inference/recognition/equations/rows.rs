@@ -9,7 +9,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
-use crate::recognition::departures::{Displacement, Quadratic};
+use crate::recognition::discrepancy::{Displacement, Quadratic};
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::vector::{dot, minus};
 

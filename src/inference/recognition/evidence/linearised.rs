@@ -7,7 +7,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::departures::{Displacement, Forms};
+use crate::recognition::discrepancy::{Displacement, Forms};
 use crate::recognition::equations::{Moved, Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Gain, NormalNoise};

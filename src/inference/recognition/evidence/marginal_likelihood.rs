@@ -16,7 +16,7 @@ use faer::Mat;
 
 use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::dense;
-use crate::recognition::departures::{Body, Displacement};
+use crate::recognition::discrepancy::{Body, Displacement};
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Kernel, Limit};

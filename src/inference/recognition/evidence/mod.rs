@@ -9,19 +9,19 @@
 //! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again
 //! about a displaced surface, `over_plane.rs` about one that stands over a plane, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
 
+mod discrepancy_over_plane;
+mod evidence_grid;
 mod joint_posterior;
 mod linearised;
-mod looks;
 mod marginal_likelihood;
+mod model_search;
 mod node;
-mod over_plane;
-mod search;
-mod second_look;
+mod relinearise;
 mod whitened;
 
 pub(in crate::recognition) use linearised::{FactorPair, Linearised};
-pub(in crate::recognition) use looks::{At, likeliest_look};
 #[cfg(test)]
 pub(in crate::recognition) use marginal_likelihood::Look;
 pub(in crate::recognition) use marginal_likelihood::{Evidence, curvatures};
+pub(in crate::recognition) use model_search::{SearchContext, likeliest_look};
 pub(in crate::recognition) use node::{GROUPS, Node, highest, likeliest};

@@ -8,7 +8,7 @@ use std::mem::discriminant;
 
 use faer::Mat;
 
-use crate::recognition::departures::Body;
+use crate::recognition::discrepancy::Body;
 use crate::recognition::kinds::Kind;
 
 /// Variances of the displacement relative to that of a cell's position, in powers of ten.

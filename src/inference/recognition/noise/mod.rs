@@ -10,14 +10,14 @@
 
 mod covariance;
 mod gain;
-mod in_place;
 mod normals;
-mod places;
-mod strayed;
+mod position_covariance;
+mod regression_calibration;
+mod slope_dependent_variance;
 
 pub(in crate::recognition) use covariance::{Factors, Kernel, Limit, distances_between};
 pub(in crate::recognition) use gain::{Gain, RARE as RARE_GAIN};
-pub(in crate::recognition) use in_place::weighed;
 pub(in crate::recognition) use normals::NormalNoise;
-pub(in crate::recognition) use places::PlaceErrors;
-pub(in crate::recognition) use strayed::set_back;
+pub(in crate::recognition) use position_covariance::PlaceErrors;
+pub(in crate::recognition) use regression_calibration::set_back;
+pub(in crate::recognition) use slope_dependent_variance::weighed;

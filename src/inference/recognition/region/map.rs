@@ -13,14 +13,14 @@
 use std::sync::Arc;
 
 use crate::recognition::RecognitionOptions;
-use crate::recognition::departures::{ChartPoint, Displacement, State};
+use crate::recognition::discrepancy::{ChartPoint, Displacement, State};
 use crate::recognition::evidence::Evidence;
 use crate::recognition::kinds::ConstantCurvature;
 use crate::recognition::start::Patch;
 use palpate_numeric::bspline::linspace;
 use palpate_numeric::vector::Vector;
 
-use super::over_plane::{LookedAt, bounds};
+use super::projected_grid::{LookedAt, bounds};
 use super::support::Support;
 use super::surface::RecognisedSurface;
 

@@ -9,8 +9,8 @@
 //! `predictive.rs` says what touches at other places would measure.
 
 mod map;
-mod over_plane;
 mod predictive;
+mod projected_grid;
 mod support;
 mod surface;
 

@@ -7,10 +7,10 @@
 //! Draws of all kinds of surface stand side by side, so that a touch is known to tell also which kind it is (the posterior
 //! predictive distribution of A. Gelman et al., *Bayesian Data Analysis*, 1.3).
 
-use crate::recognition::departures::{ChartPoint, State};
+use crate::recognition::discrepancy::{ChartPoint, State};
 use palpate_numeric::vector::{Vector, cross, dot, minus, unit};
 
-use super::over_plane::LookedAt;
+use super::projected_grid::LookedAt;
 use super::surface::RecognisedSurface;
 
 /// Share of the draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R)

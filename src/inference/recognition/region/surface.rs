@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::recognition::departures::{ChartPoint, Displacement, State};
+use crate::recognition::discrepancy::{ChartPoint, Displacement, State};
 use crate::recognition::kinds::{ConstantCurvature, Kind};
 use palpate_geometry::contact::Frame;
 

@@ -11,10 +11,10 @@
 
 mod descent;
 mod directions;
+mod outlier_reinstatement;
 mod patch;
 mod relief;
 mod robust;
-mod taken_back;
 
 pub(in crate::recognition) use directions::OF_NORMAL;
 pub(in crate::recognition) use patch::Patch;

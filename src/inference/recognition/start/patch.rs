@@ -7,7 +7,8 @@
 //! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::recognition::contacts::{
-    AGAINST, CellNormals, Cells, Dropped, Given, NormalsUse, cells, derived_from_positions, on_conic, patch_frame,
+    AGAINST, CellNormals, Cells, Dropped, NormalsUse, Observations, cells, derived_from_positions, on_conic,
+    patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions};
@@ -46,7 +47,10 @@ pub(in crate::recognition) struct Patch {
 }
 
 impl Patch {
-    pub(in crate::recognition) fn new(given: Given, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
+    pub(in crate::recognition) fn new(
+        given: Observations,
+        options: &RecognitionOptions,
+    ) -> Result<Patch, RecognitionError> {
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };

@@ -20,7 +20,7 @@ use crate::recognition::statistics::median;
 
 use super::descent::{Fitted, distances_of, robust};
 use super::directions::{Directions, OF_NORMAL};
-use super::taken_back::take_back;
+use super::outlier_reinstatement::take_back;
 
 use palpate_numeric::vector::Vector;
 

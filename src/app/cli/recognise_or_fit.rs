@@ -1,0 +1,188 @@
+//! `palpate fit INPUT` where nothing names a model: the contacts are recognised, and what cannot be is fitted or
+//! refused.
+//!
+//! ```text
+//! a simple shape                 S, R, class and radius, with intervals that count doubt about the kind of surface
+//! too few to recognise           the height field of degree 2, with a note
+//! directions without heights     likewise, since what is recognised is a surface through points
+//! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
+//! a closed body, several sheets  an error that says what can be done
+//! ```
+
+use crate::io::Input;
+use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
+use palpate_fitting::fit::{FitError, FitOptions};
+use palpate_fitting::parametric::FittedSurface;
+use palpate_geometry::contact::{Contacts, Grid, Orientation};
+use palpate_inference::recognition::{
+    FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown,
+};
+
+use super::explicit_model::fit_input;
+use super::zero_weights::with_heights;
+
+/// What a user can do with contacts that are not one patch.
+const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
+     --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
+
+/// What a user can do about too few contacts.
+const MORE: &str = "touch a dozen places or more, spread over the patch, with surface normals if you can";
+
+/// A note says that contacts lie off the surface when both their share and their number are at least these: more than a
+/// sensor's stray readings.
+const STRAY: f64 = 0.02;
+const STRAYS: usize = 10;
+
+/// Note where every normal points down, as in a scan in camera axes, but also in a file with inward normals.
+const DOWNWARD: &str = "every normal points towards -z, and that side is taken for the free one; \
+     if the normals point into the body, reverse them by --flip-normals";
+
+/// Note where nothing tells the free side of a flexible height field.
+const UPWARD: &str = "the sign of S takes +z for the free side: name a viewpoint where it is not";
+
+/// Note where the contacts are places and directions alone.
+const DIRECTIONS: &str = "the input has no heights (a column z), so that the shape is told from the directions alone, by a \
+     height field of degree 2";
+
+/// The answer to an input, with what is said beside it.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) answer: Answer,
+    pub(super) chosen: Option<ChosenPart>,
+    pub(super) lack_of_fit: Option<LackOfFitPart>,
+    pub(super) notes: Vec<String>,
+}
+
+/// Why there is no answer.
+pub(super) enum Refusal {
+    /// A fit refused; the message may want a line of the file.
+    Fit(FitError),
+    /// The recognition refused.
+    Shape(String),
+}
+
+/// Recognises the input, or fits it where it cannot be recognised.
+pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
+    let Some((input, weighed)) = with_heights(input) else {
+        let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+        let notes = vec![DIRECTIONS.to_string()];
+        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
+    };
+    let mut found = recognised(&input, options, fit)?;
+    found.notes.extend(weighed);
+    Ok(found)
+}
+
+/// The same of an input whose heights all count.
+fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
+    let found = match input {
+        Input::Contacts(contacts) => Recognition::of(contacts, options),
+        Input::Grid(grid) => Recognition::of_grid(grid, options),
+    };
+    let request = FieldRequest { fit, recognition: options, gridded: matches!(input, Input::Grid(_)) };
+    match shown(found, || contacts_of(input), &request) {
+        Ok(answer) => {
+            let mut found = match answer {
+                Shown::Simple(found) => simple(found),
+                Shown::Flexible(field, simple) => flexible_field(*field, simple.as_deref()),
+            };
+            let flexible = matches!(found.answer, Answer::Fitted(_));
+            found.notes.extend((flexible && without_side(input, options)).then(|| UPWARD.to_string()));
+            found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
+            Ok(found)
+        }
+        Err(RecognitionError::Contact(error)) => Err(Refusal::Fit(FitError::Contacts(error))),
+        Err(error @ (RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. })) => {
+            let note = format!("{error}; a height field of degree 2 was fitted, and its intervals count noise alone");
+            let (found, chosen) = fit_input(input, fit).map_err(|refused| match refused {
+                // no model was named: what one would need is of no use
+                FitError::TooFew { .. } | FitError::Collinear { .. } => Refusal::Shape(format!("{error}: {MORE}")),
+                refused => Refusal::Fit(refused),
+            })?;
+            Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
+        }
+        Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
+            Err(Refusal::Shape(format!("{error}: {FORWARD}")))
+        }
+        Err(error) => Err(Refusal::Shape(error.to_string())),
+    }
+}
+
+fn without_side(input: &Input, options: &RecognitionOptions) -> bool {
+    let positions = matches!(input, Input::Contacts(Contacts { orientation: Orientation::None, .. }));
+    positions && options.viewpoint.is_none()
+}
+
+fn all_downward(input: &Input) -> bool {
+    match input {
+        Input::Contacts(Contacts { orientation: Orientation::Normals { nz, .. }, .. }) => nz.iter().all(|nz| *nz < 0.0),
+        _ => false,
+    }
+}
+
+/// A simple shape, with a note where many contacts lie off it.
+fn simple(found: Box<Recognition>) -> Found {
+    let strays = found.outliers;
+    let share = strays as f64 / (strays + found.contacts) as f64;
+    let elsewhere = (strays >= STRAYS && share > STRAY).then(|| {
+        let percent = 100.0 * share;
+        format!("{percent:.0} % of the contacts belong to something else, a background or another part: {FORWARD}")
+    });
+    Found { answer: Answer::Recognised(found), chosen: None, lack_of_fit: None, notes: elsewhere.into_iter().collect() }
+}
+
+/// A flexible height field, with the simple shape that it takes the place of.
+fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
+    let segments = field.fit.options().segments;
+    let unsaid = 100.0 * field.error / field.relief;
+    let mut tried: Vec<TriedPart> = field
+        .tried
+        .iter()
+        .map(|([n, m], error)| TriedPart {
+            name: format!("height field of {n} x {m} segments"),
+            rms: Some(*error),
+            ..TriedPart::default()
+        })
+        .collect();
+    tried.extend(simple.iter().flat_map(|found| &found.tried).map(|t| TriedPart {
+        name: t.hypothesis.name().into(),
+        probability: None,
+        k1: Some(t.k1),
+        k2: Some(t.k2),
+        rms: Some(t.rms),
+    }));
+    let why = format!(
+        "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
+             out in blocks best (error {unsaid:.1} % of the relief)",
+        segments[0], segments[1]
+    );
+    let chosen = ChosenPart {
+        degree: Some(field.fit.options().degree),
+        segments: Some(segments),
+        frame: Some(if field.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
+        tried,
+        ..ChosenPart::new("height", why)
+    };
+    let lack = LackOfFitPart {
+        p: None,
+        percent_of_relief: Some(unsaid),
+        words: "the surface is not one simple shape: S and R change from place to place, see the maps of --out".into(),
+    };
+    let note = "the intervals count noise alone, not what more segments would change".to_string();
+    let answer = Answer::Fitted(FittedSurface::Height(Box::new(field.fit)));
+    Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes: vec![note] }
+}
+
+/// The measured pixels of a grid as contacts.
+fn contacts_of(input: &Input) -> Contacts {
+    match input {
+        Input::Contacts(contacts) => contacts.clone(),
+        Input::Grid(grid) => pixels(grid),
+    }
+}
+
+fn pixels(grid: &Grid) -> Contacts {
+    let known = grid.z.indexed_iter().filter(|(_, z)| !z.is_nan());
+    let points: Vec<[f64; 3]> = known.map(|((i, j), z)| [grid.x[i], grid.y[j], *z]).collect();
+    Contacts::from_points(&points)
+}

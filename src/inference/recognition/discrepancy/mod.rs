@@ -1,0 +1,27 @@
+//! How a surface departs from two constant curvatures: by a displacement along its normal.
+//!
+//! ```text
+//! Q(u, v) = point at arc lengths (u, v), moved by f(u, v) along the normal        f(u, v) = sum_ij c_ij N_i(u) N_j(v)
+//! ```
+//!
+//! `displacement.rs` comes first, with the splines (`basis.rs`) and the prior of third derivatives that cost. `cell_charts.rs` says what cells of
+//! many contacts show of them. `natural.rs` has the prior of natural size, and `smooth.rs`, with `turned.rs` for bodies that were turned,
+//! those of processes that are smooth in all their derivatives. `state.rs` is one such surface with all its parameters fixed: where it lies and how it bends, and `together.rs`
+//! eight of them at once.
+
+mod basis;
+mod bodies;
+mod cell_charts;
+mod displaced_batch;
+mod displacement;
+mod polynomial_prior;
+mod rotational_process;
+mod smooth;
+mod state;
+
+pub(in crate::recognition) use bodies::{Body, Forms};
+pub(in crate::recognition) use displaced_batch::Together;
+pub(in crate::recognition) use displacement::{Displacement, POLE, Quadratic};
+pub(in crate::recognition) use polynomial_prior::{TERMS as NATURAL_TERMS, size as natural_size};
+pub(in crate::recognition) use smooth::is_free;
+pub(in crate::recognition) use state::{ChartPoint, State};

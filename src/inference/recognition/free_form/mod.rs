@@ -1,0 +1,23 @@
+//! What is asked beyond a recognition: a spline where no simple shape fits, doubt about named models, surfaces to save.
+//!
+//! ```text
+//! shown = the simple shape, or a flexible height field where misfit > 1/4 of the relief, with a pattern
+//! ```
+//!
+//! `shown.rs` makes this choice, with `flexible.rs` for the field and `own_axes.rs` for the axes it lies over. `beside.rs` recognises
+//! what a named model was fitted to, so that its interval counts other kinds of surface. `spline.rs` makes of a recognised surface
+//! one that can be saved, and `pointwise.rs` gives its uncertainty point by point.
+
+mod cross_validated_spline;
+mod model_selection;
+mod named_model_uncertainty;
+mod pointwise;
+mod principal_axes;
+mod spline;
+
+pub use cross_validated_spline::Flexible;
+pub use cross_validated_spline::flexible;
+pub use model_selection::{FieldRequest, Shown, shown};
+pub use pointwise::Pointwise;
+pub use principal_axes::own_axes;
+pub use spline::RecognisedSpline;

@@ -1,0 +1,166 @@
+//! What contacts show: a simple shape, or a flexible height field where a simple shape leaves too much unsaid.
+//!
+//! ```text
+//! unsaid       misfit > 1/4 of the relief, with a pattern (p < 0.01)
+//!              flexible field, where its error at left-out contacts is below half of the simple shape's misfit
+//! no answer    unsaid, no such field, and misfit > 0.1 of the patch's size: more than a sensor errs
+//! ```
+//!
+//! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
+//! answer there, as on steps that a camera saw from above, the axes of the input are tried.
+
+use crate::recognition::statistics::standard_deviation;
+use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
+use palpate_fitting::fit::FitOptions;
+use palpate_geometry::contact::{Contacts, Frame, Orientation};
+use palpate_numeric::vector::{Vector, dot};
+
+use super::cross_validated_spline::{Flexible, flexible};
+use super::named_model_uncertainty::leaves_much_unsaid;
+use super::principal_axes::own_axes;
+
+/// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
+const PREDICTED: f64 = 0.5;
+
+/// A simple shape that leaves much unsaid is no answer when its misfit is above this share of the patch's size, too. A
+/// sensor's error may be large beside the relief of a flat patch, but not beside the patch's size.
+const OF_LENGTH: f64 = 0.1;
+
+/// Misfit over relief, its p-value, and shared over single errors, from which on a misfit is waves. Depth cameras err by as much together
+/// as alone (0.5 to 1.3 times as much on scans of pipes), and a scan of a golf ball by 57 times as much, but by a seventeenth of the relief.
+const OF_SHAPE: f64 = 2.0;
+const CERTAIN: f64 = 1e-3;
+const OF_SCATTER: f64 = 5.0;
+
+/// Waves too short for the cells leave errors that are not shared by cells. Neighbouring contacts then correlate by more than the first
+/// number, and the misfit is above the second, a share of the patch's size, which no sensor of a flat patch errs by.
+const ALIKE: f64 = 0.3;
+const DEEP: f64 = 0.03;
+
+/// Least cosine of the angle between the simple shape's normal and the axes' z. A height field does not follow a steeper
+/// patch.
+const LEVEL: f64 = 0.7;
+
+/// Spread of the contacts across the patch's own plane, as a share of that along its narrower side, beyond which there is no
+/// one plane: the corner of a room has 0.6, the edge of a box 0.7. Such contacts are several faces, though a field may follow them.
+const FOLDED: f64 = 0.45;
+
+/// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
+/// misfit.
+const BETTER: f64 = 0.5;
+
+/// What contacts show.
+#[derive(Debug)]
+pub enum Shown {
+    /// A simple shape.
+    Simple(Box<Recognition>),
+    /// One sheet of no simple shape, with the simple shape that it takes the place of, where one was found.
+    Flexible(Box<Flexible>, Option<Box<Recognition>>),
+}
+
+/// How a flexible height field is fitted.
+#[derive(Debug)]
+pub struct FieldRequest<'a> {
+    /// Its options.
+    pub fit: &'a FitOptions,
+    /// Tell the free side where there are no normals.
+    pub recognition: &'a RecognitionOptions,
+    /// The contacts are pixels, whose axes are theirs.
+    pub gridded: bool,
+}
+
+/// Keeps what was recognised, or puts a flexible height field in its place. `contacts` gives the contacts, which most
+/// answers do not need again.
+///
+/// # Errors
+/// That of the recognition; [`RecognitionError::NotOneSheet`] where neither is an answer.
+pub fn shown(
+    found: Result<Recognition, RecognitionError>,
+    contacts: impl Fn() -> Contacts,
+    request: &FieldRequest,
+) -> Result<Shown, RecognitionError> {
+    match found {
+        Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), request) {
+            Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
+            None if is_no_answer(&found) => {
+                let strays = found.outliers as f64;
+                let outliers = 100.0 * strays / (strays + found.contacts as f64);
+                Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
+            }
+            None => Ok(Shown::Simple(Box::new(found))),
+        },
+        Ok(found) => Ok(Shown::Simple(Box::new(found))),
+        Err(error @ RecognitionError::NotOneSheet { .. }) => {
+            let contacts = contacts();
+            let field = request.axes(&contacts).into_iter().find_map(|axes| {
+                let field = flexible(&contacts, axes, request.fit).and_then(Result::ok);
+                field.filter(|field| field.error < PREDICTED * field.relief)
+            });
+            field.map(|field| Shown::Flexible(Box::new(field), None)).ok_or(error)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+impl FieldRequest<'_> {
+    /// The axes to try, one after the other.
+    fn axes(&self, contacts: &Contacts) -> Vec<[Vector; 3]> {
+        let over_input = self.gridded || matches!(contacts.orientation, Orientation::Slopes { .. });
+        let own = if over_input { None } else { own_axes(contacts, self.recognition) };
+        let own = own.filter(|axes| is_sheet(contacts, axes));
+        own.into_iter().chain([Frame::IDENTITY.axes]).collect()
+    }
+}
+
+/// Whether the contacts lie about one plane across the axes' z.
+fn is_sheet(contacts: &Contacts, axes: &[Vector; 3]) -> bool {
+    let [x, y, z] = axes.map(|axis| {
+        let along: Vec<f64> =
+            (0..contacts.len()).map(|r| dot(axis, [contacts.x[r], contacts.y[r], contacts.z[r]])).collect();
+        standard_deviation(&along)
+    });
+    z < FOLDED * x.min(y)
+}
+
+/// Whether that is more than any sensor errs.
+fn is_no_answer(found: &Recognition) -> bool {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale) || is_waves(found)
+}
+
+/// Whether the misfit outdoes the shape, and neighbours differ from each other by far less: waves or dimples on what is flat on the whole.
+fn is_waves(found: &Recognition) -> bool {
+    let long = found.noise.sd_correlated > OF_SCATTER * found.noise.sd_z;
+    let short = found.misfit.neighbour_correlation > ALIKE && found.noise.sd_z > DEEP * found.frame.scale;
+    found.misfit.percent_of_relief > 100.0 * OF_SHAPE && found.misfit.p < CERTAIN && (long || short)
+}
+
+/// A flexible height field that predicts the contacts far better than the simple shape explains them. Both are compared
+/// on the contacts that belong to the simple shape, so that strays decide nothing.
+fn instead(found: &Recognition, contacts: &Contacts, request: &FieldRequest) -> Option<Flexible> {
+    let belonging = found.belonging(contacts);
+    let rms = (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt();
+    let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
+    let those = contacts.in_order(&numbers);
+    let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
+    request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= LEVEL).find_map(|axes| {
+        let field = flexible(&those, axes, request.fit)?.ok()?;
+        // errors are along the axes' z and distances along the surface's normal
+        if dot(axes[2], up).abs() * field.error >= BETTER * rms {
+            return None;
+        }
+        if numbers.len() == contacts.len() { Some(field) } else { flexible(contacts, axes, request.fit)?.ok() }
+    })
+}
+
+impl Recognition {
+    /// Distances, nearest first, and numbers of the contacts that belong to the surface: the farthest were set aside.
+    pub fn belonging(&self, contacts: &Contacts) -> Vec<(f64, u32)> {
+        let distance = |r: usize| self.surface.distance([contacts.x[r], contacts.y[r], contacts.z[r]]).abs();
+        let all = (0..contacts.len()).map(|r| (distance(r), r as u32));
+        let mut order: Vec<(f64, u32)> = all.filter(|(d, _)| d.is_finite()).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.truncate(self.contacts);
+        order
+    }
+}

@@ -1,0 +1,113 @@
+//! The surface over an even grid of the input's x and y, where it stands nowhere steep over them.
+//!
+//! ```text
+//! wanted (x, y):   p = nearest point of the surface to (x + dx, y + dy, z)
+//!                  dx += x - p_x      dy += y - p_y      z = height of p's tangent plane over (x, y)
+//! ```
+//!
+//! A fit that names its model takes its means over such a grid, and so does whoever reads `maps.csv`. A recognition does
+//! the same wherever it can. Steeper patches keep the grid of their chart.
+
+use crate::recognition::discrepancy::ChartPoint;
+use palpate_numeric::bspline::linspace;
+use palpate_numeric::vector::Vector;
+
+use super::surface::RecognisedSurface;
+
+/// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.
+const STEEP: f64 = 0.25;
+
+/// Points of the chart each way at which the normals are looked at, and from which places are sought.
+const LOOKED_AT: usize = 17;
+
+/// Steps at most; two or three are usual.
+const STEPS: usize = 20;
+
+/// A point that misses its place by less than this share of the patch's size is there.
+const THERE: f64 = 1e-10;
+
+/// The surface at an even lattice of chart positions, from edge to edge of what contacts cover.
+pub(super) struct LookedAt {
+    points: Vec<ChartPoint>,
+    /// Places and unit normals, in the input's coordinates.
+    seen: Vec<(Vector, Vector)>,
+}
+
+impl LookedAt {
+    pub(super) fn new(surface: &RecognisedSurface) -> LookedAt {
+        let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
+        let at = |a: &f64| v.iter().map(|b| surface.chart_point(*a, *b)).collect::<Vec<_>>();
+        let points: Vec<ChartPoint> = u.iter().flat_map(at).collect();
+        let seen = points.iter().map(|point| surface.place_and_normal(point)).collect();
+        LookedAt { points, seen }
+    }
+
+    /// Whether the part of the surface that contacts support is nowhere steep over x and y.
+    pub(super) fn is_level(&self, surface: &RecognisedSurface) -> bool {
+        let (mut supported, mut all) = (None, true);
+        for (point, (_, normal)) in self.points.iter().zip(&self.seen) {
+            let level = normal[2] >= STEEP;
+            all &= level;
+            if surface.holds(point) {
+                supported = Some(supported.unwrap_or(true) && level);
+            }
+        }
+        supported.unwrap_or(all)
+    }
+
+    /// The chart position whose point lies nearest over a place.
+    fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+        let away = |(p, _): &(Vector, Vector)| (p[0] - place[0]).powi(2) + (p[1] - place[1]).powi(2);
+        let each = self.points.iter().zip(&self.seen);
+        let least = each.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        least.map_or([0.0; 2], |(point, _)| point.chart)
+    }
+
+    /// Points of the surface over places of the input's x and y, and whether the surface reaches each.
+    pub(super) fn at_places(&self, surface: &RecognisedSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
+        places.iter().map(|place| above(surface, *place, self.nearest(*place))).collect()
+    }
+
+    /// Points of the surface over the even grid of a box, y running fastest, and whether the surface reaches each place. Where
+    /// it does not, the point is the last that was tried.
+    pub(super) fn product(
+        &self,
+        surface: &RecognisedSurface,
+        over: [[f64; 2]; 2],
+        points: [usize; 2],
+    ) -> Vec<(ChartPoint, bool)> {
+        let [x, y] = [0, 1].map(|k| linspace(over[k][0], over[k][1], points[k]));
+        let places: Vec<[f64; 2]> = x.iter().flat_map(|x| y.iter().map(|y| [*x, *y])).collect();
+        self.at_places(surface, &places)
+    }
+}
+
+/// Smallest box of x and y around points of the input.
+pub(super) fn bounds(points: impl Iterator<Item = Vector>) -> [[f64; 2]; 2] {
+    points.fold([[f64::INFINITY, f64::NEG_INFINITY]; 2], |found, p| {
+        [0, 1].map(|k| [found[k][0].min(p[k]), found[k][1].max(p[k])])
+    })
+}
+
+/// The surface's point over a place, from a chart position near it, and whether the surface reaches so far.
+fn above(surface: &RecognisedSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (ChartPoint, bool) {
+    let mut asked: Option<[f64; 2]> = None;
+    for _ in 0..STEPS {
+        let here = surface.chart_point(chart[0], chart[1]);
+        let (point, normal) = surface.place_and_normal(&here);
+        let missed = [wanted[0] - point[0], wanted[1] - point[1]];
+        if missed[0].hypot(missed[1]) <= THERE * surface.frame.scale {
+            return (here, true);
+        }
+        // a tangent plane that stands upright leads nowhere, and neither does a point that is no number
+        if normal[2].is_nan() || normal[2] <= 0.1 * STEEP {
+            break;
+        }
+        let from = asked.unwrap_or([point[0], point[1]]);
+        let next = [0, 1].map(|k| from[k] + missed[k]);
+        asked = Some(next);
+        let z = point[2] - (normal[0] * missed[0] + normal[1] * missed[1]) / normal[2];
+        chart = surface.chart_of([next[0], next[1], z]);
+    }
+    (surface.chart_point(chart[0], chart[1]), false)
+}
