@@ -55,7 +55,10 @@ mod several {
 }
 
 /// The same functions on the calling thread; they are compiled in every build, so that they cannot fall behind.
-#[cfg_attr(feature = "threads", allow(dead_code, unreachable_pub, reason = "the functions of `several` are called instead"))]
+#[cfg_attr(
+    feature = "threads",
+    allow(dead_code, unreachable_pub, reason = "the functions of `several` are called instead")
+)]
 mod one {
     pub fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
         f()
