@@ -4,6 +4,7 @@
 //! simd       kernels with their safe twins         draws     random streams addressed by (seed, replicate, effect, contact)
 //! threads    work in pieces, the same bits         bspline   N_i(x), its derivatives and their Gram matrices
 //! linalg     E'WE in its structures                solve     Cholesky, QR, fast diagonalisation of those structures
+//! statistics medians, quantiles, robust scales and losses
 //! ```
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
@@ -13,6 +14,7 @@ pub mod draws;
 pub mod linalg;
 pub mod simd;
 pub mod solve;
+pub mod statistics;
 pub mod threads;
 pub mod vector;
 

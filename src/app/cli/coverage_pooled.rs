@@ -9,7 +9,7 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use super::coverage_parts::{ErrorPart, SceneCoverage, quantile};
+use super::coverage_parts::{ErrorPart, SceneCoverage, reached};
 
 /// One quantity over the surfaces of a kind.
 #[derive(Serialize)]
@@ -43,7 +43,7 @@ impl Pooled {
             PooledQuantity {
                 inside: (asked > 0).then(|| inside as f64 / asked as f64),
                 asked,
-                over_oracle: quantile(parts.iter().filter_map(|p| p.chosen_over_oracle).collect(), 0.5),
+                over_oracle: reached(parts.iter().filter_map(|p| p.chosen_over_oracle).collect(), 0.5),
                 error: ErrorPart::new(parts.iter().flat_map(|p| p.chosen_error.all.clone()).collect()),
             }
         };

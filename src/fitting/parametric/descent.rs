@@ -12,7 +12,7 @@ use super::parallel;
 use super::problem::{Parts, Problem, Sums};
 use super::vector::{Vector, dot};
 use crate::fit::FitError;
-use palpate_numeric::linalg::BlockMatrix;
+use palpate_numeric::linalg::{self, BlockMatrix};
 use palpate_numeric::solve::BlockCholesky;
 
 /// The descent ends when all coefficients are within this distance of the minimum, patch units.
@@ -176,8 +176,7 @@ fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, 
 /// else 1. Gauss-Newton leaves out the second derivatives of the residuals, so along one direction it may converge slowly
 /// or oscillate.
 fn stretch(last: &[f64], now: &[f64]) -> f64 {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let (both, before, after) = (product(last, now), product(last, last), product(now, now));
+    let (both, before, after) = (linalg::dot(last, now), linalg::dot(last, last), linalg::dot(now, now));
     let ratio = both / before;
     let parallel = both.abs() > PARALLEL * (before * after).sqrt();
     if parallel && RATIOS[0] < ratio.abs() && ratio.abs() < RATIOS[1] { 1.0 / (1.0 - ratio) } else { 1.0 }

@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! minimise sum_i w_i d(theta; X_i)^2           (J'WJ + lambda diag) step = -J'W d
-//! w_i = min(1, 1.345 s/|d_i|)                  s = 1.4826 median |d - median d|
+//! w_i = min(1, 1.345 s/|d_i|)                  s = mad(d - median d)
 //! ```
 //!
 //! J. J. More, *The Levenberg-Marquardt algorithm*, 1978. P. J. Huber, *Robust Statistics*, 1981.
 
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::statistics::{HUBER, median};
+use palpate_numeric::statistics::{huber_weight, mad_about_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
 
@@ -53,7 +53,7 @@ pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: K
             break;
         }
         last = scale;
-        weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = (HUBER * scale / d.abs()).min(1.0));
+        weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = huber_weight(*d, scale));
         normals.iter_mut().for_each(|normals| normals.weigh(&model, points));
     }
     let scale = scale_of(&distances);
@@ -86,10 +86,9 @@ pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     threads::map(points.len(), TASK, |k| model.distance(points[k]))
 }
 
-/// 1.4826 times the median distance from the median.
+/// The standard deviation by the median distance from the median, never 0.
 pub(super) fn scale_of(distances: &[f64]) -> f64 {
-    let middle = median(distances.to_vec());
-    1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
+    mad_about_median(distances) + 1e-12
 }
 
 /// Positions, and normals where they take part.
