@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 
+use palpate_numeric::statistics::{Rank, quantile};
 use palpate_studies::montecarlo::{Coverages, Held};
 
 use super::study_plan::Plan;
@@ -21,15 +22,13 @@ pub(super) struct ErrorPart {
 impl ErrorPart {
     pub(super) fn new(all: Vec<f64>) -> ErrorPart {
         let sizes = all.iter().map(|e| e.abs()).collect();
-        ErrorPart { median: quantile(all, 0.5), of_90_percent: quantile(sizes, 0.9) }
+        ErrorPart { median: reached(all, 0.5), of_90_percent: reached(sizes, 0.9) }
     }
 }
 
 /// The smallest value that a part `p` of the values does not exceed.
-fn quantile(mut values: Vec<f64>, p: f64) -> Option<f64> {
-    values.sort_unstable_by(f64::total_cmp);
-    let rank = (p * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied()
+fn reached(values: Vec<f64>, p: f64) -> Option<f64> {
+    quantile(values, p, Rank::Reached)
 }
 
 #[derive(Serialize)]
@@ -118,7 +117,7 @@ mod tests {
     #[test]
     fn quantiles_are_values_of_the_sample() {
         let values: Vec<f64> = (1..=10).rev().map(f64::from).collect();
-        assert_eq!((quantile(values.clone(), 0.5), quantile(values, 0.9)), (Some(5.0), Some(9.0)));
-        assert_eq!((quantile(vec![3.0], 0.9), quantile(Vec::new(), 0.5)), (Some(3.0), None));
+        assert_eq!((reached(values.clone(), 0.5), reached(values, 0.9)), (Some(5.0), Some(9.0)));
+        assert_eq!((reached(vec![3.0], 0.9), reached(Vec::new(), 0.5)), (Some(3.0), None));
     }
 }

@@ -43,7 +43,6 @@ mod options;
 mod region;
 mod result;
 mod start;
-mod statistics;
 #[cfg(test)]
 mod tests;
 

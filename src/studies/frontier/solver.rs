@@ -13,7 +13,7 @@
 //! coefficients, `-log10(max |c - c_ref|/max |c_ref|)`.
 
 use palpate_fitting::fit::{DataSites, Equations};
-use palpate_numeric::linalg::{Sites, StencilMatrix};
+use palpate_numeric::linalg::{Sites, StencilMatrix, dot};
 use palpate_numeric::solve::{Cholesky, FastDiagonalisation, GridSolver, TriangularFactor};
 
 use super::single_precision::SingleFactor;
@@ -152,7 +152,6 @@ fn kronecker(equations: &Equations) -> Result<Vec<f64>, String> {
 
 /// Conjugate gradients preconditioned by the diagonal.
 fn pcg(matrix: &StencilMatrix, rhs: &[f64], tolerance: f64) -> Result<Vec<f64>, String> {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let diagonal = matrix.diagonal();
     if diagonal.iter().any(|d| d.is_nan() || *d <= 0.0) {
         return Err("an unknown has no data".into());
