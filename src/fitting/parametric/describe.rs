@@ -5,14 +5,13 @@
 //! ```
 
 use super::fit_data::FitData;
-use super::gradient::{INPUTS, shape_gradient};
 use super::problem;
 use super::vector::{Vector, cross, dot, minus, unit};
 use crate::fit::Statistic;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    ParametricMaps, Spread, chi_square_upper_tail, class_probabilities, normal_interval, parametric_maps, radius_of,
-    spread, uv_grid,
+    INPUTS, ParametricMaps, Spread, chi_square_upper_tail, class_probabilities, jet_gradient, normal_interval,
+    parametric_maps, radius_of, spread, uv_grid,
 };
 
 /// The significance level at which the best plane is rejected, as for height fields.
@@ -97,7 +96,7 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
     let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
     for (at, _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
         let (u, v) = (maps.grid.x[at.0], maps.grid.y[at.1]);
-        let Some((by_s, by_r)) = shape_gradient(&fit.surface.at(u, v).derivatives) else { continue };
+        let Some((by_s, by_r)) = jet_gradient(&fit.surface.at(u, v).derivatives) else { continue };
         let row = fit.cells.row(u, v, 2);
         fit.cells.alive(&row, &mut alive);
         for (k, order) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
@@ -110,12 +109,7 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
         }
     }
     const { assert!(INPUTS == 15) };
-    sums.map(|g| {
-        let mut solved = g.clone();
-        fit.solver.factor.solve(&mut solved);
-        let square: f64 = g.iter().zip(&solved).map(|(a, b)| a * b).sum();
-        square.max(0.0).sqrt() / defined.max(1) as f64
-    })
+    sums.map(|g| fit.standard_uncertainty(&g) / defined.max(1) as f64)
 }
 
 /// Unit directions at the supported point nearest the middle: of k1, and of the curvature that is smaller by magnitude.

@@ -10,8 +10,6 @@ mod robust_plane;
 pub(super) mod shape;
 mod uncertainty;
 
-use ndarray::Array2;
-
 use crate::fit::model_reading::ModelReading;
 use crate::fit::solved::Solved;
 use crate::observation::Data;
@@ -35,17 +33,9 @@ pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let mut maps = solved.surface.shape_maps(grid, &solved.fitted.solution.unsupported);
     // who names a domain asks about all of it, as streams and plans answer
     if let (Data::Scattered { contacts, .. }, None) = (&solved.data, solved.options.domain) {
-        leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);
+        maps.leave_out_beyond(&Outline::new(&contacts.x, &contacts.y));
     }
     maps
-}
-
-/// Leaves out the grid points that lie outside of the contacts; all of them stay where none would be left.
-fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
-    let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| outline.holds(maps.grid.x[i], maps.grid.y[j]));
-    if held.iter().zip(&maps.supported).any(|(held, supported)| *held && *supported) {
-        maps.supported.zip_mut_with(&held, |supported, held| *supported &= held);
-    }
 }
 
 /// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units.
