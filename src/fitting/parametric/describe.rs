@@ -7,11 +7,10 @@
 use super::fit_data::FitData;
 use super::problem;
 use super::vector::{Vector, cross, dot, minus, unit};
-use crate::fit::Statistic;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    INPUTS, ParametricMaps, Spread, chi_square_upper_tail, class_probabilities, jet_gradient, normal_interval,
-    parametric_maps, radius_of, spread, uv_grid,
+    INPUTS, ParametricMaps, ShapeReport, Spread, Statistic, chi_square_upper_tail, class_probabilities, jet_gradient,
+    normal_interval, parametric_maps, radius_of, spread, uv_grid,
 };
 
 /// The significance level at which the best plane is rejected, as for height fields.
@@ -22,33 +21,7 @@ const FLAT: f64 = 1e-9;
 const PLANE_STEPS: usize = 2000;
 
 /// The shape of a parametric surface, input units.
-#[derive(Clone, Debug)]
-pub struct ParametricShape {
-    /// Maps over the grid.
-    pub maps: ParametricMaps,
-    /// Shape index S; all `None` for a plane.
-    pub shape_index: Statistic,
-    /// Curvedness R, 1/length.
-    pub curvedness: Statistic,
-    /// Class of the mean S, or plane.
-    pub class: ShapeClass,
-    /// Probability of each curved class; empty for a plane.
-    pub class_probability: Vec<(ShapeClass, f64)>,
-    /// Radius of the cap, cup, ridge or rut.
-    pub radius: Option<f64>,
-    /// Larger principal curvature.
-    pub k1: Spread,
-    /// Smaller principal curvature.
-    pub k2: Spread,
-    /// Unit direction of k1 in space at the supported grid point nearest the middle of (u, v).
-    pub direction: Option<Vector>,
-    /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
-    pub axis: Option<Vector>,
-    /// Share of the grid points that contacts surround.
-    pub support: f64,
-    /// p-value of the best plane against the fit.
-    pub plane_p: Option<f64>,
-}
+pub type ParametricShape = ShapeReport<ParametricMaps>;
 
 /// Describes the fit over the grid of its options.
 pub(super) fn describe(fit: &FitData) -> ParametricShape {
@@ -85,7 +58,7 @@ pub(super) fn describe(fit: &FitData) -> ParametricShape {
         axis: directions.map(|[_, axis]| axis).filter(|_| class.has_axis()),
         support: s.count as f64 / maps.grid.len() as f64,
         plane_p,
-        maps,
+        ..ShapeReport::of_maps(maps)
     }
 }
 
