@@ -4,6 +4,7 @@
 //! contact    places and normals, scattered or on a grid          surface   z = S(x, y) and Q(u, v) with their derivatives
 //! neighbours which contacts lie near each other, and their normals
 //! curvature  k1 >= k2, S = -(2/pi) atan2(k1 + k2, k1 - k2), R    shape     S and R over a grid, their means and uncertainty
+//! primitives plane, sphere, cylinder, cone and torus by their sizes
 //! ```
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
@@ -11,6 +12,7 @@
 pub mod contact;
 pub mod curvature;
 pub mod neighbours;
+pub mod primitives;
 pub mod shape;
 pub mod surface;
 

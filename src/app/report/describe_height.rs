@@ -6,19 +6,18 @@ use std::io::Write;
 use crate::io::{FIT_SCHEMA, Input, Saved, SavedFrame, SavedSurface, SupportMap, UNCERTAINTY_POINTS};
 use palpate_fitting::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
 use palpate_geometry::contact::{Contacts, Frame, Grid};
-use palpate_geometry::shape::{PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, spread};
+use palpate_geometry::shape::{Outline, PointSds, ShapeGrid, ShapeMaps, Spread, compare_with_truth, spread};
 use palpate_geometry::surface::HeightField;
 use palpate_numeric::simd::Isa;
 use palpate_world::scene::Truth;
 
 use super::description::{
-    Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, measure, shares, spread_part, take_again,
-    take_back_class,
+    Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, shape_part, take_again, take_back_class,
 };
 use super::document::{
     FitDocument, FitPart, IntervalsPart, PromisePart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart,
 };
-use super::height_view::{height_view, leave_out_beyond};
+use super::height_view::height_view;
 use super::interval_words::interval_words;
 use super::maps::write_maps_csv;
 use super::surface_view::SurfaceView;
@@ -139,7 +138,7 @@ impl Description for HeightDescription<'_> {
         let all_of_it = self.fitted.is_some_and(|(fit, _, _)| fit.options().domain.is_some());
         if let Some((contacts, frame)) = self.contacts.filter(|_| !all_of_it) {
             let (x, y) = along_axes(contacts, frame);
-            leave_out_beyond(&x, &y, &mut maps);
+            maps.leave_out_beyond(&Outline::new(&x, &y));
         }
         height_view(&self.surface, &self.frame, &maps, self.fitted)
     }
@@ -172,7 +171,7 @@ fn document(fit: &Fit, surface: &HeightField, subject: &Subject, seconds: Second
         },
         frame: SavedFrame::of(fit.frame()),
         fit: fit_part(fit, surface, subject),
-        shape: shape_part(fit, shape_of(fit, subject)),
+        shape: height_shape_part(fit, shape_of(fit, subject)),
         truth: subject.truth.map(|truth| truth_part(fit, shape_of(fit, subject), truth)),
         surface: SavedSurface::of(surface, &fit.solution().unsupported),
         uncertainty: None,
@@ -280,29 +279,12 @@ fn shape_of<'a>(fit: &'a Fit, subject: &Subject) -> &'a Shape {
     if subject.bare { fit.bare_shape() } else { fit.shape() }
 }
 
-fn shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
+/// The shape, with how its intervals came about.
+fn height_shape_part(fit: &Fit, shape: &Shape) -> ShapePart {
     ShapePart {
-        grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index, fit.options().level),
-        curvedness: measure(&shape.curvedness, fit.options().level),
-        radius: shape.radius,
-        radius_interval: None,
-        radii: None,
-        class: (shape.curvedness.mean.is_some()).then(|| shape.class.name().to_string()),
-        class_probability: shares(&shape.class_probability),
-        class_by_area: None,
-        k1: spread_part(shape.k1),
-        k2: spread_part(shape.k2),
-        direction_deg: shape.direction_deg,
-        direction: None,
-        axis_deg: shape.axis_deg,
-        axis: None,
-        axis_within_deg: None,
-        centre: None,
-        support: shape.support,
-        plane_p: shape.plane_p,
         covariance: shape.shape_index.u_noise.and_then(|_| fit.covariance_of_means()),
         intervals: shape.curvedness.u_noise.map(|_| intervals_part(fit, shape)),
+        ..shape_part(shape, fit.options().grid, fit.options().level)
     }
 }
 

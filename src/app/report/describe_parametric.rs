@@ -10,10 +10,8 @@ use palpate_geometry::shape::{ParametricMaps, ShapeMaps, UvSupport, parametric_m
 use palpate_geometry::surface::Parametric;
 use palpate_world::scene::Truth;
 
-use super::description::{
-    Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, measure, shares, spread_part, take_again,
-};
-use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, ShapePart, SigmaPart, TruthPart};
+use super::description::{Description, PICTURE_CELLS, ShownGrid, SpreadsOverGrid, Subject, shape_part, take_again};
+use super::document::{FitDocument, FitPart, ParametricPart, RmsPart, Seconds, SigmaPart, TruthPart};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::parametric_view;
 use super::surface_view::{ContactsView, Standing, SurfaceView};
@@ -144,7 +142,7 @@ fn document(fit: &ParametricFit, surface: &Parametric, subject: &Subject, second
         },
         frame: SavedFrame::of(fit.frame()),
         fit: fit_part(fit, subject),
-        shape: shape_part(fit),
+        shape: shape_part(fit.shape(), fit.options().grid, fit.options().level),
         truth: subject.truth.map(|truth| truth_part(fit, truth)),
         surface: SavedSurface::of_parametric(surface, &fit.input_support()),
         uncertainty: None,
@@ -237,33 +235,6 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
         notes.push("contacts reach less than a quarter of the grid over (u, v): see support".into());
     }
     notes
-}
-
-fn shape_part(fit: &ParametricFit) -> ShapePart {
-    let shape = fit.shape();
-    ShapePart {
-        grid: fit.options().grid,
-        shape_index: measure(&shape.shape_index, fit.options().level),
-        curvedness: measure(&shape.curvedness, fit.options().level),
-        radius: shape.radius,
-        radius_interval: None,
-        radii: None,
-        class: shape.curvedness.mean.is_some().then(|| shape.class.name().to_string()),
-        class_probability: shares(&shape.class_probability),
-        class_by_area: None,
-        k1: spread_part(shape.k1),
-        k2: spread_part(shape.k2),
-        direction_deg: None,
-        direction: shape.direction,
-        axis_deg: None,
-        axis: shape.axis,
-        axis_within_deg: None,
-        centre: None,
-        support: shape.support,
-        plane_p: shape.plane_p,
-        covariance: None,
-        intervals: None,
-    }
 }
 
 /// The true surface nearest each point of the grid, along the fitted normal; points that it does not meet are left out.

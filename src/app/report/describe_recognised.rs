@@ -13,19 +13,14 @@ use ndarray::Array2;
 use crate::io::{FIT_SCHEMA, Input, SavedFrame, SavedSurface, SupportMap};
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};
-use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, spread, uv_grid,
+    ParametricMaps, PointSds, ShapeGrid, ShapeMaps, parametric_maps, parametric_maps_at, uv_grid,
 };
 use palpate_geometry::surface::HeightField;
-use palpate_inference::recognition::{
-    Estimate, Hypothesis, NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition,
-};
+use palpate_inference::recognition::{NormalsUse, Pointwise, RecognisedSpline, RecognisedSurface, Recognition};
 
-use super::description::{Description, PICTURE_CELLS, Subject, shares, spread_part, take_back_class};
-use super::document::{
-    ChosenPart, FitDocument, FitPart, LackOfFitPart, MeasurePart, RmsPart, Seconds, ShapePart, SigmaPart, TriedPart,
-};
+use super::description::{Description, PICTURE_CELLS, Subject, shape_part, take_back_class};
+use super::document::{ChosenPart, FitDocument, FitPart, LackOfFitPart, RmsPart, Seconds, SigmaPart, TriedPart};
 use super::height_view::height_view;
 use super::maps::write_maps_csv;
 use super::parametric::write_parametric_maps_csv;
@@ -65,7 +60,7 @@ impl<'a> RecognisedDescription<'a> {
                 RecognisedSpline::Parametric { .. } => SavedFrame::of(&found.frame),
             },
             fit: fit_part(found, &spline, subject),
-            shape: shape_part(found, &spline),
+            shape: shape_part(&found.shape(), found.grid, found.curvedness.level),
             truth: None,
             surface: match &spline {
                 RecognisedSpline::Height { surface, fit } => SavedSurface::of(surface, &fit.certificate().unsupported),
@@ -126,14 +121,12 @@ enum Maps {
 fn height_maps(surface: &HeightField, found: &RecognisedSurface, points: [usize; 2]) -> ShapeMaps {
     let domain = [0, 1].map(|k| surface.knots()[k].domain());
     let mut maps = surface.shape_maps(ShapeGrid::over(domain, points, 0.0), &[]);
-    for ((i, j), supported) in maps.supported.indexed_iter_mut() {
+    let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| {
         let [u, v] = found.chart_of([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
-        *supported = found.supported_at(u, v);
-    }
-    if !maps.supported.iter().any(|supported| *supported) {
-        // the recognition took its means over all points then, and says so in its support
-        maps.supported.fill(true);
-    }
+        found.supported_at(u, v)
+    });
+    // where none is left the recognition took its means over all points, and says so in its support
+    maps.leave_out(&held);
     maps
 }
 
@@ -313,78 +306,5 @@ fn chosen(found: &Recognition, spline: &RecognisedSpline, degree: [usize; 2], se
             })
             .collect(),
         ..ChosenPart::new(surface, why)
-    }
-}
-
-fn estimate(e: &Estimate) -> MeasurePart {
-    MeasurePart {
-        mean: Some(e.mean),
-        sd: Some(e.sd),
-        u: Some(e.u),
-        interval: Some(e.interval),
-        u_noise: Some(e.u_noise),
-        u_model: Some(e.u_model),
-        level: Some(e.level),
-        coverage_factor: None,
-        dof: Some(e.dof),
-    }
-}
-
-/// Every class with its probability, those of probability zero too.
-fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
-    let of = |class| found.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
-    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
-}
-
-/// Centre of curvature in the middle of the patch, across: the centre of a ball, a point on the axis of a pipe or bar. Of other
-/// surfaces it is one of many, and says nothing.
-fn centre(found: &Recognition) -> Option<[f64; 3]> {
-    if !matches!(found.hypothesis, Hypothesis::Sphere | Hypothesis::Cylinder) || found.radius.is_none() {
-        return None;
-    }
-    let [u, v] = [found.surface.u, found.surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
-    let (place, normal) = found.surface.at(u, v);
-    // towards the free side where the surface is hollow
-    let [k1, k2] = found.surface.curvatures_at(u, v)?;
-    let k = if k1.abs() > k2.abs() { k1 } else { k2 };
-    let centre = [0, 1, 2].map(|axis| place[axis] + normal[axis] / k);
-    centre.iter().all(|v| v.is_finite()).then_some(centre)
-}
-
-fn shape_part(found: &Recognition, spline: &RecognisedSpline) -> ShapePart {
-    let supported = || found.map.iter().filter(|p| p.supported);
-    let over_map = |pick: fn(&palpate_inference::recognition::MapPoint) -> f64, mean: f64| {
-        let values: Vec<f64> = supported().map(pick).filter(|k| k.is_finite()).collect();
-        super::document::SpreadPart { mean: Some(mean), ..spread_part(spread(values.into_iter())) }
-    };
-    let level = matches!(spline, RecognisedSpline::Height { .. });
-    let projected = |[x, y, _]: [f64; 3]| {
-        let angle = y.atan2(x).to_degrees().rem_euclid(180.0);
-        // rounding may leave 180 itself
-        if angle < 180.0 { angle } else { 0.0 }
-    };
-    let plane = found.class == ShapeClass::Plane;
-    ShapePart {
-        grid: found.grid,
-        shape_index: found.shape_index.as_ref().filter(|_| !plane).map(estimate).unwrap_or_default(),
-        curvedness: estimate(&found.curvedness),
-        radius: found.radius,
-        radius_interval: found.radius.and(found.radius_interval),
-        radii: found.radii,
-        class: Some(found.class.name().into()),
-        class_probability: shares(&every_class(&found.class_probability)),
-        class_by_area: None,
-        k1: over_map(|p| p.k1, found.k1),
-        k2: over_map(|p| p.k2, found.k2),
-        direction_deg: found.direction.filter(|_| level).map(projected),
-        direction: found.direction.filter(|_| !level),
-        axis_deg: found.axis.filter(|_| level).map(projected),
-        axis: found.axis.filter(|_| !level),
-        axis_within_deg: found.axis_within_deg,
-        centre: centre(found),
-        support: found.support.0 as f64 / found.support.1.max(1) as f64,
-        plane_p: None,
-        covariance: None,
-        intervals: None,
     }
 }

@@ -9,12 +9,11 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::io::Input;
-use palpate_fitting::fit::Statistic;
 use palpate_geometry::curvature::ShapeClass;
-use palpate_geometry::shape::{ShapeMaps, Spread, radius_of};
+use palpate_geometry::shape::{ShapeMaps, ShapeReport, Spread, Statistic, radius_of};
 use palpate_world::scene::Truth;
 
-use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
+use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, ShapePart, Shares, SpreadPart};
 use super::maps::write_maps_npz;
 use super::surface_view::SurfaceView;
 use super::table::significant;
@@ -166,12 +165,39 @@ pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iter
 }
 
 /// Probabilities of the classes; `None` of a plane.
-pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
+fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
     (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
 }
 
+/// The shape in the document, over a grid of so many points; `level` is that of the intervals.
+pub(super) fn shape_part<M>(shape: &ShapeReport<M>, grid: [usize; 2], level: f64) -> ShapePart {
+    ShapePart {
+        grid,
+        shape_index: measure(&shape.shape_index, level),
+        curvedness: measure(&shape.curvedness, level),
+        radius: shape.radius,
+        radius_interval: shape.radius_interval,
+        radii: shape.radii,
+        class: shape.curvedness.mean.is_some().then(|| shape.class.name().to_string()),
+        class_probability: shares(&shape.class_probability),
+        class_by_area: None,
+        k1: spread_part(shape.k1),
+        k2: spread_part(shape.k2),
+        direction_deg: shape.direction_deg,
+        direction: shape.direction,
+        axis_deg: shape.axis_deg,
+        axis: shape.axis,
+        axis_within_deg: shape.axis_within_deg,
+        centre: shape.centre,
+        support: shape.support,
+        plane_p: shape.plane_p,
+        covariance: None,
+        intervals: None,
+    }
+}
+
 /// A mean with its uncertainty; `level` is that of the interval.
-pub(super) fn measure(statistic: &Statistic, level: f64) -> MeasurePart {
+fn measure(statistic: &Statistic, level: f64) -> MeasurePart {
     let interval = statistic.interval.map(|i| [i.lo, i.hi]);
     MeasurePart {
         mean: statistic.mean,
@@ -186,7 +212,7 @@ pub(super) fn measure(statistic: &Statistic, level: f64) -> MeasurePart {
     }
 }
 
-pub(super) fn spread_part(spread: Spread) -> SpreadPart {
+fn spread_part(spread: Spread) -> SpreadPart {
     SpreadPart { mean: spread.mean, sd: spread.sd }
 }
 

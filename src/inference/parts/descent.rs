@@ -10,8 +10,9 @@
 //! Rows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
-use super::primitive::{DistanceJet, MOST, Primitive};
+use super::primitive::{MOST, Primitive};
 use super::small::{Square, cholesky, inverse, solve};
+use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::vector::{Vector, along, cross, dot};
 

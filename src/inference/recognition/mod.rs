@@ -42,6 +42,7 @@ mod noise;
 mod options;
 mod region;
 mod result;
+mod shape_report;
 mod start;
 #[cfg(test)]
 mod tests;

@@ -20,6 +20,7 @@ use faer::Mat;
 
 use crate::recognition::dense;
 use crate::recognition::kinds::ConstantCurvature;
+use palpate_geometry::primitives::over_circle;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::vector::Vector;
 
@@ -94,7 +95,7 @@ impl Body {
         farthest: f64,
     ) -> Option<(f64, Form)> {
         let [_, _, _, k1, k2, _] = surface.theta;
-        let at = |form: Form, f: f64| self.side([k1, k2], form, surface.local_point(u, v, f));
+        let at = |form: Form, f: f64| self.side([k1, k2], form, surface.form().point(u, v, f));
         let slope_at = |f: f64| (at(form, f + STEP) - at(form, f - STEP)) / (2.0 * STEP);
         let (mut f, mut step) = (0.0, f64::INFINITY);
         // one slope serves all steps: the side is nearly linear along the normal
@@ -129,9 +130,9 @@ fn ring([k1, k2]: [f64; 2], geodesic: f64, [x, y, w]: Vector) -> f64 {
     let [along_x, along_w] = if k > 0.0 { [geodesic / k, k2 / k] } else { [0.0, 1.0] };
     let (inwards, beside) = (along_x * x + along_w * w, along_w * x - along_x * w);
     // turned back into the plane, without a division by k
-    let turned = (2.0 * inwards - k * (inwards * inwards + y * y)) / (1.0 + (1.0 - k * inwards).hypot(k * y));
+    let (turned, _) = over_circle(k, y, inwards);
     let (x, w) = (along_x * turned + along_w * beside, along_w * turned - along_x * beside);
-    (2.0 * w - k1 * (w * w + x * x)) / (1.0 + (1.0 - k1 * w).hypot(k1 * x))
+    over_circle(k1, x, w).0
 }
 
 /// Standard deviation of one of a body's numbers on such a surface.
@@ -249,7 +250,7 @@ mod tests {
         let surface = ConstantCurvature::new([0.0, 0.0, 0.0, -c / (a * a), -c / (b * b), 0.0]);
         for [u, v] in places() {
             let f = Body::Quadric.displacement(&surface, [0.0, 0.0, -1.0 / c], [u, v], 1.0).unwrap().0;
-            let [x, y, w] = surface.local_point(u, v, f);
+            let [x, y, w] = surface.form().point(u, v, f);
             assert!(((x / a).powi(2) + (y / b).powi(2) + ((w + c) / c).powi(2) - 1.0).abs() < 1e-10);
         }
     }

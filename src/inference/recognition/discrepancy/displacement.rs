@@ -17,7 +17,8 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::kinds::{ConstantCurvature, Jet};
+use crate::recognition::kinds::ConstantCurvature;
+use palpate_geometry::primitives::NormalJet;
 use palpate_numeric::bspline::{Knots, gram};
 use palpate_numeric::linalg;
 
@@ -94,7 +95,7 @@ impl Displacement {
         forms: &Forms,
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
-        if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+        if charts.len() < FEWEST || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
             return None;
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
@@ -229,7 +230,12 @@ fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
 }
 
 /// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
-fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(usize, Jet) -> f64) -> Mat<f64> {
+fn product(
+    knots: &[Knots; 2],
+    charts: &[[f64; 2]],
+    columns: &Mat<f64>,
+    pick: impl Fn(usize, NormalJet) -> f64,
+) -> Mat<f64> {
     let mut basis = Mat::<f64>::zeros(charts.len(), columns.nrows());
     for (i, chart) in charts.iter().enumerate() {
         let row = JetRow::new(knots, *chart);

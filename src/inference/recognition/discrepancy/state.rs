@@ -5,8 +5,9 @@
 //!                                    at most 45 degrees
 //! ```
 
-use crate::recognition::kinds::{ConstantCurvature, Jet, Kind, Model, bending, curvatures_of, derivatives};
-use palpate_geometry::curvature::Principal;
+use crate::recognition::kinds::{ConstantCurvature, Kind, Model};
+use palpate_geometry::curvature::{Derivatives, Principal, curvatures};
+use palpate_geometry::primitives::{NormalJet, TwoCurvatures};
 
 use super::basis::{JetRow, turned};
 
@@ -99,7 +100,7 @@ impl State {
     }
 
     /// The displacement at a chart point.
-    fn jet(&self, at: &ChartPoint) -> Jet {
+    fn jet(&self, at: &ChartPoint) -> NormalJet {
         match (&self.coefficients, &at.row) {
             (Some(coefficients), Some(row)) => {
                 let ([u, v], [a, c, b]) = (at.chart, self.quadratic);
@@ -114,11 +115,10 @@ impl State {
     /// Larger and smaller curvature at a chart point; `None` where the chart folds.
     pub(in crate::recognition) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
-            (Model::Paraboloid(surface), _) => curvatures_of(&surface.derivatives(at.place[0], at.place[1])),
+            (Model::Paraboloid(surface), _) => curvatures(&surface.derivatives(at.place[0], at.place[1])),
             (Model::Constant(_, surface), Some(_)) => {
-                let [_, _, _, k1, k2, _] = surface.theta;
                 let [c, s] = self.turn;
-                bending(k1, k2, self.turned_chart(at)[0], &turned(&self.jet(at), c, s))
+                surface.form().bending(self.turned_chart(at)[0], &turned(&self.jet(at), c, s))
             }
             (Model::Constant(..), None) => self.constant_curvatures(),
         }
@@ -138,12 +138,14 @@ impl State {
     fn principal(&self, at: &ChartPoint) -> Option<Principal> {
         match &self.model {
             Model::Paraboloid(surface) => surface.derivatives(at.place[0], at.place[1]).principal(),
-            Model::Constant(_, surface) => {
-                let [_, _, _, k1, k2, _] = surface.theta;
-                let [c, s] = self.turn;
-                derivatives(k1, k2, self.turned_chart(at), &turned(&self.jet(at), c, s)).principal()
-            }
+            Model::Constant(_, surface) => self.derivatives(surface, at, &self.jet(at)).principal(),
         }
+    }
+
+    /// First and second derivatives of the displaced surface in its own axes.
+    fn derivatives(&self, surface: &ConstantCurvature, at: &ChartPoint, jet: &NormalJet) -> Derivatives {
+        let [c, s] = self.turn;
+        surface.form().derivatives(self.turned_chart(at), &turned(jet, c, s))
     }
 
     /// Where the surface lies at a chart point, and its unit normal there: a part of [`State::at`], without its curvatures
@@ -154,9 +156,7 @@ impl State {
             return (bent.place, bent.normal);
         };
         let (jet, chart) = (self.jet(at), self.turned_chart(at));
-        let [_, _, _, k1, k2, _] = surface.theta;
-        let [c, s] = self.turn;
-        let bent = derivatives(k1, k2, chart, &turned(&jet, c, s));
+        let bent = self.derivatives(surface, at, &jet);
         (surface.point(chart[0], chart[1], jet[0]), surface.rotate_back(normal_of(cross(bent.u, bent.v))))
     }
 
@@ -216,7 +216,7 @@ fn normal_of(across: Vector) -> Vector {
 
 /// Direction of the larger curvature of a cylinder.
 fn axis_of_k1(surface: &ConstantCurvature, place: Vector) -> Vector {
-    let k = surface.theta[3];
-    let local = derivatives(k, 0.0, surface.chart(place), &[0.0; 6]).principal();
+    let bar = TwoCurvatures { k2: 0.0, ..surface.form() };
+    let local = bar.derivatives(surface.chart(place), &[0.0; 6]).principal();
     surface.rotate_back(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
 }

@@ -50,7 +50,7 @@ pub(super) fn take_back(
         return;
     }
     let charts: Vec<[f64; 2]> = sample.iter().map(|&i| surface.chart(points[i])).collect();
-    if charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+    if charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
         return;
     }
     let given: Vec<f64> = sample.iter().map(|&i| distances[i]).collect();

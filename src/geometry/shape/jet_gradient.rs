@@ -1,4 +1,4 @@
-//! Derivatives of S and R at a point of a parametric surface by its first and second derivatives.
+//! Derivatives of S and R at a point of any surface by its first and second derivatives.
 //!
 //! ```text
 //! S = -(2/pi) atan2(a + c, d),  R = sqrt(a^2 + c^2 + 2 b^2)/sqrt 2,  d = sqrt((a - c)^2 + 4 b^2)
@@ -8,15 +8,15 @@
 //! At an umbilic d has a kink; the derivative of d is dropped there, as for height fields.
 
 use super::dual::{Dual, DualVector, cross, dot};
-use palpate_geometry::curvature::Derivatives;
+use crate::curvature::Derivatives;
 
 /// Numbers that S depends on: Q_u, Q_v, Q_uu, Q_uv, Q_vv.
-pub(super) const INPUTS: usize = 15;
+pub const INPUTS: usize = 15;
 
 type D = Dual<INPUTS>;
 
 /// `(dS, dR)` by the fifteen numbers; `None` without a tangent plane or without bending.
-pub(super) fn shape_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; INPUTS])> {
+pub fn jet_gradient(q: &Derivatives) -> Option<([f64; INPUTS], [f64; INPUTS])> {
     let values = [q.u, q.v, q.uu, q.uv, q.vv];
     let [u, v, uu, uv, vv]: [DualVector<INPUTS>; 5] =
         std::array::from_fn(|k| std::array::from_fn(|d| D::variable(values[k][d], 3 * k + d)));
@@ -60,7 +60,7 @@ mod tests {
             Derivatives { u: part(0), v: part(1), uu: part(2), uv: part(3), vv: part(4) }
         };
         let v: [f64; INPUTS] = std::array::from_fn(|k| ((k * k) as f64 * 0.7 + 0.3).sin());
-        let (ds, dr) = shape_gradient(&at(v)).unwrap();
+        let (ds, dr) = jet_gradient(&at(v)).unwrap();
         let shape = |v| {
             let p = at(v).principal().unwrap();
             [p.shape_index().unwrap(), p.curvedness()]

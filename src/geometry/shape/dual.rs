@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its derivatives along N directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual<const N: usize> {
+pub struct Dual<const N: usize> {
     /// Value.
     pub value: f64,
     /// Derivatives.
@@ -13,16 +13,16 @@ pub(super) struct Dual<const N: usize> {
 }
 
 /// A point of space made of duals.
-pub(super) type DualVector<const N: usize> = [Dual<N>; 3];
+pub type DualVector<const N: usize> = [Dual<N>; 3];
 
 impl<const N: usize> Dual<N> {
     /// A number that depends on no variable.
-    pub(super) fn constant(value: f64) -> Self {
+    pub fn constant(value: f64) -> Self {
         Dual { value, slope: [0.0; N] }
     }
 
     /// The variable of direction `k`.
-    pub(super) fn variable(value: f64, k: usize) -> Self {
+    pub fn variable(value: f64, k: usize) -> Self {
         let mut dual = Dual::constant(value);
         dual.slope[k] = 1.0;
         dual
@@ -34,19 +34,19 @@ impl<const N: usize> Dual<N> {
     }
 
     /// Square root.
-    pub(super) fn sqrt(self) -> Self {
+    pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
     }
 
     /// `1 / self`.
-    pub(super) fn recip(self) -> Self {
+    pub fn recip(self) -> Self {
         let inverse = 1.0 / self.value;
         self.chain(inverse, -inverse * inverse)
     }
 
     /// Times a constant.
-    pub(super) fn times(self, factor: f64) -> Self {
+    pub fn times(self, factor: f64) -> Self {
         self.chain(factor * self.value, factor)
     }
 }
@@ -88,12 +88,12 @@ impl<const N: usize> Neg for Dual<N> {
 }
 
 /// `a . b`.
-pub(super) fn dot<const N: usize>(a: &DualVector<N>, b: &DualVector<N>) -> Dual<N> {
+pub fn dot<const N: usize>(a: &DualVector<N>, b: &DualVector<N>) -> Dual<N> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `a x b`.
-pub(super) fn cross<const N: usize>(a: &DualVector<N>, b: &DualVector<N>) -> DualVector<N> {
+pub fn cross<const N: usize>(a: &DualVector<N>, b: &DualVector<N>) -> DualVector<N> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
