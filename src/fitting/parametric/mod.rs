@@ -26,7 +26,6 @@ mod fitted;
 mod flattening;
 mod foot_point;
 mod gradient;
-mod hull;
 mod isomap;
 mod layout;
 mod limit_bending;
