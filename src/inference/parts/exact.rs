@@ -154,8 +154,8 @@ fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise)
     let count = inner.len() as f64;
     let share = share(cloud, inner, descended, before);
     let of_distances = VarianceComponent { squares: distances, rows: count, trace: share };
-    // a normal has two rows: the third is along the normal itself
-    let of_normals = VarianceComponent { squares: normals, rows: 2.0 * count, trace: unknowns - share };
+    // a normal has two rows, the third is along the normal itself; they determine the unknowns that distances leave
+    let of_normals = VarianceComponent { squares: normals, rows: 2.0 * count - unknowns, trace: -share };
     Noise {
         distance: of_distances.sd_of_one_at_least().max(ROUNDING),
         normal: of_normals.sd_of_one_at_least().max(ROUNDING),
