@@ -4,8 +4,9 @@
 //! A = L L'        A = V diag(w) V', w ascending, columns of V orthonormal        A of order N
 //! ```
 //!
-//! G. H. Golub and C. F. Van Loan, *Matrix Computations*, sections 4.2 and 8.5. A general library's entrance costs more
-//! than the work at these orders, and a segmentation does it a hundred thousand times.
+//! G. H. Golub and C. F. Van Loan, *Matrix Computations*, sections 4.2 and 8.5. A segmentation factors a hundred thousand of
+//! them, most of order 7: with nalgebra's `SMatrix` factor and solution take 195 ns in place of 128 and the inverse 332 in
+//! place of 274, and every bit of an answer would move.
 
 /// A square matrix of order N.
 pub type Square<const N: usize> = [[f64; N]; N];
