@@ -11,9 +11,9 @@
 //! 11 (1963) 431.
 
 use super::primitive::{MOST, Primitive};
-use super::small::{Square, cholesky, inverse, solve};
 use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
+use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, along, cross, dot};
 
 /// Of 40 trials at most: from a start of the right kind six to ten steps are enough.

@@ -23,7 +23,8 @@ use super::hypothesis::{CAP, cost, sampled};
 use super::local::{Noise, ROUNDING};
 use super::partition::exact;
 use super::primitive::{MOST, PartKind, Primitive};
-use super::small::Square;
+use palpate_numeric::linalg::small::Square;
+use palpate_numeric::statistics::VarianceComponent;
 use palpate_numeric::vector::{dot, minus};
 
 /// Points of a cell besides its first.
@@ -152,10 +153,12 @@ fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise)
     let unknowns = primitive.kind.free().len() as f64;
     let count = inner.len() as f64;
     let share = share(cloud, inner, descended, before);
-    // a normal has two rows: the third is along the normal itself
+    let of_distances = VarianceComponent { squares: distances, rows: count, trace: share };
+    // a normal has two rows, the third is along the normal itself; they determine the unknowns that distances leave
+    let of_normals = VarianceComponent { squares: normals, rows: 2.0 * count - unknowns, trace: -share };
     Noise {
-        distance: (distances / (count - share).max(1.0)).sqrt().max(ROUNDING),
-        normal: (normals / (2.0 * count - unknowns + share).max(1.0)).sqrt().max(ROUNDING),
+        distance: of_distances.sd_of_one_at_least().max(ROUNDING),
+        normal: of_normals.sd_of_one_at_least().max(ROUNDING),
     }
 }
 

@@ -49,7 +49,6 @@ mod primitive;
 mod recognition_fallback;
 mod result;
 mod scale_selection;
-mod small;
 mod start;
 mod unexplained_regions;
 

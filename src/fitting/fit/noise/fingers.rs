@@ -9,7 +9,7 @@
 //! touch, so that whitening takes one subtraction.
 
 use palpate_geometry::contact::Contacts;
-use palpate_numeric::statistics::upper_median;
+use palpate_numeric::statistics::{ExponentialCorrelation, upper_median};
 
 /// Fewest steps along fingers from which a correlation could be told.
 const FEWEST: usize = 6;
@@ -91,7 +91,7 @@ impl Fingers {
 }
 
 fn correlation(rho: f64, distance: f64) -> f64 {
-    if rho == 0.0 { 0.0 } else { rho.powf(distance).min(CLOSEST) }
+    ExponentialCorrelation::Step(rho).at(distance).min(CLOSEST)
 }
 
 #[cfg(test)]

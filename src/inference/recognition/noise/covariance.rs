@@ -16,7 +16,7 @@ use faer::Mat;
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::dense;
-use palpate_numeric::statistics::mad;
+use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
@@ -64,8 +64,9 @@ impl Kernel {
         if self.ratio == 0.0 {
             return Some(Mat::from_fn(n, n, |i, j| if i == j { variance[i].sqrt() } else { 0.0 }));
         }
+        let along = ExponentialCorrelation::Length(self.length);
         dense::cholesky(&Mat::from_fn(n, n, |i, j| {
-            let shared = self.ratio * (-distances[(i, j)] / self.length).exp();
+            let shared = self.ratio * along.at(distances[(i, j)]);
             if i == j { shared + variance[i] } else { shared }
         }))
     }

@@ -17,6 +17,5 @@ mod surface;
 pub(in crate::recognition) use map::Region;
 pub use predictive::PredictiveDraw;
 pub(in crate::recognition) use predictive::{Place, measured, places, predicted};
-pub(in crate::recognition) use support::hull;
 pub use surface::RecognisedSurface;
 pub(in crate::recognition) use surface::chart_point;

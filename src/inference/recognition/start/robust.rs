@@ -14,8 +14,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
+use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::statistics::{mad, median};
 
 use super::descent::{Fitted, distances_of, robust};
@@ -177,5 +177,5 @@ fn quadric(points: &[Vector], normals: Option<&[Vector]>) -> [f64; 6] {
         }
     }
     (0..6).for_each(|i| normal[i][i] *= 1.0 + 1e-9);
-    dense::solve_small(normal, rhs, 6).unwrap_or([0.0; 6])
+    solve_leading(normal, rhs, 6).unwrap_or([0.0; 6])
 }
