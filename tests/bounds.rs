@@ -14,7 +14,7 @@ use palpate::plans::TouchStream;
 use palpate::spline::{Knots, linspace};
 use palpate_app::io::scene_file::read_scene;
 use palpate_app::io::{ReadOptions, read_input_bytes, read_surface_bytes};
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]

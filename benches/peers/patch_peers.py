@@ -5,6 +5,7 @@ curvatures over the inner contacts, where borders do not reach.
 """
 import warnings
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 
@@ -20,6 +21,8 @@ SHARE = 0.2
 INNER = 0.5
 BLOCKS = 5
 RESAMPLES = 60
+# standard deviation of a gaussian over the median of its magnitude
+MAD_TO_SD = 1 / NormalDist().inv_cdf(0.75)
 
 
 @dataclass
@@ -71,12 +74,12 @@ def robust(patch):
 
 
 def descend(distance, points, start, rounds=3):
-    """Parameters and cost; the scale of the loss is 1.48 times the median residual of the round before."""
+    """Parameters and cost; the scale of the loss is the median residual of the round before, made an sd."""
     from scipy.optimize import least_squares
 
     theta, width, cost = np.asarray(start, float), None, np.inf
     for _ in range(rounds):
-        width = 1.4826 * np.median(np.abs(distance(theta, points))) + 1e-9
+        width = MAD_TO_SD * np.median(np.abs(distance(theta, points))) + 1e-9
         found = least_squares(distance, theta, args=(points,), loss="soft_l1", f_scale=width, max_nfev=60)
         theta = found.x
     cost = float(np.sum(np.abs(distance(theta, points))))
@@ -170,7 +173,7 @@ def spline_field(patch):
     points = (patch.points[patch_data.thinned(patch, ENOUGH)] - patch.centre) @ axes.T / patch.size
     x, y, z = points.T
     near = points[cKDTree(points[:, :2]).query(points[:, :2], min(9, len(points)))[1]]
-    noise = 1.4826 * np.median(np.abs(near[:, 0, 2] - near[:, 1:, 2].mean(axis=1))) + 1e-9
+    noise = MAD_TO_SD * np.median(np.abs(near[:, 0, 2] - near[:, 1:, 2].mean(axis=1))) + 1e-9
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         fit = SmoothBivariateSpline(x, y, z, w=np.full(len(x), 1 / noise))

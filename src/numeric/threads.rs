@@ -55,21 +55,24 @@ mod several {
 }
 
 /// The same functions on the calling thread; they are compiled in every build, so that they cannot fall behind.
-#[cfg_attr(feature = "threads", allow(dead_code, reason = "the functions of `several` are called instead"))]
+#[cfg_attr(
+    feature = "threads",
+    allow(dead_code, unreachable_pub, reason = "the functions of `several` are called instead")
+)]
 mod one {
-    pub(super) fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
+    pub fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
         f()
     }
 
-    pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
         (a(), b())
     }
 
-    pub(super) fn map<T: Send>(count: usize, _piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    pub fn map<T: Send>(count: usize, _piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
         (0..count).map(f).collect()
     }
 
-    pub(super) fn map_with<M, T: Send>(
+    pub fn map_with<M, T: Send>(
         count: usize,
         _piece: usize,
         start: impl Fn() -> M + Sync + Send,
@@ -79,15 +82,15 @@ mod one {
         (0..count).map(|k| f(&mut memory, k)).collect()
     }
 
-    pub(super) fn try_map<T: Send>(count: usize, f: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
+    pub fn try_map<T: Send>(count: usize, f: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
         (0..count).map(f).collect()
     }
 
-    pub(super) fn any(count: usize, _piece: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
+    pub fn any(count: usize, _piece: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
         (0..count).any(f)
     }
 
-    pub(super) fn each<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+    pub fn each<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
         items.iter_mut().enumerate().for_each(|(k, item)| f(k, item));
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
+mod coverage;
 mod departures;
 mod differential;
 mod effects_together;

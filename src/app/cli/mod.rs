@@ -11,7 +11,6 @@ mod batch;
 mod completions;
 mod coverage;
 mod coverage_parts;
-mod coverage_pooled;
 mod describe;
 mod diff;
 #[doc(hidden)]

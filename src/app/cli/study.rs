@@ -27,9 +27,6 @@ use super::{coverage, interrupt, scene, sweep};
 const CHECKPOINT_SECONDS: f64 = 1.0;
 
 pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
-    if args.coverage {
-        return coverage::coverage(args, args.scene.as_deref());
-    }
     let Some(name) = &args.scene else {
         return Err(Failure::Input(
             "a study needs a scene: a built-in name (palpate scenes lists them) or a file".into(),
@@ -43,6 +40,9 @@ pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
         }
     }
     let source = scene::source(name)?;
+    if args.coverage {
+        return coverage::coverage(args, name, &source);
+    }
     if !args.sweep.is_empty() {
         return sweep::sweep(args, &source);
     }

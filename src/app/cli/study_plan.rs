@@ -28,8 +28,7 @@ use super::values::{self, PathChoice};
 /// Arguments of `palpate study`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct StudyArgs {
-    /// Built-in scene, scene file, or - for standard input; with --coverage none takes a family
-    /// of 32 scenes, and a name as sphere-27-degree2 one of them
+    /// Built-in scene, scene file, or - for standard input
     pub(super) scene: Option<String>,
     /// Replicates [default: the scene's, 10000]; with --tolerance the most there may be
     #[arg(long, value_name = "N", value_parser = values::replicates)]
@@ -76,10 +75,6 @@ pub(super) struct StudyArgs {
     /// Ask of each interval that a fit would print whether it holds the truth
     #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records", "checkpoint", "budget"])]
     pub(super) coverage: bool,
-    /// With --coverage: so many surfaces drawn at random, the first by --seed [default: 1], instead of a scene
-    #[arg(long, value_name = "N", requires = "coverage", conflicts_with = "scene",
-          value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    pub(super) random: Option<u64>,
     /// Repeat the study over a key of the scene: KEY=A:B:logN, KEY=A:B:linN or KEY=A,B,C; several make a grid
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]

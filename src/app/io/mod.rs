@@ -13,6 +13,7 @@
 //! gzip. What a header says of the size of the data is checked against the bytes that are there before memory is asked for.
 
 mod atomic;
+mod base64;
 mod clouds;
 mod columns;
 mod csv;
@@ -55,6 +56,7 @@ use depth::DepthImage;
 use format_detection::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
+pub(crate) use base64::base64;
 pub(crate) use depth::Intrinsics;
 pub(crate) use error::IoError;
 pub(crate) use escape_control_chars::visible;

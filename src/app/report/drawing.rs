@@ -8,8 +8,8 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::base64::base64;
 use super::png::Raster;
+use crate::io::base64;
 
 /// Red, green, blue.
 pub(super) type Colour = [u8; 3];

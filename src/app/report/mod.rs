@@ -9,7 +9,6 @@
 //! ```
 
 mod bare_surface;
-mod base64;
 mod colour;
 mod describe;
 mod description;

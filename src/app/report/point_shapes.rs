@@ -13,6 +13,7 @@ use super::table::significant;
 use crate::io::{NpzWriter, write_parquet};
 use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::PointShapes;
+use palpate_numeric::statistics::{Rank, quantile};
 
 /// Names of the columns.
 const COLUMNS: [&str; 12] = ["x", "y", "z", "nx", "ny", "nz", "k1", "k2", "S", "R", "u_S", "u_R"];
@@ -158,7 +159,6 @@ pub(crate) fn write_point_shapes_summary(
 /// The 5th, 50th and 95th percentile of what is defined.
 fn quantiles(values: &[f64]) -> Option<[f64; 3]> {
     let mut known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    known.sort_unstable_by(f64::total_cmp);
-    let last = known.len().checked_sub(1)? as f64;
-    Some([0.05, 0.5, 0.95].map(|share| known[(share * last) as usize]))
+    let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| quantile(&mut known, share, Rank::FloorOfSteps));
+    Some([low?, middle?, high?])
 }

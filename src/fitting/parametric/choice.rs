@@ -17,6 +17,7 @@ use faer::{Mat, Side};
 use super::vector::{Vector, dot, minus, unit};
 use crate::fit::{FitOptions, SurfaceKind};
 use palpate_geometry::contact::{Contacts, Orientation};
+use palpate_numeric::statistics::{Rank, quantile};
 
 /// Largest angle of a smoothed normal from z, degrees, for which a height field is taken.
 const STEEP_DEG: f64 = 56.0;
@@ -57,9 +58,8 @@ fn by_normals(contacts: &Contacts, options: &FitOptions) -> (SurfaceKind, String
         return (SurfaceKind::Height, "the contacts have no single side".into());
     };
     let mean = unit(normals.iter().fold([0.0; 3], |m, n| [0, 1, 2].map(|k| m[k] + n[k])));
-    let mut angles: Vec<f64> = normals.iter().map(|n| dot(*n, mean).clamp(-1.0, 1.0).acos().to_degrees()).collect();
-    angles.sort_by(f64::total_cmp);
-    let spread = angles[((1.0 - BEYOND) * (angles.len() - 1) as f64).floor() as usize];
+    let angles: Vec<f64> = normals.iter().map(|n| dot(*n, mean).clamp(-1.0, 1.0).acos().to_degrees()).collect();
+    let spread = quantile(angles, 1.0 - BEYOND, Rank::FloorOfSteps).unwrap_or(0.0);
     let steepest = normals.iter().map(|n| n[0].hypot(n[1]).atan2(n[2]).to_degrees()).fold(0.0, f64::max);
     let of = format!("smoothed normals (noise {noise:.1} degrees)");
     if spread > SPREAD_DEG + NOISE * noise {

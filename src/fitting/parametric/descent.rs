@@ -12,8 +12,9 @@ use super::parallel;
 use super::problem::{Parts, Problem, Sums};
 use super::vector::{Vector, dot};
 use crate::fit::FitError;
-use palpate_numeric::linalg::BlockMatrix;
-use palpate_numeric::solve::BlockCholesky;
+use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
+use palpate_numeric::linalg::{self, BlockMatrix};
+use palpate_numeric::solve::{BlockCholesky, SolveError};
 
 /// The descent ends when all coefficients are within this distance of the minimum, patch units.
 pub(super) const TOLERANCE: f64 = 1e-10;
@@ -25,8 +26,16 @@ const GEOMETRIC: f64 = 0.5;
 const MAX_STEPS: usize = 300;
 /// The same while noise sds are still being estimated.
 const MAX_COARSE_STEPS: usize = 30;
-/// First damping, and its bounds: with 1e-14 a step is undamped, with 1e8 it has practically no length.
-const DAMPING: [f64; 3] = [1e-6, 1e-14, 1e8];
+/// With a damping of 1e-14 a step is undamped, with 1e8 it has practically no length. F is rounded to about 1e-15 of itself,
+/// so the last step may not lower it visibly.
+const SETTINGS: Settings = Settings {
+    first: 1e-6,
+    most: 1e8,
+    fall: |damping| (damping / 10.0).max(1e-14),
+    rounding: 1e-14,
+    steps: MAX_STEPS,
+    trials: usize::MAX,
+};
 
 /// Largest damping at which the ratio of two successive steps is that of the series and not of a change of damping.
 const FREE: f64 = 1e-5;
@@ -47,9 +56,7 @@ pub(super) struct State {
 /// The result of a descent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Descent {
-    /// F.
-    pub value: f64,
-    /// Its parts.
+    /// Parts of F.
     pub sums: Sums,
     /// Steps taken.
     pub steps: usize,
@@ -66,7 +73,6 @@ pub(super) struct Solver {
     pub matrix: BlockMatrix,
     /// Its factor.
     pub factor: BlockCholesky,
-    last: Vec<f64>,
 }
 
 impl Solver {
@@ -77,7 +83,7 @@ impl Solver {
     pub(super) fn new(problem: &Problem) -> Result<Solver, FitError> {
         let matrix = BlockMatrix::zeros(problem.cells.shape());
         let factor = BlockCholesky::plan(&matrix).map_err(|source| FitError::Solve { source })?;
-        Ok(Solver { matrix, factor, last: Vec::new() })
+        Ok(Solver { matrix, factor })
     }
 
     /// Minimises F from `state` until all coefficients are within `near` of the minimum.
@@ -87,88 +93,108 @@ impl Solver {
     pub(super) fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
         state.feet = state.feet.moved(problem.cells, problem.contacts, &state.coefficients);
         let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
-        let mut reached = Descent { value, sums, steps: 0, folds_refused: 0, settled: false };
-        let mut damping = DAMPING[0];
-        let mut rhs = vec![0.0; self.matrix.order()];
-        let mut before: Option<f64> = None;
-        self.last.clear();
-        let most = if near > TOLERANCE { MAX_COARSE_STEPS } else { MAX_STEPS };
-        while reached.steps < most && !reached.settled {
-            self.matrix.clear();
-            rhs.fill(0.0);
-            problem.assemble(&state.coefficients, &state.feet, Parts::ALL, &mut self.matrix, &mut rhs);
-            let Some(size) = self.step(problem, state, &rhs, &mut damping, &mut reached, near)? else {
-                reached.settled = true;
-                break;
-            };
-            reached.steps += 1;
-            let left = before.filter(|b| size <= GEOMETRIC * b).map_or(size, |b| size * size / (b - size));
-            reached.settled = left <= near;
-            before = Some(size);
-        }
-        Ok(reached)
-    }
-
-    /// Takes one step downwards and returns its size; `None` when no damping finds one.
-    fn step(
-        &mut self,
-        problem: &Problem,
-        state: &mut State,
-        rhs: &[f64],
-        damping: &mut f64,
-        reached: &mut Descent,
-        near: f64,
-    ) -> Result<Option<f64>, FitError> {
-        while *damping <= DAMPING[2] {
-            if let Err(source) = self.factor.factor(&self.matrix, *damping) {
-                *damping *= 10.0;
-                if *damping > DAMPING[2] {
-                    return Err(FitError::Solve { source });
-                }
-                continue;
-            }
-            let mut move_by = rhs.to_vec();
-            self.factor.solve(&mut move_by);
-            let size = move_by.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let stretch = if *damping <= FREE { stretch(&self.last, &move_by) } else { 1.0 };
-            if stretch != 1.0 && accepted(problem, state, &move_by, stretch, reached) {
-                self.last.clear();
-                return Ok(Some(stretch * size));
-            }
-            if accepted(problem, state, &move_by, 1.0, reached) {
-                *damping = (*damping / 10.0).max(DAMPING[1]);
-                self.last = move_by;
-                return Ok(Some(size));
-            }
-            self.last.clear();
-            if size <= near {
-                return Ok(None);
-            }
-            *damping *= 10.0;
-        }
-        *damping = DAMPING[0];
-        Ok(None)
+        let mut reached = Reached { state: state.clone(), value, sums };
+        let rhs = vec![0.0; self.matrix.order()];
+        let mut model = Trials { problem, solver: self, rhs, near, last: Vec::new(), before: None, folds_refused: 0 };
+        let steps = if near > TOLERANCE { MAX_COARSE_STEPS } else { MAX_STEPS };
+        let settings = Settings { steps, ..SETTINGS };
+        let found = levenberg_marquardt::descend(&mut model, &mut reached, &mut SETTINGS.first.clone(), &settings);
+        let folds_refused = model.folds_refused;
+        let Reached { state: last, sums, .. } = reached;
+        *state = last;
+        let levenberg_marquardt::Descent { steps, is_settled: settled } =
+            found.map_err(|source| FitError::Solve { source })?;
+        Ok(Descent { sums, steps, folds_refused, settled })
     }
 }
 
-/// Takes the step `factor * move_by` if it folds nothing and goes down.
-fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, reached: &mut Descent) -> bool {
-    let along = move_by.as_chunks::<3>().0;
-    let moved = |(c, m): (&Vector, &Vector)| [0, 1, 2].map(|d| c[d] + factor * m[d]);
-    let next: Vec<Vector> = state.coefficients.iter().zip(along).map(moved).collect();
-    if folds(problem, state, &next) {
-        reached.folds_refused += 1;
-        return false;
+/// A surface, F and its parts.
+struct Reached {
+    state: State,
+    value: f64,
+    sums: Sums,
+}
+
+/// A step of all coefficients, `factor * by`.
+struct Move {
+    by: Vec<f64>,
+    factor: f64,
+}
+
+impl Move {
+    fn size(&self) -> f64 {
+        self.factor * self.by.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
     }
-    let feet = state.feet.moved(problem.cells, problem.contacts, &next);
-    match problem.value(&next, &feet) {
-        // F is rounded to about 1e-15 of itself, so the last step may not lower it visibly
-        Some((value, sums)) if value <= reached.value * (1.0 + 1e-14) => {
-            *state = State { coefficients: next, feet };
-            (reached.value, reached.sums) = (value, sums);
-            true
+}
+
+/// The objective as a residual model whose trials find their own feet.
+struct Trials<'a, 'b> {
+    problem: &'a Problem<'b>,
+    solver: &'a mut Solver,
+    rhs: Vec<f64>,
+    near: f64,
+    /// The last step that was taken, where the next one may go on with its series.
+    last: Vec<f64>,
+    /// Size of the step before.
+    before: Option<f64>,
+    folds_refused: usize,
+}
+
+impl ResidualModel for Trials<'_, '_> {
+    type Point = Reached;
+    type Step = Move;
+    type Error = SolveError;
+
+    fn linearise(&mut self, at: &Reached) -> f64 {
+        self.solver.matrix.clear();
+        self.rhs.fill(0.0);
+        let State { coefficients, feet } = &at.state;
+        self.problem.assemble(coefficients, feet, Parts::ALL, &mut self.solver.matrix, &mut self.rhs);
+        at.value
+    }
+
+    fn solve(&mut self, damping: f64) -> Result<Move, SolveError> {
+        self.solver.factor.factor(&self.solver.matrix, damping)?;
+        let mut by = self.rhs.clone();
+        self.solver.factor.solve(&mut by);
+        Ok(Move { by, factor: 1.0 })
+    }
+
+    fn moved(&mut self, from: &Reached, step: &Move) -> Option<(Reached, f64)> {
+        let (problem, state) = (self.problem, &from.state);
+        let along = step.by.as_chunks::<3>().0;
+        let moved = |(c, m): (&Vector, &Vector)| [0, 1, 2].map(|d| c[d] + step.factor * m[d]);
+        let next: Vec<Vector> = state.coefficients.iter().zip(along).map(moved).collect();
+        if folds(problem, state, &next) {
+            self.folds_refused += 1;
+            return None;
         }
-        _ => false,
+        let feet = state.feet.moved(problem.cells, problem.contacts, &next);
+        let (value, sums) = problem.value(&next, &feet)?;
+        Some((Reached { state: State { coefficients: next, feet }, value, sums }, value))
+    }
+
+    fn extrapolated(&mut self, step: &Move, damping: f64) -> Option<Move> {
+        let factor = if damping <= FREE { stretch(&self.last, &step.by) } else { 1.0 };
+        (factor != 1.0).then(|| Move { by: step.by.clone(), factor })
+    }
+
+    fn decided(&mut self, taken: Option<levenberg_marquardt::Taken<'_, Move>>) {
+        self.last.clear();
+        if let Some(taken) = taken.filter(|taken| !taken.is_extrapolated) {
+            self.last.extend_from_slice(&taken.step.by);
+        }
+    }
+
+    fn gives_up(&self, step: &Move, _: f64, _: Option<f64>) -> bool {
+        step.size() <= self.near
+    }
+
+    fn is_settled(&mut self, step: &Move, _: f64, _: f64) -> bool {
+        let size = step.size();
+        let left = self.before.filter(|b| size <= GEOMETRIC * b).map_or(size, |b| size * size / (b - size));
+        self.before = Some(size);
+        left <= self.near
     }
 }
 
@@ -176,8 +202,7 @@ fn accepted(problem: &Problem, state: &mut State, move_by: &[f64], factor: f64, 
 /// else 1. Gauss-Newton leaves out the second derivatives of the residuals, so along one direction it may converge slowly
 /// or oscillate.
 fn stretch(last: &[f64], now: &[f64]) -> f64 {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let (both, before, after) = (product(last, now), product(last, last), product(now, now));
+    let (both, before, after) = (linalg::dot(last, now), linalg::dot(last, last), linalg::dot(now, now));
     let ratio = both / before;
     let parallel = both.abs() > PARALLEL * (before * after).sqrt();
     if parallel && RATIOS[0] < ratio.abs() && ratio.abs() < RATIOS[1] { 1.0 / (1.0 - ratio) } else { 1.0 }

@@ -2,7 +2,7 @@
 //! repeated until the coefficients no longer move.
 //!
 //! ```text
-//! Huber  w^2 = min(1, 1.345/|r|)        Tukey  w = max(0, 1 - (r/4.685)^2)        r over its own median scale
+//! rows times sqrt w(t) of Huber or Tukey, t = |r| over its own median scale         [`palpate_numeric::statistics::Loss`]
 //! ```
 
 use super::descent::{Descent, Solver, State, TOLERANCE};
@@ -11,11 +11,14 @@ use super::patch_contacts::PatchContacts;
 use super::problem::Problem;
 use super::vector::{minus, norm};
 use crate::fit::{FitError, Robust};
+use palpate_numeric::statistics::{Loss, MAD_TO_SD, upper_median};
 
 /// Most reweightings of a robust fit.
 const REWEIGHTINGS: usize = 20;
 /// The reweighting ends when no coefficient moves by more, patch units.
 const SMALLEST_MOVE: f64 = 1e-9;
+/// `RAYLEIGH_TO_SD` to four digits, by which these fits have always been scaled; the next digits would move them all.
+const RAYLEIGH: f64 = 0.849_3;
 
 /// Reweights and refits; the weights are left in `weighted`.
 ///
@@ -48,25 +51,16 @@ pub(super) fn reweight(
 
 /// Robust weights of positions and normals at the present residuals.
 fn robust_weights(robust: Robust, problem: &Problem, state: &State) -> Option<[Vec<f64>; 2]> {
-    if robust == Robust::None {
-        return None;
-    }
+    let loss = match robust {
+        Robust::None => return None,
+        Robust::Huber => Loss::Huber,
+        Robust::Tukey => Loss::Tukey,
+    };
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let scale = |k: usize, to_sd: f64| {
-        let mut sizes: Vec<f64> = residuals.iter().map(|r| r[k].abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        (sizes[sizes.len() / 2] * to_sd).max(NO_NOISE)
+        let sizes: Vec<f64> = residuals.iter().map(|r| r[k].abs()).collect();
+        (upper_median(sizes).unwrap_or(0.0) * to_sd).max(NO_NOISE)
     };
-    // medians of a normal distribution's magnitude and of a Rayleigh distribution
-    let scales = [scale(0, 1.4826), scale(1, 0.849_3)];
-    Some([0, 1].map(|k| residuals.iter().map(|r| loss_weight(robust, r[k] / scales[k])).collect()))
-}
-
-/// Square root of the weight of the loss, tuned for 95 % efficiency.
-fn loss_weight(robust: Robust, r: f64) -> f64 {
-    match robust {
-        Robust::None => 1.0,
-        Robust::Huber => (1.345 / r.abs().max(1.345)).sqrt(),
-        Robust::Tukey => (1.0 - (r / 4.685).powi(2)).max(0.0),
-    }
+    let scales = [scale(0, MAD_TO_SD), scale(1, RAYLEIGH)];
+    Some([0, 1].map(|k| residuals.iter().map(|r| loss.root_weight((r[k] / scales[k]).abs())).collect()))
 }

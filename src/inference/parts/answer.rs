@@ -14,6 +14,7 @@ use super::result::{Part, PartGeometry, PartUncertainty, Parts};
 use super::small::Square;
 use super::unexplained_regions::label_leftover;
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, scaled};
 
@@ -152,9 +153,8 @@ impl Findings<'_> {
         let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
         let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
         let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-        let mut variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
-        variances.sort_by(f64::total_cmp);
-        (mean(&of_s), mean(&of_r).unwrap_or(0.0), variances[variances.len() / 2].sqrt())
+        let variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
+        (mean(&of_s), mean(&of_r).unwrap_or(0.0), upper_median(variances).unwrap_or(0.0).sqrt())
     }
 }
 

@@ -7,6 +7,7 @@
 //! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
 
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
 
@@ -58,10 +59,7 @@ impl Cloud {
             (list, others.clone().next().map_or(0.0, |(d, _)| d.sqrt()))
         };
         let found = threads::map(points.len(), 256, of);
-        let mut nearest: Vec<f64> = found.iter().map(|(_, distance)| *distance).collect();
-        let middle = nearest.len() / 2;
-        let (_, spacing, _) = nearest.select_nth_unstable_by(middle, f64::total_cmp);
-        let spacing = *spacing;
+        let spacing = upper_median(found.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>())?;
         let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
         Some(Cloud { points, normals, neighbours, spacing, scale, centre })
     }

@@ -12,6 +12,7 @@ use super::cloud::{Cloud, NEAREST};
 use super::descent::Sample;
 use super::hypothesis::{Walk, best, sampled};
 use super::local::{LocalShape, Noise, ROUNDING};
+use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{dot, minus};
 
 /// Places that are looked at.
@@ -42,10 +43,7 @@ pub(super) fn wide_noise(cloud: &Cloud, shapes: &[LocalShape], noise: &Noise) ->
             left[0].push(distance);
             left[1].push(normal);
         }
-        let [distance, normal] = left.map(|mut values| {
-            values.sort_by(f64::total_cmp);
-            values.get((WITHIN * values.len() as f64) as usize).copied().unwrap_or(0.0)
-        });
+        let [distance, normal] = left.map(|values| quantile(values, WITHIN, Rank::Floor).unwrap_or(0.0));
         widest = Noise { distance: widest.distance.max(distance), normal: widest.normal.max(normal) };
         width *= 2;
     }

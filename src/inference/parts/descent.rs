@@ -13,10 +13,18 @@
 use super::primitive::{MOST, Primitive};
 use super::small::{Square, cholesky, inverse, solve};
 use palpate_geometry::primitives::DistanceJet;
+use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::vector::{Vector, along, cross, dot};
 
-/// Most steps; from a start of the right kind six to ten are enough.
-const STEPS: usize = 40;
+/// Of 40 trials at most: from a start of the right kind six to ten steps are enough.
+const SETTINGS: Settings = Settings {
+    first: 1e-3,
+    most: 1e9,
+    fall: |damping| (0.2 * damping).max(1e-12),
+    rounding: 0.0,
+    steps: usize::MAX,
+    trials: 40,
+};
 
 /// A step that lowers the sum by less than this share ends the descent.
 const SETTLED: f64 = 1e-10;
@@ -117,13 +125,13 @@ pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
     sample.points.iter().zip(sample.normals).map(one).sum()
 }
 
-/// Normal matrix, gradient and sum of squares.
-fn equations(primitive: &Primitive, sample: &Sample) -> (Square<MOST>, [f64; MOST], f64) {
+/// Normal matrix, gradient and sum of squares at a primitive.
+fn reached(primitive: Primitive, sample: &Sample) -> Reached {
     let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST]; MOST], [0.0; MOST], 0.0);
     let free = primitive.kind.free();
     let weights = [sample.u_distance.powi(-2), sample.u_normal.powi(-2)];
     for (p, n) in sample.points.iter().zip(sample.normals) {
-        for (number, (residual, row)) in rows(primitive, *p, *n).into_iter().enumerate() {
+        for (number, (residual, row)) in rows(&primitive, *p, *n).into_iter().enumerate() {
             let weight = weights[usize::from(number > 0)];
             sum += weight * residual * residual;
             for (k, &i) in free.iter().enumerate() {
@@ -139,7 +147,61 @@ fn equations(primitive: &Primitive, sample: &Sample) -> (Square<MOST>, [f64; MOS
             matrix[i][i] = 1.0;
         }
     }
-    (matrix, gradient, sum)
+    Reached { at: Descended { primitive, sum, matrix }, gradient }
+}
+
+/// A primitive with its equations.
+#[derive(Clone, Copy)]
+struct Reached {
+    at: Descended,
+    gradient: [f64; MOST],
+}
+
+/// The four rows of every point, and the equations at the last primitive.
+struct Rows<'a> {
+    sample: &'a Sample<'a>,
+    /// About which the primitive is turned.
+    centre: Vector,
+    here: Reached,
+}
+
+/// The damped equations are not positive definite.
+struct NotPositiveDefinite;
+
+impl ResidualModel for Rows<'_> {
+    type Point = Reached;
+    type Step = [f64; MOST];
+    type Error = NotPositiveDefinite;
+
+    fn linearise(&mut self, at: &Reached) -> f64 {
+        self.here = *at;
+        at.at.sum
+    }
+
+    fn solve(&mut self, damping: f64) -> Result<[f64; MOST], NotPositiveDefinite> {
+        let mut damped = self.here.at.matrix;
+        (0..MOST).for_each(|i| damped[i][i] *= 1.0 + damping);
+        let scale: [f64; MOST] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST> =
+            std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
+        let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
+        let step = solve(&lower, std::array::from_fn(|i| -self.here.gradient[i] / scale[i]));
+        Ok(std::array::from_fn(|i| step[i] / scale[i]))
+    }
+
+    fn moved(&mut self, from: &Reached, step: &[f64; MOST]) -> Option<(Reached, f64)> {
+        let next = reached(from.at.primitive.moved(step).about(self.centre), self.sample);
+        Some((next, next.at.sum))
+    }
+
+    fn gives_up(&self, _: &[f64; MOST], before: f64, after: Option<f64>) -> bool {
+        // at the minimum nothing is lower by rounding
+        after.is_some_and(|after| after <= before * (1.0 + 1e-12))
+    }
+
+    fn is_settled(&mut self, _: &[f64; MOST], before: f64, after: f64) -> bool {
+        before - after <= SETTLED * before
+    }
 }
 
 /// Descends from `start`; `None` where the points do not determine this kind of primitive.
@@ -147,41 +209,11 @@ pub(super) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
     let count = sample.points.len() as f64;
     let sum_of = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, *p));
     let centre = sum_of.map(|v| v / count);
-    let mut primitive = start.about(centre);
-    let (mut matrix, mut gradient, mut sum) = equations(&primitive, sample);
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        if !sum.is_finite() {
-            return None;
-        }
-        let mut damped = matrix;
-        (0..MOST).for_each(|i| damped[i][i] *= 1.0 + damping);
-        let scale: [f64; MOST] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
-        let scaled: Square<MOST> =
-            std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
-        let Some(lower) = cholesky(&scaled) else {
-            damping *= 10.0;
-            continue;
-        };
-        let step = solve(&lower, std::array::from_fn(|i| -gradient[i] / scale[i]));
-        let next = primitive.moved(&std::array::from_fn(|i| step[i] / scale[i])).about(centre);
-        let (next_matrix, next_gradient, next_sum) = equations(&next, sample);
-        if next_sum < sum {
-            let settled = sum - next_sum <= SETTLED * sum;
-            (primitive, matrix, gradient, sum) = (next, next_matrix, next_gradient, next_sum);
-            damping = (0.2 * damping).max(1e-12);
-            if settled {
-                break;
-            }
-        } else {
-            // at the minimum nothing is lower by rounding
-            if next_sum <= sum * (1.0 + 1e-12) || damping > 1e8 {
-                break;
-            }
-            damping *= 10.0;
-        }
-    }
-    Some(Descended { primitive, sum, matrix })
+    let mut found = reached(start.about(centre), sample);
+    let mut rows = Rows { sample, centre, here: found };
+    // a matrix that has no factor under any damping leaves the primitive where it is
+    let _ = levenberg_marquardt::descend(&mut rows, &mut found, &mut SETTINGS.first.clone(), &SETTINGS);
+    found.at.sum.is_finite().then_some(found.at)
 }
 
 #[cfg(test)]

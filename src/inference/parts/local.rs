@@ -12,6 +12,7 @@ use super::cloud::Cloud;
 use super::primitive::axes_along;
 use super::small::{Square, cholesky, inverse, solve};
 use palpate_geometry::curvature::{Derivatives, Principal};
+use palpate_numeric::statistics::{self, Rank};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{dot, minus};
 
@@ -50,13 +51,12 @@ pub(super) fn local_shapes(cloud: &Cloud) -> (Noise, Vec<LocalShape>) {
     for _ in 0..3 {
         shapes = threads::map(cloud.len(), 64, |i| local_shape(cloud, i, &noise));
         let quantile = |block: usize| {
-            let mut values: Vec<f64> = shapes.iter().map(|s: &LocalShape| s.variance[block]).collect();
-            let at = (SMOOTH * values.len() as f64) as usize;
-            let (_, value, _) = values.select_nth_unstable_by(at, f64::total_cmp);
+            let values: Vec<f64> = shapes.iter().map(|s: &LocalShape| s.variance[block]).collect();
+            let value = statistics::quantile(values, SMOOTH, Rank::Floor).unwrap_or(0.0);
             // Wilson and Hilferty: the quantile of a mean of so many squares
             let freedom = [16.0, 36.0][block];
             let share: f64 = 2.0 / (9.0 * freedom);
-            (*value / (1.0 - share + SMOOTH_GAUSSIAN * share.sqrt()).powi(3)).sqrt()
+            (value / (1.0 - share + SMOOTH_GAUSSIAN * share.sqrt()).powi(3)).sqrt()
         };
         noise = Noise { distance: quantile(0).max(ROUNDING), normal: quantile(1).max(ROUNDING) };
     }

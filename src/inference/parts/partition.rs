@@ -18,6 +18,7 @@ use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
 use super::primitive::{PartKind, Primitive};
+use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
@@ -176,10 +177,7 @@ impl Partition {
         if off.is_empty() {
             return *floor;
         }
-        let median = |mut values: Vec<f64>| {
-            let middle = values.len() / 2;
-            *values.select_nth_unstable_by(middle, f64::total_cmp).1
-        };
+        let median = |values: Vec<f64>| upper_median(values).unwrap_or(0.0);
         Noise {
             distance: floor.distance.max(median(off.iter().map(|o| o.0).collect()) / MEDIAN[0]),
             normal: floor.normal.max(median(off.iter().map(|o| o.1).collect()) / MEDIAN[1]),

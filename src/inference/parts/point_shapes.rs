@@ -11,10 +11,11 @@ use super::cloud::{FEWEST, framed};
 use super::error::PartsError;
 use super::jet::{Jet, Law, Touched, jet};
 use super::options::PartsOptions;
-use super::scale_selection::{asked, law, quantile};
+use super::scale_selection::{asked, law};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
 
@@ -91,7 +92,7 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };
     let asked = asked(&touched);
     let nearest = asked.iter().filter_map(|&i| tree.nearest_other(i)).map(|(distance, _)| distance);
-    let spacing = quantile(nearest, 0.5);
+    let spacing = upper_median(nearest.collect::<Vec<f64>>()).unwrap_or(0.0);
     let law = law(&touched, &asked, spacing).filter(|_| spacing > 0.0).ok_or(PartsError::NoExtent)?;
     let all = threads::map(points.len(), 64, |i| at(&touched, i, &law));
     let mut shapes = gathered(&all, scale);

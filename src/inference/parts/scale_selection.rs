@@ -11,6 +11,7 @@
 
 use super::jet::{Jet, Law, Touched, jet};
 use super::local::{Noise, ROUNDING};
+use palpate_numeric::statistics::{self, Rank};
 use palpate_numeric::threads;
 use palpate_numeric::vector::dot;
 
@@ -85,9 +86,6 @@ fn noise_of(jets: &[Jet], block: usize) -> f64 {
     (value / (1.0 - ninth + gaussian * ninth.sqrt()).max(0.1).powi(3)).sqrt().max(ROUNDING)
 }
 
-pub(super) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    let at = ((share * values.len() as f64) as usize).min(values.len() - 1);
-    let (_, value, _) = values.select_nth_unstable_by(at, f64::total_cmp);
-    *value
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    statistics::quantile(values.collect::<Vec<f64>>(), share, Rank::Floor).unwrap_or(0.0)
 }

@@ -44,7 +44,6 @@ mod region;
 mod result;
 mod shape_report;
 mod start;
-mod statistics;
 #[cfg(test)]
 mod tests;
 

@@ -13,6 +13,7 @@
 mod blocks;
 mod condition;
 mod dense;
+mod dot;
 mod double_double;
 mod grid_assembly;
 mod grid_axis;
@@ -25,6 +26,8 @@ mod stencil;
 pub use blocks::{BlockMatrix, MapShape};
 pub use condition::inverse_norm1_estimate;
 pub use dense::{Eigen, cholesky, eigen, product};
+pub use dot::dot;
+pub(crate) use dot::partial_dots;
 pub use double_double::DoubleDouble;
 pub use grid_axis::GridAxis;
 pub use row_products::{apply_rows, descent, residuals, visit_grid_rows, visit_values};

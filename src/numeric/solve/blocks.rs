@@ -12,7 +12,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
-use crate::linalg::{BlockMatrix, inverse_norm1_estimate};
+use crate::linalg::{BlockMatrix, inverse_norm1_estimate, partial_dots};
 use crate::simd::{Isa, factor_dense};
 
 /// Up to this many unknowns the dense factor is faster: its 4.5 million multiply-adds take as long as a symbolic step.
@@ -164,12 +164,7 @@ impl Dense {
 
 /// `a . b` in four independent sums.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 4];
-    for (x, y) in a.zip(b) {
-        (0..4).for_each(|k| sums[k] += x[k] * y[k]);
-    }
+    let (sums, rest) = partial_dots::<4>(a, b);
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 

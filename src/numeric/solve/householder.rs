@@ -5,6 +5,8 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::{MatMut, Par};
 
+use crate::linalg::partial_dots;
+
 /// From this many columns on faer's blocked code is faster.
 const BLOCKED_FROM: usize = 48;
 
@@ -160,14 +162,7 @@ pub(super) fn reflector(x: &mut [f64]) -> Option<(f64, f64)> {
 
 /// `a . b` in eight sums side by side: one long sum has to wait for each addition, because reordering it changes its rounding.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a_eights, b_eights) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_eights.remainder().iter().zip(b_eights.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a_eights.zip(b_eights) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
+    let (sums, rest) = partial_dots::<8>(a, b);
     sums.iter().sum::<f64>() + rest
 }
 

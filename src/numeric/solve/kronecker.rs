@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::FastDiagonalisation;
 use super::factor::Factor;
-use crate::linalg::{StencilMatrix, inverse_norm1_estimate};
+use crate::linalg::{StencilMatrix, dot, inverse_norm1_estimate};
 
 /// Conjugate gradients stop when the preconditioned residual is this fraction of the first; further steps only change
 /// roundings.
@@ -68,7 +68,6 @@ impl GridSolver {
     }
 
     fn conjugate_gradients(&self, rhs: &[f64]) -> (Vec<f64>, usize) {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let mut x = vec![0.0; rhs.len()];
         let mut r = rhs.to_vec();
         let mut z = r.clone();

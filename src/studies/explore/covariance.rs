@@ -9,6 +9,7 @@
 //! would find. `P` is kept once more cut into the knot cells' blocks, so that scoring a candidate reads memory in a row.
 
 use palpate_numeric::bspline::Knots;
+use palpate_numeric::linalg::dot;
 
 use super::rows::CandidateRows;
 
@@ -249,9 +250,4 @@ fn substitute(factor: &[f64; 6], b: [f64; 3]) -> [f64; 3] {
     let first = b[0] / factor[0];
     let second = (b[1] - factor[1] * first) / factor[2];
     [first, second, (b[2] - factor[3] * first - factor[4] * second) / factor[5]]
-}
-
-#[inline]
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

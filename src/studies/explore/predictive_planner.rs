@@ -12,8 +12,9 @@
 //! The update is J. E. Potter's square root of a Kalman filter's (J. L. Anderson 2001 for ensembles).
 
 use palpate_inference::recognition::{PredictiveDraw, Recognition};
+use palpate_numeric::linalg::dot;
 
-use super::covariance::{dot, finished};
+use super::covariance::finished;
 use super::model::touch_sds;
 use super::planner::inverse;
 

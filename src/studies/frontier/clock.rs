@@ -10,6 +10,7 @@
 use std::time::{Duration, Instant};
 
 use palpate_numeric::draws::Lcg;
+use palpate_numeric::statistics::{Rank, median, quantile};
 
 /// Calls of one kind in a row: the first finds the caches cold, which a robot that fits again and again does not meet.
 const IN_A_ROW: usize = 3;
@@ -115,23 +116,11 @@ pub(super) fn clocked(rounds: &[f64]) -> Clocked {
         .map(|_| {
             let mut below = |count: usize| ((draws.uniform() * count as f64) as usize).min(count - 1);
             drawn.iter_mut().for_each(|value| *value = rounds[below(rounds.len())]);
-            median(&mut drawn)
+            median(&mut drawn).unwrap_or(f64::NAN)
         })
         .collect();
-    medians.sort_unstable_by(f64::total_cmp);
-    let at = |share: f64| medians[(share * (SAMPLES - 1) as f64).round() as usize];
-    Clocked { median: median(&mut rounds.to_vec()), lo: at(0.025), hi: at(0.975) }
-}
-
-/// The middle value, or the mean of the two in the middle; reorders the values.
-pub(super) fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let (even, middle) = (values.len().is_multiple_of(2), values.len() / 2);
-    let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if even { 0.5 * (lower + *upper) } else { *upper }
+    let mut at = |share: f64| quantile(&mut medians, share, Rank::NearestStep).unwrap_or(f64::NAN);
+    Clocked { median: median(rounds.to_vec()).unwrap_or(f64::NAN), lo: at(0.025), hi: at(0.975) }
 }
 
 #[cfg(test)]
@@ -140,7 +129,6 @@ mod tests {
 
     #[test]
     fn medians_lie_in_the_middle_and_their_intervals_around_them() {
-        assert_eq!((median(&mut [3.0, 1.0, 2.0]), median(&mut [4.0, 1.0, 2.0, 3.0])), (2.0, 2.5));
         let rounds: Vec<f64> = (0..101).map(f64::from).collect();
         let found = clocked(&rounds);
         assert!(found.median == 50.0 && found.lo < 45.0 && found.hi > 55.0 && found.lo > 25.0, "{found:?}");

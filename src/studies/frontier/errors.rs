@@ -12,6 +12,7 @@
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use palpate_numeric::draws::Lcg;
+use palpate_numeric::statistics::{Rank, quantile};
 
 /// Quantities that are judged, in the order of every array of six here; the normal's error is an angle in degrees.
 pub const QUANTITIES: [&str; 6] = ["S", "R", "k1", "height", "slope", "normal_deg"];
@@ -113,8 +114,7 @@ fn interval(squares: &[f64]) -> [f64; 2] {
             (drawn.sum::<f64>() / count as f64).sqrt()
         })
         .collect();
-    means.sort_unstable_by(f64::total_cmp);
-    [0.025, 0.975].map(|share| means[(share * (SAMPLES - 1) as f64).round() as usize])
+    [0.025, 0.975].map(|share| quantile(&mut means, share, Rank::NearestStep).unwrap_or(f64::NAN))
 }
 
 /// The value below which 95 % of fresh ones lie, with 95 % confidence; the largest where there are too few values.

@@ -21,6 +21,7 @@ use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{Interval, compare_with_truth, spread};
 use palpate_inference::recognition::{Recognition, RecognitionOptions};
+use palpate_numeric::statistics::upper_median;
 use palpate_world::scene::Truth;
 
 /// How often one kind of interval of one quantity held the truth.
@@ -138,7 +139,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
         linear: both.map(|q| held(q, &|fit| fit.interval[q])),
         named: both.map(|q| held(q, &|fit| fit.total[q].map(wide))),
         named_half_width: both
-            .map(|q| median(fitted.iter().filter_map(|fit| fit.total[q].map(|i| 0.5 * (i.hi - i.lo))).collect())),
+            .map(|q| middle(fitted.iter().filter_map(|fit| fit.total[q].map(|i| 0.5 * (i.hi - i.lo))))),
         monte_carlo: both.map(|q| held(q, &|fit| carried(summaries.get(q)?, fit.value[q]?, q))),
         bias: both.map(|q| {
             let summary = summaries.get(q)?;
@@ -147,7 +148,7 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
         }),
         u_ratio: both.map(|q| {
             let sd = summaries.get(q)?.sd.filter(|sd| *sd > 0.0)?;
-            Some(median(fitted.iter().filter_map(|fit| fit.u[q]).collect())? / sd)
+            Some(middle(fitted.iter().filter_map(|fit| fit.u[q]))? / sd)
         }),
     }
 }
@@ -207,12 +208,11 @@ fn width(told: &[RecognitionOutcome], q: usize) -> Option<f64> {
 
 /// Median half width.
 fn half_width(told: &[RecognitionOutcome], q: usize) -> Option<f64> {
-    median(told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))).collect())
+    middle(told.iter().filter_map(|t| t.interval[q].map(|[lo, hi]| 0.5 * (hi - lo))))
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
+    upper_median(values.collect::<Vec<f64>>())
 }
 
 fn forecast(told: &[RecognitionOutcome]) -> Option<[f64; 2]> {

@@ -12,7 +12,6 @@
 //! with line and column.
 
 mod builtin;
-mod coverage_family;
 mod effects;
 mod error;
 mod fit;
@@ -27,7 +26,6 @@ use toml::de::DeTable;
 
 pub(crate) use builtin::{BuiltinScene, builtin_text};
 pub use builtin::{builtin, builtin_scenes, family_members};
-pub(crate) use coverage_family::coverage_family;
 pub use error::SceneFileError;
 pub(crate) use manual::{scene_manual, scene_topics};
 

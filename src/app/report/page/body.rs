@@ -10,10 +10,10 @@ use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::Parts;
 use palpate_numeric::vector::{Vector, dot, unit};
 
-use super::super::base64::singles;
 use super::super::colour::{hex, mix};
 use super::super::parts_picture::part_colour;
 use super::eye::Eye;
+use super::view_data::singles;
 
 /// Contacts that the page holds; of more, every so many-th.
 const MOST: usize = 300_000;

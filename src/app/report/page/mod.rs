@@ -21,7 +21,7 @@
 //! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `parts_page.rs`, `table_page.rs` | the other verbs |
 //! | `chart.rs`, `histogram.rs`, `figures.rs`, `tables.rs` | charts, maps and tables |
 //! | `eye.rs`, `perspective.rs`, `body.rs` | still pictures in space |
-//! | `colour.rs`, `raster.rs`, `base64.rs`, `view_data.rs` | colours, pixels, data for the scripts |
+//! | `view_data.rs` | data for the scripts |
 //! | `assets/` | style, scripts, and in `vendor/` the library with its licence and the script that bundles it |
 
 mod body;

@@ -9,8 +9,8 @@ use std::io::Write;
 use flate2::write::ZlibEncoder;
 use flate2::{Compression, Crc};
 
-use super::super::base64::base64;
 use super::super::colour::Colour;
+use crate::io::base64;
 
 /// A picture of `width` x `height` pixels as a `data:` address; `colour(column, row)` counts rows from the top.
 ///

@@ -8,7 +8,7 @@
 use crate::fit::linear::equations::Equations;
 use crate::fit::noise::fingers::Fingers;
 use crate::fit::placing::sites::DataSites;
-use palpate_numeric::linalg::Sites;
+use palpate_numeric::linalg::{Sites, dot};
 use palpate_numeric::solve::PivotedQr;
 
 /// Unit roundoff 2^-53.
@@ -148,7 +148,6 @@ impl Rows<'_> {
         let knots = equations.sites.knots();
         let (gx, gy) = (knots[0].greville(), knots[1].greville());
         let mut places = vec![[0.0; 2]; equations.sites.len()];
-        let dot = |g: &[f64], values: &[f64]| g.iter().zip(values).map(|(g, v)| g * v).sum();
         equations.sites.visit(|site| {
             places[site.index] = [dot(&gx[site.first[0]..], site.x), dot(&gy[site.first[1]..], site.y)];
         });

@@ -10,13 +10,14 @@
 //! has three unknowns. M. Markatou, E. Ronchetti, *Handbook of Statistics* 15 (1997) 49.
 
 use crate::fit::describe::plane::equilibrated_cholesky;
-use crate::fit::objective::robust::{Loss, scale};
+use crate::fit::objective::robust::scale;
 use crate::fit::solved::Solved;
 use crate::fit::{Objective, Robust};
 use crate::observation::{Measured, linearise_normals};
 use palpate_geometry::shape::f_upper_tail;
 use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, Targets, apply_rows};
 use palpate_numeric::solve::PivotedQr;
+use palpate_numeric::statistics::Loss;
 
 /// Sites up to which this test takes the place of the other, which is right for more.
 const FEW: usize = 200;

@@ -7,6 +7,7 @@
 //! Without height rows the constant is free as well: one coefficient is pinned to zero while the others are solved for.
 
 use palpate_numeric::linalg::StencilMatrix;
+use palpate_numeric::statistics::upper_median;
 
 /// Columns whose norm is below this share of the median are nearly free: their own data would put noise 20 times the usual
 /// into the hole, while smoothness costs the rest of the surface less than 0.3 residual sd.
@@ -32,12 +33,8 @@ impl Free {
             return Free::default();
         }
         let diagonal = matrix.diagonal();
-        let mut sorted: Vec<f64> = diagonal.iter().copied().filter(|d| *d > 0.0).collect();
-        if sorted.is_empty() {
-            return Free::default();
-        }
-        let middle = sorted.len() / 2;
-        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let told: Vec<f64> = diagonal.iter().copied().filter(|d| *d > 0.0).collect();
+        let Some(median) = upper_median(told) else { return Free::default() };
         let flags: Vec<bool> = diagonal.iter().map(|d| *d < NEARLY_FREE * NEARLY_FREE * median).collect();
         let flags = with_rim(flags, &diagonal, median, matrix.shape().basis);
         let count = flags.iter().filter(|f| **f).count();

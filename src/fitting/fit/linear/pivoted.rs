@@ -13,7 +13,7 @@ use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;
 use crate::observation::{roughness_matrix, roughness_rows, to_csr};
-use palpate_numeric::linalg::{Eigen, StencilMatrix, eigen};
+use palpate_numeric::linalg::{Eigen, StencilMatrix, dot, eigen};
 use palpate_numeric::solve::PivotedQr;
 
 /// Solves by rank-revealing QR; `reasons` are those that led here.
@@ -102,7 +102,6 @@ fn moved_by(directions: &[Vec<f64>]) -> Vec<usize> {
 fn smooth_along(penalty: &StencilMatrix, directions: &[Vec<f64>], c: &mut [f64]) -> Result<(), FitError> {
     let count = directions.len();
     let mut bent = vec![0.0; c.len()];
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let mut matrix = faer::Mat::<f64>::zeros(count, count);
     let mut rhs = faer::Mat::<f64>::zeros(count, 1);
     for k in 0..count {

@@ -9,6 +9,7 @@
 //! touch, so that whitening takes one subtraction.
 
 use palpate_geometry::contact::Contacts;
+use palpate_numeric::statistics::upper_median;
 
 /// Fewest steps along fingers from which a correlation could be told.
 const FEWEST: usize = 6;
@@ -40,12 +41,11 @@ impl Fingers {
             let distance = along(&contacts.x).hypot(along(&contacts.y)).hypot(along(&contacts.z));
             links.push((*r as u32, *before as u32, distance));
         }
-        let mut steps: Vec<f64> = links.iter().map(|l| l.2).filter(|d| *d > 0.0).collect();
+        let steps: Vec<f64> = links.iter().map(|l| l.2).filter(|d| *d > 0.0).collect();
         if steps.len() < FEWEST {
             return None;
         }
-        let middle = steps.len() / 2;
-        let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let median = upper_median(steps)?;
         links.iter_mut().for_each(|link| link.2 /= median);
         Some(Fingers { links })
     }

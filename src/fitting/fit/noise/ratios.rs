@@ -10,6 +10,7 @@
 //! The likelihood is the restricted one, s integrated out under 1/s (D. A. Harville, *Biometrika* 61 (1974) 383).
 
 use crate::fit::noise::row_sums::Sums;
+use palpate_numeric::linalg::dot;
 use palpate_numeric::solve::{Simultaneous, simultaneous};
 
 /// Range and steps of t. A step is half the posterior's sd at 200 sites.
@@ -145,8 +146,4 @@ impl Ratios {
         }
         [second, fourth]
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -13,7 +13,7 @@ use crate::fit::noise::sds::RowSds;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
 use crate::observation::{Measured, angular_residual_squared, linearise_normals};
-use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, visit_values};
+use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, dot, visit_values};
 
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
 /// nearby.
@@ -63,7 +63,7 @@ impl Minimum {
 fn roughness_of((lambda, penalty): &(f64, StencilMatrix), c: &[f64]) -> f64 {
     let mut bent = vec![0.0; c.len()];
     penalty.multiply(c, &mut bent);
-    lambda * c.iter().zip(&bent).map(|(a, b)| a * b).sum::<f64>()
+    lambda * dot(c, &bent)
 }
 
 /// The nonlinear problem at fixed noise sds.
@@ -124,7 +124,6 @@ impl NormalProblem<'_> {
     /// # Errors
     /// Where a linear step has no solution.
     pub(super) fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let mut from = found.solution.coefficients.clone();
         let mut before: Option<Vec<f64>> = None;
         let mut last = f64::INFINITY;

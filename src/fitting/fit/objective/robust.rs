@@ -1,12 +1,11 @@
 //! Robust loss by iterative reweighting: slips and false contacts lose their weight, the pattern of the equations stays.
 //!
 //! ```text
-//! t = residual / scale        scale = 1.4826 median |r| of heights, median |r| / 1.1774 of normals (two dimensions)
-//! Huber  w = min(1, 1.345/|t|)            Tukey  w = (1 - (t/4.685)^2)^2, 0 beyond;  Tukey starts from Huber
+//! t = residual / scale        scale = c median |r|,  c = MAD_TO_SD of heights, RAYLEIGH_TO_SD of normals (two dimensions)
+//! w = w(t) of Huber or Tukey; Tukey starts from Huber         [`palpate_numeric::statistics::Loss`]
 //! ```
 //!
-//! P. J. Huber, *Robust Statistics*, 1981; A. Beaton and J. Tukey, Technometrics 16 (1974). Both constants give 95 % of
-//! least squares' efficiency under normal noise. A contact has two weights, one for its height, one for its slopes.
+//! A contact has two weights, one for its height, one for its slopes.
 //! Where the noise sds are to be estimated, the robust scales are the estimate, because variance components count the slips.
 
 use crate::fit::noise::record::NoiseRecord;
@@ -19,13 +18,8 @@ use crate::fit::placing::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
 use crate::observation::{Data, angular_residual_squared};
 use palpate_numeric::linalg::{Sites, visit_values};
+use palpate_numeric::statistics::{Loss, MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 
-const HUBER: f64 = 1.345;
-const TUKEY: f64 = 4.685;
-/// Median of |N(0, 1)| is 1/1.4826.
-const OF_HEIGHTS: f64 = 1.482_6;
-/// Median length of two independent N(0, 1) is 1.17741.
-const OF_NORMALS: f64 = 1.0 / 1.177_41;
 /// Scales below this in the patch frame (where data are of size 1) are rounding.
 const NO_NOISE: f64 = 1e-13;
 /// Weights that move by less than this change S and R in the fifth digit at most; Tukey's take some 20 steps to do so.
@@ -36,13 +30,6 @@ const MAX_STEPS: usize = 60;
 struct Distances {
     z: Vec<Option<f64>>,
     slope: Vec<Option<f64>>,
-}
-
-/// Which loss the weights are of.
-#[derive(Clone, Copy)]
-pub(in crate::fit) enum Loss {
-    Huber,
-    Tukey,
 }
 
 /// A fit whose weights have stopped moving.
@@ -127,21 +114,6 @@ fn too_few_left(fault: FitError, loss: Loss) -> FitError {
             expected: "take huber, under which every contact keeps some weight, or lower degree or segments",
         },
         (fault, _) => fault,
-    }
-}
-
-impl Loss {
-    /// Weight and derivative of psi = weight t at the residual t, in scales.
-    pub(in crate::fit) fn weight_and_slope(self, t: f64) -> [f64; 2] {
-        match self {
-            Loss::Huber if t <= HUBER => [1.0, 1.0],
-            Loss::Huber => [HUBER / t, 0.0],
-            Loss::Tukey if t < TUKEY => {
-                let square = (t / TUKEY).powi(2);
-                [(1.0 - square).powi(2), (1.0 - square) * (1.0 - 5.0 * square)]
-            }
-            Loss::Tukey => [0.0, 0.0],
-        }
     }
 }
 
@@ -234,20 +206,15 @@ fn weighted_squares(distances: &[Option<f64>], scale: f64, loss: Loss) -> f64 {
 /// Square roots of the loss's weights; rows whose scale is zero to rounding keep their weight.
 fn weigh(distances: &[Option<f64>], scale: Option<f64>, loss: Loss) -> Vec<f64> {
     let Some(scale) = scale else { return vec![1.0; distances.len()] };
-    let weight = |size: f64| loss.weight_and_slope(size / scale)[0];
-    distances.iter().map(|d| d.map_or(1.0, |size| weight(size).sqrt())).collect()
+    distances.iter().map(|d| d.map_or(1.0, |size| loss.root_weight(size / scale))).collect()
 }
 
 /// Robust scale of one kind of rows, 0 for heights and 1 for slopes or normals; `None` without rows, or where residuals are
 /// rounding.
 pub(in crate::fit) fn scale(distances: &[Option<f64>], kind: usize) -> Option<f64> {
-    let mut sizes: Vec<f64> = distances.iter().flatten().copied().collect();
-    if sizes.is_empty() {
-        return None;
-    }
-    let middle = sizes.len() / 2;
-    let factor = if kind == 0 { OF_HEIGHTS } else { OF_NORMALS };
-    Some(factor * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|s| *s > NO_NOISE)
+    let sizes: Vec<f64> = distances.iter().flatten().copied().collect();
+    let factor = if kind == 0 { MAD_TO_SD } else { RAYLEIGH_TO_SD };
+    upper_median(sizes).map(|median| factor * median).filter(|s| *s > NO_NOISE)
 }
 
 /// The options with the robust scales declared as noise sds, where sds were to be estimated.

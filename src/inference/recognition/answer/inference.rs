@@ -13,7 +13,7 @@ use crate::recognition::noise::PlaceErrors;
 use crate::recognition::options::RequestedPlaces;
 use crate::recognition::region::chart_point;
 use crate::recognition::start::Patch;
-use crate::recognition::statistics::standard_deviation;
+use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::vector::Vector;
 
 use super::weights::Weights;

@@ -29,10 +29,10 @@ use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::{Evidence, Node};
 use crate::recognition::kinds::Kind;
 use crate::recognition::region::{PredictiveDraw, measured, predicted};
-use crate::recognition::statistics::standard_deviation;
 use crate::recognition::{Estimate, RecognitionOptions, dense};
 use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::draws::EffectDraws;
+use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::threads;
 
 use super::posterior_samples::{Drawn, classes, interval_of, pointwise, within_deg};

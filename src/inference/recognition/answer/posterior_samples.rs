@@ -9,6 +9,7 @@
 use crate::recognition::discrepancy::Body;
 use crate::recognition::kinds::Kind;
 use palpate_geometry::curvature::ShapeClass;
+use palpate_numeric::statistics::weighted_quantile;
 use palpate_numeric::vector::{Vector, dot};
 
 use super::shape_means::Field;
@@ -113,18 +114,7 @@ fn quantiles(
     }
     values.retain(|(value, share)| value.is_finite() && *share > 0.0);
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some([quantile(&values, 0.5 * (1.0 - level))?, quantile(&values, 0.5 * (1.0 + level))?])
-}
-
-/// The value that a part `level` of the weights does not exceed, of values in order with their weights.
-fn quantile(ordered: &[(f64, f64)], level: f64) -> Option<f64> {
-    let sum: f64 = ordered.iter().map(|(_, share)| share).sum();
-    let mut below = 0.0;
-    let reached = ordered.iter().find(|(_, share)| {
-        below += share;
-        below >= level * sum
-    });
-    reached.or(ordered.last()).map(|(value, _)| *value)
+    Some([weighted_quantile(&values, 0.5 * (1.0 - level))?, weighted_quantile(&values, 0.5 * (1.0 + level))?])
 }
 
 /// The angle from this direction, degrees, that a part `level` of the draws does not exceed.
@@ -139,7 +129,7 @@ pub(super) fn within_deg(found: &[Drawn], own: Vector, which: usize, level: f64)
         angles.extend(drawn.draws.iter().map(|field| (angle(field), share)));
     }
     angles.sort_by(|a, b| a.0.total_cmp(&b.0));
-    quantile(&angles, level)
+    weighted_quantile(&angles, level)
 }
 
 /// Shares of the classes: that of the plane by the evidence, because a surface so near to a plane that it cannot be told from

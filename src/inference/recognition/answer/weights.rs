@@ -27,8 +27,8 @@ use crate::recognition::discrepancy::{Body, is_free};
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::evidence::{Evidence, Node, likeliest};
 use crate::recognition::kinds::Kind;
-use crate::recognition::statistics::{median, standard_deviation};
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::{median, standard_deviation};
 
 use super::interval_weights::{Doubt, EITHER, departed, keep_simple, with_doubt};
 use super::normalised_weights::{best, raise, shares, total};
@@ -216,8 +216,8 @@ fn normals_gain(evidence: &Evidence, nodes: &[Node]) -> Option<f64> {
 /// Weight of the displaced nodes under which neighbours share errors of at least `size`.
 fn shared(evidence: &Evidence, nodes: &[Node], weights: &[f64], size: f64) -> f64 {
     let tree = Neighbours::new(&evidence.cells.feet);
-    let apart = (0..evidence.cells.feet.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d)).collect();
-    let apart = median(apart);
+    let apart = (0..evidence.cells.feet.len()).filter_map(|i| tree.nearest_other(i).map(|(d, _)| d));
+    let apart = median(apart.collect::<Vec<f64>>()).unwrap_or(0.0);
     total(weights, nodes, |n| n.is_displaced() && n.tau() * (-0.5 * apart / n.length).exp() > size)
 }
 

@@ -12,7 +12,7 @@
 use std::collections::HashMap;
 
 use crate::recognition::kinds::Model;
-use crate::recognition::statistics::median;
+use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
 
 /// Cells at most.
@@ -114,7 +114,7 @@ pub(in crate::recognition) fn cells(
         feet.push(along(mean, -d, normal));
         surface_normals.push(normal);
     }
-    let middle = median(counts.clone());
+    let middle = median(counts.clone()).unwrap_or(0.0);
     let mean_count = points.len() as f64 / count as f64;
     let first: Vec<Vector> = surface_normals.iter().map(|n| tangent(*n)).collect();
     let second = surface_normals.iter().zip(&first).map(|(n, t)| cross(*n, *t)).collect();

@@ -9,10 +9,10 @@
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
-use crate::recognition::statistics::standard_deviation;
 use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
+use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::vector::{Vector, dot};
 
 use super::cross_validated_spline::{Flexible, flexible};

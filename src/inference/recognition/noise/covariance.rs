@@ -3,7 +3,7 @@
 //! ```text
 //! Sigma = s^2 (D + rho exp(-r_ij/l))       r between feet;  rho in {0} u 10^{-1..4},  l in {0.12, 0.3, 0.75, 2}
 //! prior: half on rho = 0, the rest shared equally;   times exp(-(tau/limit)^2/2),  tau = s sqrt(rho)
-//! limit = max(0.1 relief, 2 e),  e = 1.4826 median |d_i - d_nearest| / sqrt 2
+//! limit = max(0.1 relief, 2 e),  e = mad(d_i - d_nearest) / sqrt 2
 //! ```
 //!
 //! The exponential kernel is a rough one on purpose: a smooth kernel of long range looks like curvature and would take
@@ -16,7 +16,7 @@ use faer::Mat;
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::dense;
-use crate::recognition::statistics::median;
+use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{minus, norm};
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
@@ -117,8 +117,8 @@ pub(in crate::recognition) struct Limit {
 impl Limit {
     /// From the relief and the differences of residuals between contacts with the nearest feet.
     pub(in crate::recognition) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64) -> Limit {
-        let differences = pairs.iter().map(|&[i, j]| (residuals[i] - residuals[j]).abs()).collect();
-        let nearest = 1.4826 * median(differences) / std::f64::consts::SQRT_2;
+        let differences = pairs.iter().map(|&[i, j]| residuals[i] - residuals[j]);
+        let nearest = mad(differences) / std::f64::consts::SQRT_2;
         Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
     }
 

@@ -20,6 +20,7 @@ use faer::Mat;
 use crate::recognition::contacts::Cells;
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
+use palpate_numeric::linalg;
 use palpate_numeric::vector::{dot, minus, scaled, unit};
 
 /// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
@@ -70,14 +71,13 @@ impl Gain {
     pub(super) fn taken_out(&mut self, halves: &mut [Mat<f64>; 2], lower: &Mat<f64>, variance: f64) -> f64 {
         let mut steeper = self.steeper.clone();
         steeper.iter_mut().for_each(|v| dense::forward_in_columns(lower, v));
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let square = steeper.iter().map(|v| dot(v, v)).sum::<f64>() / variance;
+        let square = steeper.iter().map(|v| linalg::dot(v, v)).sum::<f64>() / variance;
         let k = GAIN.powi(-2) + square;
         // of the rows along v this share is left out, so that of their square 1/(1 + GAIN^2 square) stays
         let share = 1.0 - (1.0 + GAIN * GAIN * square).sqrt().recip();
         let mut c = vec![0.0; halves[0].ncols()];
         for (j, c) in c.iter_mut().enumerate() {
-            *c = (0..2).map(|side| dot(halves[side].col_as_slice(j), &steeper[side])).sum::<f64>() / variance;
+            *c = (0..2).map(|side| linalg::dot(halves[side].col_as_slice(j), &steeper[side])).sum::<f64>() / variance;
             let by = if square > 0.0 { share * *c / square } else { 0.0 };
             for (half, v) in halves.iter_mut().zip(&steeper) {
                 half.col_as_slice_mut(j).iter_mut().zip(v).for_each(|(row, v)| *row -= by * v);

@@ -11,7 +11,7 @@
 //! root. On a patch that stands upright the distances are errors across z, and ratios below 1 are not asked for.
 
 use crate::recognition::start::Patch;
-use crate::recognition::statistics::median;
+use palpate_numeric::statistics::mad;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
 const ENOUGH: usize = 100;
@@ -65,7 +65,7 @@ impl PlaceErrors {
             let along_z = (whole - across * slope).max(0.0);
             return PlaceErrors { along_z, across, doubt: 0.0, weigh: true, shown: false };
         }
-        let scale = 1.4826 * median(patch.distances.iter().map(|d| d.abs()).collect());
+        let scale = mad(patch.distances.iter().copied());
         if pairs.len() < ENOUGH || whole.sqrt() < SINGLE * scale {
             // between none along the surface and as large ones as across it, alike in all directions however the patch lies
             let half = 0.5 * whole;
@@ -78,7 +78,7 @@ impl PlaceErrors {
 /// Half the squared differences of distances between contacts with the nearest feet, and `1 - n_z^2` there.
 fn pairs(patch: &Patch, nearest: &[[usize; 2]]) -> Vec<(f64, f64)> {
     let found: Vec<(f64, usize)> = nearest.iter().map(|&[i, j]| (patch.distances[i] - patch.distances[j], i)).collect();
-    let scale = 1.4826 * median(found.iter().map(|(d, _)| d.abs()).collect());
+    let scale = mad(found.iter().map(|(d, _)| *d));
     let sound = found.into_iter().filter(|(d, _)| d.abs() <= BLUNDER * scale);
     sound.map(|(d, i)| (0.5 * d * d, (1.0 - patch.upright(patch.feet[i]).powi(2)).max(0.0))).collect()
 }

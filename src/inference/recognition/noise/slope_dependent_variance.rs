@@ -9,7 +9,7 @@
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::Patch;
-use crate::recognition::statistics::median;
+use palpate_numeric::statistics::{MAD_TO_SD, median};
 
 use super::position_covariance::PlaceErrors;
 use palpate_numeric::vector::cross;
@@ -33,7 +33,8 @@ pub(in crate::recognition) fn weighed(mut cells: Cells, patch: &Patch, errors: &
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let count = patch.distances.len() as f64;
     let spent = (count / (count - UNKNOWNS).max(1.0)).sqrt();
-    let scatter = 1.4826 * spent * median(patch.distances.iter().map(|d| d.abs()).collect());
+    let scatter =
+        MAD_TO_SD * spent * median(patch.distances.iter().map(|d| d.abs()).collect::<Vec<f64>>()).unwrap_or(0.0);
     let across = errors.across;
     let upright = mean(&squares);
     let along_z = (scatter * scatter - across * (1.0 - upright)).max(0.0) / upright.max(LEAST);

@@ -10,8 +10,8 @@
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::thinned;
-use crate::recognition::statistics::median;
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::{median, order_statistic};
 use palpate_numeric::vector::{Vector, dot, minus, norm};
 
 /// Contacts whose nearest neighbours are looked up.
@@ -39,9 +39,9 @@ impl<'a> Support<'a> {
     pub(in crate::recognition) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
         let tree = Neighbours::new(feet);
         let sample = thinned(feet, SAMPLE);
-        let mut nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
-        nearest.sort_unstable_by(f64::total_cmp);
-        let quantile = nearest.get(nearest.len() * 95 / 100).copied().unwrap_or(0.0);
+        let nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
+        let rank = nearest.len() * 95 / 100;
+        let quantile = order_statistic(nearest, rank).unwrap_or(0.0);
         let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet));
         Support { hull: hull(charts), tree, reach, beyond: BEYOND * reach }
     }
@@ -143,7 +143,7 @@ fn widest_gap(points: &[Vector]) -> f64 {
     edges.sort_unstable_by(f64::total_cmp);
     let largest = edges.last().copied().unwrap_or(0.0);
     let between_sites = edges.split_off(repeats(&edges));
-    largest.min(4.0 * median(between_sites))
+    largest.min(4.0 * median(between_sites).unwrap_or(0.0))
 }
 
 /// How many of the edges, shortest first, join touches of one and the same site: those below a sudden growth, if they are

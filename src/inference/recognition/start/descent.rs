@@ -2,14 +2,15 @@
 //!
 //! ```text
 //! minimise sum_i w_i d(theta; X_i)^2           (J'WJ + lambda diag) step = -J'W d
-//! w_i = min(1, 1.345 s/|d_i|)                  s = 1.4826 median |d - median d|
+//! w_i = min(1, 1.345 s/|d_i|)                  s = mad(d - median d)
 //! ```
 //!
 //! J. J. More, *The Levenberg-Marquardt algorithm*, 1978. P. J. Huber, *Robust Statistics*, 1981.
 
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::statistics::{HUBER, median};
+use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
+use palpate_numeric::statistics::{huber_weight, mad_about_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
 
@@ -21,8 +22,18 @@ const ROUNDS: usize = 25;
 /// Steps tried for one set of weights in a plain fit.
 const STEPS: usize = 60;
 
-/// Levenberg-Marquardt damping at the start, and where a fit gives up.
-const DAMPING: [f64; 2] = [1e-4, 1e12];
+/// Damping and budget of a plain fit.
+const SETTINGS: Settings = Settings {
+    first: 1e-4,
+    most: 1e12_f64.next_down(),
+    fall: |damping| (damping * 0.1).max(1e-14),
+    rounding: 0.0,
+    steps: STEPS,
+    trials: usize::MAX,
+};
+
+/// Steps for one set of weights in a robust fit.
+const BETWEEN_WEIGHTS: usize = 3;
 
 /// Points of one task; fewer, at 30 ns each, take less than handing them over.
 pub(super) const TASK: usize = 1 << 13;
@@ -38,22 +49,19 @@ pub(super) struct Fitted {
 /// Robust fit from a start, to positions, or to positions and normals.
 pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: Kind, theta: [f64; 6]) -> Fitted {
     let mut model = Model::new(kind, kind.restricted(theta));
-    let (mut last, mut damping) = (f64::INFINITY, DAMPING[0]);
+    let (mut last, mut damping) = (f64::INFINITY, SETTINGS.first);
     let mut weights = vec![1.0; points.len()];
     let mut distances = distances_of(&model, points);
     for _ in 0..ROUNDS {
-        for _ in 0..3 {
-            if !step(&mut model, (points, normals.as_ref()), &weights, &mut damping) {
-                break;
-            }
-        }
+        let between = Settings { steps: BETWEEN_WEIGHTS, ..SETTINGS };
+        descend(&mut model, (points, normals.as_ref()), &weights, &mut damping, &between);
         distances = distances_of(&model, points);
         let scale = scale_of(&distances);
         if (scale - last).abs() < 1e-4 * scale {
             break;
         }
         last = scale;
-        weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = (HUBER * scale / d.abs()).min(1.0));
+        weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = huber_weight(*d, scale));
         normals.iter_mut().for_each(|normals| normals.weigh(&model, points));
     }
     let scale = scale_of(&distances);
@@ -69,12 +77,7 @@ pub(super) fn plain(
     theta: [f64; 6],
 ) -> (Model, f64) {
     let mut model = Model::new(kind, kind.restricted(theta));
-    let mut damping = DAMPING[0];
-    for _ in 0..STEPS {
-        if !step(&mut model, (points, normals), weights, &mut damping) {
-            break;
-        }
-    }
+    descend(&mut model, (points, normals), weights, &mut SETTINGS.first.clone(), &SETTINGS);
     let cost = cost(&model, (points, normals), weights);
     (model, cost)
 }
@@ -86,10 +89,9 @@ pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     threads::map(points.len(), TASK, |k| model.distance(points[k]))
 }
 
-/// 1.4826 times the median distance from the median.
+/// The standard deviation by the median distance from the median, never 0.
 pub(super) fn scale_of(distances: &[f64]) -> f64 {
-    let middle = median(distances.to_vec());
-    1.4826 * median(distances.iter().map(|d| (d - middle).abs()).collect()) + 1e-12
+    mad_about_median(distances) + 1e-12
 }
 
 /// Positions, and normals where they take part.
@@ -100,44 +102,67 @@ fn cost(model: &Model, (points, normals): Measured, weights: &[f64]) -> f64 {
     normals.map_or(of_positions, |normals| of_positions + normals.cost(model, points))
 }
 
-/// One accepted step; `false` when none lowers the cost by more than rounding.
-fn step(model: &mut Model, (points, normals): Measured, weights: &[f64], damping: &mut f64) -> bool {
-    let p = model.kind().unknowns();
-    let mut normal = [[0.0; 6]; 6];
-    let mut gradient = [0.0; 6];
-    let mut before = 0.0;
-    for (point, &w) in points.iter().zip(weights) {
-        let (d, by) = model.distance_by_free(*point);
-        before += w * d * d;
-        for i in 0..p {
-            let weighted = w * by[i];
-            gradient[i] -= weighted * d;
-            (0..=i).for_each(|j| normal[i][j] += weighted * by[j]);
-        }
-    }
-    if let Some(normals) = normals {
-        before += normals.cost(model, points);
-        normals.add(model, points, &mut normal, &mut gradient);
-    }
-    if !before.is_finite() {
-        return false;
-    }
-    let floor = (0..p).map(|i| normal[i][i]).fold(0.0, f64::max) * 1e-10 + f64::MIN_POSITIVE;
-    while *damping < DAMPING[1] {
-        let mut damped = normal;
-        (0..p).for_each(|i| damped[i][i] += *damping * (normal[i][i] + floor));
-        let step = dense::solve_small(damped, gradient, p);
-        let moved = step.map(|step| Model::new(model.kind(), model.kind().moved(model.theta(), &step[..p])));
-        if let Some(moved) = moved {
-            let after = cost(&moved, (points, normals), weights);
-            if after < before {
-                *model = moved;
-                *damping = (*damping * 0.1).max(1e-14);
-                return after < before * (1.0 - 1e-12);
+/// Steps downwards; equations without a solution end them where they are.
+fn descend(model: &mut Model, measured: Measured, weights: &[f64], damping: &mut f64, settings: &Settings) {
+    let mut distances = Distances { measured, weights, normal: [[0.0; 6]; 6], gradient: [0.0; 6], unknowns: 0 };
+    let _ = levenberg_marquardt::descend(&mut distances, model, damping, settings);
+}
+
+/// Weighted distances, one row a point and two a normal, with their normal equations at the last point.
+struct Distances<'a> {
+    measured: Measured<'a>,
+    weights: &'a [f64],
+    normal: [[f64; 6]; 6],
+    gradient: [f64; 6],
+    unknowns: usize,
+}
+
+/// The damped equations are not positive definite.
+struct NotPositiveDefinite;
+
+impl ResidualModel for Distances<'_> {
+    type Point = Model;
+    type Step = [f64; 6];
+    type Error = NotPositiveDefinite;
+
+    fn linearise(&mut self, model: &Model) -> f64 {
+        let (points, normals) = self.measured;
+        let p = model.kind().unknowns();
+        self.unknowns = p;
+        (self.normal, self.gradient) = ([[0.0; 6]; 6], [0.0; 6]);
+        let mut before = 0.0;
+        for (point, &w) in points.iter().zip(self.weights) {
+            let (d, by) = model.distance_by_free(*point);
+            before += w * d * d;
+            for i in 0..p {
+                let weighted = w * by[i];
+                self.gradient[i] -= weighted * d;
+                (0..=i).for_each(|j| self.normal[i][j] += weighted * by[j]);
             }
         }
-        *damping *= 10.0;
+        if let Some(normals) = normals {
+            before += normals.cost(model, points);
+            normals.add(model, points, &mut self.normal, &mut self.gradient);
+        }
+        before
     }
-    *damping = DAMPING[0];
-    false
+
+    fn solve(&mut self, damping: f64) -> Result<[f64; 6], NotPositiveDefinite> {
+        let p = self.unknowns;
+        let floor = (0..p).map(|i| self.normal[i][i]).fold(0.0, f64::max) * 1e-10 + f64::MIN_POSITIVE;
+        let mut damped = self.normal;
+        (0..p).for_each(|i| damped[i][i] += damping * (self.normal[i][i] + floor));
+        dense::solve_small(damped, self.gradient, p).ok_or(NotPositiveDefinite)
+    }
+
+    fn moved(&mut self, from: &Model, step: &[f64; 6]) -> Option<(Model, f64)> {
+        let moved = Model::new(from.kind(), from.kind().moved(from.theta(), &step[..self.unknowns]));
+        let after = cost(&moved, self.measured, self.weights);
+        Some((moved, after))
+    }
+
+    fn is_settled(&mut self, _: &[f64; 6], before: f64, after: f64) -> bool {
+        // the cost is rounded to about this
+        after >= before * (1.0 - 1e-12)
+    }
 }

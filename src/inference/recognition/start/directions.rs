@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! minimise sum_i w_i d(theta; X_i)^2 + (1/5)^2 sum_i v_i |n_i - n(theta; X_i)|^2         tangential parts, on two axes across n_i
-//! v_i = min(1, 1.345 s/|n_i - n|)                                                        s = 1.4826 median |n_i - n|
+//! v_i = min(1, 1.345 s/|n_i - n|)                                                        s = mad |n_i - n|
 //! ```
 //!
 //! Lengths are in units of the patch's size. The fit only says where the equations of the evidence are placed and which contacts do
 //! not belong; how much normals count beside positions, the evidence finds from the contacts.
 
 use crate::recognition::kinds::Model;
-use crate::recognition::statistics::{HUBER, median};
+use palpate_numeric::statistics::{huber_weight, mad};
 use palpate_numeric::vector::{Vector, cross, dot, minus, norm, unit};
 
 /// Error of a position over that of a normal, in radians, that the fit supposes: 0.05 mm over a patch of 5 mm, beside 3 degrees.
@@ -51,10 +51,10 @@ impl Directions {
 
     /// Weighs every normal by how far it is off.
     pub(super) fn weigh(&mut self, model: &Model, points: &[Vector]) {
-        let scale = 1.4826 * median(self.errors(model, points)) + 1e-12;
+        let scale = mad(self.errors(model, points)) + 1e-12;
         for (i, point) in points.iter().enumerate().filter(|(i, _)| self.measured[*i] != [0.0; 3]) {
             let off = norm(minus(self.measured[i], model.distance_and_normal(*point).1));
-            self.weights[i] = (HUBER * scale / off).min(1.0);
+            self.weights[i] = huber_weight(off, scale);
         }
     }
 

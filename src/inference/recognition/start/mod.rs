@@ -1,7 +1,7 @@
 //! The start: a robust surface of two constant curvatures, and the contacts that belong to it.
 //!
 //! ```text
-//! minimise sum_i w_i d(theta; P_i)^2        w_i = min(1, 1.345 s/|d_i|)        s = 1.4826 median |d - median d|
+//! minimise sum_i w_i d(theta; P_i)^2        w_i = min(1, 1.345 s/|d_i|)        s = mad(d - median d)
 //! ```
 //!
 //! `descent.rs` makes one such fit and `robust.rs` chooses among several; `directions.rs` adds normals where positions alone do not

@@ -16,7 +16,7 @@ use faer::Mat;
 use crate::recognition::dense;
 use crate::recognition::discrepancy::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
-use crate::recognition::statistics::HUBER;
+use palpate_numeric::statistics::huber_weight;
 
 use super::descent::scale_of;
 
@@ -92,7 +92,7 @@ impl Departure {
                 break;
             }
             last = scale;
-            let weights: Vec<f64> = left.iter().map(|d| (HUBER * scale / d.abs()).min(1.0)).collect();
+            let weights: Vec<f64> = left.iter().map(|d| huber_weight(*d, scale)).collect();
             found.coefficients = found.weighted(&rows, distances, &weights, scale)?;
             left = charts.iter().zip(distances).map(|(c, d)| d - found.at(*c)).collect();
         }

@@ -6,7 +6,7 @@
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::statistics::standard_deviation;
+use palpate_numeric::statistics::standard_deviation;
 
 /// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
 pub(in crate::recognition) fn relief(cells: &Cells, models: &[Model]) -> f64 {

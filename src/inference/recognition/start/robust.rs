@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! height quadric z = z0 + gx x + gy y + (A x^2 + 2 B x y + C y^2)/2    ->  starts of sphere, cylinder and general
-//! best general fit = least sum of min(|d|, 3 s)^2         outliers: |d| > 6 * 1.4826 median |d| sqrt(n/(n - 6))
+//! best general fit = least sum of min(|d|, 3 s)^2         outliers: |d| > 6 mad(d) sqrt(n/(n - 6))
 //!                                                       and off a smooth departure from it, too (taken_back.rs)
 //! ```
 //!
@@ -16,7 +16,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::statistics::median;
+use palpate_numeric::statistics::{mad, median};
 
 use super::descent::{Fitted, distances_of, robust};
 use super::directions::{Directions, OF_NORMAL};
@@ -85,7 +85,7 @@ pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>) -> Start {
     let general = general.model;
     let distances = distances_of(&general, points);
     let n = points.len() as f64;
-    let scale = 1.4826 * median(distances.iter().map(|d| d.abs()).collect());
+    let scale = mad(distances.iter().copied());
     let limit = (6.0 * scale * (n / (n - 6.0).max(1.0)).sqrt()).max(1e-9);
     let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || points.len() < FEWEST).collect();
     if let Model::Constant(_, surface) = &general {
@@ -130,7 +130,7 @@ impl Fits {
 /// both: contacts in a ring or in two rows have no one surface. `None` elsewhere.
 fn told_by_normals(alone: &Fits, points: &[Vector], normals: &[Vector]) -> Option<Fits> {
     let directions = Directions::new(normals);
-    let off = |model: &Model| median(directions.errors(model, points));
+    let off = |model: &Model| median(directions.errors(model, points)).unwrap_or(0.0);
     let of_alone = off(&alone.general.model);
     // a look at a height quadric is cheap, and most contacts need no more
     let [z0, gx, gy, a, b, c] = quadric(points, Some(normals));

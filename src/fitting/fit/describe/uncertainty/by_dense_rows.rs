@@ -5,6 +5,7 @@ use crate::fit::describe::shape_over_grid;
 use crate::fit::{Fit, FitOptions, NormalSigma, Objective, SlopeWeights, fit_contacts};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::draws::EffectDraws;
+use palpate_numeric::linalg::dot;
 
 type Row = Vec<f64>;
 
@@ -17,10 +18,6 @@ fn rows_of(fit: &Fit) -> Vec<[Row; 3]> {
         .map(|j| equations.residuals(&(0..unknowns).map(|k| f64::from(u8::from(k == j))).collect::<Vec<f64>>()))
         .collect();
     (0..bare.len()).map(|r| [0, 1, 2].map(|k| columns.iter().map(|c| bare[r][k] - c[r][k]).collect())).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `(E'E)^-1 g` by elimination.

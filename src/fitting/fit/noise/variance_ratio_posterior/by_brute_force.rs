@@ -12,6 +12,8 @@ use crate::fit::noise::variance_ratio_posterior::Levels;
 use crate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
 use palpate_geometry::contact::{Contacts, Orientation};
 use palpate_numeric::draws::EffectDraws;
+use palpate_numeric::linalg::dot;
+use palpate_numeric::statistics::upper_median;
 
 type Matrix = Vec<Vec<f64>>;
 
@@ -38,10 +40,6 @@ fn forward(l: &Matrix, b: &[f64]) -> Vec<f64> {
 
 fn log_det(l: &Matrix) -> f64 {
     (0..l.len()).map(|i| 2.0 * l[i][i].ln()).sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Rows of one kind made independent: their normal matrix, `E'r`, `r'r`, their number, and log |C|.
@@ -187,9 +185,8 @@ fn covariance(contacts: &Contacts, rho: f64) -> Matrix {
         let along = |v: &[f64]| v[r] - v[r - 1];
         along(&contacts.x).hypot(along(&contacts.y)).hypot(along(&contacts.z))
     };
-    let mut steps: Vec<f64> = (1..n).filter(|&r| finger[r] == finger[r - 1]).map(step).collect();
-    steps.sort_by(f64::total_cmp);
-    let median = steps[steps.len() / 2];
+    let steps: Vec<f64> = (1..n).filter(|&r| finger[r] == finger[r - 1]).map(step).collect();
+    let median = upper_median(steps).unwrap();
     for i in 0..n {
         for j in (0..i).filter(|&j| finger[i] == finger[j]) {
             let way: f64 = (j + 1..=i).map(step).sum();

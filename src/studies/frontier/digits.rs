@@ -24,11 +24,3 @@ pub fn digits_of(found: &[f64], reference: &[f64]) -> f64 {
     }
     if worst == 0.0 { DIGITS_OF_A_DOUBLE } else { digits_absolute(worst / size) }
 }
-
-/// Digits of the worst entry, each relative to itself (NIST's log relative error).
-pub fn digits_each(found: &[f64], reference: &[f64]) -> f64 {
-    if found.len() != reference.len() {
-        return 0.0;
-    }
-    found.iter().zip(reference).map(|(f, r)| digits_of(&[*f], &[*r])).fold(DIGITS_OF_A_DOUBLE, f64::min)
-}

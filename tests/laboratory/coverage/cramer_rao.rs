@@ -12,6 +12,7 @@
 
 use faer::{Mat, Side};
 
+use palpate_numeric::linalg::dot;
 use palpate_world::scene::effects::{Kind, NormalNoise, PositionNoise};
 use palpate_world::scene::surface::{
     Body, Cylinder, Ellipsoid, GaussianBump, Paraboloid, Saddle, Sphere, Superquadric, Torus,
@@ -199,11 +200,6 @@ impl Known {
     pub(super) fn coordinates(&self, right: &[f64]) -> Vec<f64> {
         self.axes.iter().map(|axis| dot(axis, right)).collect()
     }
-}
-
-/// `a . b`.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The surface over all places with one parameter moved by a step.

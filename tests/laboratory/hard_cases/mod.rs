@@ -1,4 +1,4 @@
-//! Canonical problems with reference solutions: the hard cases, shared by tests, benches and reports.
+//! Canonical problems with reference solutions: the hard cases, shared by tests and benches.
 //!
 //! ```text
 //! a case = data (contacts, a grid, or dense rows) + fit options + what may be expected of the answer
@@ -12,7 +12,6 @@
 mod clusters;
 mod contradictions;
 mod degrees;
-mod digits;
 mod duplicates;
 mod extremes;
 mod fingerprint;
@@ -30,9 +29,9 @@ mod slopes_only;
 mod umbilics;
 mod weights;
 
-pub use digits::{DIGITS_OF_A_DOUBLE, digits_absolute, digits_each, digits_of};
 pub use nist::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 pub use palpate_numeric::draws::Lcg;
+pub use palpate_studies::frontier::{DIGITS_OF_A_DOUBLE, digits_absolute, digits_of};
 
 use ndarray::Array2;
 
@@ -143,4 +142,12 @@ impl HardCase {
         self.expectation = expectation;
         self
     }
+}
+
+/// Digits of the worst entry, each relative to itself (NIST's log relative error).
+pub fn digits_each(found: &[f64], reference: &[f64]) -> f64 {
+    if found.len() != reference.len() {
+        return 0.0;
+    }
+    found.iter().zip(reference).map(|(f, r)| digits_of(&[*f], &[*r])).fold(DIGITS_OF_A_DOUBLE, f64::min)
 }

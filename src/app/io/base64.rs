@@ -2,8 +2,8 @@
 
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// The bytes in base 64, padded.
-pub(super) fn base64(bytes: &[u8]) -> String {
+/// The bytes in base 64, padded. A crate would add a dependency for these ten lines.
+pub(crate) fn base64(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let at = |k: usize| u32::from(chunk.get(k).copied().unwrap_or(0));
@@ -14,12 +14,6 @@ pub(super) fn base64(bytes: &[u8]) -> String {
         }
     }
     out
-}
-
-/// Numbers in single precision, lowest byte first, in base 64.
-pub(super) fn singles(values: impl Iterator<Item = f64>) -> String {
-    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
-    base64(&bytes)
 }
 
 #[cfg(test)]
@@ -33,6 +27,5 @@ mod tests {
         for (plain, expected) in cases {
             assert_eq!(base64(plain.as_bytes()), expected);
         }
-        assert_eq!(singles([1.0].into_iter()), "AACAPw==");
     }
 }

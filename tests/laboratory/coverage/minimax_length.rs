@@ -17,7 +17,8 @@
 use faer::{Mat, Side};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::cramer_rao::{Family, Known, PLACES, Tangent, dot, ends, lattice};
+use super::cramer_rao::{Family, Known, PLACES, Tangent, ends, lattice};
+use palpate_numeric::linalg::dot;
 use palpate_world::scene::Surface;
 use palpate_world::scene::surface::Local;
 

@@ -37,19 +37,3 @@ pub(crate) fn coverage_family() -> Vec<(String, String)> {
     }
     scenes
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::io::scene_file::read_scene;
-
-    #[test]
-    fn every_scene_reads() {
-        let scenes = coverage_family();
-        assert!(scenes.len() >= 24);
-        for (name, text) in scenes {
-            let scene = read_scene(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-            assert_eq!(scene.name, name);
-        }
-    }
-}
