@@ -21,7 +21,7 @@ use crate::report::words::like;
 /// What the system says.
 pub(crate) fn write_explore_page(
     document: &ExploreDocument,
-    found: Option<&dyn Description>,
+    found: Option<&Description>,
     provenance: &Provenance,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {

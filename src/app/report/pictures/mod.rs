@@ -61,7 +61,7 @@ impl SurfacePictures {
     pub(crate) const NAMES: [&'static str; 3] = ["shape", "section", "perspective"];
 
     /// Of a described surface; `name` begins the titles.
-    pub(crate) fn new(description: &dyn Description, document: &FitDocument, name: &str) -> SurfacePictures {
+    pub(crate) fn new(description: &Description, document: &FitDocument, name: &str) -> SurfacePictures {
         let part = &document.shape;
         SurfacePictures {
             view: shown_view(description),
