@@ -1,5 +1,7 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
+mod binomial;
+mod certainty;
 mod departures;
 mod differential;
 mod effects_together;
