@@ -4,6 +4,7 @@ mod binomial;
 mod certainty;
 mod departures;
 mod differential;
+mod draws;
 mod effects_together;
 mod explore;
 mod few_and_lines;
