@@ -101,7 +101,7 @@ impl Gain {
 
 #[cfg(test)]
 mod tests {
-    use crate::recognition::{Recognition, RecognitionOptions};
+    use crate::recognition::{Recognition, RecognitionOptions, Remark};
     use palpate_geometry::contact::Contacts;
     use palpate_numeric::draws::EffectDraws;
     use palpate_numeric::vector::Vector;
@@ -124,7 +124,7 @@ mod tests {
     }
 
     fn says_steeper(found: &Recognition) -> bool {
-        found.notes.iter().any(|note| note.contains("steeper than the positions say"))
+        found.notes.iter().any(|note| matches!(note, Remark::Gain { gain } if *gain > 0.0))
     }
 
     /// Without a gain no interval of R holds the truth (`benches/runs/coverage.md`).
