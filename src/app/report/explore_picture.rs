@@ -101,8 +101,8 @@ fn uncertainty(
     of: impl Fn(&super::explore::StepPart) -> Option<f64>,
 ) -> Outcome {
     /// Smallest u that is drawn: a surface found to be a sphere has an S without any.
-    const LEAST: f64 = 1e-6;
-    let known = document.steps.iter().filter_map(|step| Some((step.contacts as f64, of(step)?.max(LEAST))));
+    const LEAST_U: f64 = 1e-6;
+    let known = document.steps.iter().filter_map(|step| Some((step.contacts as f64, of(step)?.max(LEAST_U))));
     let known: Vec<(f64, f64)> = known.collect();
     let values = known.iter().map(|(_, u)| *u).chain(goal);
     let (lo, hi) = values.fold((f64::INFINITY, 0.0_f64), |(lo, hi), u| (lo.min(u), hi.max(u)));
