@@ -7,7 +7,7 @@ use crate::report::explore::{ExploreDocument, KnownPart, StepPart};
 use crate::report::table::significant;
 
 /// Smallest uncertainty that is drawn: a surface found to be a sphere has an S without any.
-const LEAST: f64 = 1e-6;
+const LEAST_U: f64 = 1e-6;
 /// Touches that are numbered; more numbers than these would lie over each other.
 const NUMBERED: usize = 120;
 
@@ -47,9 +47,9 @@ impl Falling {
     pub(in crate::report) fn draw(&self, drawing: &mut Drawing, rect: Rect, document: &ExploreDocument) {
         let known = document.steps.iter().filter_map(|step| Some((step, (self.of)(step)?)));
         let known: Vec<(&StepPart, f64)> = known.collect();
-        let at = |step: &StepPart, u: f64| [step.contacts as f64, u.max(LEAST)];
+        let at = |step: &StepPart, u: f64| [step.contacts as f64, u.max(LEAST_U)];
         let contacts = || document.steps.iter().map(|step| step.contacts as f64);
-        let values = known.iter().map(|(_, u)| u.max(LEAST)).chain(self.goal);
+        let values = known.iter().map(|(_, u)| u.max(LEAST_U)).chain(self.goal);
         let axes = [Axis::holding(contacts()), Axis::logarithmic(values)];
         let mut chart = Chart::new(drawing, rect, axes, ["contacts", "standard uncertainty"], ROOM);
         if let Some(goal) = self.goal {

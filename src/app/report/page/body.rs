@@ -16,7 +16,7 @@ use super::camera::Camera;
 use super::view_data::singles;
 
 /// Contacts that the page holds; of more, every so many-th.
-const MOST: usize = 300_000;
+const MOST_CONTACTS: usize = 300_000;
 /// Contacts of the still picture.
 const DOTS: usize = 6_000;
 /// Layers of the still picture from the farthest to the nearest.
@@ -51,13 +51,13 @@ impl PartsBody<'_> {
 
     /// How many contacts are in the page, where not all.
     pub(super) fn thinned(&self) -> Option<String> {
-        let (held, all) = (self.every(MOST).count(), self.contacts.len());
+        let (held, all) = (self.every(MOST_CONTACTS).count(), self.contacts.len());
         (held < all).then(|| format!("{held} of the {all} contacts are drawn, evenly chosen."))
     }
 
     /// The data of the turning view; `names` of the parts are what the switches and the pointer say.
     pub(super) fn data(&self, names: &[String]) -> String {
-        let all: Vec<usize> = self.every(MOST).collect();
+        let all: Vec<usize> = self.every(MOST_CONTACTS).collect();
         let camera = Camera::new(&all.iter().map(|r| self.place(*r)).collect::<Vec<_>>());
         let centre = camera.centre();
         let label = |r: usize| self.found.labels[r].map_or(NONE, f64::from);

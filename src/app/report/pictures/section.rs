@@ -20,9 +20,9 @@ const ABOVE: [f64; 2] = [34.0, 204.0];
 const BELOW: [f64; 2] = [252.0, 352.0];
 /// Points of the line.
 const POINTS: usize = 240;
-/// Parts of the map's size within which a contact counts as lying at the section, the first that holds [`FEW`] of them.
+/// Parts of the map's size within which a contact counts as lying at the section, the first that holds [`CONTACTS_OF_BAND`] of them.
 const BANDS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-const FEW: usize = 8;
+const CONTACTS_OF_BAND: usize = 8;
 /// Dots of a panel.
 const MOST_DOTS: usize = 2_000;
 const BLUE: [u8; 3] = [31, 90, 166];
@@ -299,8 +299,9 @@ impl<'a> Cut<'a> {
 
     fn band(&self, contacts: &ContactsView) -> f64 {
         let size = (0..2).map(|k| ends(&self.view.places[k])).map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
-        let within =
-            |band: &f64| contacts.places.iter().filter(|place| self.seen(**place)[1].abs() <= *band).count() >= FEW;
+        let within = |band: &f64| {
+            contacts.places.iter().filter(|place| self.seen(**place)[1].abs() <= *band).count() >= CONTACTS_OF_BAND
+        };
         BANDS.iter().map(|part| part * size).find(within).unwrap_or(size)
     }
 }

@@ -22,7 +22,7 @@ use super::scale::{LARGE, fitting, foot, number_bar, picture, shape_bar, with_un
 const SIDE: f64 = 142.0;
 const TALLEST: f64 = 230.0;
 /// Least height of a row: the scale of S has nine names.
-const LEAST: f64 = 118.0;
+const LEAST_HEIGHT: f64 = 118.0;
 /// Left edges of the two columns.
 const COLUMNS: [f64; 2] = [46.0, 290.0];
 /// Pixels of a map along its longer side: with four maps a picture stays below 200 kB.
@@ -54,7 +54,7 @@ struct Map<'a> {
 pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Drawing {
     let maps = maps(view, unit);
     let [width, height] = sides(view);
-    let row = height.max(LEAST) + 62.0;
+    let row = height.max(LEAST_HEIGHT) + 62.0;
     let rows = maps.len().div_ceil(2);
     let mut drawing = picture(32.0 + row * rows as f64);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
@@ -70,10 +70,10 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
         let bar = [left + width + 8.0, top];
         let levels = match map.ends {
             None => {
-                shape_bar(&mut drawing, bar, height.max(LEAST));
+                shape_bar(&mut drawing, bar, height.max(LEAST_HEIGHT));
                 (0..8).map(|k| 0.25 * f64::from(k) - 0.875).collect()
             }
-            Some(ends) => number_bar(&mut drawing, bar, height.max(LEAST), ends, &VIRIDIS),
+            Some(ends) => number_bar(&mut drawing, bar, height.max(LEAST_HEIGHT), ends, &VIRIDIS),
         };
         panel.levels(&mut drawing, map, &levels);
         if let Some(contacts) = view.contacts.as_ref().filter(|_| k < 2) {

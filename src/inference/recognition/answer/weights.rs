@@ -39,7 +39,7 @@ const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
 /// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief
 /// below which such an error must stay.
 const OF_SCATTER: f64 = 2.0;
-const MOST: f64 = 0.5;
+const SHARE_OF_RELIEF: f64 = 0.5;
 
 /// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
 /// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
@@ -97,7 +97,7 @@ pub(in crate::recognition) struct Weights {
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
-        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_scatter < OF_SCATTER);
+        let small = self.size < SENSOR[1] || (self.size < SHARE_OF_RELIEF && self.of_scatter < OF_SCATTER);
         SENSOR[0] < self.size && small && self.may_be_error()
     }
 

@@ -16,7 +16,7 @@ use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
 
 /// Cells at most.
-const MOST: usize = 200;
+const MOST_CELLS: usize = 200;
 
 /// Range of voxel sizes, in units of the patch's size, and the halvings of its logarithm.
 const SIZES: [f64; 2] = [1e-3, 8.0];
@@ -153,7 +153,7 @@ fn cell_normals(of: &[usize], centres: &[Vector], surface: &Model, errors: &[Opt
 
 /// Cell of every point, and the number of cells.
 fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
-    if points.len() <= MOST {
+    if points.len() <= MOST_CELLS {
         return ((0..points.len()).collect(), points.len());
     }
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
@@ -163,7 +163,7 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     let [mut lo, mut hi] = SIZES;
     for _ in 0..HALVINGS {
         let size = (lo * hi).sqrt();
-        if are_more(points, bounds, size, MOST) {
+        if are_more(points, bounds, size, MOST_CELLS) {
             lo = size;
         } else {
             hi = size;

@@ -47,7 +47,7 @@ pub(in crate::recognition) enum Body {
 const SPREAD: Form = [1.0, 1.0, 2.0];
 
 /// Step of central differences, in units of the patch: their error is its square.
-const STEP: f64 = 1e-4;
+const STEP_OF_DIFFERENCES: f64 = 1e-4;
 
 /// Steps until a place on the body is found, and how near it then is.
 const STEPS: usize = 20;
@@ -96,7 +96,9 @@ impl Body {
     ) -> Option<(f64, Form)> {
         let [_, _, _, k1, k2, _] = surface.theta;
         let at = |form: Form, f: f64| self.side([k1, k2], form, surface.form().point(u, v, f));
-        let slope_at = |f: f64| (at(form, f + STEP) - at(form, f - STEP)) / (2.0 * STEP);
+        let slope_at = |f: f64| {
+            (at(form, f + STEP_OF_DIFFERENCES) - at(form, f - STEP_OF_DIFFERENCES)) / (2.0 * STEP_OF_DIFFERENCES)
+        };
         let (mut f, mut step) = (0.0, f64::INFINITY);
         // one slope serves all steps: the side is nearly linear along the normal
         let slope = slope_at(f);
@@ -114,9 +116,9 @@ impl Body {
         let mut by = Form::default();
         for (number, by) in by[..self.numbers()].iter_mut().enumerate() {
             let (mut ahead, mut behind) = (form, form);
-            ahead[number] += STEP;
-            behind[number] -= STEP;
-            *by = -(at(ahead, f) - at(behind, f)) / (2.0 * STEP * slope);
+            ahead[number] += STEP_OF_DIFFERENCES;
+            behind[number] -= STEP_OF_DIFFERENCES;
+            *by = -(at(ahead, f) - at(behind, f)) / (2.0 * STEP_OF_DIFFERENCES * slope);
         }
         Some((f, by))
     }

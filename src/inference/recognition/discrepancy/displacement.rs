@@ -37,7 +37,7 @@ const SEGMENTS: usize = 5;
 const ORDER: usize = 3;
 
 /// Cells needed. Below 16 the prior decides most of f, which is right where an interval asks what else the surface may be.
-const FEWEST: usize = 9;
+const FEWEST_CELLS: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
@@ -95,7 +95,7 @@ impl Displacement {
         forms: &Forms,
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
-        if charts.len() < FEWEST || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
+        if charts.len() < FEWEST_CELLS || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
             return None;
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();

@@ -28,7 +28,7 @@ use super::whitened::Whitened;
 
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
-const FEW: usize = 3;
+const FREEDOM_OF_NOISE: usize = 3;
 
 /// Contacts below which normals count little for the errors of positions, and how much: with all of them, intervals of R hold the
 /// truth in 88 to 93 of 100 patches of 4 to 8 contacts.
@@ -99,7 +99,7 @@ impl<'a> Evidence<'a> {
     pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
-        if self.normals.is_none() && n < p + FEW {
+        if self.normals.is_none() && n < p + FREEDOM_OF_NOISE {
             return None;
         }
         let variance = self.variance(kind, white, departure)?.max(1e-18);
@@ -159,7 +159,7 @@ impl<'a> Evidence<'a> {
     /// noise is, so its size in units of the noise needs the noise: once where a spline takes up most, else twice.
     fn variance(&self, kind: Kind, white: &Whitened, departure: Departure) -> Option<f64> {
         let (n, p) = (self.cells.points.len(), kind.unknowns());
-        if n < p + FEW {
+        if n < p + FREEDOM_OF_NOISE {
             return self.joint_variance(kind, white);
         }
         let rss = |departure: Departure, natural: f64| {

@@ -28,11 +28,11 @@ use palpate_numeric::vector::{dot, minus, scaled, unit};
 const GAIN: f64 = 0.2;
 
 /// Gains up to this multiple of [`GAIN`] are believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
-const MOST: f64 = 3.0;
+const MOST_GAINS: f64 = 3.0;
 
 /// Cells needed: twice the unknowns of the general surface. Five touches whose heights hardly bend had a gain that turned a cap into a
 /// cup.
-const FEWEST: usize = 12;
+const FEWEST_CELLS: usize = 12;
 
 /// Log odds against such a sensor: one in twenty.
 pub(in crate::recognition) const RARE: f64 = 3.0;
@@ -50,7 +50,7 @@ impl Gain {
     /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
     /// are too few to tell by themselves how the surface bends.
     pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
-        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST)?;
+        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST_CELLS)?;
         let general = models.iter().find(|m| m.kind() == Kind::General)?;
         let normal = |i: usize| {
             let (_, n) = general.distance_and_normal(cells.points[i]);
@@ -89,7 +89,7 @@ impl Gain {
 
     /// Whether a sensor may be so wrong.
     pub(in crate::recognition) fn is_believable(&self, coefficients: &[f64]) -> bool {
-        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST * GAIN)
+        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST_GAINS * GAIN)
     }
 
     /// Mean of the gain where the columns have these coefficients.
@@ -101,7 +101,7 @@ impl Gain {
 
 #[cfg(test)]
 mod tests {
-    use crate::recognition::{Recognition, RecognitionOptions};
+    use crate::recognition::{Recognition, RecognitionOptions, Remark};
     use palpate_geometry::contact::Contacts;
     use palpate_numeric::draws::EffectDraws;
     use palpate_numeric::vector::Vector;
@@ -124,7 +124,7 @@ mod tests {
     }
 
     fn says_steeper(found: &Recognition) -> bool {
-        found.notes.iter().any(|note| note.contains("steeper than the positions say"))
+        found.notes.iter().any(|note| matches!(note, Remark::Gain { gain } if *gain > 0.0))
     }
 
     /// Without a gain no interval of R holds the truth (`benches/runs/coverage.md`).

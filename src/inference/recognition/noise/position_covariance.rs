@@ -14,7 +14,7 @@ use crate::recognition::start::Patch;
 use palpate_numeric::statistics::mad;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
-const ENOUGH: usize = 100;
+const FEWEST_PAIRS: usize = 100;
 
 /// Ratios of the variances.
 const RATIOS: [f64; 8] = [0.0, 1.0 / 16.0, 0.25, 1.0, 4.0, 16.0, 64.0, 256.0];
@@ -26,7 +26,7 @@ const OTHER: f64 = 1.0 / 8.0;
 const SHOWN: f64 = 0.95;
 
 /// Least relative variance of a pair: a few contacts on walls must not decide alone.
-const LEAST: f64 = 0.1;
+const LEAST_VARIANCE: f64 = 0.1;
 
 /// Mean of `n_z^2` below which a patch stands upright.
 const UPRIGHT: f64 = 0.5;
@@ -66,7 +66,7 @@ impl PlaceErrors {
             return PlaceErrors { along_z, across, doubt: 0.0, weigh: true, shown: false };
         }
         let scale = mad(patch.distances.iter().copied());
-        if pairs.len() < ENOUGH || whole.sqrt() < SINGLE * scale {
+        if pairs.len() < FEWEST_PAIRS || whole.sqrt() < SINGLE * scale {
             // between none along the surface and as large ones as across it, alike in all directions however the patch lies
             let half = 0.5 * whole;
             return PlaceErrors { along_z: half, across: half, doubt: half, weigh: false, shown: false };
@@ -88,7 +88,7 @@ fn by_evidence(pairs: &[(f64, f64)]) -> PlaceErrors {
     let n = pairs.len() as f64;
     let of = |ratio: f64| {
         let relative = |slope: f64| 1.0 - slope + ratio * slope;
-        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST)));
+        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST_VARIANCE)));
         let variance = kept().map(|(q, v)| q / v).sum::<f64>() / n;
         let log = -0.5 * (kept().map(|(_, v)| v.ln()).sum::<f64>() + n * variance.max(1e-30).ln());
         let prior = if ratio == 0.0 || ratio == 1.0 { 1.0 } else { OTHER * ratio.max(1.0).powi(-2) };

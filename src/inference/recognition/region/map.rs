@@ -30,7 +30,7 @@ const LATTICE: usize = 16;
 
 /// A narrow strip that runs aslant leaves few points of a grid over x and y. With fewer than this the chart's grid, where
 /// it has more, says more of the patch.
-const FEW: usize = 8;
+const FEWEST_POINTS: usize = 8;
 
 /// The reported surface with its points.
 pub(in crate::recognition) struct Region {
@@ -72,7 +72,7 @@ impl Region {
         let mut over =
             looked_at.is_level(&surface).then(|| bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
         let (mut map, mut supported) = even(&surface, over.map(|over| (&looked_at, over)), options.grid);
-        if over.is_some() && count(&supported) < FEW {
+        if over.is_some() && count(&supported) < FEWEST_POINTS {
             let (of_chart, there) = even(&surface, None, options.grid);
             if count(&there) > count(&supported) {
                 (over, map, supported) = (None, of_chart, there);

@@ -18,7 +18,7 @@ use super::surface::RecognisedSurface;
 const PREDICTED: f64 = 0.32;
 
 /// Draws of a node at least.
-const FEWEST: usize = 2;
+const FEWEST_DRAWS: usize = 2;
 
 /// A place that may be touched, with the axes along which a touch there is measured.
 pub(in crate::recognition) struct Place {
@@ -49,7 +49,7 @@ impl PredictiveDraw {
 
 /// How many of a node's draws touches are predicted on.
 pub(in crate::recognition) fn predicted(draws: usize) -> usize {
-    ((PREDICTED * draws as f64).ceil() as usize).max(FEWEST).min(draws)
+    ((PREDICTED * draws as f64).ceil() as usize).max(FEWEST_DRAWS).min(draws)
 }
 
 /// The reported surface at places of the input's x and y.

@@ -11,7 +11,7 @@ use crate::recognition::contacts::{
     patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::{RecognitionError, RecognitionOptions};
+use crate::recognition::{RecognitionError, RecognitionOptions, Remark};
 use palpate_geometry::contact::Frame;
 
 use super::descent::{TASK, plain};
@@ -43,7 +43,7 @@ pub(in crate::recognition) struct Patch {
     start: Start,
     pub(in crate::recognition) dropped: Dropped,
     pub(in crate::recognition) normals: NormalsUse,
-    pub(in crate::recognition) notes: Vec<String>,
+    pub(in crate::recognition) notes: Vec<Remark>,
 }
 
 impl Patch {
@@ -62,7 +62,7 @@ impl Patch {
         }
         let frame = patch_frame(&given.points, normals.as_deref(), options)?;
         if normals.is_none() && options.up.is_none() && options.viewpoint.is_none() {
-            notes.push("the sign of S takes +z for the free side: name a viewpoint where it is not".to_string());
+            notes.push(Remark::FreeSideAssumed);
         }
         let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
         if normals.is_none() && on_conic(&points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>()) {
@@ -159,20 +159,20 @@ impl Patch {
 fn accepted(
     found: Oriented,
     dropped: &mut Dropped,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Remark>,
 ) -> Result<(NormalsUse, Option<Vec<Vector>>), RecognitionError> {
     if !found.consistent {
-        notes.push("the normals contradict their neighbours everywhere and are not used".to_string());
+        notes.push(Remark::NormalsContradict);
         return Ok((NormalsUse::Contradicting, None));
     }
     let length = norm(mean_of(&found.normals));
     if found.of_length_zero < found.normals.len() && length < ALL_AROUND {
         return Err(RecognitionError::AllAround { mean_length: length });
     }
-    notes.extend(found.note());
+    notes.extend(found.undecided().map(|agree| Remark::SignsMixed { agree }));
     dropped.normals_flipped = found.flipped;
     if 2 * found.of_length_zero > found.normals.len() {
-        notes.push("most normals have length zero; only positions are used".to_string());
+        notes.push(Remark::NormalsOfLengthZero);
         let known = (found.of_length_zero < found.normals.len()).then_some(found.normals);
         return Ok((NormalsUse::Contradicting, known));
     }
