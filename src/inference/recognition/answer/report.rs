@@ -52,10 +52,7 @@ fn failed(step: &'static str) -> RecognitionError {
 
 impl Findings<'_> {
     /// The whole answer.
-    pub(in crate::recognition) fn recognition(
-        &self,
-        options: &RecognitionOptions,
-    ) -> Result<Recognition, RecognitionError> {
+    pub(crate) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         let tried = self.tried();
         let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
         let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);

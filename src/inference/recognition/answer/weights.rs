@@ -67,7 +67,7 @@ pub(super) const HEARD: f64 = 0.25;
 
 /// Weights of all nodes.
 #[derive(Clone, Debug, Default)]
-pub(in crate::recognition) struct Weights {
+pub(crate) struct Weights {
     /// Of the estimate.
     pub(super) estimate: Vec<f64>,
     /// Of the interval.
@@ -87,7 +87,7 @@ pub(in crate::recognition) struct Weights {
     /// Log evidence by which a displaced surface is ahead.
     pub(super) gap: f64,
     /// Log likelihood by which all normals prefer the displaced surface.
-    pub(in crate::recognition) normals: f64,
+    pub(crate) normals: f64,
     /// Number of cells.
     cells: f64,
     /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
@@ -102,7 +102,7 @@ impl Weights {
     }
 
     /// Whether the interval has a share of surfaces without the displacement, because that may be the sensor's error.
-    pub(in crate::recognition) fn displacement_may_be_error(&self) -> bool {
+    pub(crate) fn displacement_may_be_error(&self) -> bool {
         self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * SENSOR[1])
     }
 
@@ -135,7 +135,7 @@ impl Weights {
 }
 
 /// Weighs the nodes; `misfit` is the root mean square distance of a kind's fit.
-pub(in crate::recognition) fn weigh(
+pub(crate) fn weigh(
     evidence: &Evidence,
     rows: &Rows,
     nodes: &[Node],

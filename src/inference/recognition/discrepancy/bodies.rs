@@ -27,14 +27,14 @@ use palpate_numeric::vector::Vector;
 use super::smooth::splines_through;
 
 /// Numbers that say how a body departs; those that a body does not have are zero.
-pub(in crate::recognition) type Form = [f64; 3];
+pub(crate) type Form = [f64; 3];
 
 /// Forms of all bodies, in the order of [`Body::ALL`].
-pub(in crate::recognition) type Forms = [Form; Body::ALL.len()];
+pub(crate) type Forms = [Form; Body::ALL.len()];
 
 /// Which body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::recognition) enum Body {
+pub(crate) enum Body {
     Quadric,
     /// A ring whose generating circle runs along the first direction of the chart.
     TorusAlongU,
@@ -62,15 +62,15 @@ const FOUND: f64 = 1e-3;
 const UNTOLD: f64 = 1e-9;
 
 impl Body {
-    pub(in crate::recognition) const ALL: [Body; 3] = [Body::Quadric, Body::TorusAlongU, Body::TorusAlongV];
+    pub(crate) const ALL: [Body; 3] = [Body::Quadric, Body::TorusAlongU, Body::TorusAlongV];
 
     /// Number of the body in [`Body::ALL`].
-    pub(in crate::recognition) fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         self as usize
     }
 
     /// How many numbers say its form.
-    pub(in crate::recognition) fn numbers(self) -> usize {
+    pub(crate) fn numbers(self) -> usize {
         if self == Body::Quadric { 3 } else { 1 }
     }
 
@@ -138,7 +138,7 @@ fn ring([k1, k2]: [f64; 2], geodesic: f64, [x, y, w]: Vector) -> f64 {
 }
 
 /// Standard deviation of one of a body's numbers on such a surface.
-pub(in crate::recognition) fn spread(surface: &ConstantCurvature, number: usize) -> f64 {
+pub(crate) fn spread(surface: &ConstantCurvature, number: usize) -> f64 {
     let [_, _, _, k1, k2, _] = surface.theta;
     SPREAD[number] * (0.5 * (k1 * k1 + k2 * k2)).sqrt()
 }

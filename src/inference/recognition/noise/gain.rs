@@ -35,11 +35,11 @@ const MOST_GAINS: f64 = 3.0;
 const FEWEST_CELLS: usize = 12;
 
 /// Log odds against such a sensor: one in twenty.
-pub(in crate::recognition) const RARE: f64 = 3.0;
+pub(crate) const RARE: f64 = 3.0;
 
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Gain {
+pub(crate) struct Gain {
     /// v along both tangents.
     steeper: [Vec<f64>; 2],
     /// c and k of the rows that it was taken out of.
@@ -49,7 +49,7 @@ pub(in crate::recognition) struct Gain {
 impl Gain {
     /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
     /// are too few to tell by themselves how the surface bends.
-    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
+    pub(crate) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
         cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST_CELLS)?;
         let general = models.iter().find(|m| m.kind() == Kind::General)?;
         let normal = |i: usize| {
@@ -88,12 +88,12 @@ impl Gain {
     }
 
     /// Whether a sensor may be so wrong.
-    pub(in crate::recognition) fn is_believable(&self, coefficients: &[f64]) -> bool {
+    pub(crate) fn is_believable(&self, coefficients: &[f64]) -> bool {
         self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST_GAINS * GAIN)
     }
 
     /// Mean of the gain where the columns have these coefficients.
-    pub(in crate::recognition) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
+    pub(crate) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
         let (c, k) = self.told.as_ref()?;
         Some(c.iter().zip(coefficients).map(|(c, x)| c * x).sum::<f64>() / k)
     }

@@ -40,23 +40,23 @@ const BLUNDER: f64 = 6.0;
 
 /// Variances of one contact's place, in units of the patch's size.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::recognition) struct PlaceErrors {
+pub(crate) struct PlaceErrors {
     /// Along the input's z.
     pub(super) along_z: f64,
     /// Along each of the input's x and y.
-    pub(in crate::recognition) across: f64,
+    pub(crate) across: f64,
     /// Standard deviation of the variance across: how well it is known.
     pub(super) doubt: f64,
     /// Whether those across are known, or the contacts show that they are larger, so that contacts on slopes weigh less.
     pub(super) weigh: bool,
     /// Whether it is the contacts that show it.
-    pub(in crate::recognition) shown: bool,
+    pub(crate) shown: bool,
 }
 
 impl PlaceErrors {
     /// Of the contacts of a patch, some of them with the one whose foot is nearest; `declared` is the known sd in x and in y, input units, and 0 where
     /// it is not known.
-    pub(in crate::recognition) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
+    pub(crate) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
         let pairs = pairs(patch, nearest);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
         if declared > 0.0 {

@@ -21,7 +21,7 @@ const UNKNOWNS: f64 = 6.0;
 const LEAST_VARIANCE: f64 = 0.1;
 
 /// The cells with variances and weights that count these errors, input units.
-pub(in crate::recognition) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
+pub(crate) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
     if !errors.weigh {
         return cells;
     }

@@ -33,20 +33,20 @@ const LATTICE: usize = 16;
 const FEWEST_POINTS: usize = 8;
 
 /// The reported surface with its points.
-pub(in crate::recognition) struct Region {
-    pub(in crate::recognition) surface: RecognisedSurface,
-    pub(in crate::recognition) map: Vec<ChartPoint>,
+pub(crate) struct Region {
+    pub(crate) surface: RecognisedSurface,
+    pub(crate) map: Vec<ChartPoint>,
     /// Whether contacts support a point of the map.
-    pub(in crate::recognition) supported: Vec<bool>,
-    pub(in crate::recognition) lattice: Vec<ChartPoint>,
+    pub(crate) supported: Vec<bool>,
+    pub(crate) lattice: Vec<ChartPoint>,
     /// Numbers of the lattice's points within the map, where they are a part of it.
-    pub(in crate::recognition) within_map: Option<Vec<usize>>,
+    pub(crate) within_map: Option<Vec<usize>>,
     /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
-    pub(in crate::recognition) over: Option<[[f64; 2]; 2]>,
+    pub(crate) over: Option<[[f64; 2]; 2]>,
 }
 
 impl Region {
-    pub(in crate::recognition) fn new(
+    pub(crate) fn new(
         patch: &Patch,
         evidence: &Evidence,
         base: &ConstantCurvature,

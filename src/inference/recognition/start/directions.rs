@@ -13,7 +13,7 @@ use palpate_numeric::statistics::{huber_weight, mad};
 use palpate_numeric::vector::{Vector, cross, dot, minus, norm, unit};
 
 /// Error of a position over that of a normal, in radians, that the fit supposes: 0.05 mm over a patch of 5 mm, beside 3 degrees.
-pub(in crate::recognition) const OF_NORMAL: f64 = 0.2;
+pub(crate) const OF_NORMAL: f64 = 0.2;
 
 /// Step of the differences, in units of the patch.
 const STEP_OF_DIFFERENCES: f64 = 1e-6;

@@ -49,7 +49,7 @@ pub(super) struct Start {
     pub(super) sphere: Model,
     pub(super) cylinder: Model,
     /// Signed distances of all contacts from `general`.
-    pub(in crate::recognition) distances: Vec<f64>,
+    pub(crate) distances: Vec<f64>,
     /// Whether a contact belongs to the surface.
     pub(super) belongs: Vec<bool>,
     /// Numbers of the contacts that the start looked at.
@@ -59,7 +59,7 @@ pub(super) struct Start {
 }
 
 /// At most `most` numbers of points, evenly spread over their lexicographic order.
-pub(in crate::recognition) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
+pub(crate) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
     if points.len() <= most {
         return (0..points.len()).collect();
     }
