@@ -6,6 +6,7 @@
 
 use super::axis::Axis;
 use super::chart::{Chart, Rect, Style, marker};
+use super::frame::GREY;
 use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::frontier::{FrontierDocument, FrontierRecord};
 use crate::report::table::significant;
@@ -120,15 +121,13 @@ impl<'a> FrontierFigure<'a> {
         }
         // of a solver each case has a frontier of its own, and a line through all would mean nothing
         if self.kind.frontier != "solver" {
-            chart.line(
-                Style { colour: super::GREY, ..Style::SECOND },
-                &stairs(self.on.iter().filter_map(|r| at(r)).collect()),
-            );
+            chart
+                .line(Style { colour: GREY, ..Style::SECOND }, &stairs(self.on.iter().filter_map(|r| at(r)).collect()));
         }
         for record in &self.on {
             let (Some([x, y]), Some([_, lo, hi])) = (at(record), cost(record)) else { continue };
             let ends = record.error_interval.unwrap_or([y; 2]).map(|end| end.max(ROUNDING));
-            let grey = Style { colour: super::GREY, ..Style::SECOND };
+            let grey = Style { colour: GREY, ..Style::SECOND };
             chart.whisker(grey, [[lo, y], [hi, y]], false);
             chart.whisker(grey, [[x, ends[0]], [x, ends[1]]], false);
         }
