@@ -1,7 +1,7 @@
 //! Marks on two axes, drawn as they come.
 
 use super::axis::Axis;
-use super::frame::{Frame, frame, grid};
+use super::frame::{Frame, SMALL, frame, grid};
 use super::numbers::Numbers;
 use crate::report::colour::mix;
 use crate::report::drawing::{Anchor, Colour, Drawing, Hook};
@@ -190,11 +190,11 @@ pub(in crate::report) fn legend(drawing: &mut Drawing, [left, right]: [f64; 2], 
     for (k, (colour, words)) in marks.iter().enumerate() {
         let width = 22.0 + 6.2 * words.chars().count() as f64;
         if at + width > right {
-            drawing.word([at, y], format!("and {} more", marks.len() - k), super::SMALL, Anchor::Start);
+            drawing.word([at, y], format!("and {} more", marks.len() - k), SMALL, Anchor::Start);
             return;
         }
         drawing.dots(vec![[at + 4.0, y]], 3.0, *colour);
-        drawing.word([at + 11.0, y], words.as_str(), super::SMALL, Anchor::Start);
+        drawing.word([at + 11.0, y], words.as_str(), SMALL, Anchor::Start);
         at += width;
     }
 }

@@ -6,6 +6,7 @@
 
 use super::axis::Axis;
 use super::chart::{Chart, Rect, Style, marker};
+use super::frame::GREY;
 use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::frontier::{FrontierDocument, FrontierRecord};
 use crate::report::table::significant;
@@ -120,15 +121,13 @@ impl<'a> FrontierFigure<'a> {
         }
         // of a solver each case has a frontier of its own, and a line through all would mean nothing
         if self.kind.frontier != "solver" {
-            chart.line(
-                Style { colour: super::GREY, ..Style::SECOND },
-                &stairs(self.on.iter().filter_map(|r| at(r)).collect()),
-            );
+            chart
+                .line(Style { colour: GREY, ..Style::SECOND }, &stairs(self.on.iter().filter_map(|r| at(r)).collect()));
         }
         for record in &self.on {
             let (Some([x, y]), Some([_, lo, hi])) = (at(record), cost(record)) else { continue };
             let ends = record.error_interval.unwrap_or([y; 2]).map(|end| end.max(ROUNDING));
-            let grey = Style { colour: super::GREY, ..Style::SECOND };
+            let grey = Style { colour: GREY, ..Style::SECOND };
             chart.whisker(grey, [[lo, y], [hi, y]], false);
             chart.whisker(grey, [[x, ends[0]], [x, ends[1]]], false);
         }
@@ -154,15 +153,18 @@ impl<'a> FrontierFigure<'a> {
         Style { colour: if record.on_frontier { colour } else { colour.map(|c| c / 2 + 127) }, ..style }
     }
 
-    /// The kinds with their markers, five in a line; how far down they reach.
+    /// The kinds with their markers, up to five in a line; how far down they reach. The page has their shapes alone, as its
+    /// colours say what is on the frontier.
     pub(in crate::report) fn key(&self, drawing: &mut Drawing, top: f64) -> f64 {
-        let column = (drawing.size[0] - 40.0) / 5.0;
+        let columns = ((drawing.size[0] / 110.0) as usize).clamp(1, 5);
+        let column = (drawing.size[0] - 40.0) / columns as f64;
         for (k, name) in self.groups.iter().enumerate() {
-            let at = [24.0 + column * (k % 5) as f64, top + LINE * (k / 5) as f64];
+            let at = [24.0 + column * (k % columns) as f64, top + LINE * (k / columns) as f64];
             marker(drawing, at, k, 5.0, COLOURS[k % COLOURS.len()]);
+            drawing.on_page("kind");
             drawing.word([at[0] + 10.0, at[1]], name, 11.0, Anchor::Start);
         }
-        top + LINE * self.groups.len().div_ceil(5) as f64
+        top + LINE * self.groups.len().div_ceil(columns) as f64
     }
 
     /// What a point says when it is pointed at.

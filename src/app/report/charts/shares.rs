@@ -1,5 +1,6 @@
 //! Shares as bars: a row of a name, a share from 0 to 1 and words behind it. The page has them as a table.
 
+use super::chart::Style;
 use super::frame::SMALL;
 use crate::report::drawing::{Anchor, Drawing, width_of};
 
@@ -24,7 +25,7 @@ pub(in crate::report) fn draw_shares(
     for (k, (name, share, words)) in rows.iter().enumerate() {
         let y = top + 24.0 + ROW * k as f64;
         let end = start + length * share.clamp(0.0, 1.0);
-        let blue = super::Style::MAIN.colour;
+        let blue = Style::MAIN.colour;
         drawing.word([start - 6.0, y], name.as_str(), SMALL, Anchor::End);
         drawing.area(&[[start, y - 5.0], [end, y - 5.0], [end, y + 5.0], [start, y + 5.0]], blue, blue);
         drawing.word([end + 6.0, y], words.as_str(), SMALL, Anchor::Start);

@@ -8,6 +8,7 @@
 
 use super::axis::Axis;
 use super::chart::{Chart, ROOM, Rect, Style};
+use super::frame::GREY;
 use crate::report::drawing::{Colour, Drawing};
 use crate::report::pictures::short;
 use crate::report::study::QuantityPart;
@@ -73,7 +74,7 @@ pub(in crate::report) fn sweep_panel(
         let style = if all.len() > 1 { Style::own(series.colour) } else { Style::MAIN };
         let places = || series.points.iter().filter_map(|p| Some((*p.at.last()?, part(p))));
         let truth: Vec<[f64; 2]> = places().filter_map(|(x, q)| Some([x, q.truth?])).collect();
-        chart.line(Style { colour: super::GREY, ..Style::TRUTH }, &truth);
+        chart.line(Style { colour: GREY, ..Style::TRUTH }, &truth);
         for (x, quantity) in places() {
             let interval = quantity.lo.zip(quantity.hi);
             if let Some((lo, hi)) = interval {
