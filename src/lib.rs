@@ -102,6 +102,8 @@ pub mod plans {
 
 /// Which kind of surface contacts show when no model is named, with S, R and their intervals.
 pub mod recognition {
+    #[doc(hidden)]
+    pub use palpate_inference::recognition::Remark;
     pub use palpate_inference::recognition::{
         Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
         RecognitionError, RecognitionOptions, Tried,

@@ -3,6 +3,7 @@
 //! ```text
 //! contact    places and normals, scattered or on a grid          surface   z = S(x, y) and Q(u, v) with their derivatives
 //! neighbours which contacts lie near each other, and their normals
+//! convex_hull of points in the plane
 //! curvature  k1 >= k2, S = -(2/pi) atan2(k1 + k2, k1 - k2), R    shape     S and R over a grid, their means and uncertainty
 //! primitives plane, sphere, cylinder, cone and torus by their sizes
 //! ```
@@ -10,6 +11,7 @@
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
 
 pub mod contact;
+pub mod convex_hull;
 pub mod curvature;
 pub mod neighbours;
 pub mod primitives;

@@ -50,6 +50,7 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("dense", 0),
         ("error", 0),
         ("options", 0),
+        ("remark", 0),
         ("statistics", 0),
         ("kinds", 1),
         ("contacts", 2),

@@ -9,6 +9,7 @@
 //! ```
 
 mod bare_surface;
+mod charts;
 mod colour;
 mod describe;
 mod description;
@@ -23,17 +24,16 @@ mod explore_picture;
 mod fits;
 mod fold;
 mod frontier;
-mod frontier_axes;
 mod frontier_columns;
 mod frontier_orders;
 mod frontier_picture;
 mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
+mod glyphs;
 mod height_view;
 mod interval_words;
 mod json;
-mod letters;
 mod maps;
 mod page;
 mod parametric;
@@ -42,7 +42,6 @@ mod parts;
 mod parts_picture;
 mod percent;
 mod pictures;
-mod plotted;
 mod png;
 mod point_shapes;
 mod point_table;
@@ -58,11 +57,13 @@ mod study_table;
 mod surface_maps;
 mod surface_view;
 mod sweep;
+mod sweep_picture;
 mod table;
 mod uncertainty;
 mod words;
 
 pub(crate) use bare_surface::document_of_surface;
+pub(crate) use charts::KINDS;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, ShownGrid, Subject, inverse_crime_remark};
 pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
@@ -75,7 +76,7 @@ pub(crate) use fold::folded;
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
-pub(crate) use frontier_picture::{PICTURES, has_picture, write_frontier_picture};
+pub(crate) use frontier_picture::{has_picture, write_frontier_picture};
 pub(crate) use frontier_stages::write_stages_picture;
 pub(crate) use frontier_table::write_frontier_table;
 pub(crate) use json::write_json;
@@ -86,7 +87,7 @@ pub(crate) use page::{
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
 pub(crate) use parts_picture::write_parts_picture;
 pub(crate) use percent::percent;
-pub(crate) use pictures::{PictureFormat, SurfacePictures, write_sweep_picture};
+pub(crate) use pictures::{PictureFormat, SurfacePictures};
 pub(crate) use point_shapes::{PointShapesFormat, write_point_shapes, write_point_shapes_summary};
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
@@ -95,5 +96,6 @@ pub(crate) use study::{
 pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_table};
+pub(crate) use sweep_picture::write_sweep_picture;
 pub(crate) use table::{significant, write_table};
 pub(crate) use words::write_words;

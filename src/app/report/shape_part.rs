@@ -6,7 +6,7 @@ use palpate_geometry::shape::{ShapeMaps, ShapeReport, Spread, Statistic, radius_
 use super::document::{FitDocument, MeasurePart, ShapePart, Shares, SpreadPart};
 
 /// Share of the patch that the commonest class must have for the class to be said.
-const MOST: f64 = 0.5;
+const SHARE_OF_CLASS: f64 = 0.5;
 
 /// Variation of S over the patch from which on its mean may describe no part of it: two classes.
 const VARIED: f64 = 0.25;
@@ -29,7 +29,7 @@ pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iter
     counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
     let all = counts.iter().map(|(_, n)| n).sum::<usize>().max(1) as f64;
     let (commonest, most) = counts[0];
-    if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= MOST * all {
+    if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= SHARE_OF_CLASS * all {
         return;
     }
     let by_area = counts.iter().map(|(class, n)| (*class, *n as f64 / all)).filter(|(_, share)| *share >= NAMED);

@@ -15,10 +15,10 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 use faer::Mat;
 
+use palpate_geometry::convex_hull::convex_hull;
 use palpate_numeric::linalg::{Eigen, eigen};
 
 use super::flattening::Flattening;
-use super::hull::hull;
 use super::patch_contacts::PatchContacts;
 use super::vector::{Vector, arc, cross, dot, minus, norm, unit};
 
@@ -230,10 +230,10 @@ fn scaled(landmarks: &[usize], distances: &[Vec<f64>]) -> Option<Vec<[f64; 2]>> 
 
 /// Rotates the picture so that its bounding box is smallest, with the longer side along v.
 fn rotate_to_box(flat: &mut [[f64; 2]]) {
-    let hull = hull(flat);
+    let hull = convex_hull(flat);
     let mut best: Option<(f64, [f64; 2])> = None;
     for k in 0..hull.len() {
-        let (a, b) = (flat[hull[k]], flat[hull[(k + 1) % hull.len()]]);
+        let (a, b) = (hull[k], hull[(k + 1) % hull.len()]);
         let length = (b[0] - a[0]).hypot(b[1] - a[1]);
         if length == 0.0 {
             continue;

@@ -5,11 +5,11 @@
 //! ```
 
 use super::flattening::Flattening;
-use super::hull::hull;
 use super::patch_contacts::PatchContacts;
 use super::{fingers, isomap};
 use crate::fit::{FitError, FitOptions};
 use palpate_geometry::contact::Frame;
+use palpate_geometry::convex_hull::convex_hull;
 use palpate_geometry::shape::UvSupport;
 use palpate_numeric::bspline::Knots;
 
@@ -76,14 +76,14 @@ pub(super) fn lay_out(
 /// of all feet.
 pub(super) fn support(flat: &Flattening, places: &[[f64; 2]], knots: &[Knots; 2]) -> UvSupport {
     let corners = if flat.triangles.is_empty() {
-        let rim = hull(places);
+        let rim = convex_hull(places);
         (1..rim.len().saturating_sub(1)).map(|k| [rim[0], rim[k], rim[k + 1]]).collect()
     } else {
-        flat.triangles.clone()
+        flat.triangles.iter().map(|t| t.map(|r| places[r])).collect()
     };
     let period = [0, 1].map(|k| {
         let [lo, hi] = knots[k].domain();
         knots[k].is_closed().then_some(hi - lo)
     });
-    UvSupport::new(corners.iter().map(|t| t.map(|r| places[r])).collect(), period)
+    UvSupport::new(corners, period)
 }

@@ -24,7 +24,6 @@ mod fit_data;
 mod fitted;
 mod flattening;
 mod foot_point;
-mod hull;
 mod isomap;
 mod layout;
 mod limit_bending;

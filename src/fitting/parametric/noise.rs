@@ -15,6 +15,7 @@ use super::problem::{Parts, Problem, Weights};
 use super::start::start;
 use super::vector::Vector;
 use crate::fit::{FitError, NormalSigma, Objective, Signs, SlopeWeights, Smooth};
+use palpate_numeric::statistics::VarianceComponent;
 
 /// How far a fit goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,6 +217,9 @@ fn relative_move(a: &Weights, b: &Weights) -> f64 {
     part(a.position, b.position).max(part(a.normal, b.normal)).max(part(a.fairness, b.fairness))
 }
 
+/// Fewer degrees of freedom than this tell no sd.
+const LEAST_DOF: f64 = 0.5;
+
 /// The next estimates, from the sums of squares and the traces at the present ones.
 fn updated(
     problem: &Problem,
@@ -227,14 +231,16 @@ fn updated(
     let [position, normal, fairness] = traces(problem, solver, state)?;
     let mut next = problem.weights;
     let count = |w: &[f64]| w.iter().filter(|w| **w > 0.0).count() as f64;
-    let free =
-        [count(&problem.contacts.position_weight) - position, 2.0 * count(&problem.contacts.normal_weight) - normal];
+    let rows = [count(&problem.contacts.position_weight), 2.0 * count(&problem.contacts.normal_weight)];
     let sums = [reached.sums.position, reached.sums.normal];
+    let kinds =
+        [(0, position), (1, normal)].map(|(k, trace)| VarianceComponent { squares: sums[k], rows: rows[k], trace });
+    let free = kinds.map(VarianceComponent::freedom);
     if unknown.both {
-        let sd = |k: usize, old: f64| if free[k] > 0.5 { (sums[k] / free[k]).sqrt().max(NO_NOISE) } else { old };
+        let sd = |k: usize, old: f64| kinds[k].sd(LEAST_DOF).map_or(old, |sd| sd.max(NO_NOISE));
         (next.position, next.normal) = (sd(0, next.position), sd(1, next.normal));
     }
-    if unknown.common && free[0] + free[1] > 0.5 {
+    if unknown.common && free[0] + free[1] > LEAST_DOF {
         let chi = sums[0] / next.position.powi(2) + sums[1] / next.normal.powi(2);
         let factor = (chi / (free[0] + free[1])).sqrt();
         (next.position, next.normal) = ((next.position * factor).max(NO_NOISE), (next.normal * factor).max(NO_NOISE));

@@ -13,8 +13,8 @@
 
 use super::local::Noise;
 use super::primitive::axes_along;
-use super::small::{Square, cholesky, inverse, solve};
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, dot, minus};
 
 /// Unknowns up to fourth order.

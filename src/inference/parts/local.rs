@@ -10,8 +10,8 @@
 
 use super::cloud::Cloud;
 use super::primitive::axes_along;
-use super::small::{Square, cholesky, inverse, solve};
 use palpate_geometry::curvature::{Derivatives, Principal};
+use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::statistics::{self, Rank};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{dot, minus};

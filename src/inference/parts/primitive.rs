@@ -61,7 +61,7 @@ impl PartKind {
 }
 
 /// Most unknowns of a primitive.
-pub(super) const MOST: usize = 7;
+pub(super) const MOST_UNKNOWNS: usize = 7;
 
 /// A primitive in the cloud's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +129,7 @@ impl Primitive {
     }
 
     /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2`.
-    pub(super) fn moved(&self, step: &[f64; MOST]) -> Primitive {
+    pub(super) fn moved(&self, step: &[f64; MOST_UNKNOWNS]) -> Primitive {
         let origin = (0..3).fold(self.origin, |o, k| along(o, step[k], self.axes[k]));
         let omega = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
         let axis = unit(along(self.axes[2], 1.0, cross(omega, self.axes[2])));

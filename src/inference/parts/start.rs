@@ -12,7 +12,7 @@
 
 use super::descent::Sample;
 use super::primitive::{PartKind, Primitive, axes_along};
-use super::small::{Square, cholesky, eigen, solve};
+use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
 
 /// Every start that these points allow for one kind.

@@ -84,30 +84,3 @@ pub(super) fn forward_in_columns(lower: &Mat<f64>, b: &mut [f64]) {
         rest.iter_mut().zip(&lower.col_as_slice(j)[j + 1..]).for_each(|(b, l)| *b -= by * l);
     }
 }
-
-/// Solves the leading `p` equations of a symmetric system given by its lower triangle; `None` unless positive definite.
-pub(super) fn solve_small(mut a: [[f64; 6]; 6], mut b: [f64; 6], p: usize) -> Option<[f64; 6]> {
-    for i in 0..p {
-        for j in 0..=i {
-            let mut value = a[i][j];
-            (0..j).for_each(|k| value -= a[i][k] * a[j][k]);
-            if i == j {
-                if value.is_nan() || value <= 0.0 {
-                    return None;
-                }
-                a[i][i] = value.sqrt();
-            } else {
-                a[i][j] = value / a[j][j];
-            }
-        }
-    }
-    for i in 0..p {
-        (0..i).for_each(|j| b[i] -= a[i][j] * b[j]);
-        b[i] /= a[i][i];
-    }
-    for i in (0..p).rev() {
-        (i + 1..p).for_each(|j| b[i] -= a[j][i] * b[j]);
-        b[i] /= a[i][i];
-    }
-    Some(b)
-}

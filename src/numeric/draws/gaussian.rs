@@ -4,6 +4,9 @@
 //! every machine, whatever its mathematical library, and loops without calls. The polynomials are those of FreeBSD's msun
 //! (`e_log.c`, `k_sin.c`, `k_cos.c`; Sun Microsystems 1993).
 
+use rand::Rng;
+use rand_distr::Distribution;
+
 /// A uniform in (0, 1) from the upper 53 bits of a word; never 0, never 1.
 #[inline(always)]
 pub fn uniform_open(word: u64) -> f64 {
@@ -22,6 +25,29 @@ pub fn box_muller(words: &[u64], values: &mut [f64]) {
         let (sin, cos) = sin_cos_turn(word[1]);
         pair[0] = radius * cos;
         pair[1] = radius * sin;
+    }
+}
+
+/// [`uniform_open`] of a generator's next word, a law of `rand` like any other.
+#[derive(Clone, Copy, Debug)]
+pub struct OpenUniform;
+
+impl Distribution<f64> for OpenUniform {
+    fn sample<R: Rng + ?Sized>(&self, generator: &mut R) -> f64 {
+        uniform_open(generator.next_u64())
+    }
+}
+
+/// [`box_muller`] of a generator's next two words. `rand_distr`'s normal law rejects, so that a draw has no address.
+#[derive(Clone, Copy, Debug)]
+pub struct BoxMuller;
+
+impl Distribution<[f64; 2]> for BoxMuller {
+    fn sample<R: Rng + ?Sized>(&self, generator: &mut R) -> [f64; 2] {
+        let words = [generator.next_u64(), generator.next_u64()];
+        let mut pair = [0.0; 2];
+        box_muller(&words, &mut pair);
+        pair
     }
 }
 

@@ -11,7 +11,7 @@
 
 use std::fmt;
 
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
 use rand_distr::{Distribution, Exp1, StandardNormal, StudentT, Triangular, Uniform};
 
 /// Words (32 bits) between two replicates of one contact, as a power of two.
@@ -62,9 +62,11 @@ impl NoiseLaw {
             _ => true,
         }
     }
+}
 
-    /// One draw with mean 0 and sd 1. An unsound law draws the normal.
-    pub fn sample(&self, generator: &mut ChaCha8Rng) -> f64 {
+/// One draw with mean 0 and sd 1. An unsound law draws the normal.
+impl Distribution<f64> for NoiseLaw {
+    fn sample<R: Rng + ?Sized>(&self, generator: &mut R) -> f64 {
         match *self {
             NoiseLaw::Normal => StandardNormal.sample(generator),
             NoiseLaw::Uniform => Uniform::new(-1.0, 1.0).map_or(0.0, |law| law.sample(generator)) * 3.0_f64.sqrt(),

@@ -17,10 +17,11 @@ mod lcg;
 
 use std::sync::Arc;
 
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_distr::Distribution;
 
-pub use gaussian::{box_muller, uniform_open};
+pub use gaussian::{BoxMuller, OpenUniform, box_muller, uniform_open};
 pub use law::{DrawSource, NoiseLaw};
 pub use lcg::Lcg;
 
@@ -239,6 +240,38 @@ mod tests {
         let means = (0..64).map(|k| column("a", 1, k * n).iter().sum::<f64>() / (COUNT as f64).sqrt());
         let variance: f64 = means.map(|m| m * m).sum::<f64>() / 64.0;
         assert!((0.5..1.7).contains(&variance), "{variance}");
+    }
+
+    /// A contact's stream is a generator of rand, and both kinds of numbers are laws of it: what is drawn in lanes is what
+    /// they draw one by one.
+    #[test]
+    fn blocks_are_what_the_laws_draw_from_the_stream() {
+        let draws = EffectDraws::new(9, "stream");
+        let (mut gaussians, mut uniforms) = ([0.0; 90], [0.0; 90]);
+        draws.gaussians(4, 6, 3, &mut gaussians);
+        draws.uniforms(4, 6, 3, &mut uniforms);
+        // slots of four words, two halves each
+        let mut stream = draws.at(4, 6 * 4 * 2);
+        for three in gaussians.chunks_exact(3) {
+            let [a, b]: [[f64; 2]; 2] = [BoxMuller.sample(&mut stream), BoxMuller.sample(&mut stream)];
+            assert_eq!(three, [a[0], a[1], b[0]]);
+        }
+        let mut stream = draws.at(4, 6 * 4 * 2);
+        for three in uniforms.chunks_exact(3) {
+            let four = [(); 4].map(|()| OpenUniform.sample(&mut stream));
+            assert_eq!(three, &four[..3]);
+        }
+    }
+
+    /// Every language repeats the generator to the bit, so rand's uniform law must be its own formula.
+    #[test]
+    fn the_congruential_generator_is_uniform_by_the_upper_53_bits() {
+        let (mut lcg, mut state) = (Lcg::new(3), 3_u64);
+        for _ in 0..100 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            assert_eq!(lcg.uniform(), (state >> 11) as f64 / 9_007_199_254_740_992.0);
+        }
+        assert_eq!(Lcg::from_seed(5_u64.to_le_bytes()).uniform(), Lcg::new(5).uniform());
     }
 
     #[test]

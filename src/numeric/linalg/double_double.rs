@@ -1,111 +1,80 @@
-//! Numbers of 32 digits as unevaluated sums of two doubles (T. J. Dekker 1971; D. Knuth's two-sum).
+//! Numbers of 32 digits as unevaluated sums of two doubles, those of the crate `qd`.
 //!
 //! ```text
 //! x = hi + lo,  |lo| <= ulp(hi) / 2          errors of + - * /: a few 2^-104
 //! ```
 //!
-//! Iterative refinement needs residuals in twice the working precision, which this gives. Products beyond 1e300 overflow
-//! in the split.
+//! Iterative refinement needs residuals in twice the working precision. Sums are qd's accurate ones: its operators take the
+//! quick ones, whose error is relative to the summands and not to their sum.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use qd::Quad;
+
 /// `hi + lo`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct DoubleDouble {
-    hi: f64,
-    lo: f64,
-}
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct DoubleDouble(Quad);
 
 impl DoubleDouble {
     /// 0.
-    pub const ZERO: DoubleDouble = DoubleDouble { hi: 0.0, lo: 0.0 };
+    pub const ZERO: DoubleDouble = DoubleDouble(Quad::ZERO);
     /// 1.
-    pub const ONE: DoubleDouble = DoubleDouble { hi: 1.0, lo: 0.0 };
+    pub const ONE: DoubleDouble = DoubleDouble(Quad::ONE);
 
     /// A double, exactly.
     pub fn new(value: f64) -> DoubleDouble {
-        DoubleDouble { hi: value, lo: 0.0 }
+        DoubleDouble(Quad::from_f64(value))
     }
 
     /// The nearest double.
     pub fn to_f64(self) -> f64 {
-        self.hi + self.lo
+        self.0.0 + self.0.1
     }
 
-    /// Square root, by one Newton step from the square root of `hi`; 0 for numbers that are not positive.
+    /// Square root; 0 for numbers that are not positive.
     pub fn sqrt(self) -> DoubleDouble {
-        if self.hi.is_nan() || self.hi <= 0.0 {
-            return DoubleDouble::ZERO;
-        }
-        let root = DoubleDouble::new(self.hi.sqrt());
-        root + (self - root * root) / (root + root)
+        if self.0.0 > 0.0 { DoubleDouble(self.0.sqrt()) } else { DoubleDouble::ZERO }
     }
 }
 
-fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
-    let hi = a + b;
-    DoubleDouble { hi, lo: b - (hi - a) }
-}
-
-fn two_sum(a: f64, b: f64) -> DoubleDouble {
-    let hi = a + b;
-    let v = hi - a;
-    DoubleDouble { hi, lo: (a - (hi - v)) + (b - v) }
-}
-
-/// Veltkamp's split: 26 bits in each part.
-fn split(a: f64) -> (f64, f64) {
-    let t = 134_217_729.0 * a;
-    let high = t - (t - a);
-    (high, a - high)
-}
-
-fn two_product(a: f64, b: f64) -> DoubleDouble {
-    let hi = a * b;
-    let ((ah, al), (bh, bl)) = (split(a), split(b));
-    DoubleDouble { hi, lo: ((ah * bh - hi) + ah * bl + al * bh) + al * bl }
+impl Default for DoubleDouble {
+    fn default() -> DoubleDouble {
+        DoubleDouble::ZERO
+    }
 }
 
 impl Add for DoubleDouble {
     type Output = DoubleDouble;
     fn add(self, other: DoubleDouble) -> DoubleDouble {
-        let s = two_sum(self.hi, other.hi);
-        let t = two_sum(self.lo, other.lo);
-        let u = quick_two_sum(s.hi, s.lo + t.hi);
-        quick_two_sum(u.hi, u.lo + t.lo)
+        DoubleDouble(self.0.add_accurate(other.0))
     }
 }
 
 impl Neg for DoubleDouble {
     type Output = DoubleDouble;
     fn neg(self) -> DoubleDouble {
-        DoubleDouble { hi: -self.hi, lo: -self.lo }
+        DoubleDouble(self.0.neg())
     }
 }
 
 impl Sub for DoubleDouble {
     type Output = DoubleDouble;
     fn sub(self, other: DoubleDouble) -> DoubleDouble {
-        self + -other
+        DoubleDouble(self.0.sub_accurate(other.0))
     }
 }
 
 impl Mul for DoubleDouble {
     type Output = DoubleDouble;
     fn mul(self, other: DoubleDouble) -> DoubleDouble {
-        let p = two_product(self.hi, other.hi);
-        quick_two_sum(p.hi, p.lo + (self.hi * other.lo + self.lo * other.hi))
+        DoubleDouble(self.0 * other.0)
     }
 }
 
 impl Div for DoubleDouble {
     type Output = DoubleDouble;
     fn div(self, other: DoubleDouble) -> DoubleDouble {
-        let first = self.hi / other.hi;
-        let rest = self - other * DoubleDouble::new(first);
-        let second = rest.hi / other.hi;
-        let last = (rest - other * DoubleDouble::new(second)).hi / other.hi;
-        quick_two_sum(first, second) + DoubleDouble::new(last)
+        DoubleDouble(self.0 / other.0)
     }
 }
 

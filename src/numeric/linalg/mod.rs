@@ -21,6 +21,7 @@ mod grid_rows;
 mod row_products;
 mod site_groups;
 mod sites;
+pub mod small;
 mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};

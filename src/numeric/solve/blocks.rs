@@ -8,7 +8,7 @@ use std::sync::Arc;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
@@ -42,11 +42,10 @@ struct Dense {
 
 #[derive(Clone, Debug)]
 struct Sparse {
-    starts: Vec<usize>,
-    rows: Vec<usize>,
+    /// The upper triangle of the equilibrated matrix.
+    matrix: SparseColMat<usize, f64>,
     /// Shared between clones: it depends on the pattern alone and never changes.
     symbolic: Arc<SymbolicCholesky<usize>>,
-    values: Vec<f64>,
     factor: Vec<f64>,
 }
 
@@ -86,9 +85,9 @@ impl BlockCholesky {
             Kind::Dense(dense) => {
                 // blocks of basis functions that do not overlap stay zero
                 dense.columns.fill(0.0);
-                (&mut dense.columns, Some(dense.stride))
+                (dense.columns.as_mut_slice(), Some(dense.stride))
             }
-            Kind::Sparse(sparse) => (&mut sparse.values, None),
+            Kind::Sparse(sparse) => (sparse.matrix.parts_mut().1, None),
         };
         let mut next = 0;
         for_each_lower(matrix, |row, column, value| {
@@ -180,24 +179,24 @@ impl Sparse {
             rows.push(column);
         });
         starts.push(rows.len());
-        let pattern = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, Default::default())
-            .map_err(|_| SolveError::Memory { unknowns })?;
-        let (values, factor) = (vec![0.0; rows.len()], vec![0.0; symbolic.len_val()]);
-        Ok(Sparse { starts, rows, symbolic: Arc::new(symbolic), values, factor })
+        let count = rows.len();
+        let pattern = SymbolicSparseColMat::new_checked(unknowns, unknowns, starts, None, rows);
+        let symbolic =
+            factorize_symbolic_cholesky(pattern.as_ref(), Side::Upper, SymmetricOrdering::Amd, Default::default())
+                .map_err(|_| SolveError::Memory { unknowns })?;
+        let (matrix, factor) = (SparseColMat::new(pattern, vec![0.0; count]), vec![0.0; symbolic.len_val()]);
+        Ok(Sparse { matrix, symbolic: Arc::new(symbolic), factor })
     }
 
-    /// Factors `values`.
+    /// Factors the matrix.
     fn factor(&mut self) -> Result<(), SolveError> {
-        let unknowns = self.starts.len() - 1;
+        let unknowns = self.matrix.ncols();
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::Memory { unknowns })?;
-        let pattern = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &self.starts, None, &self.rows);
-        let matrix = SparseColMatRef::new(pattern, &self.values);
         self.symbolic
             .factorize_numeric_llt(
                 &mut self.factor,
-                matrix,
+                self.matrix.as_ref(),
                 Side::Upper,
                 Default::default(),
                 Par::Seq,

@@ -10,7 +10,7 @@ use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Side};
 
 use super::SolveError;
@@ -76,41 +76,37 @@ enum Kind {
 
 #[derive(Clone, Debug)]
 struct Sparse {
-    pattern: Pattern,
+    upper: Upper,
     /// Shared between clones: it depends on the pattern alone and never changes.
     symbolic: Arc<SymbolicCholesky<usize>>,
-    values: Vec<f64>,
     factor: Vec<f64>,
 }
 
-/// The upper triangle in compressed columns, and where each entry stands in the stencil.
+/// The upper triangle of the equilibrated matrix, and where each entry stands in the stencil.
 #[derive(Clone, Debug)]
-struct Pattern {
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
+struct Upper {
+    matrix: SparseColMat<usize, f64>,
     positions: Vec<usize>,
 }
 
-impl Pattern {
-    fn of(matrix: &StencilMatrix) -> Pattern {
-        let mut pattern = Pattern { column_starts: vec![0], rows: Vec::new(), positions: Vec::new() };
+impl Upper {
+    fn of(matrix: &StencilMatrix) -> Upper {
+        let (mut starts, mut rows, mut positions) = (vec![0], Vec::new(), Vec::new());
         let mut current = 0;
         // the lower triangle by rows is the upper triangle by columns
         matrix.for_each_lower(|row, column, position| {
             while current < row {
-                pattern.column_starts.push(pattern.rows.len());
+                starts.push(rows.len());
                 current += 1;
             }
-            pattern.rows.push(column);
-            pattern.positions.push(position);
+            rows.push(column);
+            positions.push(position);
         });
-        pattern.column_starts.push(pattern.rows.len());
-        pattern
-    }
-
-    fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
-        let order = self.column_starts.len() - 1;
-        SymbolicSparseColMatRef::new_checked(order, order, &self.column_starts, None, &self.rows)
+        starts.push(rows.len());
+        let order = starts.len() - 1;
+        let values = vec![0.0; rows.len()];
+        let pattern = SymbolicSparseColMat::new_checked(order, order, starts, None, rows);
+        Upper { matrix: SparseColMat::new(pattern, values), positions }
     }
 }
 
@@ -295,35 +291,36 @@ impl Sparse {
     fn plan(shape: TensorShape) -> Result<Sparse, SolveError> {
         let unknowns = shape.unknowns();
         let no_memory = SolveError::Memory { unknowns };
-        let pattern = Pattern::of(&StencilMatrix::zeros(shape));
+        let upper = Upper::of(&StencilMatrix::zeros(shape));
         let forward = nested_dissection(shape);
         let mut inverse = vec![0; unknowns];
         forward.iter().enumerate().for_each(|(k, &unknown)| inverse[unknown] = k);
         let permutation = PermRef::new_checked(&forward, &inverse, unknowns);
         let symbolic = factorize_symbolic_cholesky(
-            pattern.symbolic(),
+            upper.matrix.symbolic(),
             Side::Upper,
             SymmetricOrdering::Custom(permutation),
             Default::default(),
         )
         .map_err(|_| no_memory.clone())?;
-        let (values, factor) = (vec![0.0; pattern.rows.len()], vec![0.0; symbolic.len_val()]);
-        Ok(Sparse { pattern, symbolic: Arc::new(symbolic), values, factor })
+        let factor = vec![0.0; symbolic.len_val()];
+        Ok(Sparse { upper, symbolic: Arc::new(symbolic), factor })
     }
 
     fn factor(&mut self, matrix: &StencilMatrix, scale: &[f64]) -> Result<f64, SolveError> {
-        let Pattern { column_starts, rows, positions } = &self.pattern;
+        let Upper { matrix: upper, positions } = &mut self.upper;
+        let (pattern, values) = upper.parts_mut();
+        let rows = pattern.row_idx();
         for column in 0..scale.len() {
-            for k in column_starts[column]..column_starts[column + 1] {
-                self.values[k] = matrix.values()[positions[k]] * scale[column] * scale[rows[k]];
+            for k in pattern.col_range(column) {
+                values[k] = matrix.values()[positions[k]] * scale[column] * scale[rows[k]];
             }
         }
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::Memory { unknowns: scale.len() })?;
-        let matrix = SparseColMatRef::new(self.pattern.symbolic(), &self.values);
         let outcome = self.symbolic.factorize_numeric_llt(
             &mut self.factor,
-            matrix,
+            upper.as_ref(),
             Side::Upper,
             Default::default(),
             Par::Seq,

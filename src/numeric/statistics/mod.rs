@@ -4,11 +4,15 @@
 //! median m     as many values below m as above        sd^2 = (1/n) sum (x_i - mean)^2
 //! ```
 
+mod exponential;
 mod order;
 mod robust;
+mod variance_component;
 
+pub use exponential::ExponentialCorrelation;
 pub use order::{Rank, median, order_statistic, quantile, upper_median, weighted_quantile};
 pub use robust::{HUBER, Loss, MAD_TO_SD, RAYLEIGH_TO_SD, huber_weight, mad, mad_about_median};
+pub use variance_component::VarianceComponent;
 
 /// Population standard deviation; 0 of an empty list.
 pub fn standard_deviation(values: &[f64]) -> f64 {

@@ -20,7 +20,7 @@ use palpate_world::scene::surface::{
 use palpate_world::scene::{Surface, World};
 
 /// Step of the differences, relative to a size and to the patch.
-const STEP: f64 = 1e-5;
+const STEP_OF_DIFFERENCES: f64 = 1e-5;
 
 /// Directions of the parameters that carry less than this share of the information of the others are not known at all.
 const UNKNOWN: f64 = 1e-11;
@@ -158,16 +158,16 @@ impl Tangent {
             let (ahead, behind) = (ahead?, behind?);
             let mut column = Vec::new();
             for (a, b) in ahead.iter().zip(&behind) {
-                column.push((a.z - b.z) / (2.0 * STEP * sd_z));
+                column.push((a.z - b.z) / (2.0 * STEP_OF_DIFFERENCES * sd_z));
                 if let Some(sd) = sd_n {
-                    column.extend((0..3).map(|d| (a.normal[d] - b.normal[d]) / (2.0 * STEP * sd)));
+                    column.extend((0..3).map(|d| (a.normal[d] - b.normal[d]) / (2.0 * STEP_OF_DIFFERENCES * sd)));
                 }
             }
             tangent.columns.push(column);
             let [ahead, behind] = [1.0, -1.0].map(|sign| shifted(family, parameter, sign, &grid).map(|s| means(&s)));
             let (ahead, behind) = (ahead?, behind?);
             for (q, slopes) in tangent.slopes.iter_mut().enumerate() {
-                slopes.push((ahead[q].unwrap_or(0.0) - behind[q].unwrap_or(0.0)) / (2.0 * STEP));
+                slopes.push((ahead[q].unwrap_or(0.0) - behind[q].unwrap_or(0.0)) / (2.0 * STEP_OF_DIFFERENCES));
             }
         }
         Some(tangent)
@@ -207,8 +207,8 @@ fn shifted(family: &Family, parameter: usize, sign: f64, places: &[[f64; 2]]) ->
     let mut sizes = family.sizes.clone();
     let mut motion = [0.0; MOTIONS];
     match sizes.get_mut(parameter) {
-        Some(size) => *size += sign * STEP,
-        None => motion[parameter - family.sizes.len()] = sign * STEP,
+        Some(size) => *size += sign * STEP_OF_DIFFERENCES,
+        None => motion[parameter - family.sizes.len()] = sign * STEP_OF_DIFFERENCES,
     }
     let surface = (family.member)(&sizes)?;
     places.iter().map(|p| seen(&surface, motion, *p)).collect()

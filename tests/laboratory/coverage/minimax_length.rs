@@ -36,7 +36,7 @@ const DEGREES: usize = 5;
 const DEPARTURES: std::ops::RangeInclusive<usize> = 3..=4;
 
 /// Step of t, in units of the oracle's sd.
-const STEP: f64 = 0.02;
+const STEP_OF_T: f64 = 0.02;
 
 /// Widths over the oracle's at which nothing is known, and no larger one is looked for.
 const NOTHING: f64 = 100.0;
@@ -133,15 +133,15 @@ impl Distances {
     fn over_oracle(&self, share: f64, enough: f64) -> f64 {
         let Ok(normal) = Normal::new(0.0, 1.0) else { return f64::NAN };
         let [two_sided, one_sided] = [0.975, 0.95].map(|level| normal.inverse_cdf(level));
-        let (mut found, mut t) = (0.0, 0.5 * STEP);
+        let (mut found, mut t) = (0.0, 0.5 * STEP_OF_T);
         while found < enough && self.reach.iter().any(|reach| t < *reach) {
             let left_out = one_sided - self.distance(t, share);
             if left_out.is_nan() || left_out < -6.0 {
                 break;
             }
             let sides = self.reach.iter().filter(|reach| t < **reach).count() as f64;
-            found += normal.cdf(left_out) * sides * STEP / (2.0 * two_sided);
-            t += STEP;
+            found += normal.cdf(left_out) * sides * STEP_OF_T / (2.0 * two_sided);
+            t += STEP_OF_T;
         }
         found
     }

@@ -159,7 +159,13 @@ fn fit_part(found: &Recognition, surface: &AnySurface, subject: &Subject) -> Fit
         refinements: 0,
         smooth: 0.0,
         rms: RmsPart { z: rms(found, subject.input), ..RmsPart::default() },
-        notes: subject.notes.iter().cloned().chain(set_aside(found)).chain(found.notes.iter().cloned()).collect(),
+        notes: subject
+            .notes
+            .iter()
+            .cloned()
+            .chain(set_aside(found))
+            .chain(found.notes.iter().map(ToString::to_string))
+            .collect(),
         technical_notes: Vec::new(),
     }
 }

@@ -12,7 +12,6 @@ mod perspective;
 mod scale;
 mod section;
 mod shape;
-mod sweep;
 
 use std::io::Write;
 
@@ -21,7 +20,7 @@ use super::document::FitDocument;
 use super::drawing::Drawing;
 use super::surface_view::SurfaceView;
 
-pub(crate) use sweep::write_sweep_picture;
+pub(super) use scale::{LARGE, fitting, foot, number_bar, picture, shape_bar, short};
 
 /// How a picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,6 +19,7 @@ use crate::fit::noise::sds::RowSds;
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::{FitError, Note};
 use palpate_numeric::linalg::Sites;
+use palpate_numeric::statistics::VarianceComponent;
 
 /// A move below this share of the largest coefficient ends a nonlinear fit.
 pub(crate) const CONVERGED: f64 = 1e-10;
@@ -135,14 +136,12 @@ pub(crate) fn variance_components(
 /// The sds of a trial's residuals with their degrees of freedom; rows of a kind that leave none keep the sd they had.
 fn residual_sds(sds: RowSds, trial: &Trial, rows: [f64; 2]) -> (RowSds, [f64; 2]) {
     let traces = hat_traces(&trial.equations, &trial.solution);
-    let update = |sd: f64, b: usize| {
-        let freedom = rows[b] - traces[b];
-        if rows[b] == 0.0 || freedom <= 1e-9 * rows[b] {
-            return sd;
-        }
-        (sd * (trial.squares[b] / freedom).sqrt()).max(NO_NOISE)
+    let kinds = [0, 1].map(|b| VarianceComponent { squares: trial.squares[b], rows: rows[b], trace: traces[b] });
+    let update = |sd: f64, kind: VarianceComponent| {
+        let own = kind.sd(1e-9 * kind.rows).filter(|_| kind.rows > 0.0);
+        own.map_or(sd, |own| (sd * own).max(NO_NOISE))
     };
-    (RowSds { z: update(sds.z, 0), slope: update(sds.slope, 1) }, [0, 1].map(|b| rows[b] - traces[b]))
+    (RowSds { z: update(sds.z, kinds[0]), slope: update(sds.slope, kinds[1]) }, kinds.map(VarianceComponent::freedom))
 }
 
 /// The log ratio of the sds before and after the last step.

@@ -17,7 +17,7 @@ pub(super) const WIDTH: usize = DEGREE + 1;
 
 /// The 25 basis functions at one chart point with their derivatives.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct JetRow {
+pub(crate) struct JetRow {
     first: [usize; 2],
     values: [[[f64; WIDTH]; 3]; 2],
     across: usize,

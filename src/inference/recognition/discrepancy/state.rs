@@ -15,17 +15,17 @@ use palpate_numeric::vector::{Vector, along, cross, norm_hypot};
 
 /// A point of the chart of the general surface.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct ChartPoint {
-    pub(in crate::recognition) chart: [f64; 2],
+pub(crate) struct ChartPoint {
+    pub(crate) chart: [f64; 2],
     /// Its place on the general surface, patch coordinates.
-    pub(in crate::recognition) place: Vector,
+    pub(crate) place: Vector,
     /// What the displacement needs there.
-    pub(in crate::recognition) row: Option<JetRow>,
+    pub(crate) row: Option<JetRow>,
 }
 
 /// One surface.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::recognition) struct State {
+pub(crate) struct State {
     model: Model,
     /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
@@ -37,20 +37,20 @@ pub(in crate::recognition) struct State {
 
 /// A surface at one point.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::recognition) struct Bent {
-    pub(in crate::recognition) place: Vector,
-    pub(in crate::recognition) normal: Vector,
-    pub(in crate::recognition) k1: f64,
-    pub(in crate::recognition) k2: f64,
+pub(crate) struct Bent {
+    pub(crate) place: Vector,
+    pub(crate) normal: Vector,
+    pub(crate) k1: f64,
+    pub(crate) k2: f64,
     /// Direction of k1, patch axes; `None` where it is undefined.
-    pub(in crate::recognition) direction: Option<Vector>,
+    pub(crate) direction: Option<Vector>,
     /// Displacement along the normal.
-    pub(in crate::recognition) displacement: f64,
+    pub(crate) displacement: f64,
 }
 
 impl State {
     /// A model moved by x, in the evidence's coordinates.
-    pub(in crate::recognition) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
+    pub(crate) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
         let (kind, theta) = (model.kind(), model.theta());
         let mut moved = theta;
         (0..3).for_each(|i| moved[i] += x[i]);
@@ -85,7 +85,7 @@ impl State {
         State { model: Model::new(kind, moved), turn, quadratic, coefficients }
     }
 
-    pub(in crate::recognition) fn model(&self) -> &Model {
+    pub(crate) fn model(&self) -> &Model {
         &self.model
     }
 
@@ -113,7 +113,7 @@ impl State {
     }
 
     /// Larger and smaller curvature at a chart point; `None` where the chart folds.
-    pub(in crate::recognition) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
+    pub(crate) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
             (Model::Paraboloid(surface), _) => curvatures(&surface.derivatives(at.place[0], at.place[1])),
             (Model::Constant(_, surface), Some(_)) => {
@@ -125,7 +125,7 @@ impl State {
     }
 
     /// Larger and smaller curvature where they are the same everywhere.
-    pub(in crate::recognition) fn constant_curvatures(&self) -> Option<[f64; 2]> {
+    pub(crate) fn constant_curvatures(&self) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
             (Model::Constant(_, surface), None) => {
                 let [_, _, _, k1, k2, _] = surface.theta;
@@ -150,7 +150,7 @@ impl State {
 
     /// Where the surface lies at a chart point, and its unit normal there: a part of [`State::at`], without its curvatures
     /// and directions where the surface is displaced.
-    pub(in crate::recognition) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
+    pub(crate) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
         let Model::Constant(Kind::General, surface) = &self.model else {
             let bent = self.at(at);
             return (bent.place, bent.normal);
@@ -161,7 +161,7 @@ impl State {
     }
 
     /// Directions of k1 and k2 at a chart point; `None` where they are undefined.
-    pub(in crate::recognition) fn directions(&self, at: &ChartPoint) -> Option<[Vector; 2]> {
+    pub(crate) fn directions(&self, at: &ChartPoint) -> Option<[Vector; 2]> {
         let [k1, normal] = match &self.model {
             Model::Constant(Kind::General, surface) => {
                 let principal = self.principal(at)?;
@@ -181,7 +181,7 @@ impl State {
     }
 
     /// Everything at a chart point.
-    pub(in crate::recognition) fn at(&self, at: &ChartPoint) -> Bent {
+    pub(crate) fn at(&self, at: &ChartPoint) -> Bent {
         let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
         let displacement = self.jet(at)[0];
         let [k1, k2] = curvatures;

@@ -20,7 +20,7 @@ use palpate_geometry::surface::Jet;
 const TERMS: usize = 6;
 
 /// Contacts that are looked at; of more, every so many-th.
-const ENOUGH: usize = 4096;
+const MOST_CONTACTS: usize = 4096;
 
 /// Half sides of the chart in units of the frame are at least this long, so that contacts on one line leave a tangent plane.
 const LEAST_SIDE: f64 = 1e-30;
@@ -46,7 +46,7 @@ impl<'a> Pointwise<'a> {
         let surface = &found.surface;
         let middle = [surface.u, surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
         let half = [surface.u, surface.v].map(|[lo, hi]| (0.5 * (hi - lo)).max(LEAST_SIDE));
-        let step = contacts.len().div_ceil(ENOUGH).max(1);
+        let step = contacts.len().div_ceil(MOST_CONTACTS).max(1);
         let mut sums = faer::Mat::<f64>::zeros(TERMS, TERMS);
         let mut count = 0.0;
         for r in (0..contacts.len()).step_by(step) {

@@ -9,8 +9,8 @@
 
 use crate::recognition::RecognitionOptions;
 use crate::recognition::contacts::patch_frame;
-use crate::recognition::region::hull;
 use palpate_geometry::contact::{Contacts, Orientation};
+use palpate_geometry::convex_hull::convex_hull;
 use palpate_numeric::vector::{Vector, along, cross, dot, minus};
 
 /// A later side of the hull counts as better when its rectangle is smaller by more than this share, so that rounding does
@@ -30,7 +30,7 @@ pub fn own_axes(contacts: &Contacts, options: &RecognitionOptions) -> Option<[Ve
         .map(|p| minus(*p, frame.origin))
         .map(|d| [dot(d, frame.axes[0]), dot(d, frame.axes[1])])
         .collect();
-    let [a, b] = side_of_least_rectangle(&hull(&flat))?;
+    let [a, b] = side_of_least_rectangle(&convex_hull(&flat))?;
     let z = frame.axes[2];
     let x = along(frame.axes[0].map(|v| a * v), b, frame.axes[1]);
     Some([x, cross(z, x), z])

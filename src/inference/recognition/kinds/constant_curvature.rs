@@ -11,8 +11,8 @@ use palpate_numeric::vector::Vector;
 
 /// One surface, with its rotation worked out.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::recognition) struct ConstantCurvature {
-    pub(in crate::recognition) theta: [f64; 6],
+pub(crate) struct ConstantCurvature {
+    pub(crate) theta: [f64; 6],
     /// Rows of `exp([(a, b, 0)]x)` rotated by phi: X to (u, v, w + h).
     axes: [Vector; 3],
     /// Derivatives of the axes by a and by b.
@@ -21,7 +21,7 @@ pub(in crate::recognition) struct ConstantCurvature {
 }
 
 impl ConstantCurvature {
-    pub(in crate::recognition) fn new(theta: [f64; 6]) -> ConstantCurvature {
+    pub(crate) fn new(theta: [f64; 6]) -> ConstantCurvature {
         let [_, a, b, _, _, phi] = theta;
         let [rotation, by_a, by_b] = rotation(a, b);
         let (sin, cos) = phi.sin_cos();
@@ -39,7 +39,7 @@ impl ConstantCurvature {
     }
 
     /// The same surface in its own axes.
-    pub(in crate::recognition) fn form(&self) -> TwoCurvatures {
+    pub(crate) fn form(&self) -> TwoCurvatures {
         TwoCurvatures { k1: self.theta[3], k2: self.theta[4] }
     }
 
@@ -50,7 +50,7 @@ impl ConstantCurvature {
     }
 
     /// Signed distance and its gradient, the unit normal at the foot point.
-    pub(in crate::recognition) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
+    pub(crate) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
         let (d, normal) = self.form().distance(self.local(x));
         (d, transposed(&self.axes, normal))
     }
@@ -68,23 +68,23 @@ impl ConstantCurvature {
     }
 
     /// Arc lengths (u, v) of the foot point.
-    pub(in crate::recognition) fn chart(&self, x: Vector) -> [f64; 2] {
+    pub(crate) fn chart(&self, x: Vector) -> [f64; 2] {
         self.form().chart(self.local(x))
     }
 
     /// Point at chart coordinates, `f` above the surface.
-    pub(in crate::recognition) fn point(&self, u: f64, v: f64, f: f64) -> Vector {
+    pub(crate) fn point(&self, u: f64, v: f64, f: f64) -> Vector {
         let [across, along, height] = self.form().point(u, v, f);
         transposed(&self.axes, [across, along, height + self.theta[0]])
     }
 
     /// Whether it is a plane.
-    pub(in crate::recognition) fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.theta[3..5] == [0.0; 2]
     }
 
     /// A direction in the chart's axes (u, v, normal) at the origin of the chart, in the axes of X.
-    pub(in crate::recognition) fn rotate_back(&self, direction: Vector) -> Vector {
+    pub(crate) fn rotate_back(&self, direction: Vector) -> Vector {
         transposed(&self.axes, direction)
     }
 }

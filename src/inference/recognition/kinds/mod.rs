@@ -12,5 +12,5 @@ mod constant_curvature;
 mod model;
 mod paraboloid;
 
-pub(in crate::recognition) use constant_curvature::ConstantCurvature;
-pub(in crate::recognition) use model::{Kind, Model};
+pub(crate) use constant_curvature::ConstantCurvature;
+pub(crate) use model::{Kind, Model};

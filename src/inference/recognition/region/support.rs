@@ -10,6 +10,7 @@
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::thinned;
+use palpate_geometry::convex_hull::{convex_hull, turn};
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::{median, order_statistic};
 use palpate_numeric::vector::{Vector, dot, minus, norm};
@@ -36,14 +37,14 @@ pub(super) struct Support<'a> {
 
 impl<'a> Support<'a> {
     /// Of contacts, by their feet, with their chart positions.
-    pub(in crate::recognition) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+    pub(crate) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
         let tree = Neighbours::new(feet);
         let sample = thinned(feet, SAMPLE);
         let nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
         let rank = nearest.len() * 95 / 100;
         let quantile = order_statistic(nearest, rank).unwrap_or(0.0);
         let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet));
-        Support { hull: hull(charts), tree, reach, beyond: BEYOND * reach }
+        Support { hull: convex_hull(charts), tree, reach, beyond: BEYOND * reach }
     }
 
     /// The same region, independent of the contacts' lifetime.
@@ -66,60 +67,6 @@ impl<'a> Support<'a> {
         });
         inside && self.tree.nearest(place, 1).first().is_some_and(|(squared, _)| squared.sqrt() <= self.reach)
     }
-}
-
-/// Twice the area of a triangle, positive to the left.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// Convex hull, to the left around (A. M. Andrew, 1979).
-pub(in crate::recognition) fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut sorted = near_the_outline(points);
-    sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    sorted.dedup();
-    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for p in points {
-            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut lower = chain(&mut sorted.iter().copied());
-    lower.extend(chain(&mut sorted.iter().rev().copied()));
-    lower
-}
-
-/// The points without those well inside the octagon of the farthest points in eight directions, which no hull has as
-/// corners (S. G. Akl and G. T. Toussaint, *Inf. Process. Lett.* 7 (1978) 219).
-fn near_the_outline(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    /// Share of the octagon's area by which a point has to be inside each side.
-    const WELL: f64 = 1e-9;
-    const DIRECTIONS: [[f64; 2]; 8] =
-        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
-    let Some(&first) = points.first() else { return Vec::new() };
-    let mut corners = [first; 8];
-    let mut farthest = [f64::NEG_INFINITY; 8];
-    for p in points {
-        for (k, d) in DIRECTIONS.iter().enumerate() {
-            let along = d[0] * p[0] + d[1] * p[1];
-            if along > farthest[k] {
-                (farthest[k], corners[k]) = (along, *p);
-            }
-        }
-    }
-    let size = (farthest[0] + farthest[4]).abs() * (farthest[2] + farthest[6]).abs();
-    let is_well_inside = |p: &[f64; 2]| {
-        (0..8).all(|k| {
-            let (a, b) = (corners[k], corners[(k + 1) % 8]);
-            a == b || turn(a, b, *p) > WELL * size
-        })
-    };
-    points.iter().filter(|p| !is_well_inside(p)).copied().collect()
 }
 
 /// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge.
@@ -159,9 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hull_keeps_corners_and_the_gap_is_that_between_fingers() {
-        let lattice: Vec<[f64; 2]> = (0..25).map(|i| [(i % 5) as f64, (i / 5) as f64]).collect();
-        assert_eq!(hull(&lattice), [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+    fn the_gap_is_that_between_fingers() {
         let fingers: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
         assert_eq!(widest_gap(&fingers), 3.0);
     }

@@ -7,9 +7,9 @@
 //!
 //! J. J. More, *The Levenberg-Marquardt algorithm*, 1978. P. J. Huber, *Robust Statistics*, 1981.
 
-use crate::recognition::dense;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
+use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::statistics::{huber_weight, mad_about_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
@@ -41,8 +41,8 @@ pub(super) const TASK: usize = 1 << 13;
 /// A fit with its distances and their robust scale.
 #[derive(Clone, Debug)]
 pub(super) struct Fitted {
-    pub(in crate::recognition) model: Model,
-    pub(in crate::recognition) distances: Vec<f64>,
+    pub(crate) model: Model,
+    pub(crate) distances: Vec<f64>,
     pub(super) scale: f64,
 }
 
@@ -152,7 +152,7 @@ impl ResidualModel for Distances<'_> {
         let floor = (0..p).map(|i| self.normal[i][i]).fold(0.0, f64::max) * 1e-10 + f64::MIN_POSITIVE;
         let mut damped = self.normal;
         (0..p).for_each(|i| damped[i][i] += damping * (self.normal[i][i] + floor));
-        dense::solve_small(damped, self.gradient, p).ok_or(NotPositiveDefinite)
+        solve_leading(damped, self.gradient, p).ok_or(NotPositiveDefinite)
     }
 
     fn moved(&mut self, from: &Model, step: &[f64; 6]) -> Option<(Model, f64)> {

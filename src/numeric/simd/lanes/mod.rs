@@ -4,6 +4,9 @@
 //! `Avx2` (four lanes with fused multiply-add) and `Avx512` (eight). A kernel is generic over [`Lanes`] and inlined
 //! whole into a function that carries the instruction set; see [`super::dispatch`]. The two wide types are private to
 //! this folder: a kernel is compiled for them only through a [`Kind`] that was detected on this machine.
+//!
+//! `pulp`, which faer brings, has the sums and products but no estimate of a reciprocal root, no shift of 64-bit words, no
+//! conversion from integers and no bit rotation: seven of the 24 kernels would keep these types beside pulp's.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -1,13 +1,16 @@
 //! How many values fall where, with the interval, the mean and the truth on it.
 
-use super::chart::{Axis, Chart, shown};
+use super::axis::Axis;
+use super::chart::{Chart, ROOM, Rect, Style};
+use crate::report::drawing::Drawing;
+use crate::report::table::significant;
 
 /// Bars of a histogram.
-pub(super) const BARS: usize = 48;
+pub(in crate::report) const BARS: usize = 48;
 
 /// Counts between evenly spaced edges.
 #[derive(Clone, Debug)]
-pub(super) struct Histogram {
+pub(in crate::report) struct Histogram {
     /// Ends of the first and the last bar.
     pub ends: [f64; 2],
     /// Values in each bar.
@@ -16,7 +19,7 @@ pub(super) struct Histogram {
 
 impl Histogram {
     /// Of values at hand; `None` of none. Values that are all alike get one wide bar.
-    pub(super) fn of(values: &[f64]) -> Option<Histogram> {
+    pub(in crate::report) fn of(values: &[f64]) -> Option<Histogram> {
         let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
         if lo > hi {
             return None;
@@ -33,7 +36,7 @@ impl Histogram {
     }
 
     /// Whether a value may stand beside the bars: one far away would squeeze them all into a stroke.
-    pub(super) fn is_near(&self, value: f64) -> bool {
+    pub(in crate::report) fn is_near(&self, value: f64) -> bool {
         let [lo, hi] = self.ends;
         (lo - 0.75 * (hi - lo)..=hi + 0.75 * (hi - lo)).contains(&value)
     }
@@ -44,34 +47,30 @@ impl Histogram {
         [k, k + 1].map(|k| lo + (hi - lo) * k as f64 / self.counts.len() as f64)
     }
 
-    /// The chart: `what` is counted along an axis of this name; `stripe` and `uprights` (style and value) stand behind and
-    /// before the bars.
-    pub(super) fn chart(
+    /// Draws it: `what` is counted along an axis of this name; `stripe` and `uprights` stand behind and before the bars.
+    pub(in crate::report) fn draw(
         &self,
-        [label, name, what]: [&str; 3],
+        (drawing, rect): (&mut Drawing, Rect),
+        [name, what]: [&str; 2],
         stripe: Option<[f64; 2]>,
-        uprights: &[(&str, f64)],
-    ) -> String {
+        uprights: &[(Style, f64)],
+    ) {
         let most = self.counts.iter().fold(1.0_f64, |m, c| m.max(*c));
         let [lo, hi] = self.ends;
         let marked = uprights.iter().map(|(_, value)| *value).filter(|value| self.is_near(*value));
         let (lo, hi) = marked.fold((lo, hi), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        let mut chart = Chart::new(
-            label,
-            Axis::holding(name, [lo, hi].into_iter()),
-            Axis::over(&format!("number of {what}"), [0.0, 1.06 * most]),
-        );
+        let axes = [Axis::holding([lo, hi].into_iter()), Axis::over([0.0, 1.06 * most])];
+        let mut chart = Chart::new(drawing, rect, axes, [name, &format!("number of {what}")], ROOM);
         if let Some([a, b]) = stripe {
-            chart.stripe("interval", [a.max(lo), b.min(hi)]);
+            chart.stripe([a.max(lo), b.min(hi)]);
         }
         for (k, count) in self.counts.iter().enumerate().filter(|(_, count)| **count > 0.0) {
             let [a, b] = self.edges(k);
-            chart.bar("", [a, b], *count, &format!("{count} {what} from {} to {}", shown(a), shown(b)));
+            chart.bar([a, b], *count, format!("{count} {what} from {} to {}", significant(a, 4), significant(b, 4)));
         }
-        for (class, value) in uprights.iter().filter(|(_, value)| self.is_near(*value)) {
-            chart.upright(class, *value);
+        for (style, value) in uprights.iter().filter(|(_, value)| self.is_near(*value)) {
+            chart.upright(*style, *value);
         }
-        chart.svg()
     }
 }
 

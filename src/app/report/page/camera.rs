@@ -5,7 +5,7 @@
 //! p = point - middle of the box        w = D - p.e        (x, y) = (p.r, p.u) / (w tan 15 deg)        D = 2.2 diagonals
 //! ```
 //!
-//! `e` points to the eye, `r` across, `u` up.
+//! `e` points to the camera, `r` across, `u` up.
 
 use std::fmt::Write as _;
 
@@ -24,17 +24,17 @@ const FILLED: f64 = 0.86;
 /// Units of the viewing box along its longer side: half a pixel of a wide screen.
 const SIDE: f64 = 2000.0;
 
-/// The eye, and the box that it looks at.
-pub(super) struct Eye {
+/// The camera, and the box that it looks at.
+pub(super) struct Camera {
     low: Vector,
     high: Vector,
     distance: f64,
-    /// Across, up, towards the eye.
+    /// Across, up, towards the camera.
     axes: [Vector; 3],
 }
 
-impl Eye {
-    pub(super) fn new(points: &[Vector]) -> Eye {
+impl Camera {
+    pub(super) fn new(points: &[Vector]) -> Camera {
         let ends = [0, 1, 2].map(|k| {
             let finite = points.iter().map(|p| p[k]).filter(|v| v.is_finite());
             let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -45,7 +45,7 @@ impl Eye {
         let towards = unit(EYE);
         let across = unit(cross([0.0, 0.0, 1.0], towards));
         let distance = AWAY * dot(EYE, EYE).sqrt() * if diagonal > 0.0 { diagonal } else { 1.0 };
-        Eye { low, high, distance, axes: [across, cross(towards, across), towards] }
+        Camera { low, high, distance, axes: [across, cross(towards, across), towards] }
     }
 
     /// The middle of the box.
@@ -55,8 +55,8 @@ impl Eye {
 
     /// Whether a surface at a point shows this side.
     pub(super) fn faces(&self, p: Vector, normal: Vector) -> bool {
-        let eye = [0, 1, 2].map(|k| self.centre()[k] + self.distance * self.axes[2][k]);
-        dot(minus(eye, p), normal) > 0.0
+        let camera = [0, 1, 2].map(|k| self.centre()[k] + self.distance * self.axes[2][k]);
+        dot(minus(camera, p), normal) > 0.0
     }
 
     /// The paper that just holds the box.
@@ -66,7 +66,7 @@ impl Eye {
         Canvas { scale, size: reach.map(|reach| 2.0 * scale * reach / FILLED) }
     }
 
-    /// Across, up, and towards the eye, in lengths.
+    /// Across, up, and towards the camera, in lengths.
     pub(super) fn turned(&self, p: Vector) -> Vector {
         let p = minus(p, self.centre());
         self.axes.map(|axis| dot(p, axis))
@@ -117,21 +117,21 @@ impl Canvas {
     }
 
     /// Where a point stands, as paths have it.
-    pub(super) fn place(&self, eye: &Eye, p: Vector) -> String {
-        let ([x, y], [width, height]) = (eye.seen(p), self.size);
+    pub(super) fn place(&self, camera: &Camera, p: Vector) -> String {
+        let ([x, y], [width, height]) = (camera.seen(p), self.size);
         format!("{:.0} {:.0}", 0.5 * width + self.scale * x, 0.5 * height - self.scale * y)
     }
 
     /// How wide a length in the middle of the box is drawn.
-    pub(super) fn width(&self, eye: &Eye, length: f64) -> f64 {
-        self.scale * length / (OPENING * eye.distance)
+    pub(super) fn width(&self, camera: &Camera, length: f64) -> f64 {
+        self.scale * length / (OPENING * camera.distance)
     }
 
     /// Edges of the box, behind what stands in it or before it.
-    pub(super) fn edges(&self, eye: &Eye, behind: bool) -> String {
+    pub(super) fn edges(&self, camera: &Camera, behind: bool) -> String {
         let mut path = String::new();
-        for [a, b] in eye.edges(behind) {
-            let _ = write!(path, "M{}L{}", self.place(eye, a), self.place(eye, b));
+        for [a, b] in camera.edges(behind) {
+            let _ = write!(path, "M{}L{}", self.place(camera, a), self.place(camera, b));
         }
         format!("<path class=\"box\" d=\"{path}\"/>\n")
     }
@@ -143,13 +143,13 @@ mod tests {
 
     #[test]
     fn the_box_stands_in_the_middle_and_its_farthest_corner_behind() {
-        let eye = Eye::new(&[[-1.0, -2.0, 0.0], [3.0, 2.0, 1.0], [f64::NAN, 0.0, 0.0]]);
-        assert_eq!(eye.centre(), [1.0, 0.0, 0.5]);
-        assert_eq!(eye.seen(eye.centre()), [0.0, 0.0]);
-        let reach = eye.reach();
+        let camera = Camera::new(&[[-1.0, -2.0, 0.0], [3.0, 2.0, 1.0], [f64::NAN, 0.0, 0.0]]);
+        assert_eq!(camera.centre(), [1.0, 0.0, 0.5]);
+        assert_eq!(camera.seen(camera.centre()), [0.0, 0.0]);
+        let reach = camera.reach();
         assert!(reach.iter().all(|v| (0.1..1.0).contains(v)), "{reach:?}");
-        assert_eq!((eye.edges(true).len(), eye.edges(false).len()), (3, 9));
-        assert!(eye.edges(true).iter().flatten().filter(|p| **p == [3.0, 2.0, 0.0]).count() == 3);
-        assert!(eye.faces([1.0, 0.0, 1.0], [0.0, 0.0, 1.0]) && !eye.faces([1.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
+        assert_eq!((camera.edges(true).len(), camera.edges(false).len()), (3, 9));
+        assert!(camera.edges(true).iter().flatten().filter(|p| **p == [3.0, 2.0, 0.0]).count() == 3);
+        assert!(camera.faces([1.0, 0.0, 1.0], [0.0, 0.0, 1.0]) && !camera.faces([1.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
     }
 }

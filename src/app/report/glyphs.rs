@@ -6,17 +6,17 @@
 //! ```
 //!
 //! From DejaVu Sans 2.37, its curves cut into straight pieces and rounded to hundredths: a picture in a paper needs letters
-//! that scale, and these are 10 kB where the font is 740. Its licence is in `letters-LICENSE.txt`.
+//! that scale, and these are 10 kB where the font is 740. Its licence is in `glyphs-LICENSE.txt`.
 
 /// A letter: its advance, and its contours.
-pub(super) type Letter = (u8, &'static [&'static [[i8; 2]]]);
+pub(super) type Glyph = (u8, &'static [&'static [[i8; 2]]]);
 
 /// Letters beyond the tilde.
 const FURTHER: [char; 3] = ['±', '·', '°'];
 
 /// Characters from the space to the tilde, as they stand in ASCII, and those of `FURTHER`.
 #[rustfmt::skip]
-const LETTERS: [Letter; 98] = [
+const GLYPHS: [Glyph; 98] = [
     (32, &[]),
     (40, &[&[[15, 12], [25, 12], [25, 0], [15, 0]], &[[15, 73], [25, 73], [25, 41], [24, 23], [16, 23], [15, 41]]]),
     (46, &[&[[18, 73], [18, 46], [10, 46], [10, 73]], &[[36, 73], [36, 46], [28, 46], [28, 73]]]),
@@ -118,11 +118,11 @@ const LETTERS: [Letter; 98] = [
 ];
 
 /// The letter of a character; an empty box for one that is not there.
-pub(super) fn letter(character: char) -> Letter {
-    const BOX: Letter = (60, &[&[[5, 0], [55, 0], [55, 73], [5, 73]], &[[11, 6], [49, 6], [49, 67], [11, 67]]]);
+pub(super) fn glyph(character: char) -> Glyph {
+    const BOX: Glyph = (60, &[&[[5, 0], [55, 0], [55, 73], [5, 73]], &[[11, 6], [49, 6], [49, 67], [11, 67]]]);
     let further = FURTHER.iter().position(|c| *c == character).map(|k| 95 + k);
     let place = further.or_else(|| (character as usize).checked_sub(32).filter(|k| *k < 95));
-    place.and_then(|place| LETTERS.get(place)).copied().unwrap_or(BOX)
+    place.and_then(|place| GLYPHS.get(place)).copied().unwrap_or(BOX)
 }
 
 #[cfg(test)]
@@ -130,9 +130,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_are_where_they_should_be() {
-        assert_eq!((letter(' ').1.len(), letter('o').1.len(), letter('I').1[0].len()), (0, 2, 4));
-        assert_eq!(letter('é'), letter('\u{1}'));
-        assert!(letter('±') != letter('é') && letter('m').0 > letter('l').0);
+    fn glyphs_are_where_they_should_be() {
+        assert_eq!((glyph(' ').1.len(), glyph('o').1.len(), glyph('I').1[0].len()), (0, 2, 4));
+        assert_eq!(glyph('é'), glyph('\u{1}'));
+        assert!(glyph('±') != glyph('é') && glyph('m').0 > glyph('l').0);
     }
 }
