@@ -29,12 +29,10 @@ pub struct TwoCurvatures {
 }
 
 /// Height over a circle through the origin, tangent to `across` there, of curvature `k`, and the distance from its middle in radii,
-/// which is 1 for a line.
+/// which is 1 for a line. `length` is that of the two legs of a right triangle: it may be `hypot`, or faster where nothing overflows.
 #[inline]
-pub fn over_circle(k: f64, across: f64, height: f64) -> (f64, f64) {
-    // both are near 1 in the units of a patch: nothing overflows
-    let (a, b) = (1.0 - k * height, k * across);
-    let q = (a * a + b * b).sqrt();
+pub fn over_circle(k: f64, across: f64, height: f64, length: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+    let q = length(1.0 - k * height, k * across);
     ((2.0 * height - k * (height * height + across * across)) / (1.0 + q), q)
 }
 
@@ -49,8 +47,10 @@ struct Profile {
 impl TwoCurvatures {
     #[inline]
     fn profile(self, [u, v, w]: Vector) -> Profile {
-        let (w1, q2) = over_circle(self.k2, v, w);
-        let (d, q1) = over_circle(self.k1, u, w1);
+        // both legs are near 1 in the units of a patch
+        let length = |a: f64, b: f64| (a * a + b * b).sqrt();
+        let (w1, q2) = over_circle(self.k2, v, w, length);
+        let (d, q1) = over_circle(self.k1, u, w1, length);
         Profile { w1, d, q1, q2 }
     }
 

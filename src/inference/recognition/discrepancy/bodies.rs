@@ -132,9 +132,9 @@ fn ring([k1, k2]: [f64; 2], geodesic: f64, [x, y, w]: Vector) -> f64 {
     let [along_x, along_w] = if k > 0.0 { [geodesic / k, k2 / k] } else { [0.0, 1.0] };
     let (inwards, beside) = (along_x * x + along_w * w, along_w * x - along_x * w);
     // turned back into the plane, without a division by k
-    let (turned, _) = over_circle(k, y, inwards);
+    let (turned, _) = over_circle(k, y, inwards, f64::hypot);
     let (x, w) = (along_x * turned + along_w * beside, along_w * turned - along_x * beside);
-    over_circle(k1, x, w).0
+    over_circle(k1, x, w, f64::hypot).0
 }
 
 /// Standard deviation of one of a body's numbers on such a surface.
