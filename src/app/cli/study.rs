@@ -40,6 +40,8 @@ pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
         }
     }
     let source = scene::source(name)?;
+    // what the scene names is an input, too
+    source.scene()?;
     if args.coverage {
         return coverage::coverage(args, name, &source);
     }
