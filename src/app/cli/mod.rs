@@ -48,6 +48,7 @@ mod simulate;
 mod study;
 mod study_plan;
 mod sweep;
+mod until;
 mod values;
 mod zero_weights;
 
