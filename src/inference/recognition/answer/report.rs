@@ -47,7 +47,10 @@ fn middle_of(surface: &RecognisedSurface) -> [f64; 2] {
 }
 
 fn failed(step: &'static str) -> RecognitionError {
-    RecognitionError::Arithmetic { step, what: "no hypothesis could be computed" }
+    RecognitionError::Arithmetic {
+        step,
+        what: "no kind of surface could be computed from these contacts; lengths of ordinary size (mm, not 1e-200) may help",
+    }
 }
 
 impl Findings<'_> {

@@ -78,7 +78,7 @@ impl Patch {
             threads::map(points.len(), TASK, |k| start.general.distance_and_normal(points[k]).1);
         let length = norm(mean_of(&surface_normals));
         if length < ALL_AROUND {
-            return Err(RecognitionError::AllAround { mean_length: length });
+            return Err(RecognitionError::AllAround { mean_length: length, measured: normals.is_some() });
         }
         let mut errors = None;
         if let Some(normals) = normals {
@@ -164,7 +164,7 @@ fn accepted(
     }
     let length = norm(mean_of(&found.normals));
     if found.of_length_zero < found.normals.len() && length < ALL_AROUND {
-        return Err(RecognitionError::AllAround { mean_length: length });
+        return Err(RecognitionError::AllAround { mean_length: length, measured: true });
     }
     notes.extend(found.undecided().map(|agree| Remark::SignsMixed { agree }));
     dropped.normals_flipped = found.flipped;
