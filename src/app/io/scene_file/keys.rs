@@ -165,9 +165,14 @@ pub(super) fn needed<'j>(schema: &'j Json, key: &str) -> &'j str {
     schema["properties"][key]["x-needed"].as_str().unwrap_or("it is needed")
 }
 
-/// Whether a value is of the kind of the schema, where one kind alone is.
+/// Whether a value is of the kind of the schema, or of one of its kinds.
 fn fits(schema: &Json, value: &Value) -> bool {
+    if let Some(kinds) = schema["anyOf"].as_array() {
+        return kinds.iter().any(|kind| fits(kind, value));
+    }
     match schema["type"].as_str() {
+        Some("string") => value.get_ref().is_str(),
+        Some("boolean") => value.get_ref().is_bool(),
         Some("number") => as_number(value).is_some(),
         Some("integer") => as_count(value).is_some_and(|count| count >= schema["minimum"].as_u64().unwrap_or(0)),
         Some("array") => as_array(value).is_some_and(|list| {
