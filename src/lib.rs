@@ -33,7 +33,6 @@
 //! - `cli` (default): the program `palpate`, file formats and pictures; it brings `serde`.
 //! - `threads` (default): work on several threads, with the same bits as on one.
 //! - `serde`: `Serialize` and `Deserialize` for inputs, options, scenes, surfaces and results.
-//! - `hard-cases`: the library of numerically hard cases as a public module.
 #![warn(missing_docs)]
 
 pub use nalgebra_sparse;
@@ -103,6 +102,8 @@ pub mod plans {
 
 /// Which kind of surface contacts show when no model is named, with S, R and their intervals.
 pub mod recognition {
+    #[doc(hidden)]
+    pub use palpate_inference::recognition::Remark;
     pub use palpate_inference::recognition::{
         Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
         RecognitionError, RecognitionOptions, Tried,
@@ -115,12 +116,6 @@ pub mod scene {
         ContactBatch, Effect, EffectDraws, ImportedSurface, NoiseLaw, SceneError, Simulator, Solid, Stage, Surface,
         Sweep, Truth, World,
     };
-}
-
-/// The library of numerically hard cases, each with what makes it hard and what is expected of an answer.
-#[cfg(feature = "hard-cases")]
-pub mod hard_cases {
-    pub use palpate_studies::cases::{CaseData, Expectation, HardCase};
 }
 
 /// The project's longer documents, as part of the reference. Their Rust code is compiled and run with its tests.

@@ -8,13 +8,14 @@
 //! A binary of its own, one test, so that nothing else allocates meanwhile.
 
 use std::alloc::System;
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use palpate::plans::TouchStream;
 use palpate::spline::{Knots, linspace};
 use palpate_app::io::scene_file::read_scene;
 use palpate_app::io::{ReadOptions, read_input_bytes, read_surface_bytes};
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
@@ -106,6 +107,52 @@ fn readers(each: usize) {
     }
 }
 
+/// A file that asks for much of a reader, a word of its refusal, and the most bytes and allocations before that.
+type Refused = (&'static str, Vec<u8>, &'static str, [usize; 2]);
+
+fn refused_files() -> [Refused; 3] {
+    let elements: String = (0..40_000).map(|k| format!("element e{k} 0\nproperty float x\n")).collect();
+    let ply = format!("ply\nformat ascii 1.0\n{elements}end_header\n").into_bytes();
+    let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let mut many = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    (0..60_000).for_each(|k| many.start_file(format!("a{k}.npy"), stored).unwrap());
+    let mut zeros = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for name in ["x.npy", "y.npy"] {
+        zeros.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (16777216,), }\n";
+        zeros.write_all(b"\x93NUMPY\x01\x00").unwrap();
+        zeros.write_all(&(header.len() as u16).to_le_bytes()).unwrap();
+        zeros.write_all(header.as_bytes()).unwrap();
+        (0..128).for_each(|_| zeros.write_all(&[0; 1 << 20]).unwrap());
+    }
+    let [many, zeros] = [many, zeros].map(|archive| archive.finish().unwrap().into_inner());
+    // an archive's index is read to know how many members it has: four allocations each
+    let of_index = [6 * many.len(), 300_000];
+    [
+        ("many.ply", ply, "header", [4096, 16]),
+        ("many.npz", many, "60000 members", of_index),
+        ("zeros.npz", zeros, "hundredfold", [128 << 10, 64]),
+    ]
+}
+
+/// What a reader refuses, it refuses before it has done what was asked: seconds of work over the elements of a header, gigabytes of
+/// zeros.
+fn refusals() {
+    for (name, bytes, word, most) in refused_files() {
+        let mut told = String::new();
+        let region = Region::new(COUNTED);
+        if let Err(why) = read_input_bytes(name, &bytes, &ReadOptions::default()) {
+            told = why.to_string();
+        }
+        let change = region.change();
+        let asked = change.bytes_allocated + change.bytes_reallocated.max(0) as usize;
+        let calls = change.allocations + change.reallocations;
+        println!("{name}: {} bytes refused after {asked} bytes in {calls} allocations", bytes.len());
+        assert!(told.contains(word), "{name}: {told}");
+        assert!(asked <= most[0] && calls <= most[1], "{name}: {asked} bytes in {calls} allocations");
+    }
+}
+
 /// Touches at a thousand a second: after the first minute nothing more is held, and nothing is asked for.
 fn stream(touches: usize) {
     let axis = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
@@ -139,5 +186,6 @@ fn files_and_streams_take_no_more_than_their_share() {
     let multiplier: usize = std::env::var("PALPATE_TEST_MULTIPLIER").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
     assert!(asked(|| drop(std::hint::black_box(vec![0_u8; 100]))) >= 100, "the counter does not count");
     readers(100 * multiplier.min(100));
+    refusals();
     stream(100_000 * multiplier);
 }

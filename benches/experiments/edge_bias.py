@@ -6,7 +6,7 @@ One profile z = 0.6 (cos(2 pi x / 12) - 1), touched at 14 stations from -4 to 4 
 curvature k0 is what the recognition's smooth departures are along one side: splines of degree 4 whose values at the Greville sites have the
 covariance exp(-(u - v)^2 / 2 l^2), l half of the chart's length, without their terms of second degree, which are free; its size is the one of
 largest evidence among the powers of ten. Printed is the mean relative error of the curvature at both ends. That is why departures are tried
-over a plane, too (src/recognition/evidence/over_plane.rs).
+over a plane, too (src/inference/recognition/evidence/discrepancy_over_plane.rs).
 """
 
 import argparse

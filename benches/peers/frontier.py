@@ -208,7 +208,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--palpate", default=str(ROOT / "target/release/palpate"))
     parser.add_argument("--seconds", type=float, default=30.0, help="for palpate's own frontier of each scene")
-    parser.add_argument("--record", help="directory that takes peers-frontier.md, .csv and .svg")
+    parser.add_argument("--record", help="directory that takes peers-frontier.md and .csv")
     options = parser.parse_args()
     points = [
         p

@@ -19,7 +19,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group};
 use palpate::Contacts;
 use palpate::Orientation;
 use palpate::fit::{Fit, FitOptions, Objective, SlopeWeights, fit_contacts};
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 use palpate_world::scene::linspace;
 
 struct Problem {

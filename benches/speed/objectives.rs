@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use palpate::fit::{NormalSigma, Note, Objective, SlopeWeights};
 use palpate::{Contacts, FitOptions, fit_contacts};
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 
 /// Sd of heights and of slopes.
 const NOISE: f64 = 0.01;

@@ -5,6 +5,7 @@
 //! neighbours which contacts lie near each other, and their normals
 //! convex_hull of points in the plane
 //! curvature  k1 >= k2, S = -(2/pi) atan2(k1 + k2, k1 - k2), R    shape     S and R over a grid, their means and uncertainty
+//! primitives plane, sphere, cylinder, cone and torus by their sizes
 //! ```
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
@@ -13,6 +14,7 @@ pub mod contact;
 pub mod convex_hull;
 pub mod curvature;
 pub mod neighbours;
+pub mod primitives;
 pub mod shape;
 pub mod surface;
 

@@ -2,7 +2,6 @@
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
 
-pub mod cases;
 pub mod explore;
 pub mod frontier;
 pub mod montecarlo;

@@ -1,4 +1,4 @@
-"""The list of hard cases; the same names, numbers and order of operations as in `src/cases/`."""
+"""The list of hard cases; the same names, numbers and order of operations as in `tests/laboratory/hard_cases/`."""
 import math
 
 import nist

@@ -1,4 +1,4 @@
-"""The hard cases' inputs, bit for bit those of `src/cases/`: IEEE + - * / sqrt in the same order, and one integer generator.
+"""The hard cases' inputs, bit for bit those of `tests/laboratory/hard_cases/`: IEEE + - * / sqrt in the same order, and one integer generator.
 
 `fingerprint` (FNV-1a, 64 bits, over the little-endian doubles) is stored in every golden file and checked on both sides.
 """

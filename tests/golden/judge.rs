@@ -1,10 +1,10 @@
 //! An answer of palpate held against its reference: digits found, digits promised, digits the conditioning allows.
 
 use palpate::fit::{Fit, FitError, fit_contacts, fit_grid};
-use palpate_numeric::solve::{DenseMethod, solve_dense};
-use palpate_studies::cases::{
+use palpate_laboratory::hard_cases::{
     CaseData, DIGITS_OF_A_DOUBLE, DenseRows, Expectation, HardCase, digits_absolute, digits_each, digits_of,
 };
+use palpate_numeric::solve::{DenseMethod, solve_dense};
 
 use super::Golden;
 

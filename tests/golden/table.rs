@@ -1,7 +1,7 @@
 //! The hard-case table: condition, method, digits found against 80-digit references, guaranteed and allowed.
 //! `cargo bench --bench hard_cases` prints it, and `tests/library/hard_cases.rs` holds the recorded one against it.
 
-use palpate_studies::cases::HardCase;
+use palpate_laboratory::hard_cases::HardCase;
 
 use super::judge::{Digits, Judged};
 

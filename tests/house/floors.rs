@@ -13,7 +13,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const CRATES: [&str; 7] = ["numeric", "geometry", "world", "fitting", "inference", "studies", "app"];
 
 /// Floor of every room inside its crate; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 27] = [
+const FLOORS: [(&str, u8); 26] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
@@ -35,7 +35,6 @@ const FLOORS: [(&str, u8); 27] = [
     ("recognition", 5),
     ("montecarlo", 6),
     ("explore", 6),
-    ("cases", 6),
     ("parts", 6),
     ("frontier", 7),
     ("io", 7),
@@ -51,6 +50,7 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("dense", 0),
         ("error", 0),
         ("options", 0),
+        ("remark", 0),
         ("statistics", 0),
         ("kinds", 1),
         ("contacts", 2),

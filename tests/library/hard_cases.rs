@@ -1,4 +1,4 @@
-//! Each hard case of `palpate::cases` against its reference in 80 digits (`tests/golden/`).
+//! Each hard case of the laboratory against its reference in 80 digits (`tests/golden/`).
 
 #[path = "../golden/mod.rs"]
 pub(crate) mod golden;
@@ -8,9 +8,9 @@ use golden::judge::{Judged, judge};
 use golden::record::{Tolerance, assert_like};
 use golden::{radius, record, table};
 use palpate::fit::{Objective, fit_contacts};
+use palpate_laboratory::hard_cases::{CaseData, DenseRows, Expectation, HardCase, digits_each};
+use palpate_laboratory::hard_cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 use palpate_numeric::solve::{DenseMethod, DenseSolution, SolveError, solve_dense};
-use palpate_studies::cases::{CaseData, DenseRows, Expectation, HardCase, digits_each};
-use palpate_studies::cases::{FILIPPELLI_CERTIFIED, LONGLEY_CERTIFIED};
 
 /// The inputs here and those the reference solved are the same bits.
 fn same_inputs(name: &str) -> (HardCase, Golden) {

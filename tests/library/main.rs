@@ -1,7 +1,11 @@
 //! Tests of the library through its public interface, in one binary: every binary links all dependencies anew.
 
+mod binomial;
+mod certainty;
+mod coverage;
 mod departures;
 mod differential;
+mod draws;
 mod effects_together;
 mod explore;
 mod few_and_lines;

@@ -3,6 +3,8 @@
 use palpate::Contacts;
 use palpate::parts::{PartsError, PartsOptions, PointShapes};
 
+use crate::draws::Draws;
+
 type Vector = [f64; 3];
 
 /// Points, normals, and true k1 and k2 with outward normals (hollow is positive).
@@ -10,24 +12,6 @@ struct Object {
     points: Vec<Vector>,
     normals: Vec<Vector>,
     truth: Vec<[f64; 2]>,
-}
-
-/// Numbers that repeat: splitmix64, and pairs of them as normal deviates.
-struct Draws(u64);
-
-impl Draws {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut v = self.0;
-        v = (v ^ (v >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        v = (v ^ (v >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((v ^ (v >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let (a, b) = (self.uniform(), self.uniform());
-        (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    }
 }
 
 fn unit(v: Vector) -> Vector {
@@ -98,24 +82,30 @@ fn shapes(points: &[Vector], normals: &[Vector]) -> PointShapes {
     PointShapes::of(&Contacts::from_points(points).with_normal_vectors(normals), &PartsOptions::default()).unwrap()
 }
 
-/// Shares of the points whose S and R are within 2 u of the truth, and root mean square errors.
-fn judged(found: &PointShapes, truth: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
-    let (mut within, mut squares) = ([0.0; 2], [0.0; 2]);
+/// Shares of the points whose S and R are within 2 u of the truth, mean squares of errors over u, and root mean square errors.
+fn judged(found: &PointShapes, truth: &[[f64; 2]]) -> ([f64; 2], [f64; 2], [f64; 2]) {
+    let (mut within, mut over_u, mut squares) = ([0.0; 2], [0.0; 2], [0.0; 2]);
     for (i, [k1, k2]) in truth.iter().enumerate() {
         let s = -std::f64::consts::FRAC_2_PI * (k1 + k2).atan2(k1 - k2);
         let r = ((k1 * k1 + k2 * k2) / 2.0).sqrt();
         let errors = [found.shape_index[i] - s, found.curvedness[i] - r];
         for (k, u) in [found.u_shape_index[i], found.u_curvedness[i]].into_iter().enumerate() {
             within[k] += f64::from(u8::from(errors[k].abs() <= 2.0 * u)) / truth.len() as f64;
+            over_u[k] += (errors[k] / u).powi(2) / truth.len() as f64;
             squares[k] += errors[k] * errors[k] / truth.len() as f64;
         }
     }
-    (within, squares.map(f64::sqrt))
+    (within, over_u, squares.map(f64::sqrt))
 }
 
+/// Noise of positions and normals with the least mean squares of errors of S and R over u. Means of neighbours share errors, and u of S
+/// counts at second order what may be a sphere; twice too large a u would fail at every noise on some object.
+const NOISES: [([f64; 2], [f64; 2]); 4] =
+    [([0.0, 0.0], [0.0005, 0.15]), ([0.002, 0.2], [0.03, 0.15]), ([0.02, 2.0], [0.06, 0.3]), ([0.1, 8.0], [0.3, 0.3])];
+
 #[test]
-fn errors_are_within_two_u_nine_times_in_ten() {
-    let mut draws = Draws(5);
+fn errors_are_within_two_u_nine_times_in_ten_and_u_is_no_larger_than_that() {
+    let mut draws = Draws::new(5);
     let objects = [
         ("sphere", ellipsoid([5.0; 3], 4000, &mut draws)),
         ("torus", torus([9.0, 3.0], 6000, &mut draws)),
@@ -123,20 +113,21 @@ fn errors_are_within_two_u_nine_times_in_ten() {
     ];
     let mut failures = Vec::new();
     for (name, object) in &objects {
-        for noise in [[0.0, 0.0], [0.002, 0.2], [0.02, 2.0], [0.1, 8.0]] {
+        for (noise, least) in NOISES {
             let (points, normals) = noisy(object, noise, &mut draws);
             let found = shapes(&points, &normals);
-            let (within, rms) = judged(&found, &object.truth);
+            let (within, over_u, rms) = judged(&found, &object.truth);
             println!(
-                "{name} {noise:?}: {} neighbours, noise {:.1e} {:.1e}, within {within:.3?}, rms {rms:.5?}, u {:.5} {:.5}",
+                "{name} {noise:?}: {} neighbours, noise {:.1e} {:.1e}, within {within:.3?}, over u {over_u:.3?}, rms {rms:.5?}, u {:.5} {:.5}",
                 found.neighbours,
                 found.noise,
                 found.normal_noise_deg.unwrap(),
                 found.u_shape_index[0],
                 found.u_curvedness[0],
             );
-            if within.iter().any(|share| *share < 0.9) {
-                failures.push(format!("{name} {noise:?}: {within:?}"));
+            let loose = over_u.iter().zip(least).any(|(square, least)| *square < least);
+            if loose || within.iter().any(|share| *share < 0.9) {
+                failures.push(format!("{name} {noise:?}: {within:?} {over_u:?}"));
             }
         }
     }
@@ -145,7 +136,7 @@ fn errors_are_within_two_u_nine_times_in_ten() {
 
 #[test]
 fn rotation_unit_and_order_change_nothing_but_coordinates() {
-    let mut draws = Draws(8);
+    let mut draws = Draws::new(8);
     let object = torus([9.0, 3.0], 1000, &mut draws);
     let (points, normals) = noisy(&object, [0.03, 2.0], &mut draws);
     let before = shapes(&points, &normals);
@@ -167,7 +158,7 @@ fn rotation_unit_and_order_change_nothing_but_coordinates() {
 
 #[test]
 fn points_that_move_a_little_change_their_shape_a_little() {
-    let mut draws = Draws(9);
+    let mut draws = Draws::new(9);
     let object = torus([9.0, 3.0], 1000, &mut draws);
     let (points, normals) = noisy(&object, [0.03, 2.0], &mut draws);
     let before = shapes(&points, &normals);

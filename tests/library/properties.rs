@@ -83,7 +83,8 @@ prop_compose! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    // at least four patches of five are compared
+    #![proptest_config(ProptestConfig { max_global_rejects: 16, ..ProptestConfig::with_cases(64) })]
 
     #[test]
     fn quarter_turns_about_z(contacts in patch(), turns in 1..4usize) {
@@ -168,8 +169,8 @@ proptest! {
         // a cubic in one bicubic segment and in 2 x 1: the same surface
         let one = fitted(&contacts, &options([3, 3], SQUARE));
         let two = fitted(&contacts, &options([3, 3], SQUARE).with_segments(2, 1));
-        if two.certificate().unsupported.is_empty() && two.certificate().condition < 1e4 {
-            same_shape(&one, &two, |i, j| (i, j), 1.0, 1.0);
-        }
+        // where the sites leave a coefficient of the finer surface to chance, another patch is drawn, and not often
+        prop_assume!(two.certificate().unsupported.is_empty() && two.certificate().condition < 1e4);
+        same_shape(&one, &two, |i, j| (i, j), 1.0, 1.0);
     }
 }

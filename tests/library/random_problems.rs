@@ -13,8 +13,8 @@ use problems::oracle::{Written, grid_of};
 use crate::hard_cases::golden::Golden;
 use palpate::fit::{Note, Objective, Robust, SlopeWeights, Smooth, fit_contacts};
 use palpate::spline::Knots;
+use palpate_laboratory::hard_cases::{CaseData, HardCase};
 use palpate_numeric::linalg::DoubleDouble as Dd;
-use palpate_studies::cases::{CaseData, HardCase};
 
 /// Problems of each run; a debug build takes some five milliseconds for one.
 const PROBLEMS: u64 = 400;

@@ -3,34 +3,21 @@
 use palpate::Contacts;
 use palpate::fit::{FitOptions, Method, NormalSigma, Note, Objective, Robust, SlopeWeights, Smooth, fit_contacts};
 
-/// Uniform numbers in [0, 1): the high bits of a fixed linear congruential generator.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Sum of twelve: near enough to a normal number.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.roll()).sum::<f64>() - 6.0
-    }
-}
+use crate::draws::Draws;
 
 /// The inside of a pipe of radius 94 along x, 60 x 60 wide, heights to 0.5, normals to 5 degrees, `share` of gross slips.
 fn pipe(share: f64) -> Contacts {
-    let mut dice = Dice(1997);
+    let mut dice = Draws::new(1997);
     let mut columns: [Vec<f64>; 6] = Default::default();
     for _ in 0..800 {
-        let (x, y) = (60.0 * dice.roll() - 30.0, 60.0 * dice.roll() - 30.0);
+        let (x, y) = (60.0 * dice.uniform() - 30.0, 60.0 * dice.uniform() - 30.0);
         let root = (94.0_f64 * 94.0 - y * y).sqrt();
         let mut point = [x, y, y * y / (94.0 + root) + 0.5 * dice.normal(), 0.0, -y / 94.0, root / 94.0];
         for k in 3..6 {
             point[k] += 0.08 * dice.normal();
         }
-        if dice.roll() < share {
-            point[2] += 40.0 + 20.0 * dice.roll();
+        if dice.uniform() < share {
+            point[2] += 40.0 + 20.0 * dice.uniform();
             point[3] = 1.0;
         }
         columns.iter_mut().zip(point).for_each(|(c, v)| c.push(v));
@@ -71,11 +58,11 @@ fn slips_are_counted() {
 
 #[test]
 fn smoothing_by_the_data_is_nearer_the_truth_than_none() {
-    let mut dice = Dice(7);
+    let mut dice = Draws::new(7);
     let truth = |x: f64, y: f64| (3.0 * x).sin() * (2.0 * y).cos();
     let (mut x, mut y, mut z) = (vec![], vec![], vec![]);
     for _ in 0..500 {
-        let (u, v) = (2.0 * dice.roll() - 1.0, 2.0 * dice.roll() - 1.0);
+        let (u, v) = (2.0 * dice.uniform() - 1.0, 2.0 * dice.uniform() - 1.0);
         x.push(u);
         y.push(v);
         z.push(truth(u, v) + 0.1 * dice.normal());

@@ -4,6 +4,8 @@ use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
 use palpate::scene::{Effect, NoiseLaw, Simulator, Surface, Sweep, World};
 use palpate::spline::linspace;
 use palpate_studies::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 fn world() -> World {
     let surface = Surface::cylinder(6.6).turned(30.0);
@@ -209,14 +211,10 @@ fn a_thousand_random_splits_merge_to_the_same_bits() {
         (numbers, state.classes)
     };
     let expected = of(&whole);
-    let mut state = 1997_u64;
-    let mut random = move |below: u64| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % below
-    };
+    let mut random = ChaCha8Rng::seed_from_u64(1997);
     for _ in 0..1000 {
-        let a = 1 + random(REPLICATES - 2);
-        let b = a + 1 + random(REPLICATES - a - 1);
+        let a = random.random_range(1..REPLICATES - 1);
+        let b = random.random_range(a + 1..REPLICATES);
         let mut parts = run(0, a);
         parts.merge(&run(a, b)).unwrap();
         parts.merge(&run(b, REPLICATES)).unwrap();

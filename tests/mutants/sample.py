@@ -22,27 +22,29 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 #: library tests that hold numbers of every fit
 NUMBERS = ["hard_cases", "routes", "properties", "paper"]
-#: room -> (files, filter of unit tests, library tests, program tests)
+#: room -> (files, filter of unit tests, library tests, program tests); the unit tests are those of the crate that the files stand in
 ROOMS = {
-    "certificate": (["src/fit/certificate/*.rs"], ["fit::"], NUMBERS + ["random_problems"], []),
-    "solvers": (["src/solve/*.rs", "src/fit/linear/*.rs"], ["solve::", "fit::"], NUMBERS + ["random_problems"], []),
-    "curvature": (["src/curvature/*.rs", "src/shape/summary.rs"], ["curvature::", "shape::"], NUMBERS, []),
-    "noise": (["src/fit/noise/*.rs"], ["fit::"], NUMBERS + ["robust", "guide"], []),
+    "certificate": (["src/fitting/fit/certificate/*.rs"], ["fit::"], NUMBERS + ["random_problems"], []),
+    "solvers": (["src/numeric/solve/*.rs", "src/fitting/fit/linear/*.rs"], ["solve::", "fit::"], NUMBERS + ["random_problems"], []),
+    "curvature": (["src/geometry/curvature/*.rs", "src/geometry/shape/maps.rs"], ["curvature::", "shape::"], NUMBERS, []),
+    "noise": (["src/fitting/fit/noise/*.rs"], ["fit::"], NUMBERS + ["robust", "guide"], []),
     "intervals": (
-        ["src/fit/describe/interval.rs", "src/fit/describe/uncertainty.rs"],
+        ["src/fitting/fit/describe/interval.rs", "src/fitting/fit/describe/uncertainty.rs"],
         ["fit::", "shape::"],
         NUMBERS + ["guide", "study"],
         [],
     ),
     "readers": (
-        ["src/io/csv.rs", "src/io/np*.rs", "src/io/ply.rs", "src/io/columns.rs", "src/io/limits.rs", "src/io/clouds/*.rs"],
+        ["src/app/io/csv.rs", "src/app/io/np*.rs", "src/app/io/ply.rs", "src/app/io/columns.rs", "src/app/io/limits.rs", "src/app/io/clouds/*.rs"],
         ["io::"],
         [],
         ["readers", "files_as_they_come", "hostile", "npz", "fuzz_seeds", "cli_bad_input"],
     ),
 }
-#: the build of a mutant takes the targets as well; the crate's own code is compiled for speed of compiling, its dependencies as ever
-QUICK = ["--cargo-arg=--config=profile.dev.package.palpate.opt-level=0", "--cargo-arg=--config=profile.dev.package.palpate.debug=false"]
+#: the crates of the product
+#: the build of a mutant takes the targets as well; their own code is compiled for speed of compiling, their dependencies as ever
+CRATES = ["palpate", *(f"palpate-{name}" for name in ("numeric", "geometry", "world", "fitting", "inference", "studies", "app"))]
+QUICK = [f"--cargo-arg=--config=profile.dev.package.{crate}.{what}" for crate in CRATES for what in ("opt-level=0", "debug=false")]
 #: seconds for one mutant's build and tests; a mutant that never ends is caught by it
 TIMEOUT = 300
 
@@ -53,10 +55,15 @@ def listed(files):
     return json.loads(subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout)
 
 
+def crate(room):
+    """The crate that the files of a room stand in."""
+    return f"palpate-{ROOMS[room][0][0].split('/')[1]}"
+
+
 def tests(room):
     """Targets that hold the room's tests, for the build too, and the filters that run them alone."""
     _, units, library, program = ROOMS[room]
-    targets = ["--lib"] + (["--test=library"] if library else []) + (["--test=program"] if program else [])
+    targets = ["--package=palpate", f"--package={crate(room)}", "--lib"] + (["--test=library"] if library else []) + (["--test=program"] if program else [])
     return [f"--cargo-arg={target}" for target in targets] + ["--", "--"] + units + [f"{name}::" for name in library + program]
 
 

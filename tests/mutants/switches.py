@@ -4,7 +4,7 @@
     python tests/mutants/sample.py table FILE
 
 A build for every mutant takes minutes, its tests take seconds. So all mutants of the sample are written into one copy of the
-sources, `a + b` as `(match crate::switched() { 17 => a - b, _ => a + b })`, the tests are built once, and PALPATE_MUTANT=17 turns
+sources, `a + b` as `(match palpate_numeric::switched() { 17 => a - b, _ => a + b })`, the tests are built once, and PALPATE_MUTANT=17 turns
 one on. What does not compile that way is taken out again: `unviable`, or `constant` where only a switch is not allowed, because the
 place is evaluated by the compiler; those, fields left out of structs, and conditions with `let` are not tried. cargo-mutants lists
 the mutants, and operands/ says where operands end. FILE gets one JSON line a mutant, and a run goes on where FILE ends.
@@ -33,11 +33,11 @@ pub fn switched() -> u32 {
     *ON.get_or_init(|| std::env::var("PALPATE_MUTANT").ok().and_then(|n| n.parse().ok()).unwrap_or(0))
 }
 """
-#: the crate compiled for speed of compiling, its dependencies as ever; nothing else is built with 256 units, so that cargo does not
-#: take what is built here for the same sources elsewhere
-QUICK = ["--config", "profile.dev.package.palpate.opt-level=0", "--config", "profile.dev.package.palpate.debug=false",
-         "--config", "profile.dev.package.palpate.codegen-units=256"]
-TARGETS = ["--lib", "--test", "library", "--test", "program"]
+#: the crates compiled for speed of compiling, their dependencies as ever; nothing else is built with 256 units, so that cargo does
+#: not take what is built here for the same sources elsewhere
+QUICK = [word for crate in sample.CRATES for what in ("opt-level=0", "debug=false", "codegen-units=256")
+         for word in ("--config", f"profile.dev.package.{crate}.{what}")]
+TARGETS = [*(f"--package={crate}" for crate in sample.CRATES), "--lib", "--test", "library", "--test", "program"]
 #: a mutant's tests may take so many times as long as without it, and so many seconds more
 PATIENCE = (4, 20)
 
@@ -110,7 +110,12 @@ def edits(texts, found, mutants):
     return nodes, untried
 
 
-def rendered(text, nodes):
+def switch_of(file):
+    """How the sources of a crate call the switch, which stands in the lowest one."""
+    return "crate::switched()" if file.startswith("src/numeric/") else "palpate_numeric::switched()"
+
+
+def rendered(text, nodes, switch):
     """The text with its switches, each mutant between marks that errors are found by."""
     places = [nodes[place] for place in sorted(nodes)]
 
@@ -132,15 +137,15 @@ def rendered(text, nodes):
         marked = {n: f"/*<{n}*/ {new} /*{n}>*/" for n, new in node["mutants"].items()}
         if node["write"] == "match":
             arms = "".join(f"{n} => {new}, " for n, new in marked.items())
-            return f"(match crate::switched() {{ {arms}_ => {inner} }})", after
+            return f"(match {switch} {{ {arms}_ => {inner} }})", after
         if node["write"] == "return":
-            return "".join(f"if crate::switched() == {n} {{ return {new}; }} " for n, new in marked.items()), after
+            return "".join(f"if {switch} == {n} {{ return {new}; }} " for n, new in marked.items()), after
         if node["write"] == "guard":
             for n, new in node["mutants"].items():
-                on = "crate::switched() == " + str(n)
+                on = f"{switch} == {n}"
                 inner = f"/*<{n}*/ ({on} || ({inner})) /*{n}>*/" if new == "true" else f"/*<{n}*/ (!({on}) && ({inner})) /*{n}>*/"
             return inner, after
-        return " if " + " && ".join(f"/*<{n}*/ crate::switched() != {n} /*{n}>*/" for n in node["mutants"]), after
+        return " if " + " && ".join(f"/*<{n}*/ {switch} != {n} /*{n}>*/" for n in node["mutants"]), after
 
     return piece(0, len(text) + 1, 0)[0]
 
@@ -148,7 +153,7 @@ def rendered(text, nodes):
 def write(root, texts, found, mutants):
     nodes, untried = edits(texts, found, mutants)
     for file, text in texts.items():
-        changed = rendered(text.text, nodes[file]) if nodes[file] else text.text
+        changed = rendered(text.text, nodes[file], switch_of(file)) if nodes[file] else text.text
         (root / file).write_text(changed)
     return untried
 
@@ -190,6 +195,7 @@ def build(root, texts, found, mutants):
         lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
         if done.returncode == 0:
             names = {line["target"]["name"]: line["executable"] for line in lines if line.get("executable") and line["profile"]["test"]}
+            names = {name.replace("_", "-"): path for name, path in names.items()}
             return names, left, out
         errors = [line["message"] for line in lines if line["reason"] == "compiler-message" and line["message"]["level"] == "error"]
         blamed = {n: word for n, word in to_blame(root, errors).items() if n in left}
@@ -204,7 +210,7 @@ def build(root, texts, found, mutants):
 def stages(room):
     """Binaries with their filters, the quickest first."""
     _, units, library, program = sample.ROOMS[room]
-    named = [("palpate", units), ("library", [f"{m}::" for m in library]), ("program", [f"{m}::" for m in program])]
+    named = [(sample.crate(room), units), ("library", [f"{m}::" for m in library]), ("program", [f"{m}::" for m in program])]
     return [(binary, filters) for binary, filters in named if filters]
 
 
@@ -265,7 +271,7 @@ def run(arguments):
 
 def attempt(arguments, root, path, end, rooms, samples, order, mutants):
     texts, found = operands(root, sorted({mutant["file"] for mutant in mutants.values()}))
-    library = root / "src/lib.rs"
+    library = root / "src/numeric/lib.rs"
     library.write_text(library.read_text() + SWITCH)
     begin = time.monotonic()
     binaries, left, out = build(root, texts, found, mutants)

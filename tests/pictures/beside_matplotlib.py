@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 
-# the stops of src/report/colour.rs
+# the stops of src/app/report/colour.rs
 STOPS = [(24, 54, 130), (58, 110, 184), (140, 182, 222), (238, 236, 228), (240, 170, 116), (208, 92, 60), (142, 24, 36)]
 
 

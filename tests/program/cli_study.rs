@@ -187,44 +187,12 @@ fn coverage_is_told_by_scene() {
 }
 
 #[test]
-fn a_member_of_the_family_is_judged_by_its_name() {
+fn coverage_needs_a_scene_of_the_user() {
     let folder = folder();
-    let found = json(folder.path(), "study cylinder-27-degree2 --coverage --replicates 2 --json");
-    assert_eq!(found["scenes"].as_array().unwrap().len(), 1);
-    assert_eq!(found["scenes"][0]["scene"], "cylinder-27-degree2");
-    // the family fixes S; R is wanted at 1.5 times the oracle's, which small departures from the bar forbid
-    let [s, r] = ["S", "R"].map(|q| &found["scenes"][0][q]);
-    assert!(s["least_over_oracle"].is_null() && r["least_over_oracle"].as_f64().unwrap() > 1.5);
-    assert!(r["goal_departure"].as_f64().unwrap() < 0.01);
+    let wrong = said(folder.path(), "study --coverage --replicates 2");
+    assert!(wrong.contains("a study needs a scene"), "{wrong}");
     let wrong = said(folder.path(), "study cylinder-28-degree2 --coverage --replicates 2");
     assert!(wrong.contains("there is no such file"), "{wrong}");
-}
-
-#[test]
-fn random_surfaces_are_pooled_by_their_kind() {
-    let folder = folder();
-    let words = "study --coverage --random 6 --seed 5 --replicates 1";
-    let found = json(folder.path(), &format!("{words} --json"));
-    let pooled = found["pooled"].as_array().unwrap();
-    let names: Vec<&str> = pooled.iter().map(|p| p["kind"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bumps", "superquadric", "torus", "all"]);
-    let whole = |what: &str| {
-        found["scenes"].as_array().unwrap().iter().map(|s| s["R"]["chosen"][what].as_f64().unwrap()).sum::<f64>()
-    };
-    let all = &pooled[3]["R"];
-    assert_eq!(all["asked"].as_f64().unwrap(), whole("asked"));
-    assert!((all["inside"].as_f64().unwrap() * whole("asked") - whole("share")).abs() < 1e-12);
-    let errors = &all["error"];
-    assert!(errors["median"].as_f64().unwrap().abs() <= errors["of_90_percent"].as_f64().unwrap());
-}
-
-/// The noise of a random surface is that of its own seed, not of the first one of the list.
-#[test]
-fn a_random_surface_is_the_same_in_every_list() {
-    let folder = folder();
-    let scenes =
-        |words: &str| json(folder.path(), &format!("study --coverage --replicates 1 --json {words}"))["scenes"].clone();
-    assert_eq!(scenes("--random 2 --seed 5")[1], scenes("--random 1 --seed 6")[0]);
 }
 
 #[test]

@@ -5,14 +5,13 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::draws::uniform;
+
 type Vector = [f64; 3];
 
-/// Numbers between -1 and 1, as if at random: the finaliser of SplitMix64.
+/// Numbers between -1 and 1.
 fn chance(k: usize, stream: usize) -> f64 {
-    let mut z = (k as u64 * 8 + stream as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    2.0 * uniform(k, stream) - 1.0
 }
 
 fn write(folder: &Path, name: &str, points: &[Vector], normals: Option<&[Vector]>) {

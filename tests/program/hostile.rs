@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use assert_cmd::Command;
 
@@ -26,8 +26,9 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// What the readers ask for meanwhile is counted in `tests/bounds.rs`.
 #[test]
-fn sizes_that_nobody_means_are_refused_at_once() {
+fn sizes_that_nobody_means_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let elements: String = (0..40_000).map(|k| format!("element e{k} 0\nproperty float x\n")).collect();
@@ -46,20 +47,17 @@ fn sizes_that_nobody_means_are_refused_at_once() {
         (0..256).for_each(|_| zeros.write_all(&[0; 1 << 20]).unwrap());
     }
     zeros.finish().unwrap();
-    std::fs::write(here.join("good.csv"), bowl()).unwrap();
+    // what sizes ask for is told by the numbers alone, before a file is opened: this one is not there
     let cases: [(&[&str], &str); 5] = [
         (&["fit", "many.ply"], "header"),
         (&["fit", "many.npz"], "60000 members"),
         (&["fit", "zeros.npz"], "hundredfold"),
-        (&["fit", "good.csv", "--segments", "100000"], "262144"),
-        (&["fit", "good.csv", "--grid", "10000x10000"], "4000000"),
+        (&["fit", "absent.csv", "--segments", "100000"], "262144"),
+        (&["fit", "absent.csv", "--grid", "10000x10000"], "4000000"),
     ];
     for (arguments, word) in cases {
-        let clock = Instant::now();
         let (code, out, message) = palpate(here, arguments);
         assert!(code == Some(2) && out.is_empty() && message.contains(word), "{arguments:?}: {code:?} {message}");
-        // they took 5 to 39 seconds, or all of the memory
-        assert!(clock.elapsed() < Duration::from_secs(4), "{arguments:?}: {:?}", clock.elapsed());
     }
     let scene = "[surface]\nkind = \"plane\"\n[sweep]\nfrom = -1.0\nto = 1.0\nstations = 9\nfingers = [0.0, 1.0]\n[fit]\ngrid = 1000000\n";
     std::fs::write(here.join("s.toml"), scene).unwrap();

@@ -6,6 +6,7 @@ mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
 mod diff;
+mod draws;
 mod explore;
 mod files_as_they_come;
 mod first_try;

@@ -16,7 +16,7 @@ fn json(directory: &Path, arguments: &[&str]) -> Value {
 }
 
 /// Bytes of the largest page less its data: the promise is 1 MB.
-const MOST: usize = 1_000_000;
+const MOST_BYTES: usize = 1_000_000;
 
 fn page(directory: &Path, folder: &str) -> String {
     std::fs::read_to_string(directory.join(folder).join("report.html")).unwrap()
@@ -55,7 +55,7 @@ fn assert_stands_alone(page: &str) {
         let rest = &markup[at + 6..];
         assert!(rest.starts_with('#') || rest.starts_with("data:"), "{}", &rest[..40.min(rest.len())]);
     }
-    assert!(page.len() - data(page) < MOST, "{} bytes", page.len() - data(page));
+    assert!(page.len() - data(page) < MOST_BYTES, "{} bytes", page.len() - data(page));
     // a tag within a script would end it early
     let [open, close] = ["<script", "</script>"].map(|tag| page.matches(tag).count());
     assert_eq!(open, close);

@@ -78,6 +78,9 @@ fn numbers_out_of_range_say_what_would_be_right() {
     refuses("[fit]\ndomain = [0.0, 1.0, 2.0, 2.0]\n", &["y0 < y1"]);
     refuses("[study]\nreplicates = 0\n", &["at least 1"]);
     refuses("repeats = 0\n", &["sweep.repeats is 0"]);
+    // a whole number that TOML itself does not hold, where a number or a list may stand
+    refuses("[effects.position_noise]\nsigma = 18446744073709551615\n", &["a number or three (x, y, z) are needed"]);
+    refuses("[fit]\nsmooth = 18446744073709551615\n", &["fit.smooth is 18446744073709551615"]);
     refuses("tip_radius = -1.0\n", &["sweep.tip_radius = -1"]);
     refuses(
         "tip_radius = 0.5\n[effects.indentation]\nmodulus = 1e-3\nthreshold = 1.0\n",

@@ -4,13 +4,13 @@
 use assert_cmd::Command;
 use serde_json::Value;
 
-const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fit-1.json");
-const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.explore-1.json");
-const PARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.parts-1.json");
-const DIFF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.diff-1.json");
-const FITS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.fits-1.json");
-const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.study-1.json");
-const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/schema/palpate.frontier-1.json");
+const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.fit-1.json");
+const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.explore-1.json");
+const PARTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.parts-1.json");
+const DIFF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.diff-1.json");
+const FITS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.fits-1.json");
+const STUDY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.study-1.json");
+const FRONTIER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.frontier-1.json");
 
 /// `PALPATE_WRITE_SCHEMA=1 cargo test --test program schema` writes the files anew.
 #[test]

@@ -6,29 +6,34 @@
 //! ```
 #![allow(dead_code, unused_imports, reason = "what the rooms above these would call")]
 
-#[path = "../../src/bspline/mod.rs"]
+// the rooms of three crates stand in this one, and name each other as they do there
+extern crate self as palpate_fitting;
+extern crate self as palpate_geometry;
+extern crate self as palpate_numeric;
+
+#[path = "../../src/numeric/bspline/mod.rs"]
 mod bspline;
-#[path = "../../src/contact/mod.rs"]
+#[path = "../../src/geometry/contact/mod.rs"]
 mod contact;
-#[path = "../../src/curvature/mod.rs"]
+#[path = "../../src/geometry/curvature/mod.rs"]
 mod curvature;
-#[path = "../../src/linalg/mod.rs"]
+#[path = "../../src/numeric/linalg/mod.rs"]
 mod linalg;
-#[path = "../../src/observation/mod.rs"]
+#[path = "../../src/fitting/observation/mod.rs"]
 mod observation;
-#[path = "../../src/shape/mod.rs"]
+#[path = "../../src/geometry/shape/mod.rs"]
 mod shape;
-#[path = "../../src/simd/mod.rs"]
+#[path = "../../src/numeric/simd/mod.rs"]
 mod simd;
-#[path = "../../src/surface/mod.rs"]
+#[path = "../../src/geometry/surface/mod.rs"]
 mod surface;
 #[cfg(not(feature = "scoped"))]
-#[path = "../../src/threads.rs"]
+#[path = "../../src/numeric/threads.rs"]
 mod threads;
 #[cfg(feature = "scoped")]
 #[path = "scoped.rs"]
 mod threads;
-#[path = "../../src/vector.rs"]
+#[path = "../../src/numeric/vector.rs"]
 mod vector;
 
 /// What shares work between threads, called as tests and, because the thread sanitizer does not follow the tests' harness, by

@@ -1,4 +1,4 @@
-//! The functions of `src/threads.rs` by threads of the standard library, which are made and joined by the system's own calls: the
+//! The functions of `src/numeric/threads.rs` by threads of the standard library, which are made and joined by the system's own calls: the
 //! thread sanitizer knows those, whereas the hand-over between rayon's threads looks like a race to it.
 //!
 //! ```text
@@ -10,11 +10,11 @@ use std::thread::scope;
 /// Threads at once.
 const THREADS: usize = 4;
 
-pub(crate) fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
+pub fn alone<T: Send>(f: impl FnOnce() -> T + Send) -> T {
     f()
 }
 
-pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     scope(|scope| {
         let a = scope.spawn(a);
         let b = b();
@@ -22,11 +22,11 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     })
 }
 
-pub(crate) fn map<T: Send>(count: usize, piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub fn map<T: Send>(count: usize, piece: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     map_with(count, piece, || (), |(), k| f(k))
 }
 
-pub(crate) fn map_with<M, T: Send>(
+pub fn map_with<M, T: Send>(
     count: usize,
     piece: usize,
     start: impl Fn() -> M + Sync + Send,
@@ -44,15 +44,15 @@ pub(crate) fn map_with<M, T: Send>(
     })
 }
 
-pub(crate) fn try_map<T: Send>(count: usize, f: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
+pub fn try_map<T: Send>(count: usize, f: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
     map(count, 1, f).into_iter().collect()
 }
 
-pub(crate) fn any(count: usize, piece: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
+pub fn any(count: usize, piece: usize, f: impl Fn(usize) -> bool + Sync) -> bool {
     map(count, piece, f).contains(&true)
 }
 
-pub(crate) fn each<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+pub fn each<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
     let (size, f) = (items.len().div_ceil(THREADS).max(1), &f);
     scope(|scope| {
         let one = |(part, items): (usize, &mut [T])| {

@@ -19,7 +19,7 @@ use crate::contacts::{BUDGET, Protocol, RIGHT, tell, tell_settled};
 use crate::objects::{Drawn, HALF, NOISE};
 
 /// Steps of the differences: sizes and offsets in units of the patch, rotations in degrees.
-const STEP: f64 = 1e-5;
+const STEP_OF_DIFFERENCES: f64 = 1e-5;
 
 /// Places each way at which explorations touch, and over which S and R are averaged.
 const PLACES: usize = 21;
@@ -82,7 +82,8 @@ impl Oracle {
     fn new(drawn: &Drawn) -> Oracle {
         let count = drawn.sizes.len() + drawn.pose.len();
         let surface = drawn.surface();
-        let pairs: Vec<[Surface; 2]> = (0..count).map(|k| [moved(drawn, k, STEP), moved(drawn, k, -STEP)]).collect();
+        let pairs: Vec<[Surface; 2]> =
+            (0..count).map(|k| [moved(drawn, k, STEP_OF_DIFFERENCES), moved(drawn, k, -STEP_OF_DIFFERENCES)]).collect();
         let axis = linspace(-HALF, HALF, PLACES);
         let (mut places, mut rows) = (Vec::new(), Vec::new());
         for (x, y) in axis.iter().flat_map(|x| axis.iter().map(move |y| (*x, *y))) {
@@ -94,7 +95,7 @@ impl Oracle {
         let r = means(&surface).map_or(f64::NAN, |[_, r]| r);
         let slope = |[ahead, behind]: &[Surface; 2]| {
             let (ahead, behind) = (means(ahead)?, means(behind)?);
-            Some([0, 1].map(|q| (ahead[q] - behind[q]) / (2.0 * STEP)))
+            Some([0, 1].map(|q| (ahead[q] - behind[q]) / (2.0 * STEP_OF_DIFFERENCES)))
         };
         let slopes: Vec<[f64; 2]> = pairs.iter().map(|pair| slope(pair).unwrap_or([f64::NAN; 2])).collect();
         let mut oracle = Oracle { places, rows, slopes: [0, 1].map(|q| slopes.iter().map(|s| s[q]).collect()) };
@@ -180,8 +181,9 @@ fn touch(surface: &Surface, pairs: &[[Surface; 2]], x: f64, y: f64) -> Option<[R
     let mut rows = [Row::new(), Row::new(), Row::new()];
     for [ahead, behind] in pairs {
         let (ahead, behind) = (ahead.at(x, y)?, behind.at(x, y)?);
-        rows[0].push(normal[2] * (ahead.point[2] - behind.point[2]) / (2.0 * STEP * NOISE[0]));
-        let turn = [0, 1, 2].map(|d| (ahead.local.normal[d] - behind.local.normal[d]) / (2.0 * STEP * NOISE[1]));
+        rows[0].push(normal[2] * (ahead.point[2] - behind.point[2]) / (2.0 * STEP_OF_DIFFERENCES * NOISE[0]));
+        let turn = [0, 1, 2]
+            .map(|d| (ahead.local.normal[d] - behind.local.normal[d]) / (2.0 * STEP_OF_DIFFERENCES * NOISE[1]));
         rows[1].push(dot(&along[0], &turn));
         rows[2].push(dot(&along[1], &turn));
     }

@@ -1,6 +1,6 @@
 //! The hard-case table with the counts that the guarantee is held to.
 
-use palpate_studies::cases::HardCase;
+use palpate_laboratory::hard_cases::HardCase;
 
 use super::golden::judge::judge;
 use super::golden::{Golden, table};

@@ -14,7 +14,7 @@ const TURN: f64 = 0.3;
 const CHANGE: f64 = 0.5;
 
 /// Least share of the diagonal that is added.
-const LEAST: f64 = 1e-9;
+const LEAST_DAMPING: f64 = 1e-9;
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -69,7 +69,7 @@ pub(crate) fn descend(view: &View, start: Member, held: Option<Held>, iterations
             let tried = tried.map(|residual| (dot(&residual, &residual), residual));
             if let Some((less, tried)) = tried.filter(|(tried, _)| *tried < square) {
                 (member, residual, square) = (next, tried, less);
-                lambda = f64::max(0.1 * lambda, LEAST);
+                lambda = f64::max(0.1 * lambda, LEAST_DAMPING);
                 break;
             }
             lambda *= 10.0;

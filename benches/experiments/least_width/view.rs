@@ -7,7 +7,7 @@
 use super::member::Member;
 
 /// Step of the differences.
-const STEP: f64 = 1e-5;
+const STEP_OF_DIFFERENCES: f64 = 1e-5;
 
 /// Rigid motions: three rotations, three shifts.
 pub(crate) const MOTIONS: usize = 6;
@@ -96,11 +96,11 @@ impl View {
     pub(crate) fn derivatives(&self, member: &Member, held: Option<Held>) -> Option<Derivatives> {
         let (mut columns, mut slopes) = (Vec::new(), Vec::new());
         for number in 0..member.sizes.len() + MOTIONS {
-            let [ahead, behind] = [STEP, -STEP].map(|step| stepped(member, number, step));
+            let [ahead, behind] = [STEP_OF_DIFFERENCES, -STEP_OF_DIFFERENCES].map(|step| stepped(member, number, step));
             let (a, b) = (self.sight(&ahead)?, self.sight(&behind)?);
-            let mut column: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
+            let mut column: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b) / (2.0 * STEP_OF_DIFFERENCES)).collect();
             let (a, b) = (self.shape(&ahead)?, self.shape(&behind)?);
-            let slope = [0, 1].map(|q| (a[q] - b[q]) / (2.0 * STEP));
+            let slope = [0, 1].map(|q| (a[q] - b[q]) / (2.0 * STEP_OF_DIFFERENCES));
             column.extend(held.map(|held| slope[held.quantity] / held.within));
             columns.push(column);
             slopes.push(slope);

@@ -24,7 +24,7 @@ pub(super) fn fit_several(
     let tables: Vec<PathBuf> = table.into_iter().map(Path::to_path_buf).collect();
     output.prepare(&files, &tables)?;
     let width = inputs.iter().map(|input| name(input).chars().count()).max().unwrap_or(0);
-    let mut rows = Vec::new();
+    let (mut rows, mut nobody_reads) = (Vec::new(), false);
     for input in inputs {
         let spinner = output.spinner(format!("fitting {}", input.display()));
         let outcome = fit(input);
@@ -34,8 +34,12 @@ pub(super) fn fit_several(
             Err(Failure::ClosedPipe) => return Err(Failure::ClosedPipe),
             Err(failure) => FitsRow::failed(name(input), visible(&failure.into_message())),
         };
-        if !(output.json || output.quiet || to_stdout) {
-            print(&mut |out| write_fits_line(&row, width, out))?;
+        if !(output.json || output.quiet || to_stdout || nobody_reads) {
+            match print(&mut |out| write_fits_line(&row, width, out)) {
+                // the table is still wanted
+                Err(Failure::ClosedPipe) if table.is_some() => nobody_reads = true,
+                printed => printed?,
+            }
         }
         rows.push(row);
     }

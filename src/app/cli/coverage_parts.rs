@@ -1,18 +1,15 @@
 //! What one scene's line of a coverage table and its part of the document hold.
 //!
 //! ```text
-//! error of S: value - truth        error of R: (value - truth)/truth        width over the oracle: half width / (1.96 sd)
+//! error of S: value - truth        error of R: (value - truth)/truth
 //! ```
 
 use serde::Serialize;
 
 use palpate_numeric::statistics::{Rank, quantile};
-use palpate_studies::montecarlo::{Coverages, Held, LeastWidth};
+use palpate_studies::montecarlo::{Coverages, Held};
 
 use super::study_plan::Plan;
-
-/// Half width of a normal law's 95 % interval over its sd.
-const NORMAL: f64 = 1.96;
 
 /// Errors of one quantity.
 #[derive(Serialize)]
@@ -20,19 +17,17 @@ pub(super) struct ErrorPart {
     pub(super) median: Option<f64>,
     /// What the size of nine errors in ten does not exceed.
     pub(super) of_90_percent: Option<f64>,
-    #[serde(skip)]
-    pub(super) all: Vec<f64>,
 }
 
 impl ErrorPart {
     pub(super) fn new(all: Vec<f64>) -> ErrorPart {
         let sizes = all.iter().map(|e| e.abs()).collect();
-        ErrorPart { median: reached(all.clone(), 0.5), of_90_percent: reached(sizes, 0.9), all }
+        ErrorPart { median: reached(all, 0.5), of_90_percent: reached(sizes, 0.9) }
     }
 }
 
 /// The smallest value that a part `p` of the values does not exceed.
-pub(super) fn reached(values: Vec<f64>, p: f64) -> Option<f64> {
+fn reached(values: Vec<f64>, p: f64) -> Option<f64> {
     quantile(values, p, Rank::Reached)
 }
 
@@ -41,8 +36,6 @@ pub(super) struct HeldPart {
     pub(super) share: Option<f64>,
     pub(super) interval: Option<[f64; 2]>,
     pub(super) asked: u64,
-    #[serde(skip)]
-    pub(super) inside: u64,
 }
 
 #[derive(Serialize)]
@@ -56,12 +49,6 @@ pub(super) struct QuantityCoverage {
     pub(super) chosen_half_width: Option<f64>,
     /// Errors of the values in whose intervals `chosen` looks for the truth; those of R are relative.
     pub(super) chosen_error: ErrorPart,
-    /// Median half width over that of a fit which knows the surface's family and the noise.
-    pub(super) chosen_over_oracle: Option<f64>,
-    /// Least width, over the oracle's, of intervals that also hold surfaces 1 % of the relief beside the family.
-    pub(super) least_over_oracle: Option<f64>,
-    /// Share of the relief from which on no interval that holds such surfaces is within 1.5 times the oracle's.
-    pub(super) goal_departure: Option<f64>,
     pub(super) bias_over_sd: Option<f64>,
     pub(super) u_over_sd: Option<f64>,
 }
@@ -83,12 +70,7 @@ pub(super) struct SceneCoverage {
 
 impl HeldPart {
     pub(super) fn new(held: &Held) -> HeldPart {
-        HeldPart {
-            share: held.share(),
-            interval: held.interval.map(|i| [i.lo, i.hi]),
-            asked: held.asked,
-            inside: held.inside,
-        }
+        HeldPart { share: held.share(), interval: held.interval.map(|i| [i.lo, i.hi]), asked: held.asked }
     }
 
     pub(super) fn words(&self) -> String {
@@ -102,7 +84,7 @@ impl HeldPart {
 }
 
 impl SceneCoverage {
-    pub(super) fn new(plan: &Plan, found: &Coverages, oracle: [Option<f64>; 2], least: LeastWidth) -> SceneCoverage {
+    pub(super) fn new(plan: &Plan, found: &Coverages) -> SceneCoverage {
         let part = |q: usize| QuantityCoverage {
             linear: HeldPart::new(&found.linear[q]),
             monte_carlo: HeldPart::new(&found.monte_carlo[q]),
@@ -112,9 +94,6 @@ impl SceneCoverage {
             chosen_width: found.chosen_width[q],
             chosen_half_width: found.chosen_half_width[q],
             chosen_error: ErrorPart::new(found.chosen_errors[q].clone()),
-            chosen_over_oracle: found.chosen_half_width[q].zip(oracle[q]).map(|(half, sd)| half / (NORMAL * sd)),
-            least_over_oracle: least.over_oracle[q],
-            goal_departure: least.share_of_goal[q],
             bias_over_sd: found.bias[q],
             u_over_sd: found.u_ratio[q],
         };

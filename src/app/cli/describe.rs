@@ -44,7 +44,7 @@ pub(super) fn describe(
 ) -> Result<(), Failure> {
     let description = description_of(answer, name, subject, taken)?;
     let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
-    files(&*description, saved.as_ref(), name, to.output, to.words, &to.provenance)?;
+    files(&description, saved.as_ref(), name, to.output, to.words, &to.provenance)?;
     if let Input::Contacts(contacts) = subject.input {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
@@ -56,7 +56,7 @@ pub(super) fn describe(
     }
     // what `--save -` sent to standard output is not to be mixed with a table
     let saved_there = to.save.is_some_and(|path| path.as_os_str() == "-");
-    show(&*description, name, to.output, to.words, saved_there)
+    show(&description, name, to.output, to.words, saved_there)
 }
 
 fn description_of<'a>(
@@ -64,7 +64,7 @@ fn description_of<'a>(
     name: &str,
     subject: &Subject<'a>,
     taken: &Taken,
-) -> Result<Box<dyn Description + 'a>, Failure> {
+) -> Result<Description<'a>, Failure> {
     let clock = Instant::now();
     compute_shape(answer, subject.bare);
     let seconds = Seconds {
@@ -88,7 +88,7 @@ pub(super) fn document_of(
 
 /// The files of the output directory, if one is asked for; `saved` is the document as it is saved.
 pub(super) fn files(
-    description: &dyn Description,
+    description: &Description,
     saved: Option<&FitDocument>,
     name: &str,
     output: &OutputFlags,
@@ -110,7 +110,7 @@ pub(super) fn files(
 
 /// The document on standard output, as JSON or in words; no words where standard output is taken.
 pub(super) fn show(
-    description: &dyn Description,
+    description: &Description,
     name: &str,
     output: &OutputFlags,
     words: &WordsFlags,

@@ -10,6 +10,7 @@
 
 use std::borrow::Cow;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
@@ -32,6 +33,7 @@ use super::merge::join;
 use super::recognise_or_fit::{Found, Refusal, automatic};
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
+use super::until::Until;
 use super::{frontier_input, frontier_scene, values};
 
 /// Why there is no fit.
@@ -164,7 +166,7 @@ impl FitAnswer {
 /// Everything that decides the numbers of a study.
 #[derive(Debug)]
 pub struct StudyPlan {
-    plan: Plan,
+    plan: Arc<Plan>,
     args: StudyArgs,
     arguments: Vec<String>,
     scene: String,
@@ -190,7 +192,7 @@ impl StudyPlan {
         let args = StudyArgs::read(&line)?;
         let name = args.scene.clone().unwrap_or_default();
         let source = source(&name, text)?;
-        let plan = Plan::new(&args, &source).map_err(Failure::into_message)?;
+        let plan = Arc::new(Plan::new(&args, &source).map_err(Failure::into_message)?);
         Ok(StudyPlan { plan, args, arguments: line, scene: source.text })
     }
 
@@ -244,7 +246,7 @@ impl StudyPlan {
     pub fn document(&self, run: &StudyRun) -> Vec<u8> {
         let mut json = Vec::new();
         // a Vec takes every byte
-        let _ = write_json(&self.plan.document(&run.state, run.stopped, run.seconds), &mut json);
+        let _ = write_json(&self.plan.document(&run.state, run.stopped, run.seconds, Until::interrupted()), &mut json);
         json
     }
 }

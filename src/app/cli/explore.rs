@@ -123,7 +123,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let document = document(args, &scene, (&options, &found), (&answer, &described));
     let surface = described.ok();
     let provenance = provenance(&args.scene, Some(text), Some(options.seed));
-    args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_deref(), &provenance, out))?;
+    args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_ref(), &provenance, out))?;
     let remark = inverse_crime_remark(&found.truth);
     args.output.file("explore.json", &mut |out| write_json(&document, out))?;
     args.output.file("explore.csv", &mut |out| write_explore_csv(&document, out))?;
@@ -196,7 +196,7 @@ fn ended(document: &ExploreDocument) -> Result<(), Failure> {
 /// An answer with the seconds that it took, or why there is none.
 type Answered = Result<(Found, f64), String>;
 /// The same described.
-type Described<'a> = Result<Box<dyn Description + 'a>, String>;
+type Described<'a> = Result<Description<'a>, String>;
 
 /// What all contacts show, as `palpate fit` answers.
 fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {

@@ -3,7 +3,7 @@
 
 use std::process::ExitCode;
 
-use crate::io::{IoError, visible};
+use crate::io::{IoError, changes_others, visible};
 use palpate_fitting::fit::FitError;
 
 /// Why a verb did not do what it was asked.
@@ -45,15 +45,17 @@ impl Failure {
 }
 
 /// Says what is wrong with the arguments, or helps.
-pub(super) fn print_usage(error: &clap::Error) {
+pub(super) fn print_usage(error: &clap::Error) -> Result<(), Failure> {
     let message = error.render().to_string();
-    // help and version go to standard output; whoever would read may have gone
-    let _ = if message.chars().any(|c| c.is_control() && c != '\n') {
+    if message.chars().any(|c| changes_others(c) && c != '\n') {
         let shown = message.split('\n').map(visible).collect::<Vec<_>>().join("\n");
-        std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes())
-    } else {
-        error.print()
-    };
+        // nowhere is left to say that this could not be said
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), shown.as_bytes());
+        return Ok(());
+    }
+    // help and version go to standard output
+    error.print()?;
+    Ok(std::io::Write::flush(&mut std::io::stdout())?)
 }
 
 /// Errors of writing to standard output.

@@ -11,7 +11,7 @@ use std::time::Instant;
 use crate::io::scene_file::builtin_text;
 use crate::io::write_parquet;
 use crate::report::{
-    FrontierDocument, OrdersDocument, PICTURES, frontier_columns, has_picture, write_frontier_csv, write_frontier_page,
+    FrontierDocument, KINDS, OrdersDocument, frontier_columns, has_picture, write_frontier_csv, write_frontier_page,
     write_frontier_picture, write_frontier_table, write_json, write_orders_table, write_stages_picture,
 };
 use palpate_studies::frontier::orders;
@@ -53,7 +53,7 @@ fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failu
         let (names, columns) = frontier_columns(&document.points);
         args.output.file("frontier.parquet", &mut |out| write_parquet("point", &names, &columns, out))?;
     }
-    for which in PICTURES.into_iter().filter(|which| has_picture(document, *which)) {
+    for which in KINDS.into_iter().filter(|which| has_picture(document, *which)) {
         let name = if which.frontier == "discretisation" { "frontier" } else { which.frontier };
         for (ending, png) in [("svg", false), ("png", true)] {
             let mut fill = |out: &mut dyn Write| write_frontier_picture(document, which, png, out);

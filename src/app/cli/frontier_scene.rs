@@ -10,7 +10,7 @@ use crate::report::{
 use palpate_numeric::simd::Isa;
 use palpate_studies::frontier::{
     Choice, Frontier, FrontierError, IntervalSubject, Measured, Point, REPLICATES, Request, SolverSubject, Stage,
-    Subject, Watch, check_truth, cholesky_ends, choose, mark, mark_solvers, of_fit, of_replicate,
+    Subject, Watch, check_truth, choose, mark, mark_solvers, of_fit, of_replicate,
 };
 
 use super::failure::Failure;
@@ -135,7 +135,6 @@ pub(super) fn measure(
     let mut document = document(&scene, seed, &found, &counts)?;
     document.stages = stages.iter().map(|stage| stage_part(stage, &stages)).collect();
     document.notes.extend(frontiers.notes.iter().cloned());
-    document.notes.extend(cholesky_ends(&found.solvers));
     if let (Some(choice), Some(request)) = (&picked, request) {
         let text = emitted(source, &choice.options, choice.stations)?;
         document.pick = Some(pick_part(choice, request, Some(&text)));

@@ -1,6 +1,7 @@
 //! `palpate merge PART...`: parts made with `palpate study --range`, joined to the bits of one run.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -13,6 +14,7 @@ use super::options::{OutputFlags, PictureFlags};
 use super::provenance::provenance;
 use super::study::{PageExtras, part, source_of, tell};
 use super::study_plan::{Plan, StudyArgs};
+use super::until::Until;
 
 /// Arguments of `palpate merge`.
 #[derive(Args)]
@@ -35,7 +37,10 @@ pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
 }
 
 /// The study that the parts make; `wait` gives what shall last as long as the shares of the effects are computed.
-pub(super) fn join<W>(parts: &[PathBuf], wait: impl Fn() -> W) -> Result<(Plan, StudyDocument, StudyState), Failure> {
+pub(super) fn join<W>(
+    parts: &[PathBuf],
+    wait: impl Fn() -> W,
+) -> Result<(Arc<Plan>, StudyDocument, StudyState), Failure> {
     let mut order: Vec<(u64, usize)> = Vec::new();
     // the files are read twice, one at a time: a hundred parts need the memory of two
     let mut first: Option<StudyFile> = None;
@@ -62,7 +67,7 @@ pub(super) fn join<W>(parts: &[PathBuf], wait: impl Fn() -> W) -> Result<(Plan, 
     let Some(study_args) = StudyArgs::parse_back(&first.arguments) else {
         return Err(Failure::Input(format!("{}: its arguments cannot be read back", parts[0].display())));
     };
-    let plan = Plan::new(&study_args, &source_of(&first, &study_args))?;
+    let plan = Arc::new(Plan::new(&study_args, &source_of(&first, &study_args))?);
     plan.identity
         .check(&first.identity)
         .map_err(|e| Failure::Input(format!("{}: a part of another study: {e}", parts[0].display())))?;
@@ -92,7 +97,7 @@ pub(super) fn join<W>(parts: &[PathBuf], wait: impl Fn() -> W) -> Result<(Plan, 
         return Err(wrong(StudyError::Gap { from: at, to: total, total }));
     };
     let waiting = wait();
-    let document = plan.document(&whole, Stopped::Replicates, seconds);
+    let document = plan.document(&whole, Stopped::Replicates, seconds, Until::interrupted());
     drop(waiting);
     Ok((plan, document, whole))
 }

@@ -11,7 +11,6 @@ mod batch;
 mod completions;
 mod coverage;
 mod coverage_parts;
-mod coverage_pooled;
 mod describe;
 mod diff;
 #[doc(hidden)]
@@ -49,6 +48,7 @@ mod simulate;
 mod study;
 mod study_plan;
 mod sweep;
+mod until;
 mod values;
 mod zero_weights;
 
@@ -122,8 +122,8 @@ pub fn main() -> ExitCode {
     let line = match Line::try_parse() {
         Ok(line) => line,
         Err(error) => {
-            failure::print_usage(&error);
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            let code = ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            return failure::print_usage(&error).map_or_else(Failure::report, |()| code);
         }
     };
     if line.portable {

@@ -210,7 +210,12 @@ impl PictureFlags {
         let formats = if self.asked.is_empty() { &[PictureFormat::Svg][..] } else { &self.asked };
         formats
             .iter()
-            .try_for_each(|format| output.file(&format!("{name}.{}", format.name()), &mut |out| picture(*format, out)))
+            .enumerate()
+            // a kind that is named twice is written once
+            .filter(|(k, format)| !formats[..*k].contains(format))
+            .try_for_each(|(_, format)| {
+                output.file(&format!("{name}.{}", format.name()), &mut |out| picture(*format, out))
+            })
     }
 }
 

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::io::{ReadPhase, ReadProgress, Together, same_file, visible, watched, write_atomically};
+use crate::io::{
+    ReadPhase, ReadProgress, Together, imported_files, same_file, same_place, visible, watched, write_atomically,
+};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
@@ -63,7 +65,9 @@ const FAMILIES: [&[&str]; 9] = [
 impl OutputFlags {
     /// Makes sure of every output before any work is done for it: that it has a place, and overwrites none of `inputs`.
     pub(super) fn prepare(&self, inputs: &[&Path], outputs: &[PathBuf]) -> Result<(), Failure> {
-        let overwrites = |output: &Path| match inputs.iter().find(|input| same_file(input, output)) {
+        let imported = imported_files();
+        let all: Vec<&Path> = inputs.iter().copied().chain(imported.iter().map(PathBuf::as_path)).collect();
+        let overwrites = |output: &Path| match all.iter().find(|input| same_file(input, output)) {
             Some(input) => Err(Failure::Input(format!(
                 "{}: it is the input {}, which would be written over; give the output another name",
                 output.display(),
@@ -75,10 +79,23 @@ impl OutputFlags {
             has_place(output)?;
             overwrites(output)?;
         }
+        apart(outputs)?;
         let Some(directory) = &self.out else { return Ok(()) };
         FAMILIES.iter().flat_map(|names| names.iter()).try_for_each(|name| overwrites(&directory.join(name)))?;
         std::fs::create_dir_all(directory)
-            .map_err(|e| Failure::Input(format!("--out {}: cannot be made a directory: {e}", directory.display())))
+            .map_err(|e| Failure::Input(format!("--out {}: cannot be made a directory: {e}", directory.display())))?;
+        let own = FAMILIES.iter().flat_map(|names| names.iter()).map(|name| directory.join(name));
+        match own
+            .flat_map(|name| outputs.iter().map(move |output| (name.clone(), output)))
+            .find(|(a, b)| same_place(a, b))
+        {
+            Some((_, output)) => Err(Failure::Input(format!(
+                "{}: --out {} may write a file of this name; give one of the two another place",
+                output.display(),
+                directory.display()
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Writes `name` for the output directory, if one is asked for; [`OutputFlags::publish`] puts it there.
@@ -124,6 +141,22 @@ impl OutputFlags {
 }
 
 /// The directory of an output is there, and the output is none itself.
+/// That no two outputs have one place: the second would replace the first.
+fn apart(outputs: &[PathBuf]) -> Result<(), Failure> {
+    for (k, first) in outputs.iter().enumerate() {
+        let to_stdout = |path: &Path| path.as_os_str() == "-";
+        let again = |second: &&PathBuf| same_place(first, second) || (to_stdout(first) && to_stdout(second));
+        if let Some(second) = outputs[k + 1..].iter().find(again) {
+            return Err(Failure::Input(format!(
+                "{}: two outputs would be written to this place ({} names it, too); give one of them another name",
+                first.display(),
+                second.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
 fn has_place(output: &Path) -> Result<(), Failure> {
     let directory = output.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let why = match (output.is_dir(), directory.is_dir()) {

@@ -66,6 +66,10 @@ struct Taken {
 pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let is_scene =
         builtin_text(&args.input).is_some() || Path::new(&args.input).extension().is_some_and(|e| e == "toml");
+    if is_scene {
+        // what the scene names is an input, too
+        scene::load(&args.input)?;
+    }
     args.output.prepare(&[args.input.as_ref()], args.points.as_slice())?;
     let format = points_format(args)?;
     let spinner = args.output.spinner(format!("reading {}", args.input));

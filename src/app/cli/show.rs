@@ -134,9 +134,9 @@ fn show_shape(args: &ShowArgs, saved: &Saved, bytes: &[u8]) -> Result<(), Failur
     }
     let grid = ShownGrid { points: options.grid, inset: options.inset, again: again || args.grid.any() };
     let description = describe_saved(saved, document, grid);
-    describe::files(&*description, None, &saved.file, &args.output, &args.words, &provenance(&saved.file, None, None))?;
+    describe::files(&description, None, &saved.file, &args.output, &args.words, &provenance(&saved.file, None, None))?;
     args.output.publish()?;
-    describe::show(&*description, &saved.file, &args.output, &args.words, false)
+    describe::show(&description, &saved.file, &args.output, &args.words, false)
 }
 
 /// The document that the surface was saved in, or one of the surface alone, whose shape is still to be taken.

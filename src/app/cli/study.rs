@@ -6,6 +6,8 @@
 
 use std::io::Write;
 use std::path::Path as FilePath;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel, sync_channel};
 use std::time::Instant;
 
 use crate::io::{RecordFormat, Records, StudyFile, read_study, write_study};
@@ -13,7 +15,7 @@ use crate::report::{
     INTERRUPTED, Provenance, StudyDocument, stopped_words, write_json, write_study_page, write_study_picture,
     write_study_table,
 };
-use palpate_studies::montecarlo::{Stopped, StudyState};
+use palpate_studies::montecarlo::{Path, Progress, Stopped, StudyError, StudyState};
 
 use super::failure::Failure;
 use super::options::{OutputFlags, PictureFlags};
@@ -22,14 +24,12 @@ use super::progress::Bar;
 use super::provenance::provenance;
 use super::scene::Source;
 use super::study_plan::{Plan, StudyArgs};
+use super::until::{LOOK, Until};
 use super::{coverage, interrupt, scene, sweep};
 /// Seconds between two checkpoints.
 const CHECKPOINT_SECONDS: f64 = 1.0;
 
 pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
-    if args.coverage {
-        return coverage::coverage(args, args.scene.as_deref());
-    }
     let Some(name) = &args.scene else {
         return Err(Failure::Input(
             "a study needs a scene: a built-in name (palpate scenes lists them) or a file".into(),
@@ -43,16 +43,21 @@ pub(super) fn study(args: &StudyArgs) -> Result<(), Failure> {
         }
     }
     let source = scene::source(name)?;
+    // what the scene names is an input, too
+    source.scene()?;
+    if args.coverage {
+        return coverage::coverage(args, name, &source);
+    }
     if !args.sweep.is_empty() {
         return sweep::sweep(args, &source);
     }
     let outputs: Vec<_> = [&args.part, &args.records, &args.checkpoint].into_iter().flatten().cloned().collect();
     args.output.prepare(&[name.as_ref()], &outputs)?;
-    let plan = Plan::new(args, &source)?;
+    let plan = Arc::new(Plan::new(args, &source)?);
     run(args, &plan, source)
 }
 
-fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
+fn run(args: &StudyArgs, plan: &Arc<Plan>, source: Source) -> Result<(), Failure> {
     let range = args.range.unwrap_or([0, plan.most]);
     if range[1] > plan.most {
         return Err(Failure::Input(format!(
@@ -85,7 +90,11 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
     let bar = Bar::new(&args.output, range[1] - range[0], &plan.name);
     let (clock, mut saved) = (Instant::now(), Instant::now());
     let mut fault: Option<Failure> = None;
-    let outcome = plan.study.run(state, range[1], &mut |progress| {
+    // of a study that is gone on with, the seconds before count too
+    let until = Until::seconds_after(clock, args.budget.map(|budget| (budget - before).max(0.0)));
+    let for_replicates = args.budget.map(|budget| budget * plan.share_of_replicates());
+    let replicates_until = Until::seconds_after(clock, for_replicates.map(|budget| (budget - before).max(0.0)));
+    let outcome = replicates(plan, state, range[1], replicates_until, &mut |progress| {
         let seconds = before + clock.elapsed().as_secs_f64();
         bar.show(progress, seconds);
         if let Some(Err(error)) = records.as_mut().map(|records| records.append(progress.values)) {
@@ -100,15 +109,10 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
             }
             saved = Instant::now();
         }
-        let goes_on = match args.budget {
-            Some(budget) if args.tolerance.is_some() => {
-                fault = out_of_reach(args, progress.state.done(), progress.end - progress.state.from, seconds, budget);
-                fault.is_none() && seconds < budget
-            }
-            Some(budget) => seconds < budget,
-            None => true,
-        };
-        goes_on && !interrupt::asked()
+        if let Some(budget) = for_replicates.filter(|_| args.tolerance.is_some()) {
+            fault = out_of_reach(args, progress.state.done(), progress.end - progress.state.from, seconds, budget);
+        }
+        fault.is_none() && !replicates_until.is_over()
     });
     let seconds = before + clock.elapsed().as_secs_f64();
     drop(bar);
@@ -127,7 +131,7 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         write_study(path, &file(state.clone(), seconds, 0))?;
     }
     let spinner = args.output.spinner("shares of the effects");
-    let mut document = plan.document(&state, stopped, seconds);
+    let mut document = plan.document(&state, stopped, seconds, until);
     drop(spinner);
     // what was done before the interrupt came may have been all
     let cut_short = interrupt::asked() && stopped == Stopped::Budget;
@@ -147,6 +151,45 @@ fn run(args: &StudyArgs, plan: &Plan, source: Source) -> Result<(), Failure> {
         return Err(Failure::Interrupted(format!("interrupted after {done} replicates; what they came to is kept")));
     }
     Ok(())
+}
+
+/// Runs the replicates. Whole fits may take seconds each and hundreds make a chunk: they are made by a thread of their own, and
+/// what the last whole chunk left is taken where the time is over in the middle of one.
+fn replicates(
+    plan: &Arc<Plan>,
+    state: StudyState,
+    to: u64,
+    until: Until,
+    watch: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Result<(StudyState, Stopped), StudyError> {
+    if plan.study.engine().path() != Path::Whole {
+        return plan.study.run(state, to, watch);
+    }
+    let (send, chunks) = sync_channel(0);
+    let (answer, answers) = channel();
+    let (own, start) = (Arc::clone(plan), state.clone());
+    let worker = std::thread::spawn(move || {
+        own.study.run(start, to, &mut |progress| {
+            let chunk = (progress.state.clone(), progress.values.clone(), progress.end);
+            send.send(chunk).is_ok() && answers.recv().unwrap_or(false)
+        })
+    });
+    let mut last = state;
+    loop {
+        match chunks.recv_timeout(LOOK) {
+            Ok((seen, values, end)) => {
+                last = seen;
+                let goes_on = watch(&Progress { state: &last, columns: &values.columns, end, values: &values });
+                // the worker ends when it is told so, or when nobody answers
+                let _ = answer.send(goes_on);
+            }
+            Err(RecvTimeoutError::Timeout) if until.is_over() => return Ok((last, Stopped::Budget)),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => {
+                return worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            }
+        }
+    }
 }
 
 /// The budget is too short for the digits asked for, by the time that the first stage took.

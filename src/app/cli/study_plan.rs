@@ -5,6 +5,7 @@
 //! ```
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, Parser};
 
@@ -16,20 +17,22 @@ use crate::report::{
 };
 use palpate_fitting::fit::FitOptions;
 use palpate_numeric::simd::Isa;
-use palpate_studies::montecarlo::{Path, Quantity, Stopped, Study, StudyError, StudyOptions, StudyState, Tolerance};
+use palpate_studies::montecarlo::{
+    Path, Quantity, Stopped, Study, StudyError, StudyOptions, StudyResult, StudyState, Tolerance, attribute,
+};
 use palpate_world::scene::Effect;
 
 use super::failure::Failure;
 use super::interrupt;
 use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::scene::Source;
+use super::until::Until;
 use super::values::{self, PathChoice};
 
 /// Arguments of `palpate study`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct StudyArgs {
-    /// Built-in scene, scene file, or - for standard input; with --coverage none takes a family
-    /// of 32 scenes, and a name as sphere-27-degree2 one of them
+    /// Built-in scene, scene file, or - for standard input
     pub(super) scene: Option<String>,
     /// Replicates [default: the scene's, 10000]; with --tolerance the most there may be
     #[arg(long, value_name = "N", value_parser = values::replicates)]
@@ -76,10 +79,6 @@ pub(super) struct StudyArgs {
     /// Ask of each interval that a fit would print whether it holds the truth
     #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records", "checkpoint", "budget"])]
     pub(super) coverage: bool,
-    /// With --coverage: so many surfaces drawn at random, the first by --seed [default: 1], instead of a scene
-    #[arg(long, value_name = "N", requires = "coverage", conflicts_with = "scene",
-          value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    pub(super) random: Option<u64>,
     /// Repeat the study over a key of the scene: KEY=A:B:logN, KEY=A:B:linN or KEY=A,B,C; several make a grid
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
           conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
@@ -184,16 +183,55 @@ impl Plan {
         Ok(Plan { name: scene.name.clone(), study, identity, most, attribution, off, remark })
     }
 
+    /// The most that can be said in time, and what was left out of it: the linear law and the shares of the effects take
+    /// fits of their own, as many as the study or more.
+    fn result(self: &Arc<Plan>, state: &StudyState, until: Until) -> (StudyResult, Option<&'static str>) {
+        let (plan, copy) = (Arc::clone(self), state.clone());
+        let Some(with_law) = until.wait(move || plan.study.result(&copy, 0)) else {
+            let mut alone = self.study.replicates_alone(state);
+            alone.linear.why = "it was left out".into();
+            let what = if self.attribution > 0 {
+                "the linear law and the shares of the effects are"
+            } else {
+                "the linear law is"
+            };
+            return (alone, Some(what));
+        };
+        if self.attribution == 0 {
+            return (with_law, None);
+        }
+        const SHARES: &str = "the shares of the effects are";
+        if until.is_over() {
+            return (with_law, Some(SHARES));
+        }
+        let (plan, law) = (Arc::clone(self), with_law.linear.clone());
+        let shares = move || attribute(plan.study.engine(), plan.study.seed(), plan.attribution, &law);
+        match until.wait(shares) {
+            Some(attribution) => (StudyResult { attribution: Some(attribution), ..with_law }, None),
+            None => (with_law, Some(SHARES)),
+        }
+    }
+
+    /// The part of a budget that replicates may take: what is said of them afterwards takes fits, too.
+    pub(super) fn share_of_replicates(&self) -> f64 {
+        if self.attribution > 0 { 0.7 } else { 0.85 }
+    }
+
     /// The document of a state.
-    pub(super) fn document(&self, state: &StudyState, stopped: Stopped, seconds: f64) -> StudyDocument {
-        // who interrupts does not wait for the shares of the effects, which may take as long as the study
-        let attribution = if interrupt::asked() { 0 } else { self.attribution };
-        let result = self.study.result(state, attribution);
+    pub(super) fn document(
+        self: &Arc<Plan>,
+        state: &StudyState,
+        stopped: Stopped,
+        seconds: f64,
+        until: Until,
+    ) -> StudyDocument {
+        let (result, left_out) = self.result(state, until);
         let failure = state.first_failure.as_ref().map(|(_, why)| why.as_str());
         let mut notes = study_notes(&result, state.failed, failure);
         notes.extend(self.remark.clone());
-        if attribution < self.attribution {
-            notes.push("the shares of the effects are left out, because the study was interrupted".into());
+        if let Some(what) = left_out {
+            let why = if interrupt::asked() { "the study was interrupted" } else { "the budget was over" };
+            notes.push(format!("{what} left out, because {why}"));
         }
         let engine = self.study.engine();
         let parts: Vec<QuantityPart> = result.quantities.iter().map(QuantityPart::from).collect();

@@ -2,13 +2,17 @@
 //!
 //! Every point has the same seed, so that points differ by the key and not by their draws.
 
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Instant;
+
 use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::io::scene_file::SceneFileError;
 use crate::io::write_parquet;
 use crate::report::{
-    SweepPage, SweepPoint, significant, sweep_columns, write_json, write_sweep_csv, write_sweep_page,
+    StudyDocument, SweepPage, SweepPoint, significant, sweep_columns, write_json, write_sweep_csv, write_sweep_page,
     write_sweep_picture, write_sweep_table,
 };
 
@@ -19,6 +23,8 @@ use super::progress::Bar;
 use super::provenance::provenance;
 use super::scene::Source;
 use super::study_plan::{Plan, StudyArgs};
+use super::until::Until;
+use palpate_studies::montecarlo::StudyError;
 
 /// Most points of a grid.
 const MOST_POINTS: usize = 100_000;
@@ -140,6 +146,14 @@ fn scene_at(source: &Source, axes: &[Axis], at: &[f64]) -> Result<Source, Failur
     with(&whole)
 }
 
+/// One point of the sweep.
+fn point_of(args: &StudyArgs, scene: &Source) -> Result<StudyDocument, Failure> {
+    let plan = Arc::new(Plan::new(args, scene)?);
+    let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
+    let (state, stopped) = plan.study.run(plan.study.start(0), plan.most, &mut |_| true).map_err(wrong)?;
+    Ok(plan.document(&state, stopped, 0.0, Until::interrupted()))
+}
+
 pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     args.output.prepare(&[source.name.as_ref()], &[])?;
     let axes: Vec<Axis> = args.sweeps().iter().map(|text| axis(text)).collect::<Result<_, _>>()?;
@@ -154,8 +168,9 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     let mut level = 0.95;
     let mut head = (String::new(), 0, 0);
     interrupt::gently();
+    let until = Until::seconds_after(Instant::now(), args.budget);
     for number in 0..count {
-        if interrupt::asked() && number > 0 {
+        if until.is_over() && number > 0 {
             break;
         }
         let mut rest = number;
@@ -164,18 +179,23 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
             *value = axis.values[rest % axis.values.len()];
             rest /= axis.values.len();
         }
-        let plan = Plan::new(&args, &scene_at(source, &axes, &at)?)?;
-        let wrong = |e: palpate_studies::montecarlo::StudyError| Failure::Input(format!("{}: {e}", plan.name));
-        let (state, stopped) = plan.study.run(plan.study.start(0), plan.most, &mut |_| true).map_err(wrong)?;
-        let document = plan.document(&state, stopped, 0.0);
+        let (own, scene) = (args.clone(), scene_at(source, &axes, &at)?);
+        let Some(outcome) = until.wait(move || point_of(&own, &scene)) else { break };
+        let document = outcome?;
         level = document.level;
-        head = (plan.name.clone(), plan.study.seed(), document.replicates);
+        head = (document.scene.clone(), document.seed, document.replicates);
         points.push(SweepPoint::new(at.clone(), &document));
         let keys = axes.iter().map(|axis| axis.key.rsplit('.').next().unwrap_or_default());
         let reached = keys.zip(&at).map(|(key, value)| format!("{key} {}", significant(*value, 4)));
         bar.step(reached.collect::<Vec<_>>().join(", "));
     }
     drop(bar);
+    if points.is_empty() {
+        return Err(match interrupt::asked() {
+            true => Failure::Interrupted("interrupted before the first point was done; nothing is kept".into()),
+            false => Failure::Input("--budget is over before the first point of the sweep is done: raise it".into()),
+        });
+    }
     let keys: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
     let (scene, seed, replicates) = head;
     let document = SweepDocument {
@@ -209,6 +229,12 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
         print(&mut |out| write_sweep_table(&keys, &points, out))?;
     }
     let done = points.len();
+    if done < count && !interrupt::asked() {
+        // standard error may be closed; the table has the points that there are
+        let _ =
+            writeln!(std::io::stderr(), "palpate: the budget was over after {done} of {count} points; these are kept");
+        return Ok(());
+    }
     if done < count {
         return Err(Failure::Interrupted(format!("interrupted after {done} of {count} points; these are kept")));
     }

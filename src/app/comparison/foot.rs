@@ -7,7 +7,8 @@
 use palpate_numeric::bspline::linspace;
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm};
 
-use super::side::{ComparedSurface, Side};
+use super::side::Side;
+use palpate_geometry::surface::Jet;
 
 /// Points of the lattice each way.
 const LATTICE: usize = 33;
@@ -32,7 +33,7 @@ impl<'a> Feet<'a> {
     pub(super) fn new(side: &'a Side<'a>) -> Feet<'a> {
         let [u, v] = side.domain().map(|[lo, hi]| linspace(lo, hi, LATTICE));
         let places = u.iter().flat_map(|u| v.iter().map(move |v| [*u, *v]));
-        let lattice = places.map(|place| (place, side.derivatives(place).0)).collect();
+        let lattice = places.map(|place| (place, side.jet(place).point)).collect();
         let [lo, hi] = side.bounds();
         Feet { side, lattice, size: norm(minus(hi, lo)) }
     }
@@ -46,7 +47,7 @@ impl<'a> Feet<'a> {
         let (mut place, _) = *self.lattice.iter().min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
         let mut t = 0.0;
         for _ in 0..STEPS {
-            let (q, d) = self.side.derivatives(place);
+            let Jet { point: q, derivatives: d } = self.side.jet(place);
             let miss = minus(along(point, t, normal), q);
             if norm(miss) <= MET * self.size {
                 return self.inside(place);
@@ -66,24 +67,20 @@ impl<'a> Feet<'a> {
 
     /// A step that leaves the chart far behind is cut: end polynomials grow fast.
     fn held(&self, place: [f64; 2]) -> [f64; 2] {
-        let domain = self.side.domain();
+        let (domain, closed) = (self.side.domain(), self.side.closed());
         [0, 1].map(|k| {
             let [lo, hi] = domain[k];
             let slack = 0.25 * (hi - lo);
-            if self.closes(k) { place[k] } else { place[k].clamp(lo - slack, hi + slack) }
+            if closed[k] { place[k] } else { place[k].clamp(lo - slack, hi + slack) }
         })
     }
 
-    fn closes(&self, k: usize) -> bool {
-        matches!(self.side.surface, ComparedSurface::Space(map) if map.knots()[k].is_closed())
-    }
-
     fn inside(&self, place: [f64; 2]) -> Option<[f64; 2]> {
-        let domain = self.side.domain();
+        let (domain, closed) = (self.side.domain(), self.side.closed());
         let within = |k: usize| {
             let [lo, hi] = domain[k];
             let rim = RIM * (hi - lo);
-            self.closes(k) || (lo - rim..=hi + rim).contains(&place[k])
+            closed[k] || (lo - rim..=hi + rim).contains(&place[k])
         };
         (within(0) && within(1)).then_some(place)
     }

@@ -1,7 +1,7 @@
 //! One of two surfaces that are compared: where it is, where contacts support it, what its uncertainty is.
 
 use palpate_geometry::contact::Frame;
-use palpate_geometry::surface::{HeightField, Parametric};
+use palpate_geometry::surface::{AlongAxes, HeightField, Jet, Parametric, Surface};
 use palpate_numeric::bspline::linspace;
 
 use super::Quantities;
@@ -44,19 +44,26 @@ pub(super) struct Here {
 }
 
 impl Side<'_> {
-    /// Ranges of the chart.
-    pub(super) fn domain(&self) -> [[f64; 2]; 2] {
+    /// The surface as a map into space, input axes.
+    fn map<A>(&self, ask: impl FnOnce(&dyn Surface) -> A) -> A {
         match self.surface {
-            ComparedSurface::Height(field, _) => field.knots().each_ref().map(|k| k.domain()),
-            ComparedSurface::Space(map) => map.knots().each_ref().map(|k| k.domain()),
+            ComparedSurface::Height(surface, frame) => ask(&AlongAxes { surface, frame }),
+            ComparedSurface::Space(map) => ask(map),
         }
     }
 
+    /// Ranges of the chart.
+    pub(super) fn domain(&self) -> [[f64; 2]; 2] {
+        self.map(|map| map.domain())
+    }
+
+    /// Directions that close.
+    pub(super) fn closed(&self) -> [bool; 2] {
+        self.map(|map| map.closed())
+    }
+
     pub(super) fn unknowns(&self) -> usize {
-        match self.surface {
-            ComparedSurface::Height(field, _) => field.coefficients().len(),
-            ComparedSurface::Space(map) => map.coefficients().len(),
-        }
+        self.map(|map| map.unknowns())
     }
 
     /// Direction of the heights, input axes.
@@ -83,20 +90,8 @@ impl Side<'_> {
     }
 
     /// Point and derivatives, whether supported or not.
-    pub(super) fn derivatives(&self, [u, v]: [f64; 2]) -> ([f64; 3], palpate_geometry::curvature::Derivatives) {
-        match self.surface {
-            ComparedSurface::Height(field, frame) => {
-                let here = field.at(u, v);
-                let d = here.derivatives();
-                let turned = |w: [f64; 3]| if frame.keeps_axes() { w } else { frame.rotate_back(w) };
-                let [du, dv, uu, uv, vv] = [d.u, d.v, d.uu, d.uv, d.vv].map(turned);
-                (turned([u, v, here.z]), palpate_geometry::curvature::Derivatives { u: du, v: dv, uu, uv, vv })
-            }
-            ComparedSurface::Space(map) => {
-                let here = map.at(u, v);
-                (here.point, here.derivatives)
-            }
-        }
+    pub(super) fn jet(&self, place: [f64; 2]) -> Jet {
+        self.map(|map| map.jet(place))
     }
 
     /// What the surface is at a place of its chart; `None` outside, where no contact supports it, and without a normal.
@@ -104,10 +99,10 @@ impl Side<'_> {
         if !(self.supported)(place) {
             return None;
         }
-        let (point, derivatives) = self.derivatives(place);
-        let principal = derivatives.principal()?;
+        let jet = self.jet(place);
+        let principal = jet.principal()?;
         Some(Here {
-            point,
+            point: jet.point,
             normal: principal.normal,
             shape_index: principal.shape_index(),
             curvedness: Some(principal.curvedness()),
@@ -119,7 +114,7 @@ impl Side<'_> {
     pub(super) fn bounds(&self) -> [[f64; 3]; 2] {
         let [u, v] = self.domain().map(|[lo, hi]| linspace(lo, hi, EXTENT));
         let all = u.iter().flat_map(|u| v.iter().map(move |v| [*u, *v]));
-        all.map(|place| self.derivatives(place).0).fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lo, hi], p| {
+        all.map(|place| self.jet(place).point).fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lo, hi], p| {
             [[0, 1, 2].map(|k| lo[k].min(p[k])), [0, 1, 2].map(|k| hi[k].max(p[k]))]
         })
     }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::IoError;
+use super::abandoned::{remove_abandoned, temporary_prefix};
 
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -48,8 +49,10 @@ fn in_place(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Result
 
 fn by_rename(path: &Path, fill: &mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {
     let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    remove_abandoned(directory);
+    let prefix = temporary_prefix();
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".palpate-");
+    builder.prefix(&prefix);
     #[cfg(unix)]
     {
         // as any new file: readable by all that the umask lets

@@ -5,7 +5,7 @@
 //! that was fitted in a rotated frame is touched along that frame's axes.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use palpate_geometry::surface::HeightField;
 use palpate_world::scene::surface::ImportedSurface;
@@ -34,6 +34,14 @@ impl ImportedSurface for SavedHeights {
     }
 }
 
+/// Files of surfaces that scenes have named in this process: inputs, which no output may replace.
+static IMPORTED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The files of surfaces that the scenes read so far have named.
+pub(crate) fn imported_files() -> Vec<PathBuf> {
+    IMPORTED.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// Finds the surface that a scene names as `file`: a path relative to the folder of the scene.
 ///
 /// # Errors
@@ -44,6 +52,7 @@ pub(crate) fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn 
     }
     let path: PathBuf = scene_folder.join(file);
     let saved = read_surface(&path).map_err(|e| e.to_string())?;
+    IMPORTED.lock().unwrap_or_else(PoisonError::into_inner).push(path);
     if !saved.unsupported.is_empty() {
         return Err(format!(
             "{} of its coefficients are held by no data; there is no surface there",

@@ -12,7 +12,9 @@
 //! The format is recognised by the first bytes, not by the name, so that a pipe works like a file; each may be packed by
 //! gzip. What a header says of the size of the data is checked against the bytes that are there before memory is asked for.
 
+mod abandoned;
 mod atomic;
+mod base64;
 mod clouds;
 mod columns;
 mod csv;
@@ -55,10 +57,11 @@ use depth::DepthImage;
 use format_detection::Form;
 
 pub(crate) use atomic::{remove_unfinished, write_atomically};
+pub(crate) use base64::base64;
 pub(crate) use depth::Intrinsics;
 pub(crate) use error::IoError;
-pub(crate) use escape_control_chars::visible;
-pub(crate) use imported::import_surface;
+pub(crate) use escape_control_chars::{changes_others, visible};
+pub(crate) use imported::{import_surface, imported_files};
 pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 pub(crate) use npz_writer::NpzWriter;
 pub(crate) use output_transaction::Together;
@@ -67,7 +70,7 @@ pub use place::Place;
 pub(crate) use place::Places;
 pub(crate) use read_progress::{ReadPhase, ReadProgress, watched};
 pub(crate) use records::{RecordFormat, Records, write_parquet};
-pub(crate) use same_file::same_file;
+pub(crate) use same_file::{same_file, same_place};
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, text_hash, write_study};
 pub(crate) use support_map::SupportMap;
 pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};

@@ -10,7 +10,7 @@ use std::cell::{Cell, RefCell};
 use std::io::{BufRead, Read};
 
 /// Bytes between two messages: some ten milliseconds of parsing.
-const STEP: usize = 1 << 20;
+const STEP_BYTES: usize = 1 << 20;
 
 /// What is being done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ pub(crate) fn watched<T>(watcher: Watcher, read: impl FnOnce() -> T) -> T {
 
 /// Tells the watcher, if there is one and another megabyte is done.
 pub(super) fn tell(phase: ReadPhase, done: usize, total: Option<usize>) {
-    let step = done / STEP;
+    let step = done / STEP_BYTES;
     if TOLD.replace(step) != step {
         WATCHER.with_borrow(|watcher| watcher.iter().for_each(|watcher| watcher(&ReadProgress { phase, done, total })));
     }
@@ -74,7 +74,7 @@ pub(super) fn fetch(mut from: impl Read, total: Option<usize>, bytes: &mut Vec<u
     if let Some(total) = total {
         bytes.try_reserve_exact(total)?;
     }
-    while from.by_ref().take(STEP as u64).read_to_end(bytes)? > 0 {
+    while from.by_ref().take(STEP_BYTES as u64).read_to_end(bytes)? > 0 {
         tell(ReadPhase::Fetching, bytes.len(), total);
     }
     Ok(())
@@ -131,16 +131,16 @@ mod tests {
     fn the_watcher_is_told_of_every_megabyte_and_of_nothing_afterwards() {
         let told = Rc::new(RefCell::new(Vec::new()));
         let listener = Rc::clone(&told);
-        let bytes = vec![b' '; 5 * STEP / 2];
+        let bytes = vec![b' '; 5 * STEP_BYTES / 2];
         let mut fetched = Vec::new();
         let watcher: Watcher = Box::new(move |progress| listener.borrow_mut().push(*progress));
         watched(watcher, || fetch(&bytes[..], Some(bytes.len()), &mut fetched)).unwrap();
-        let done: Vec<usize> = told.borrow().iter().map(|progress: &ReadProgress| progress.done / STEP).collect();
+        let done: Vec<usize> = told.borrow().iter().map(|progress: &ReadProgress| progress.done / STEP_BYTES).collect();
         assert_eq!((fetched, done), (bytes.clone(), vec![1, 2]));
-        tell(ReadPhase::Parsing, 9 * STEP, None);
+        tell(ReadPhase::Parsing, 9 * STEP_BYTES, None);
         assert_eq!(told.borrow().len(), 2);
         let mut counted = Counted::new(&bytes, ReadPhase::Unpacking);
-        counted.consume(STEP);
-        assert_eq!(counted.rest().len(), bytes.len() - STEP);
+        counted.consume(STEP_BYTES);
+        assert_eq!(counted.rest().len(), bytes.len() - STEP_BYTES);
     }
 }

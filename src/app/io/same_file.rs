@@ -19,6 +19,16 @@ pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
+/// Both name one place: the same file, or the same name in the same directory where there is no file yet.
+pub(crate) fn same_place(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some((std::fs::canonicalize(directory).ok()?, path.file_name()?.to_os_string()))
+    };
+    let is_device = |path: &Path| std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    same_file(a, b) || (!is_device(a) && place(a).is_some_and(|of_a| place(b) == Some(of_a)))
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
@@ -39,5 +49,15 @@ mod tests {
             assert!(!same_file(&at("a"), &at(other)), "{other}");
         }
         assert!(!same_file(Path::new("/dev/null"), Path::new("/dev/null")));
+    }
+
+    #[test]
+    fn a_place_is_known_before_there_is_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("d")).unwrap();
+        assert!(same_place(&at("new"), &at("d/../new")) && same_place(&at("d/x"), &at("d/./x")));
+        assert!(!same_place(&at("new"), &at("d/new")) && !same_place(&at("new"), &at("other")));
+        assert!(!same_place(Path::new("/dev/null"), Path::new("/dev/null")));
     }
 }

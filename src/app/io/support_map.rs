@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) const SUPPORT_POINTS: usize = 33;
 
 /// Most letters that are read.
-const MOST: usize = 1 << 20;
+const MOST_LETTERS: usize = 1 << 20;
 
 /// The picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ impl SupportMap {
     pub(crate) fn check(&self) -> Result<(), String> {
         let width = self.0.first().map_or(0, String::len);
         let letters = |line: &String| line.len() == width && line.bytes().all(|b| b == b'#' || b == b'.');
-        if width < 2 || self.0.len() < 2 || self.0.len() > MOST / width || !self.0.iter().all(letters) {
+        if width < 2 || self.0.len() < 2 || self.0.len() > MOST_LETTERS / width || !self.0.iter().all(letters) {
             return Err("surface.support_map must be lines of # and . of one length".into());
         }
         Ok(())

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) const UNCERTAINTY_POINTS: usize = 9;
 
 /// Most points each way that are read.
-const MOST: usize = 4096;
+const MOST_POINTS: usize = 4096;
 
 /// Standard uncertainties over a grid of the domain; `null` where there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ impl UncertaintyMap {
     pub(crate) fn check(&self) -> Result<(), String> {
         for (name, axis) in ["first", "second"].into_iter().zip(&self.at) {
             let ascends = axis.is_sorted_by(|a, b| a < b);
-            if !(2..=MOST).contains(&axis.len()) || !ascends || axis.iter().any(|t| !t.is_finite()) {
+            if !(2..=MOST_POINTS).contains(&axis.len()) || !ascends || axis.iter().any(|t| !t.is_finite()) {
                 return Err(format!("uncertainty.at: the {name} list must be two or more ascending numbers"));
             }
         }

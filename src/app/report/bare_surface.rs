@@ -1,6 +1,6 @@
 //! The document of a surface of which nothing but the spline is known, as a CAD file holds it.
 
-use crate::io::{AnySurface, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};
+use crate::io::{FIT_SCHEMA, Saved, SavedFrame};
 
 use super::document::{FitDocument, FitPart, MeasurePart, RmsPart, Seconds, ShapePart, SpreadPart};
 
@@ -9,10 +9,7 @@ const UNKNOWN: &str = "read from a CAD file: contacts, noise and certificate are
 
 /// The document, without a shape, which [`describe_saved`](super::describe_saved) takes over a grid.
 pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
-    let (surface, knots) = match &saved.surface {
-        AnySurface::Height(field) => (SavedSurface::of(field, &saved.unsupported), field.knots()),
-        AnySurface::Parametric(map, support) => (SavedSurface::of_parametric(map, support), map.knots()),
-    };
+    let (surface, knots) = (saved.surface.saved_form(&saved.unsupported), saved.surface.knots());
     let unknowns = knots[0].n_basis() * knots[1].n_basis();
     FitDocument {
         schema: FIT_SCHEMA.into(),

@@ -1,4 +1,4 @@
-//! What a description of a surface consists of, whatever kind of surface it is, and what the kinds have in common.
+//! A surface described, whatever kind of surface it is.
 //!
 //! ```text
 //! a fit, or a saved surface   ->   Description: document, maps as CSV and NPZ, picture
@@ -8,16 +8,25 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
-use crate::io::Input;
-use palpate_fitting::fit::Statistic;
+use crate::io::{AnySurface, Input, SupportMap, UNCERTAINTY_POINTS};
+use palpate_fitting::fit::Fit;
+use palpate_fitting::parametric::ParametricFit;
+use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
-use palpate_geometry::shape::{ShapeMaps, Spread, radius_of};
+use palpate_inference::recognition::Recognition;
 use palpate_world::scene::Truth;
 
-use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart, Shares, SpreadPart};
-use super::maps::write_maps_npz;
+use super::describe::{height, recognised};
+use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart};
+use super::height_view::height_view;
+use super::maps::{write_maps_csv, write_maps_npz};
+use super::parametric::write_parametric_maps_csv;
+use super::parametric_view::{contacts_on_feet, parametric_view};
+use super::recognised_view::recognised_view;
+use super::surface_maps::Maps;
 use super::surface_view::SurfaceView;
 use super::table::significant;
+use super::uncertainty;
 use super::words::{flat_r, named, small_maps};
 
 /// Fewest picture cells per side, so that a coarse grid still shows the surface, and most, so that a browser opens it.
@@ -26,40 +35,133 @@ pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 /// How the remark on imported surfaces begins.
 pub(super) const INVERSE_CRIME: &str = "inverse crime";
 
+/// What a surface was described from.
+pub(super) enum Source<'a> {
+    /// A file, with its maps over the grid that is shown.
+    Saved(Box<Maps<'a>>),
+    /// A height field that was fitted.
+    Height { fit: &'a Fit, input: &'a Input, bare: bool },
+    /// A parametric surface that was fitted.
+    Parametric { fit: &'a ParametricFit, input: &'a Input, bare: bool },
+    /// A recognition; the surface is its spline.
+    Recognised { found: &'a Recognition, input: &'a Input },
+}
+
 /// A surface in words, numbers and pictures.
-pub(crate) trait Description {
+pub(crate) struct Description<'a> {
+    pub(super) document: FitDocument,
+    pub(super) surface: Cow<'a, AnySurface>,
+    /// The frame along whose axes a height field stands.
+    pub(super) frame: Frame,
+    /// Points of the shape grid per direction.
+    pub(super) grid: [usize; 2],
+    /// Coefficients without data.
+    pub(super) unsupported: Cow<'a, [usize]>,
+    pub(super) source: Source<'a>,
+}
+
+impl Description<'_> {
     /// All that is known, as JSON has it.
-    fn document(&self) -> &FitDocument;
+    pub(crate) fn document(&self) -> &FitDocument {
+        &self.document
+    }
 
     /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
-    fn saved(&self) -> FitDocument {
-        self.document().clone()
+    pub(crate) fn saved(&self) -> FitDocument {
+        let mut document = self.document.clone();
+        let mut shape = document.shape.clone();
+        let (support_map, sds) = match self.source {
+            Source::Saved(_) => return document,
+            Source::Height { fit, bare, .. } => {
+                let sds = if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) };
+                let map = SupportMap::of(self.surface.map().domain(), fit.supported());
+                (map, sds.into_iter().flatten().map(Some).collect())
+            }
+            Source::Parametric { fit, bare, .. } => {
+                (None, if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) }.unwrap_or_default())
+            }
+            Source::Recognised { found, input } => {
+                // the draws have counted every kind of surface already
+                (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
+                recognised::support_and_sds(found, &self.surface, input)
+            }
+        };
+        document.surface.support_map = support_map;
+        document.uncertainty = uncertainty::map(self.surface.knots(), &sds, &shape);
+        document
+    }
+
+    /// Maps over the shape grid.
+    fn maps(&self) -> Maps<'_> {
+        match &self.source {
+            Source::Saved(maps) => maps.borrowed(),
+            Source::Height { fit, bare: true, .. } => Maps::Height(Cow::Borrowed(&fit.bare_shape().maps)),
+            Source::Height { fit, .. } => Maps::Height(Cow::Borrowed(&fit.shape().maps)),
+            Source::Parametric { fit, .. } => Maps::Parametric(Cow::Borrowed(&fit.shape().maps)),
+            Source::Recognised { found, .. } => recognised::maps(found, &self.surface, self.grid),
+        }
+    }
+
+    /// Maps over the whole domain, fine enough to look at.
+    fn picture_maps(&self) -> Maps<'_> {
+        let [least, most] = PICTURE_CELLS;
+        let points = self.grid.map(|n| n.clamp(least, most));
+        if let Source::Recognised { found, .. } = self.source {
+            return recognised::maps(found, &self.surface, points);
+        }
+        let mut maps = Maps::over(&self.surface, ShownGrid { points, inset: 0.0, again: false }, &self.unsupported);
+        if let (Maps::Height(maps), Source::Height { fit, input, .. }) = (&mut maps, &self.source) {
+            height::leave_out_beyond(fit, input, maps.to_mut());
+        }
+        maps
     }
 
     /// `maps.csv`: the surface and its shape over the grid.
     ///
     /// # Errors
     /// What the system says.
-    fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()>;
+    pub(crate) fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        match self.maps() {
+            Maps::Height(maps) => write_maps_csv(&maps, out),
+            Maps::Parametric(maps) => write_parametric_maps_csv(&maps, out),
+        }
+    }
 
-    /// S, R and their like over the grid, indexed by its two directions.
-    fn flat_maps(&self) -> Cow<'_, ShapeMaps>;
-
-    /// `maps.npz`: the same as arrays.
+    /// `maps.npz`: the same as arrays, indexed by the grid's two directions.
     ///
     /// # Errors
     /// What the system says.
-    fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.flat_maps(), out)
+    pub(crate) fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        write_maps_npz(&self.maps().flat(), out)
     }
 
     /// S and R over the grid in characters, where they differ from place to place.
-    fn small_maps(&self) -> String {
-        small_maps(&self.flat_maps())
+    pub(crate) fn small_maps(&self) -> String {
+        small_maps(&self.maps().flat())
     }
 
     /// What `report.html` and the pictures draw.
-    fn view(&self) -> SurfaceView;
+    pub(super) fn view(&self) -> SurfaceView {
+        let maps = self.picture_maps();
+        let fitted = match self.source {
+            Source::Height { fit, input, bare } => Some((fit, input, !bare)),
+            _ => None,
+        };
+        let mut view = match (&maps, &*self.surface) {
+            (Maps::Height(maps), AnySurface::Height(surface)) => height_view(surface, &self.frame, maps, fitted),
+            (Maps::Parametric(maps), AnySurface::Parametric(surface, _)) => parametric_view(surface, maps),
+            // maps are of their surface's kind
+            _ => SurfaceView::default(),
+        };
+        match (&self.source, &*self.surface) {
+            (Source::Recognised { found, input }, _) => recognised_view(found, input, &mut view),
+            (Source::Parametric { fit, input, .. }, AnySurface::Parametric(surface, _)) => {
+                view.contacts = Some(contacts_on_feet(surface, input, &fit.feet()));
+            }
+            _ => {}
+        }
+        view
+    }
 }
 
 /// What is known of a fit besides the fit itself.
@@ -107,7 +209,7 @@ pub(crate) fn inverse_crime_remark(truth: &Truth) -> Option<String> {
 }
 
 /// What pages and pictures draw: the view, flat where the answer is a plane.
-pub(super) fn shown_view(description: &dyn Description) -> SurfaceView {
+pub(super) fn shown_view(description: &Description) -> SurfaceView {
     let (view, shape) = (description.view(), &description.document().shape);
     if shape.class.as_deref() != Some(ShapeClass::Plane.name()) {
         return view;
@@ -130,95 +232,4 @@ pub(super) fn headline(name: &str, document: &FitDocument) -> String {
     let crime = document.fit.notes.iter().any(|note| note.starts_with(INVERSE_CRIME));
     let warning = if crime { format!(" ({INVERSE_CRIME})") } else { String::new() };
     format!("{name}: {}{numbers}{warning}", named(shape))
-}
-
-/// Share of the patch that the commonest class must have for the class to be said.
-const MOST: f64 = 0.5;
-
-/// Variation of S over the patch from which on its mean may describe no part of it: two classes.
-const VARIED: f64 = 0.25;
-
-/// Share of the patch from which on a class that stands beside others is named.
-const NAMED: f64 = 0.1;
-
-/// Where S varies so much that the class of its mean is not the commonest one, or that no class has half of the patch:
-/// the class is taken back and what there is said instead. `shape_index` runs over the supported points of the map.
-pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iterator<Item = f64>) {
-    let shape = &mut document.shape;
-    if !shape.shape_index.sd.is_some_and(|sd| sd > VARIED) {
-        return;
-    }
-    let mut counts: Vec<(ShapeClass, usize)> = ShapeClass::CURVED.into_iter().map(|class| (class, 0)).collect();
-    for s in shape_index {
-        let class = ShapeClass::of_shape_index(s);
-        counts.iter_mut().filter(|(c, _)| *c == class).for_each(|(_, n)| *n += 1);
-    }
-    counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
-    let all = counts.iter().map(|(_, n)| n).sum::<usize>().max(1) as f64;
-    let (commonest, most) = counts[0];
-    if shape.class.as_deref() == Some(commonest.name()) && most as f64 >= MOST * all {
-        return;
-    }
-    let by_area = counts.iter().map(|(class, n)| (*class, *n as f64 / all)).filter(|(_, share)| *share >= NAMED);
-    shape.class_by_area = shares(&by_area.collect::<Vec<_>>());
-    (shape.class, shape.class_probability, shape.radius, shape.radius_interval) = (None, None, None, None);
-    shape.radii = None;
-}
-
-/// Probabilities of the classes; `None` of a plane.
-pub(super) fn shares(list: &[(ShapeClass, f64)]) -> Option<Shares> {
-    (!list.is_empty()).then(|| Shares(list.iter().map(|(c, p)| (c.name().to_string(), *p)).collect()))
-}
-
-/// A mean with its uncertainty; `level` is that of the interval.
-pub(super) fn measure(statistic: &Statistic, level: f64) -> MeasurePart {
-    let interval = statistic.interval.map(|i| [i.lo, i.hi]);
-    MeasurePart {
-        mean: statistic.mean,
-        sd: statistic.sd,
-        u: statistic.u,
-        interval,
-        u_noise: statistic.u_noise,
-        u_model: statistic.u_model,
-        level: interval.map(|_| level),
-        coverage_factor: statistic.coverage_factor,
-        dof: statistic.dof.filter(|dof| dof.is_finite()),
-    }
-}
-
-pub(super) fn spread_part(spread: Spread) -> SpreadPart {
-    SpreadPart { mean: spread.mean, sd: spread.sd }
-}
-
-/// Mean and spread of S, R, k1 and k2 over another grid than the saved one.
-pub(super) struct SpreadsOverGrid {
-    pub(super) grid: [usize; 2],
-    pub(super) spreads: [Spread; 4],
-}
-
-/// Puts the shape over another grid into the document. The covariance is not saved, so everything that came from it
-/// becomes undefined. Whether the patch is a plane was decided with the covariance, and stays.
-pub(super) fn take_again(document: &mut FitDocument, again: &SpreadsOverGrid) {
-    let [s, r, k1, k2] = again.spreads;
-    let plane = document.shape.class.as_deref() == Some(ShapeClass::Plane.name());
-    let class = s.mean.filter(|_| !plane).map(ShapeClass::of_shape_index);
-    let measure = |spread: Spread| MeasurePart { mean: spread.mean, sd: spread.sd, ..MeasurePart::default() };
-    let shape = &mut document.shape;
-    shape.grid = again.grid;
-    shape.shape_index = if plane { MeasurePart::default() } else { measure(s) };
-    shape.curvedness = measure(r);
-    if !plane {
-        shape.class = class.map(|c| c.name().to_string());
-    }
-    shape.class_probability = None;
-    (shape.covariance, shape.intervals) = (None, None);
-    (shape.radius_interval, shape.radii) = (None, None);
-    shape.radius = class.zip(r.mean).and_then(|(class, mean)| radius_of(class, mean));
-    (shape.k1, shape.k2) = (spread_part(k1), spread_part(k2));
-    shape.support = s.count as f64 / (again.grid[0] * again.grid[1]) as f64;
-    document.truth = None;
-    // a CAD file never had any
-    if document.contacts > 0 {
-        document.fit.notes.push("shape taken again over another grid: its uncertainty is not saved".into());
-    }
 }

@@ -3,16 +3,17 @@
 //! ```text
 //! Drawing -> write_svg   text, to be scaled           -> write_png (drawing_png.rs)   pixels, for where SVG is not shown
 //!                                                     -> write_pdf (drawing_pdf.rs)   a page of its own size, for papers
+//!                                                     -> inline    (page/inline.rs)   a part of the report page, with its hooks
 //! ```
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::base64::base64;
+use super::colour::hex;
 use super::png::Raster;
 
-/// Red, green, blue.
-pub(super) type Colour = [u8; 3];
+pub(super) use super::colour::Colour;
 
 /// Where a word stands relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,17 @@ pub(super) enum Anchor {
     Middle,
     /// It ends there.
     End,
+}
+
+impl Anchor {
+    /// As SVG has it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        }
+    }
 }
 
 /// One thing to draw; lengths in pixels from the upper left corner.
@@ -40,6 +52,19 @@ pub(super) enum Shape {
     Word { at: [f64; 2], text: String, size: f64, anchor: Anchor, upwards: bool },
 }
 
+/// What the page makes of a shape; files leave it out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Hook {
+    /// Its class in the page's style sheet, which knows the colours of light and dark.
+    pub class: String,
+    /// What it says when it is pointed at.
+    pub words: Option<String>,
+    /// Whether the shape's own colour holds on the page too.
+    pub own_colour: bool,
+    /// Whether it is left out there.
+    pub file_only: bool,
+}
+
 /// What is drawn, from the first to the last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Drawing {
@@ -49,12 +74,14 @@ pub(super) struct Drawing {
     pub on_screen: f64,
     /// In order.
     pub shapes: Vec<Shape>,
+    /// What the page makes of shapes, by their number.
+    pub hooks: BTreeMap<usize, Hook>,
 }
 
 impl Drawing {
     /// An empty picture.
     pub(super) fn new(width: f64, height: f64) -> Drawing {
-        Drawing { size: [width, height], on_screen: 1.0, shapes: Vec::new() }
+        Drawing { size: [width, height], on_screen: 1.0, ..Drawing::default() }
     }
 
     /// Adds a line.
@@ -87,6 +114,16 @@ impl Drawing {
         self.shapes.push(Shape::Word { at, text: text.into(), size, anchor: Anchor::Middle, upwards: true });
     }
 
+    /// Gives the last shape a class on the page.
+    pub(super) fn on_page(&mut self, class: &str) {
+        self.hook(Hook { class: class.into(), ..Hook::default() });
+    }
+
+    /// Gives the last shape a hook.
+    pub(super) fn hook(&mut self, hook: Hook) {
+        self.hooks.insert(self.shapes.len().saturating_sub(1), hook);
+    }
+
     /// As SVG.
     ///
     /// # Errors
@@ -100,10 +137,7 @@ impl Drawing {
              <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"
         );
         for shape in &self.shapes {
-            match shape {
-                Shape::Image { corner, size, raster } => svg_image(*corner, *size, raster, &mut text)?,
-                shape => svg_shape(shape, &mut text),
-            }
+            svg_shape(shape, &mut text);
         }
         text.push_str("</svg>\n");
         out.write_all(text.as_bytes())
@@ -113,10 +147,6 @@ impl Drawing {
 /// About how wide a word is in a font without serifs, pixels.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
-}
-
-fn hex([r, g, b]: Colour) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 fn svg_shape(shape: &Shape, text: &mut String) {
@@ -134,14 +164,9 @@ fn svg_shape(shape: &Shape, text: &mut String) {
             writeln!(text, "<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\"/>", list(points), hex(*fill), hex(*rim))
         }
         Shape::Dots { points, radius, colour } => text.write_str(&svg_dots(points, *radius, *colour)),
-        // written by `svg_image`
-        Shape::Image { .. } => Ok(()),
+        Shape::Image { corner, size, raster } => text.write_str(&svg_image(*corner, *size, raster)),
         Shape::Word { at: [x, y], text: word, size, anchor, upwards } => {
-            let anchor = match anchor {
-                Anchor::Start => "start",
-                Anchor::Middle => "middle",
-                Anchor::End => "end",
-            };
+            let anchor = anchor.name();
             let turned = if *upwards { format!(" transform=\"rotate(-90 {x:.1} {y:.1})\"") } else { String::new() };
             writeln!(
                 text,
@@ -163,15 +188,12 @@ fn svg_dots(points: &[[f64; 2]], radius: f64, colour: Colour) -> String {
     )
 }
 
-fn svg_image([x, y]: [f64; 2], [width, height]: [f64; 2], raster: &Raster, text: &mut String) -> std::io::Result<()> {
-    let mut png = Vec::new();
-    raster.write_png(&mut png)?;
-    text.push_str(&format!(
+fn svg_image([x, y]: [f64; 2], [width, height]: [f64; 2], raster: &Raster) -> String {
+    format!(
         "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" preserveAspectRatio=\"none\" \
-         href=\"data:image/png;base64,{}\"/>\n",
-        base64(&png)
-    ));
-    Ok(())
+         href=\"{}\"/>\n",
+        raster.data_url()
+    )
 }
 
 /// Text as XML has it; what XML cannot hold is shown as U+FFFD.

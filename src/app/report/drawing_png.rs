@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::drawing::{Anchor, Colour, Drawing, Shape};
-use super::letters::letter;
+use super::glyphs::glyph;
 use super::png::Raster;
 
 /// Pixels for every pixel of the drawing: a picture of one column (85 mm, 500 pixels) then has 300 an inch.
@@ -112,14 +112,14 @@ impl Pixels {
 
     fn word(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor, upwards: bool) {
         let point = size / 100.0;
-        let width: f64 = text.chars().map(|character| f64::from(letter(character).0) * point).sum();
+        let width: f64 = text.chars().map(|character| f64::from(glyph(character).0) * point).sum();
         let mut left = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -0.5 * width,
             Anchor::End => -width,
         };
         for character in text.chars() {
-            let (advance, contours) = letter(character);
+            let (advance, contours) = glyph(character);
             let place = |[x, y]: [i8; 2]| {
                 let (u, v) = (left + point * f64::from(x), point * (0.5 * CAPITAL - f64::from(y)));
                 if upwards { [at[0] + v, at[1] - u] } else { [at[0] + u, at[1] + v] }

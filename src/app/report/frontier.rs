@@ -49,7 +49,7 @@ pub(crate) struct CoveragePart {
 pub(crate) struct FrontierRecord {
     /// `discretisation`, `solver` or `interval`.
     pub frontier: String,
-    /// Scene, file or hard case.
+    /// Scene or file.
     pub case: String,
     /// Who computed it: `palpate`, or the name of another program.
     pub program: String,

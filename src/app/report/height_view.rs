@@ -7,7 +7,7 @@
 use crate::io::Input;
 use palpate_fitting::fit::Fit;
 use palpate_geometry::contact::Frame;
-use palpate_geometry::shape::{Outline, ShapeMaps};
+use palpate_geometry::shape::ShapeMaps;
 use palpate_geometry::surface::HeightField;
 
 use super::surface_view::{ContactsView, Standing, SurfaceView, Vector, between};
@@ -52,18 +52,6 @@ pub(super) fn height_view(
         net: ([gx.len(), gy.len()], net.collect()),
         contacts: fitted.map(|(_, input, _)| contacts(surface, frame, input)),
         flat: None,
-    }
-}
-
-/// Leaves out what the contacts at these places do not surround; everything stays where nothing would be left.
-pub(super) fn leave_out_beyond(x: &[f64], y: &[f64], maps: &mut ShapeMaps) {
-    let outline = Outline::new(x, y);
-    let mut held = maps.supported.clone();
-    for ((i, j), held) in held.indexed_iter_mut() {
-        *held &= outline.holds(maps.grid.x[i], maps.grid.y[j]);
-    }
-    if held.iter().any(|held| *held) {
-        maps.supported = held;
     }
 }
 

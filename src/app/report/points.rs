@@ -95,11 +95,14 @@ fn point(surface: &HeightField, frame: &Frame, x: f64, y: f64) -> PointShape {
 /// What the system says.
 pub(super) fn write_points_csv(points: &[PointShape], out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from("x,y,inside,z,zx,zy,nx,ny,nz,k1,k2,S,R\n");
-    let entry = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+    // far outside the domain the end polynomial leaves the range of numbers: undefined, as in the JSON
+    let number = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
+    let entry = |value: Option<f64>| value.map_or(String::new(), number);
     for p in points {
-        let ([nx, ny, nz], inside) = (p.normal, u8::from(p.inside));
+        let ([nx, ny, nz], inside) = (p.normal.map(number), u8::from(p.inside));
+        let [z, zx, zy] = [p.z, p.zx, p.zy].map(number);
         let [k1, k2, s, r] = [p.k1, p.k2, p.shape_index, p.curvedness].map(entry);
-        let row = format!("{},{},{inside},{},{},{},{nx},{ny},{nz},{k1},{k2},{s},{r}\n", p.x, p.y, p.z, p.zx, p.zy);
+        let row = format!("{},{},{inside},{z},{zx},{zy},{nx},{ny},{nz},{k1},{k2},{s},{r}\n", p.x, p.y);
         text.push_str(&row);
     }
     out.write_all(text.as_bytes())

@@ -331,6 +331,8 @@ pub(crate) fn study_notes(result: &StudyResult, failed: u64, first_failure: Opti
     let mut notes = Vec::new();
     if let Some(summary) = result.quantities.first()
         && let (Some(truth), Some(sd), Some(bias)) = (summary.truth, summary.sd, summary.bias)
+        // S ends at 1: where that is nearer than the noise reaches, and the shape is a cap or a cup
+        && truth.abs() > 0.875
         && truth.abs() + 3.0 * sd > 1.0
     {
         notes.push(format!(

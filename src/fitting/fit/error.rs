@@ -51,7 +51,7 @@ pub enum FitError {
     },
     /// All contacts lie on one line, or at one point, so they span no patch.
     #[error(
-        "the certificate's support failed: all {contacts} contacts lie on one line in x, y, and nothing is known beside it"
+        "all {contacts} contacts lie on one line in x, y, and nothing is known beside it: a surface needs contacts beside the line"
     )]
     Collinear {
         /// Number of contacts.

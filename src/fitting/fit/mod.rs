@@ -47,8 +47,8 @@ pub mod stages;
 
 pub use certificate::Certificate;
 pub use degree_elevation_test::richer_reading;
+pub use describe::Shape;
 pub use describe::residuals::Rms;
-pub use describe::shape::{Shape, Statistic};
 pub use error::FitError;
 #[doc(hidden)]
 pub use linear::equations::{Equations, RowKind};
@@ -64,6 +64,7 @@ pub use options::method::MethodUsed;
 pub use options::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, OutsideDomain, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
+pub use palpate_geometry::shape::Statistic;
 #[doc(hidden)]
 pub use palpate_numeric::solve::Factor;
 #[doc(hidden)]
@@ -78,6 +79,7 @@ use ndarray::Array2;
 
 use crate::observation::Data;
 use palpate_geometry::contact::{Contacts, Frame, Grid};
+use palpate_geometry::shape::GridGradients;
 use palpate_geometry::surface::HeightField;
 use solved::Solved;
 
@@ -85,7 +87,8 @@ use solved::Solved;
 #[derive(Clone, Debug)]
 pub struct Fit {
     solved: Solved,
-    shape: OnceLock<Shape>,
+    /// With the gradients that its digits are guaranteed by.
+    shape: OnceLock<(Shape, GridGradients)>,
     bare_shape: OnceLock<Shape>,
     certificate: OnceLock<Certificate>,
     model_reading: ModelReading,
@@ -161,6 +164,10 @@ impl Fit {
 
     /// S, R, class, radius and their uncertainty over the options' grid; computed on first access.
     pub fn shape(&self) -> &Shape {
+        &self.shape_with_gradients().0
+    }
+
+    fn shape_with_gradients(&self) -> &(Shape, GridGradients) {
         self.shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
             describe::classify(&self.solved, &maps, Some(&self.model_reading))
@@ -172,7 +179,7 @@ impl Fit {
     pub fn bare_shape(&self) -> &Shape {
         self.bare_shape.get_or_init(|| {
             let maps = describe::shape_over_grid(&self.solved);
-            describe::classify(&self.solved, &maps, None)
+            describe::classify(&self.solved, &maps, None).0
         })
     }
 
@@ -194,7 +201,10 @@ impl Fit {
 
     /// How far to trust the numbers; computed on first access, with the shape whose digits it guarantees.
     pub fn certificate(&self) -> &Certificate {
-        self.certificate.get_or_init(|| certificate::certify(&self.solved, self.shape()))
+        self.certificate.get_or_init(|| {
+            let (shape, gradients) = self.shape_with_gradients();
+            certificate::certify(&self.solved, &shape.maps, gradients)
+        })
     }
 
     /// The frame the fit worked in.

@@ -33,7 +33,7 @@ const NEAREST: usize = 27;
 /// Columns of the local fit: 1 and three offsets.
 const COLUMNS: usize = 4;
 /// Fewer contacts than this are not smoothed.
-const LEAST: usize = 2 * COLUMNS;
+const FEWEST_CONTACTS: usize = 2 * COLUMNS;
 /// Most contacts that are used; every pair of such a contact and a smoothed normal takes 10 ns.
 const POOL: usize = 2000;
 /// Most normals that are smoothed.
@@ -86,7 +86,7 @@ fn smoothed(contacts: &Contacts) -> Option<Smoothed> {
         .step_by(stride)
         .filter_map(|r| Some(([contacts.x[r], contacts.y[r], contacts.z[r]], contacts.unit_normal(r)?)))
         .collect();
-    if pool.len() < LEAST {
+    if pool.len() < FEWEST_CONTACTS {
         let normals: Vec<Vector> = pool.iter().map(|p| p.1).collect();
         return (!normals.is_empty()).then_some(Smoothed { normals, noise: 0.0 });
     }

@@ -5,14 +5,12 @@
 //! ```
 
 use super::fit_data::FitData;
-use super::gradient::{INPUTS, shape_gradient};
 use super::problem;
 use super::vector::{Vector, cross, dot, minus, unit};
-use crate::fit::Statistic;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    ParametricMaps, Spread, chi_square_upper_tail, class_probabilities, normal_interval, parametric_maps, radius_of,
-    spread, uv_grid,
+    INPUTS, ParametricMaps, ShapeReport, Spread, Statistic, chi_square_upper_tail, class_probabilities, jet_gradient,
+    normal_interval, parametric_maps, radius_of, spread, uv_grid,
 };
 
 /// The significance level at which the best plane is rejected, as for height fields.
@@ -23,33 +21,7 @@ const FLAT: f64 = 1e-9;
 const PLANE_STEPS: usize = 2000;
 
 /// The shape of a parametric surface, input units.
-#[derive(Clone, Debug)]
-pub struct ParametricShape {
-    /// Maps over the grid.
-    pub maps: ParametricMaps,
-    /// Shape index S; all `None` for a plane.
-    pub shape_index: Statistic,
-    /// Curvedness R, 1/length.
-    pub curvedness: Statistic,
-    /// Class of the mean S, or plane.
-    pub class: ShapeClass,
-    /// Probability of each curved class; empty for a plane.
-    pub class_probability: Vec<(ShapeClass, f64)>,
-    /// Radius of the cap, cup, ridge or rut.
-    pub radius: Option<f64>,
-    /// Larger principal curvature.
-    pub k1: Spread,
-    /// Smaller principal curvature.
-    pub k2: Spread,
-    /// Unit direction of k1 in space at the supported grid point nearest the middle of (u, v).
-    pub direction: Option<Vector>,
-    /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
-    pub axis: Option<Vector>,
-    /// Share of the grid points that contacts surround.
-    pub support: f64,
-    /// p-value of the best plane against the fit.
-    pub plane_p: Option<f64>,
-}
+pub type ParametricShape = ShapeReport<ParametricMaps>;
 
 /// Describes the fit over the grid of its options.
 pub(super) fn describe(fit: &FitData) -> ParametricShape {
@@ -86,7 +58,7 @@ pub(super) fn describe(fit: &FitData) -> ParametricShape {
         axis: directions.map(|[_, axis]| axis).filter(|_| class.has_axis()),
         support: s.count as f64 / maps.grid.len() as f64,
         plane_p,
-        maps,
+        ..ShapeReport::of_maps(maps)
     }
 }
 
@@ -97,7 +69,7 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
     let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
     for (at, _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
         let (u, v) = (maps.grid.x[at.0], maps.grid.y[at.1]);
-        let Some((by_s, by_r)) = shape_gradient(&fit.surface.at(u, v).derivatives) else { continue };
+        let Some((by_s, by_r)) = jet_gradient(&fit.surface.at(u, v).derivatives) else { continue };
         let row = fit.cells.row(u, v, 2);
         fit.cells.alive(&row, &mut alive);
         for (k, order) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
@@ -110,12 +82,7 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
         }
     }
     const { assert!(INPUTS == 15) };
-    sums.map(|g| {
-        let mut solved = g.clone();
-        fit.solver.factor.solve(&mut solved);
-        let square: f64 = g.iter().zip(&solved).map(|(a, b)| a * b).sum();
-        square.max(0.0).sqrt() / defined.max(1) as f64
-    })
+    sums.map(|g| fit.standard_uncertainty(&g) / defined.max(1) as f64)
 }
 
 /// Unit directions at the supported point nearest the middle: of k1, and of the curvature that is smaller by magnitude.

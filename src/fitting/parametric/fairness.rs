@@ -236,8 +236,8 @@ impl JetInFrame {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dual::{Dual, DualVector, cross, dot};
     use super::*;
+    use palpate_geometry::shape::dual::{Dual, DualVector, cross, dot};
 
     const INPUTS: usize = 27;
     type D = Dual<INPUTS>;

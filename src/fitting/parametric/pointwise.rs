@@ -1,17 +1,14 @@
-//! Uncertainty of position, normal, S and R of a parametric surface point by point, by the delta method.
+//! Uncertainty of position, normal, S and R of a parametric surface point by point: `A`, the Gauss-Newton matrix at the noise
+//! sds, tells the covariance of the coefficients.
 //!
 //! ```text
-//! position   n . dQ
-//! normal     t_k . dn = (dQ_u . (Q_v x t_k) + dQ_v . (t_k x Q_u)) / |Q_u x Q_v|,  t_1, t_2 tangents of length 1
-//! u^2 = g' A^-1 g,   A the Gauss-Newton matrix at the noise sds
+//! u^2 = g' A^-1 g
 //! ```
 
 use super::fit_data::FitData;
-use super::gradient::shape_gradient;
-use super::vector::Vector;
-use palpate_geometry::shape::PointSds;
+use palpate_geometry::shape::{ByJet, PointSds, Uncertain, point_sds};
+use palpate_geometry::surface::{Jet, Surface};
 use palpate_numeric::bspline::linspace;
-use palpate_numeric::vector::{cross, dot, norm, scaled, unit};
 
 /// Unknowns times points beyond which no point is asked.
 const MOST_WORK: usize = 2_000_000;
@@ -26,56 +23,36 @@ pub(super) fn pointwise(fit: &FitData, points: usize) -> Option<Vec<Option<Point
     if unknowns.saturating_mul(points * points) > MOST_WORK {
         return None;
     }
-    let [u, v] = [0, 1].map(|k| {
-        let [lo, hi] = fit.cells.knots()[k].domain();
-        linspace(lo, hi, points)
-    });
-    let scale = fit.frame.scale;
-    let places = u.iter().flat_map(|u| v.iter().map(move |v| (*u, *v)));
-    Some(places.map(|(u, v)| at(fit, unknowns, u, v).map(|sds| sds.scaled(scale))).collect())
+    let [u, v] = fit.surface.domain().map(|[lo, hi]| linspace(lo, hi, points));
+    let places = u.iter().flat_map(|u| v.iter().map(move |v| [*u, *v]));
+    Some(places.map(|at| point_sds(fit, at).map(|sds| sds.scaled(fit.frame.scale))).collect())
 }
 
-fn at(fit: &FitData, unknowns: usize, u: f64, v: f64) -> Option<PointSds> {
-    let here = fit.surface.at(u, v).derivatives;
-    let area = cross(here.u, here.v);
-    let jacobian = norm(area);
-    let n = unit(area);
-    if !n.iter().all(|v| v.is_finite()) {
-        return None;
+impl Uncertain for FitData {
+    fn jet(&self, at: [f64; 2]) -> Jet {
+        self.surface.jet(at)
     }
-    let sd = |by: [Vector; 6]| standard_deviation(fit, unknowns, [u, v], &by);
-    let first = unit(here.u);
-    let tilts = [first, cross(n, first)].map(|t| {
-        let by = |a, b| scaled(1.0 / jacobian, cross(a, b));
-        sd([[0.0; 3], by(here.v, t), by(t, here.u), [0.0; 3], [0.0; 3], [0.0; 3]])
-    });
-    let shape = shape_gradient(&here).map(|both| {
-        let by = |g: [f64; 15]| -> [Vector; 6] {
-            std::array::from_fn(|k| if k == 0 { [0.0; 3] } else { std::array::from_fn(|d| g[3 * (k - 1) + d]) })
-        };
-        [sd(by(both.0)), sd(by(both.1))]
-    });
-    Some(PointSds {
-        position: sd([n, [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]]),
-        normal: dot([tilts[0], tilts[1], 0.0], [tilts[0], tilts[1], 0.0]).sqrt(),
-        shape_index: shape.map(|s| s[0]),
-        curvedness: shape.map(|s| s[1]),
-    })
-}
 
-/// Of a functional with these derivatives by Q and its derivatives at a place.
-fn standard_deviation(fit: &FitData, unknowns: usize, [u, v]: [f64; 2], by: &[Vector; 6]) -> f64 {
-    let mut gradient = vec![0.0; unknowns];
-    let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
-    let row = fit.cells.row(u, v, 2);
-    fit.cells.alive(&row, &mut alive);
-    for (order, by) in ORDERS.into_iter().zip(by).filter(|(_, by)| **by != [0.0; 3]) {
-        row.products(order, &mut products);
-        for (coefficient, product) in alive.iter().zip(&products) {
-            (0..3).for_each(|d| gradient[3 * coefficient + d] += by[d] * product);
+    fn functional_sd(&self, [u, v]: [f64; 2], by: &ByJet) -> Option<f64> {
+        let mut gradient = vec![0.0; 3 * self.cells.shape().coefficients()];
+        let (mut alive, mut products) = (Vec::new(), vec![0.0; self.cells.local()]);
+        let row = self.cells.row(u, v, 2);
+        self.cells.alive(&row, &mut alive);
+        for (order, by) in ORDERS.into_iter().zip(by).filter(|(_, by)| **by != [0.0; 3]) {
+            row.products(order, &mut products);
+            for (coefficient, product) in alive.iter().zip(&products) {
+                (0..3).for_each(|d| gradient[3 * coefficient + d] += by[d] * product);
+            }
         }
+        Some(self.standard_uncertainty(&gradient))
     }
-    let mut solved = gradient.clone();
-    fit.solver.factor.solve(&mut solved);
-    gradient.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
+}
+
+impl FitData {
+    /// Of `g'c` with this gradient by the coefficients, patch units.
+    pub(super) fn standard_uncertainty(&self, gradient: &[f64]) -> f64 {
+        let mut solved = gradient.to_vec();
+        self.solver.factor.solve(&mut solved);
+        gradient.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
+    }
 }

@@ -12,13 +12,13 @@ use super::cells::Cells;
 /// Contacts for each coefficient, and least number of contacts, that stand for all: with a few hundred the fairness that is
 /// estimated from them would vary by more than a tenth.
 const FOR_EACH: usize = 30;
-const LEAST: usize = 1200;
+const LEAST_CONTACTS: usize = 1200;
 /// Fewer than this many times as many contacts are not thinned: the time saved would be small.
 const WORTH: usize = 3;
 
 /// Numbers of the contacts that stand for all, ascending; `None` where there are too few to thin.
 pub(super) fn thinned(places: &[[f64; 2]], cells: &Cells) -> Option<Vec<usize>> {
-    let most = LEAST.max(FOR_EACH * cells.shape().coefficients());
+    let most = LEAST_CONTACTS.max(FOR_EACH * cells.shape().coefficients());
     if places.len() <= WORTH * most {
         return None;
     }
@@ -56,10 +56,10 @@ mod tests {
             .map(|r| [at(r, 0.754_877_666) * if r % 2 == 0 { 0.5 } else { 1.0 }, at(r, 0.569_840_291)])
             .collect();
         let chosen = thinned(&places, &cells).unwrap();
-        assert_eq!(chosen.len(), LEAST);
-        let left = chosen.iter().filter(|r| places[**r][0] < 0.5).count() as f64 / LEAST as f64;
+        assert_eq!(chosen.len(), LEAST_CONTACTS);
+        let left = chosen.iter().filter(|r| places[**r][0] < 0.5).count() as f64 / LEAST_CONTACTS as f64;
         assert!((left - 0.75).abs() < 0.01, "{left}");
         assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]));
-        assert_eq!(thinned(&places[..WORTH * LEAST], &cells), None);
+        assert_eq!(thinned(&places[..WORTH * LEAST_CONTACTS], &cells), None);
     }
 }

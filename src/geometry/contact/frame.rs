@@ -41,10 +41,15 @@ impl Frame {
         [0, 1, 2].map(|k| a[0][k] * v[0] + a[1][k] * v[1] + a[2][k] * v[2])
     }
 
+    /// A vector along the patch's axes, in the input's; nothing is rounded where the axes are the same.
+    pub fn direction_to_input(&self, v: [f64; 3]) -> [f64; 3] {
+        if self.keeps_axes() { v } else { self.rotate_back(v) }
+    }
+
     /// A point of the patch in input coordinates.
     pub fn to_input(&self, point: [f64; 3]) -> [f64; 3] {
         let scaled = point.map(|v| v * self.scale);
-        let local = if self.keeps_axes() { scaled } else { self.rotate_back(scaled) };
+        let local = self.direction_to_input(scaled);
         [0, 1, 2].map(|k| self.origin[k] + local[k])
     }
 }

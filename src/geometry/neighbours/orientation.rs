@@ -39,15 +39,9 @@ pub struct Oriented {
 }
 
 impl Oriented {
-    /// What a user should know of the signs.
-    pub fn note(&self) -> Option<String> {
-        (self.consistent && self.majority < MAJORITY).then(|| {
-            format!(
-                "about half of the normals point to the other side ({:.0} % agree): the free side, and with it the sign of S, \
-                 is uncertain; name it by a viewpoint or by reversing the normals",
-                100.0 * self.majority
-            )
-        })
+    /// Share of the file's own signs that agreed with the side taken, where it is too small to tell which side is free.
+    pub fn undecided(&self) -> Option<f64> {
+        (self.consistent && self.majority < MAJORITY).then_some(self.majority)
     }
 }
 

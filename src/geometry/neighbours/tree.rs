@@ -29,7 +29,7 @@ type Near = (f64, u32);
 
 /// Up to so many neighbours are kept in order while they are found; of more, moving the rest at every find costs more than
 /// picking the nearest from a buffer now and then.
-const FEW: usize = 32;
+const FEW_NEIGHBOURS: usize = 32;
 
 /// The nearest points that were met.
 struct Found {
@@ -44,7 +44,7 @@ struct Found {
 
 impl Found {
     fn new(k: usize) -> Found {
-        let room = if k <= FEW { k + 1 } else { k + k / 2 };
+        let room = if k <= FEW_NEIGHBOURS { k + 1 } else { k + k / 2 };
         Found { k, near: Vec::with_capacity(room), full: k, bound: None }
     }
 
@@ -52,7 +52,7 @@ impl Found {
         if self.bound.is_some_and(|bound| new >= bound) {
             return;
         }
-        if self.k > FEW {
+        if self.k > FEW_NEIGHBOURS {
             self.near.push(new);
             if self.near.len() >= self.full {
                 self.pick();
@@ -74,7 +74,7 @@ impl Found {
     }
 
     fn sorted(mut self) -> Vec<Near> {
-        if self.k > FEW {
+        if self.k > FEW_NEIGHBOURS {
             if self.near.len() > self.k {
                 self.pick();
             }
@@ -184,7 +184,7 @@ mod tests {
                     .map(|i| (dot(minus(points[i as usize], *place), minus(points[i as usize], *place)), i))
                     .collect();
                 all.sort_by(|a, b| a.partial_cmp(b).unwrap());
-                for k in [1, 9, FEW, FEW + 1, 60, 300] {
+                for k in [1, 9, FEW_NEIGHBOURS, FEW_NEIGHBOURS + 1, 60, 300] {
                     assert_eq!(tree.nearest(*place, k), all[..k.min(count)]);
                 }
             }

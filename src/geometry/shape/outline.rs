@@ -21,10 +21,10 @@ const HALF: usize = 8;
 const NEAR: f64 = 2.5;
 
 /// Contacts that are looked at; of more, every so many-th, whose spacing is larger accordingly.
-const ENOUGH: usize = 4096;
+const MOST_CONTACTS: usize = 4096;
 
 /// Up to so many contacts one cell holds all: looking at each takes less than finding the cells around a point.
-const FEW: usize = 64;
+const FEW_CONTACTS: usize = 64;
 
 /// The outline of contacts in x and y, with the contacts themselves in square cells.
 #[derive(Debug)]
@@ -60,15 +60,15 @@ fn ends_along(contacts: &[[f64; 2]], [a, b]: [f64; 2]) -> [f64; 2] {
 impl Outline {
     /// Of contacts at these places.
     pub fn new(x: &[f64], y: &[f64]) -> Outline {
-        let step = x.len().div_ceil(ENOUGH).max(1);
+        let step = x.len().div_ceil(MOST_CONTACTS).max(1);
         let given: Vec<[f64; 2]> = (0..x.len()).step_by(step).map(|r| [x[r], y[r]]).collect();
         let [along_x, along_y] = [ends_along(&given, [1.0, 0.0]), ends_along(&given, [0.0, 1.0])];
         let sides = [along_x[1] - along_x[0], along_y[1] - along_y[0]];
         let spacing = (sides[0] * sides[1] / given.len().max(1) as f64).sqrt();
         let near = NEAR * spacing;
         // contacts on one line have no area: one cell then holds them all
-        let split = near > 0.0 && given.len() > FEW;
-        let cells = sides.map(|side| if split { (side / near) as usize + 1 } else { 1 }.min(ENOUGH));
+        let split = near > 0.0 && given.len() > FEW_CONTACTS;
+        let cells = sides.map(|side| if split { (side / near) as usize + 1 } else { 1 }.min(MOST_CONTACTS));
         let ends = std::array::from_fn(|k| {
             let [lo, hi] = ends_along(&given, direction(k));
             [lo - spacing, hi + spacing]

@@ -2,7 +2,8 @@
 
 use ndarray::Array2;
 
-use super::{ShapeGrid, ShapeMaps, UvSupport};
+use super::support::supported;
+use super::{ShapeGrid, ShapeMaps, Support};
 use crate::surface::{Parametric, SurfacePoint};
 use palpate_numeric::bspline::Knots;
 
@@ -63,8 +64,8 @@ pub fn uv_grid(knots: [&Knots; 2], points: [usize; 2], inset: f64) -> ShapeGrid 
 }
 
 /// Evaluates the surface and its shape over `grid`, where `support` holds.
-pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &UvSupport) -> ParametricMaps {
-    let held = Array2::from_shape_fn((grid.x.len(), grid.y.len()), |(i, j)| support.holds(grid.x[i], grid.y[j]));
+pub fn parametric_maps(surface: &Parametric, grid: ShapeGrid, support: &impl Support) -> ParametricMaps {
+    let held = supported(&grid, support);
     parametric_maps_at(surface, grid, &held)
 }
 

@@ -26,17 +26,23 @@ pub(super) type TrueShapeAt = (Option<f64>, f64);
 
 /// Compares maps with `truth(x, y, z)`, which is `None` where the true surface does not reach.
 pub fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<TrueShapeAt>) -> TruthComparison {
+    compare_point_by_point(maps, |(i, j)| truth([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]))
+}
+
+/// Compares maps with the truth at each of their points, by row and column.
+pub fn compare_point_by_point(
+    maps: &ShapeMaps,
+    truth: impl Fn((usize, usize)) -> Option<TrueShapeAt>,
+) -> TruthComparison {
     let [mut s, mut r, mut error_s, mut error_r] = [Mean::default(); 4];
-    for (i, x) in maps.grid.x.iter().enumerate() {
-        for (j, y) in maps.grid.y.iter().enumerate() {
-            let Some(curvedness) = maps.curvedness_at(i, j) else { continue };
-            let Some((true_s, true_r)) = truth([*x, *y, maps.points[[i, j]].z]) else { continue };
-            r.add(true_r);
-            error_r.add((curvedness - true_r).powi(2));
-            if let (Some(found), Some(true_s)) = (maps.shape_index_at(i, j), true_s) {
-                s.add(true_s);
-                error_s.add((found - true_s).powi(2));
-            }
+    for (i, j) in maps.supported_points() {
+        let curvedness = maps.curvedness[[i, j]];
+        let Some((true_s, true_r)) = truth((i, j)) else { continue };
+        r.add(true_r);
+        error_r.add((curvedness - true_r).powi(2));
+        if let (Some(found), Some(true_s)) = (maps.shape_index_at(i, j), true_s) {
+            s.add(true_s);
+            error_s.add((found - true_s).powi(2));
         }
     }
     TruthComparison {

@@ -8,7 +8,7 @@ use super::joints::joints;
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
-use super::primitive::{MOST, PartKind, Primitive};
+use super::primitive::{MOST_UNKNOWNS, PartKind, Primitive};
 use super::recognition_fallback::few;
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
 use super::unexplained_regions::label_leftover;
@@ -232,16 +232,16 @@ fn uncertainty(cloud: &Cloud, exact: &Exact, members: &[u32]) -> PartUncertainty
 }
 
 /// Standard uncertainties of mean S and R by the delta method, with differences over a tenth of each unknown's own.
-fn of_shape(cloud: &Cloud, primitive: &Primitive, covariance: &Square<MOST>, members: &[u32]) -> [f64; 2] {
+fn of_shape(cloud: &Cloud, primitive: &Primitive, covariance: &Square<MOST_UNKNOWNS>, members: &[u32]) -> [f64; 2] {
     /// Contacts over which the means are taken; they hardly change with more.
-    const ENOUGH: usize = 200;
+    const MEAN_CONTACTS: usize = 200;
     let free = primitive.kind.free();
-    let some = || members.iter().step_by(members.len().div_ceil(ENOUGH).max(1));
-    let mut gradients = [[0.0; MOST]; 2];
+    let some = || members.iter().step_by(members.len().div_ceil(MEAN_CONTACTS).max(1));
+    let mut gradients = [[0.0; MOST_UNKNOWNS]; 2];
     for &k in free {
         let step = 0.1 * covariance[k][k].max(0.0).sqrt().max(f64::MIN_POSITIVE);
         let at = |sign: f64| {
-            let mut moved = [0.0; MOST];
+            let mut moved = [0.0; MOST_UNKNOWNS];
             moved[k] = sign * step;
             mean_shape(cloud, &primitive.moved(&moved), some())
         };

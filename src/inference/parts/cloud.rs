@@ -19,7 +19,7 @@ pub(super) const NEAREST: usize = 20;
 pub(super) const LINKED: usize = 8;
 
 /// Fewest points of a cloud: the neighbours of one, and it.
-pub(super) const FEWEST: usize = NEAREST + 4;
+pub(super) const FEWEST_POINTS: usize = NEAREST + 4;
 
 /// Points with unit normals and their neighbours.
 #[derive(Clone, Debug)]

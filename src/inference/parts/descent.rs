@@ -10,7 +10,8 @@
 //! Rows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
-use super::primitive::{DistanceJet, MOST, Primitive};
+use super::primitive::{MOST_UNKNOWNS, Primitive};
+use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, along, cross, dot};
@@ -46,19 +47,19 @@ pub(super) struct Descended {
     /// The sum of squares.
     pub(super) sum: f64,
     /// The normal matrix, by the unknowns that are free; ones on the diagonal of the others.
-    pub(super) matrix: Square<MOST>,
+    pub(super) matrix: Square<MOST_UNKNOWNS>,
 }
 
 impl Descended {
     /// Covariance of the unknowns; `None` where the points leave one open.
-    pub(super) fn covariance(&self) -> Option<Square<MOST>> {
-        let scale: [f64; MOST] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
-        let scaled: Square<MOST> =
+    pub(super) fn covariance(&self) -> Option<Square<MOST_UNKNOWNS>> {
+        let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST_UNKNOWNS> =
             std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j] / (scale[i] * scale[j])));
         let mut covariance = inverse(&cholesky(&scaled)?);
         let free = self.primitive.kind.free();
-        for i in 0..MOST {
-            for j in 0..MOST {
+        for i in 0..MOST_UNKNOWNS {
+            for j in 0..MOST_UNKNOWNS {
                 let both = free.contains(&i) && free.contains(&j);
                 covariance[i][j] = if both { covariance[i][j] / (scale[i] * scale[j]) } else { 0.0 };
             }
@@ -68,12 +69,12 @@ impl Descended {
 }
 
 /// The rows of one point: residual and derivatives by all unknowns, the distance's first, then the normal's three.
-pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST]); 4] {
+pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST_UNKNOWNS]); 4] {
     let q = primitive.own(p);
     let m = primitive.axes.map(|axis| dot(axis, n));
     let at = primitive.at(q);
     let s = primitive.side;
-    let mut all = [(0.0, [0.0; MOST]); 4];
+    let mut all = [(0.0, [0.0; MOST_UNKNOWNS]); 4];
     all[0] = (at.distance, distance_row(&at, q));
     for (row, entry) in all.iter_mut().enumerate().skip(1) {
         let k = row - 1;
@@ -89,7 +90,7 @@ pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; 
     all
 }
 
-fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST] {
+fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST_UNKNOWNS] {
     let g = at.gradient;
     let turn = cross(q, g);
     [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1]]
@@ -100,7 +101,7 @@ fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST] {
 pub(super) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f64> {
     let covariance = found.covariance()?;
     let free = found.primitive.kind.free();
-    let mut matrix = [[0.0; MOST]; MOST];
+    let mut matrix = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
     for p in sample.points {
         let q = found.primitive.own(*p);
         let row = distance_row(&found.primitive.at(q), q);
@@ -126,7 +127,7 @@ pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
 
 /// Normal matrix, gradient and sum of squares at a primitive.
 fn reached(primitive: Primitive, sample: &Sample) -> Reached {
-    let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST]; MOST], [0.0; MOST], 0.0);
+    let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS], 0.0);
     let free = primitive.kind.free();
     let weights = [sample.u_distance.powi(-2), sample.u_normal.powi(-2)];
     for (p, n) in sample.points.iter().zip(sample.normals) {
@@ -140,7 +141,7 @@ fn reached(primitive: Primitive, sample: &Sample) -> Reached {
             }
         }
     }
-    for i in 0..MOST {
+    for i in 0..MOST_UNKNOWNS {
         (0..i).for_each(|j| matrix[j][i] = matrix[i][j]);
         if !free.contains(&i) {
             matrix[i][i] = 1.0;
@@ -153,7 +154,7 @@ fn reached(primitive: Primitive, sample: &Sample) -> Reached {
 #[derive(Clone, Copy)]
 struct Reached {
     at: Descended,
-    gradient: [f64; MOST],
+    gradient: [f64; MOST_UNKNOWNS],
 }
 
 /// The four rows of every point, and the equations at the last primitive.
@@ -169,7 +170,7 @@ struct NotPositiveDefinite;
 
 impl ResidualModel for Rows<'_> {
     type Point = Reached;
-    type Step = [f64; MOST];
+    type Step = [f64; MOST_UNKNOWNS];
     type Error = NotPositiveDefinite;
 
     fn linearise(&mut self, at: &Reached) -> f64 {
@@ -177,28 +178,28 @@ impl ResidualModel for Rows<'_> {
         at.at.sum
     }
 
-    fn solve(&mut self, damping: f64) -> Result<[f64; MOST], NotPositiveDefinite> {
+    fn solve(&mut self, damping: f64) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {
         let mut damped = self.here.at.matrix;
-        (0..MOST).for_each(|i| damped[i][i] *= 1.0 + damping);
-        let scale: [f64; MOST] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
-        let scaled: Square<MOST> =
+        (0..MOST_UNKNOWNS).for_each(|i| damped[i][i] *= 1.0 + damping);
+        let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST_UNKNOWNS> =
             std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
         let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
         let step = solve(&lower, std::array::from_fn(|i| -self.here.gradient[i] / scale[i]));
         Ok(std::array::from_fn(|i| step[i] / scale[i]))
     }
 
-    fn moved(&mut self, from: &Reached, step: &[f64; MOST]) -> Option<(Reached, f64)> {
+    fn moved(&mut self, from: &Reached, step: &[f64; MOST_UNKNOWNS]) -> Option<(Reached, f64)> {
         let next = reached(from.at.primitive.moved(step).about(self.centre), self.sample);
         Some((next, next.at.sum))
     }
 
-    fn gives_up(&self, _: &[f64; MOST], before: f64, after: Option<f64>) -> bool {
+    fn gives_up(&self, _: &[f64; MOST_UNKNOWNS], before: f64, after: Option<f64>) -> bool {
         // at the minimum nothing is lower by rounding
         after.is_some_and(|after| after <= before * (1.0 + 1e-12))
     }
 
-    fn is_settled(&mut self, _: &[f64; MOST], before: f64, after: f64) -> bool {
+    fn is_settled(&mut self, _: &[f64; MOST_UNKNOWNS], before: f64, after: f64) -> bool {
         before - after <= SETTLED * before
     }
 }
@@ -235,7 +236,7 @@ mod tests {
     /// Central differences of the residuals by every unknown, through the step that the descent takes.
     #[test]
     fn every_derivative_is_that_of_finite_differences() {
-        const STEP: f64 = 1e-6;
+        const STEP_OF_DIFFERENCES: f64 = 1e-6;
         for kind in PartKind::EXACT {
             let at = primitive(kind);
             let normal = unit([0.2, -0.7, 0.4]);
@@ -243,13 +244,13 @@ mod tests {
                 let row = rows(&at, place, normal);
                 for &unknown in kind.free() {
                     let residual = |sign: f64| {
-                        let mut step = [0.0; MOST];
-                        step[unknown] = sign * STEP;
+                        let mut step = [0.0; MOST_UNKNOWNS];
+                        step[unknown] = sign * STEP_OF_DIFFERENCES;
                         rows(&at.moved(&step), place, normal).map(|(residual, _)| residual)
                     };
                     let (plus, minus) = (residual(1.0), residual(-1.0));
                     for k in 0..4 {
-                        let difference = (plus[k] - minus[k]) / (2.0 * STEP);
+                        let difference = (plus[k] - minus[k]) / (2.0 * STEP_OF_DIFFERENCES);
                         let error = (difference - row[k].1[unknown]).abs();
                         assert!(
                             error < 1e-7,

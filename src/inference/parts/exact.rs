@@ -16,13 +16,13 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::cloud::{Cloud, FEWEST, LINKED};
+use super::cloud::{Cloud, FEWEST_POINTS, LINKED};
 use super::descent::{Descended, Sample, rows, share_of_distances};
 use super::evidence::Cells;
 use super::hypothesis::{CAP, cost, sampled};
 use super::local::{Noise, ROUNDING};
 use super::partition::exact;
-use super::primitive::{MOST, PartKind, Primitive};
+use super::primitive::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::VarianceComponent;
 use palpate_numeric::vector::{dot, minus};
@@ -47,12 +47,12 @@ pub(super) struct Exact {
     /// Root mean square of what noise does not explain, along the normal.
     pub(super) departure: f64,
     /// By how much shared errors widen the variance of every unknown.
-    shared: [f64; MOST],
+    shared: [f64; MOST_UNKNOWNS],
 }
 
 impl Exact {
     /// Covariance of the unknowns; `None` where the points leave one open.
-    pub(super) fn covariance(&self) -> Option<Square<MOST>> {
+    pub(super) fn covariance(&self) -> Option<Square<MOST_UNKNOWNS>> {
         let independent = self.descended.covariance()?;
         let wider = |i: usize, j: usize| independent[i][j] * (self.shared[i] * self.shared[j]).sqrt();
         Some(std::array::from_fn(|i| std::array::from_fn(|j| wider(i, j))))
@@ -106,13 +106,13 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise, cells
 }
 
 /// By how much shared errors widen the variance of every unknown: through what each contact moves it by.
-fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, cells: &Cells) -> [f64; MOST] {
-    let Some(covariance) = descended.covariance() else { return [1.0; MOST] };
+fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, cells: &Cells) -> [f64; MOST_UNKNOWNS] {
+    let Some(covariance) = descended.covariance() else { return [1.0; MOST_UNKNOWNS] };
     let free = descended.primitive.kind.free();
     let weights = [noise.distance.powi(-2), noise.normal.powi(-2)];
-    let mut moves: [Vec<(u32, f64)>; MOST] = Default::default();
+    let mut moves: [Vec<(u32, f64)>; MOST_UNKNOWNS] = Default::default();
     for &i in inner {
-        let mut pull = [0.0; MOST];
+        let mut pull = [0.0; MOST_UNKNOWNS];
         let rows = rows(&descended.primitive, cloud.points[i as usize], cloud.normals[i as usize]);
         for (number, (residual, row)) in rows.into_iter().enumerate() {
             let heavy = weights[usize::from(number > 0)] * residual;
@@ -130,7 +130,7 @@ fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, ce
 fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
     let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
     let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
-    if kept.len() >= FEWEST { kept } else { inner.to_vec() }
+    if kept.len() >= FEWEST_POINTS { kept } else { inner.to_vec() }
 }
 
 /// The unknowns that the distances determine.

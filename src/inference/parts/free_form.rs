@@ -41,7 +41,7 @@ const RICH: [(usize, usize); 3] = [(600, 3), (200, 2), (0, 1)];
 const RICH_DEGREE: usize = 4;
 
 /// Contacts that a rich field is fitted to. More know S and R better than the field can follow a surface.
-const ENOUGH: usize = 3000;
+const RICH_CONTACTS: usize = 3000;
 
 /// The spline through these members; `None` where no height field follows them.
 pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
@@ -56,7 +56,7 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
 
 /// A field that leaves S and R open, for doubt about a primitive; `None` where no height field follows the members.
 pub(super) fn rich_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
-    let (contacts, axes) = one_sided(cloud, members, ENOUGH)?;
+    let (contacts, axes) = one_sided(cloud, members, RICH_CONTACTS)?;
     let segments = RICH.into_iter().find(|(from, _)| members.len() >= *from).map_or(1, |(_, segments)| segments);
     let of = |degree: usize, segments: usize| {
         let options = FitOptions::default().with_degree(degree).with_segments(segments, segments);

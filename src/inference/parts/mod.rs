@@ -66,7 +66,7 @@ use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
 use answer::Findings;
-use cloud::{Cloud, FEWEST};
+use cloud::{Cloud, FEWEST_POINTS};
 use evidence::Cells;
 use local::{Noise, local_shapes};
 use partition::{Field, partition};
@@ -94,8 +94,8 @@ impl Parts {
 fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
     options.check()?;
     contacts.check()?;
-    if contacts.len() < FEWEST {
-        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST });
+    if contacts.len() < FEWEST_POINTS {
+        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
     }
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();

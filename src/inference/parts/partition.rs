@@ -12,7 +12,7 @@
 
 use std::collections::HashSet;
 
-use super::cloud::{Cloud, FEWEST, NEAREST};
+use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
 use super::descent::Sample;
 use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
@@ -104,7 +104,7 @@ fn grown(cloud: &Cloud, shapes: &[LocalShape], u: &Noise) -> Partition {
             continue;
         }
         tried[seed] = true;
-        let found = grow(cloud, seed, u, &mut walk).filter(|(_, members)| members.len() >= FEWEST);
+        let found = grow(cloud, seed, u, &mut walk).filter(|(_, members)| members.len() >= FEWEST_POINTS);
         let Some((primitive, members)) = found else {
             cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
             continue;
@@ -116,7 +116,7 @@ fn grown(cloud: &Cloud, shapes: &[LocalShape], u: &Noise) -> Partition {
             .collect();
         let gain: f64 = better.iter().map(|(i, cost)| costs[*i] - cost).sum();
         let price = (primitive.kind.free().len() + 1) as f64 * rows.ln();
-        if gain <= price || better.len() < FEWEST / 2 {
+        if gain <= price || better.len() < FEWEST_POINTS / 2 {
             cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
             continue;
         }
@@ -146,7 +146,7 @@ impl Partition {
             cloud.linked(*i as usize).iter().all(|&j| self.labels[j as usize] == own)
         };
         let inner: Vec<u32> = members.iter().copied().filter(is_inner).collect();
-        if inner.len() >= FEWEST { inner } else { members.to_vec() }
+        if inner.len() >= FEWEST_POINTS { inner } else { members.to_vec() }
     }
 
     /// Fits every part to its inner points, its kind chosen anew.
@@ -211,7 +211,7 @@ impl Partition {
     fn drop_small(&mut self) {
         let mut counts = vec![0_usize; self.parts.len()];
         self.labels.iter().filter(|l| **l != NONE).for_each(|l| counts[*l as usize] += 1);
-        self.keep(|part| counts[part] >= FEWEST);
+        self.keep(|part| counts[part] >= FEWEST_POINTS);
     }
 
     /// Only the parts for which `keeps` holds, numbered anew.

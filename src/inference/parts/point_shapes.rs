@@ -7,7 +7,7 @@
 //!
 //! Points are taken one by one from one tree: memory and time grow with their number, and no result depends on another's.
 
-use super::cloud::{FEWEST, framed};
+use super::cloud::{FEWEST_POINTS, framed};
 use super::error::PartsError;
 use super::jet::{Jet, Law, Touched, jet};
 use super::options::PartsOptions;
@@ -80,8 +80,8 @@ impl PointShapes {
 fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointShapes, PartsError> {
     options.check()?;
     contacts.check()?;
-    if contacts.len() < FEWEST + 1 {
-        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST + 1 });
+    if contacts.len() < FEWEST_POINTS + 1 {
+        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS + 1 });
     }
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();

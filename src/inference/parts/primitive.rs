@@ -1,17 +1,14 @@
-//! The five exact primitives by their signed distance, with everything that least squares asks of it.
+//! The five exact primitives of [`palpate_geometry::primitives`], placed in the cloud, and how least squares moves them.
 //!
 //! ```text
-//! q = B'(p - o), B = [e1 e2 a]            rho = hypot(q1, q2), h = q3
-//! plane     d = h                         cylinder  d = rho - r
-//! sphere    d = |q| - r                   cone      d = (rho - r) cos(alpha) - h sin(alpha)
-//! torus     d = hypot(rho - R, h) - r
+//! q = B'(p - o), B = [e1 e2 a]
 //! ```
 //!
-//! Each is the distance itself, so |grad d| = 1 and the gradient is the normal. A primitive moves by `tau` along its own
-//! axes and turns by `omega` about e1 and e2, in which case `dq = -tau - omega x q`. What a size does to d and to its gradient is known
-//! in closed form, and so is the Hessian of d, which is all that the rows of positions and normals need.
-//! G. Lukacs, R. Martin, D. Marshall, *Faithful least-squares fitting of spheres, cylinders, cones and tori*, ECCV 1998.
+//! A primitive moves by `tau` along its own axes and turns by `omega` about e1 and e2, in which case `dq = -tau - omega x q`.
+//! What a size does to d and to its gradient is known in closed form, and so is the Hessian of d, which is all that the rows
+//! of positions and normals need.
 
+use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, reject, unit};
 
 /// What a part is made of.
@@ -64,7 +61,7 @@ impl PartKind {
 }
 
 /// Most unknowns of a primitive.
-pub(super) const MOST: usize = 7;
+pub(super) const MOST_UNKNOWNS: usize = 7;
 
 /// A primitive in the cloud's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,17 +75,6 @@ pub(super) struct Primitive {
     pub(super) sizes: [f64; 2],
     /// 1 where the free side is that of growing d, else -1.
     pub(super) side: f64,
-}
-
-/// The distance at one point in the primitive's own axes, with its derivatives.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DistanceJet {
-    pub(super) distance: f64,
-    pub(super) gradient: Vector,
-    pub(super) hessian: [Vector; 3],
-    /// By the sizes: of the distance, and of the gradient.
-    pub(super) by_size: [f64; 2],
-    pub(super) gradient_by_size: [Vector; 2],
 }
 
 /// Two unit vectors that complete `a` to right-handed axes.
@@ -120,76 +106,30 @@ impl Primitive {
         (self.side * distance, self.out(gradient.map(|g| self.side * g)))
     }
 
-    /// Distance and gradient in the own axes.
-    pub(super) fn distance(&self, q: Vector) -> (f64, Vector) {
-        let rho = q[0].hypot(q[1]);
-        let radial = radial(q, rho);
+    /// Asks the primitive in its own axes.
+    fn own_form<A>(&self, ask: impl FnOnce(&dyn primitives::Primitive) -> A) -> A {
         let [one, two] = self.sizes;
         match self.kind {
-            PartKind::Plane | PartKind::Patch => (q[2], [0.0, 0.0, 1.0]),
-            PartKind::Sphere => {
-                let length = rho.hypot(q[2]);
-                (length - one, if length > 0.0 { q.map(|v| v / length) } else { [0.0, 0.0, 1.0] })
-            }
-            PartKind::Cylinder => (rho - one, [radial[0], radial[1], 0.0]),
-            PartKind::Cone => {
-                let (sin, cos) = two.sin_cos();
-                ((rho - one) * cos - q[2] * sin, [cos * radial[0], cos * radial[1], -sin])
-            }
-            PartKind::Torus => {
-                let (across, up) = (rho - one, q[2]);
-                let length = across.hypot(up);
-                let [c, s] = if length > 0.0 { [across / length, up / length] } else { [1.0, 0.0] };
-                (length - two, [c * radial[0], c * radial[1], s])
-            }
+            PartKind::Plane | PartKind::Patch => ask(&Plane),
+            PartKind::Sphere => ask(&Sphere { radius: one }),
+            PartKind::Cylinder => ask(&Cylinder { radius: one }),
+            PartKind::Cone => ask(&Cone { radius: one, half_angle: two }),
+            PartKind::Torus => ask(&Torus { ring: one, tube: two }),
         }
+    }
+
+    /// Distance and gradient in the own axes.
+    pub(super) fn distance(&self, q: Vector) -> (f64, Vector) {
+        self.own_form(|form| form.distance(q))
     }
 
     /// Everything at a point of the own axes.
     pub(super) fn at(&self, q: Vector) -> DistanceJet {
-        let (distance, gradient) = self.distance(q);
-        let rho = q[0].hypot(q[1]).max(f64::MIN_POSITIVE);
-        let radial = radial(q, rho);
-        let mut at = DistanceJet {
-            distance,
-            gradient,
-            hessian: [[0.0; 3]; 3],
-            by_size: [0.0; 2],
-            gradient_by_size: [[0.0; 3]; 2],
-        };
-        match self.kind {
-            PartKind::Plane | PartKind::Patch => {}
-            PartKind::Sphere => {
-                let length = (distance + self.sizes[0]).max(f64::MIN_POSITIVE);
-                at.hessian = square(|i, j| (identity(i, j) - gradient[i] * gradient[j]) / length);
-                at.by_size[0] = -1.0;
-            }
-            PartKind::Cylinder => {
-                at.hessian = square(|i, j| around(radial, i, j) / rho);
-                at.by_size[0] = -1.0;
-            }
-            PartKind::Cone => {
-                let (sin, cos) = self.sizes[1].sin_cos();
-                at.hessian = square(|i, j| cos * around(radial, i, j) / rho);
-                at.by_size = [-cos, -(rho - self.sizes[0]) * sin - q[2] * cos];
-                at.gradient_by_size[1] = [-sin * radial[0], -sin * radial[1], -cos];
-            }
-            PartKind::Torus => {
-                let length = (distance + self.sizes[1]).max(f64::MIN_POSITIVE);
-                let c = dot(gradient, radial);
-                let s = gradient[2];
-                // along the tube's circle, and round the axis
-                let tangent = [-s * radial[0], -s * radial[1], c];
-                at.hessian = square(|i, j| tangent[i] * tangent[j] / length + c * around(radial, i, j) / rho);
-                at.by_size = [-c, -1.0];
-                at.gradient_by_size[0] = tangent.map(|t| s / length * t);
-            }
-        }
-        at
+        self.own_form(|form| form.jet(q))
     }
 
     /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2`.
-    pub(super) fn moved(&self, step: &[f64; MOST]) -> Primitive {
+    pub(super) fn moved(&self, step: &[f64; MOST_UNKNOWNS]) -> Primitive {
         let origin = (0..3).fold(self.origin, |o, k| along(o, step[k], self.axes[k]));
         let omega = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
         let axis = unit(along(self.axes[2], 1.0, cross(omega, self.axes[2])));
@@ -218,23 +158,7 @@ impl Primitive {
     /// Principal curvatures `k1 >= k2` at a point, the normal towards the free side.
     pub(super) fn curvatures(&self, p: Vector) -> [f64; 2] {
         let q = self.own(p);
-        let rho = q[0].hypot(q[1]).max(f64::MIN_POSITIVE);
-        let [one, two] = self.sizes;
-        // of the surface itself, not of the parallel one through p
-        let [a, b] = match self.kind {
-            PartKind::Plane | PartKind::Patch => [0.0, 0.0],
-            PartKind::Sphere => [-1.0 / one, -1.0 / one],
-            PartKind::Cylinder => [0.0, -1.0 / one],
-            PartKind::Cone => {
-                let (distance, _) = self.distance(q);
-                [0.0, -two.cos() / (rho - distance * two.cos()).abs().max(f64::MIN_POSITIVE)]
-            }
-            PartKind::Torus => {
-                let (_, gradient) = self.distance(q);
-                let c = dot(gradient, radial(q, rho));
-                [-1.0 / two, -c / (one + two * c)]
-            }
-        };
+        let [a, b] = self.own_form(|form| form.curvatures(q));
         let (a, b) = (self.side * a, self.side * b);
         [a.max(b), a.min(b)]
     }
@@ -255,22 +179,4 @@ impl Primitive {
                 PartKind::Torus => size(one) && size(two) && one > 0.2 * two,
             }
     }
-}
-
-fn radial(q: Vector, rho: f64) -> Vector {
-    if rho > 0.0 && (q[0] != 0.0 || q[1] != 0.0) { [q[0] / rho, q[1] / rho, 0.0] } else { [1.0, 0.0, 0.0] }
-}
-
-fn identity(i: usize, j: usize) -> f64 {
-    f64::from(u8::from(i == j))
-}
-
-/// The projector on the direction round the axis.
-fn around(radial: Vector, i: usize, j: usize) -> f64 {
-    let tangent = [-radial[1], radial[0], 0.0];
-    tangent[i] * tangent[j]
-}
-
-fn square(entry: impl Fn(usize, usize) -> f64) -> [Vector; 3] {
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }

@@ -7,7 +7,7 @@
 //!
 //! A class's own width is half a bin, so that a region whose S drifts across an edge is not cut by noise.
 
-use super::cloud::{Cloud, FEWEST};
+use super::cloud::{Cloud, FEWEST_POINTS};
 use super::hypothesis::Walk;
 use super::local::LocalShape;
 use super::partition::NONE;
@@ -55,7 +55,7 @@ pub(super) fn label_leftover(cloud: &Cloud, shapes: &[LocalShape], labels: &mut 
             continue;
         }
         let region = walk.reach(cloud, &[i as u32], usize::MAX, |j| labels[j] == NONE && classes[j] == classes[i]);
-        if region.len() >= FEWEST {
+        if region.len() >= FEWEST_POINTS {
             region.iter().for_each(|&j| labels[j as usize] = next);
             next += 1;
         }

@@ -56,14 +56,13 @@ pub enum RecognitionError {
         /// Share of contacts far off the best surface, percent.
         outliers: f64,
     },
-    /// The normals point all ways: the contacts go around more than half a body.
-    #[error(
-        "the normals point all ways (the mean of the unit normals has length {mean_length:.2}): the contacts go around more than half a body. \
-         Take one side of it, or describe it as a closed body"
-    )]
+    /// The contacts go around more than half a body, as the normals tell, or the surface through positions that have none.
+    #[error("{}. Take one side of it, or describe it as a closed body", around(*mean_length, *measured))]
     AllAround {
         /// Length of the mean unit normal.
         mean_length: f64,
+        /// Whether the normals were given; otherwise they are those of the surface through the positions.
+        measured: bool,
     },
     /// A number left the range of the arithmetic.
     #[error("the {step} failed: {what}")]
@@ -73,6 +72,16 @@ pub enum RecognitionError {
         /// What went wrong.
         what: &'static str,
     },
+}
+
+/// That contacts go around a body, and what tells.
+fn around(mean_length: f64, measured: bool) -> String {
+    let what = "the contacts go around more than half a body";
+    if measured {
+        format!("the normals point all ways (the mean of the unit normals has length {mean_length:.2}): {what}")
+    } else {
+        format!("{what} (the mean of the unit normals of the surface through them has length {mean_length:.2})")
+    }
 }
 
 /// How near to one line the contacts lie.

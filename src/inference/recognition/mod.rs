@@ -41,7 +41,9 @@ mod kinds;
 mod noise;
 mod options;
 mod region;
+mod remark;
 mod result;
+mod shape_report;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -55,6 +57,7 @@ pub use free_form::{flexible, own_axes};
 pub use options::RecognitionOptions;
 pub use region::PredictiveDraw;
 pub use region::RecognisedSurface;
+pub use remark::Remark;
 pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
 use palpate_geometry::contact::{Contacts, Grid};

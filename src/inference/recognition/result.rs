@@ -8,6 +8,7 @@ use palpate_geometry::curvature::ShapeClass;
 
 use super::contacts::NormalsUse;
 use super::region::{PredictiveDraw, RecognisedSurface};
+use super::remark::Remark;
 
 /// The kinds of surface that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -270,8 +271,8 @@ pub struct Recognition {
     pub effective_contacts: f64,
     /// Number of contacts that were used.
     pub contacts: usize,
-    /// What a user should know, in whole sentences.
-    pub notes: Vec<String>,
+    /// What a user should know; printed, whole sentences.
+    pub notes: Vec<Remark>,
     /// Drawn surfaces with what touches would measure on them; empty where none was asked for.
     pub predictive: Vec<PredictiveDraw>,
 }

@@ -1,4 +1,5 @@
-//! The machine's multiply-add peak, with which benches compare the kernels: `x <- a x + b` on twelve registers at once.
+//! The machine's multiply-add peak, with which benches compare the kernels: `x <- a x + b` on twelve registers at once. It stands
+//! here and not among the benches, because a loop for each instruction set is unsafe code, which this folder alone may hold.
 //!
 //! ```text
 //! x_k = a^k x_0 + b (1 - a^k)/(1 - a)          12 independent chains hide a latency of 4 on two multipliers

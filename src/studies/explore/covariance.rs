@@ -215,8 +215,9 @@ fn touched_by<const LOCAL: usize>(block: &[f64], solved: [&[f64]; 2], rows: &[f6
 }
 
 fn touched_any(block: &[f64], solved: [&[f64]; 2], rows: &[f64], local: usize) -> Touched {
-    const MOST: usize = (palpate_numeric::bspline::MAX_DEGREE + 1) * (palpate_numeric::bspline::MAX_DEGREE + 1);
-    let mut products = [[0.0; MOST]; 3];
+    const MOST_COEFFICIENTS: usize =
+        (palpate_numeric::bspline::MAX_DEGREE + 1) * (palpate_numeric::bspline::MAX_DEGREE + 1);
+    let mut products = [[0.0; MOST_COEFFICIENTS]; 3];
     let own: [&[f64]; 3] = [&rows[..local], &rows[local..2 * local], &rows[2 * local..3 * local]];
     for (l, row) in block.chunks_exact(local).enumerate() {
         for (product, own) in products.iter_mut().zip(own) {

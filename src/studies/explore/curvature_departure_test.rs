@@ -47,7 +47,7 @@ const TERMS: [Term; 11] = [
 const LEFT_OVER: usize = 15;
 
 /// Step over which the surface is differentiated, in units of the patch: errors of 1e-8 in tangents and of 1e-4 in curvatures.
-const STEP: f64 = 1e-4;
+const STEP_OF_DIFFERENCES: f64 = 1e-4;
 
 /// A departure: how sure it is, and what it would do to the answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +152,8 @@ fn rows(contacts: &Contacts, found: &Recognition) -> Option<Vec<Row>> {
 /// Unit tangents along u and v.
 fn tangents(found: &Recognition, [u, v]: [f64; 2]) -> [Vector; 2] {
     let (here, up) = found.surface.at(u, v);
-    [[u + STEP, v], [u, v + STEP]].map(|[u, v]| unit(reject(minus(found.surface.at(u, v).0, here), up)))
+    [[u + STEP_OF_DIFFERENCES, v], [u, v + STEP_OF_DIFFERENCES]]
+        .map(|[u, v]| unit(reject(minus(found.surface.at(u, v).0, here), up)))
 }
 
 /// By how much mean S and mean R change when the surface is displaced by f along its normal.
@@ -179,11 +180,11 @@ fn change(found: &Recognition, coefficients: &[f64]) -> Option<[f64; 2]> {
 /// The surface over its tangent plane, by uu, uv and vv: what the normal turns away, over the arc length. Input units.
 fn second_derivatives(found: &Recognition, [u, v]: [f64; 2]) -> [f64; 3] {
     let [e1, e2] = tangents(found, [u, v]);
-    let ahead = [found.surface.at(u + STEP, v).1, found.surface.at(u, v + STEP).1];
-    let behind = [found.surface.at(u - STEP, v).1, found.surface.at(u, v - STEP).1];
+    let ahead = [found.surface.at(u + STEP_OF_DIFFERENCES, v).1, found.surface.at(u, v + STEP_OF_DIFFERENCES).1];
+    let behind = [found.surface.at(u - STEP_OF_DIFFERENCES, v).1, found.surface.at(u, v - STEP_OF_DIFFERENCES).1];
     let [by_u, by_v] = [0, 1].map(|k| minus(behind[k], ahead[k]));
     let bent = [dot(by_u, e1), 0.5 * (dot(by_u, e2) + dot(by_v, e1)), dot(by_v, e2)];
-    bent.map(|b| b / (2.0 * STEP * found.frame.scale))
+    bent.map(|b| b / (2.0 * STEP_OF_DIFFERENCES * found.frame.scale))
 }
 
 /// S and R of the second derivatives by uu, uv and vv.

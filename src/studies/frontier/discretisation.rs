@@ -22,8 +22,8 @@ use super::replicates::{REPLICATES, Touches, stations};
 use super::scoring::{Answer, call, judge};
 
 /// Rounds at least and at most: three calls a round make 120 of a short call, so that every replicate is judged.
-const LEAST: usize = 5;
-const MOST: usize = 40;
+const LEAST_ROUNDS: usize = 5;
+const MOST_ROUNDS: usize = 40;
 /// Seconds for each of the two calls of a candidate: what takes milliseconds needs fewer repeats.
 const EACH: f64 = 0.5;
 
@@ -133,7 +133,7 @@ impl Subject {
         let memory: Vec<Cell<Option<u64>>> = vec![Cell::new(None); count];
         let each = self.calls_each();
         let mut calls = self.calls();
-        let limits = Limits { least: LEAST, most: MOST, seconds, each: EACH };
+        let limits = Limits { least: LEAST_ROUNDS, most: MOST_ROUNDS, seconds, each: EACH };
         let times = rounds(&mut calls, limits, watch, |k, number, answer| {
             let (candidate, interval) = (k / each, k % each == 1);
             let touches = self.touches_of(&self.candidates[candidate]);

@@ -26,8 +26,8 @@ use super::point::Point;
 use super::replicates::{REPLICATES, Touches, is_random};
 
 /// Replicates of the reference, by what one costs.
-const MANY: u64 = 200_000;
-const FEW: u64 = 2_000;
+const MANY_REPLICATES: u64 = 200_000;
+const FEW_REPLICATES: u64 = 2_000;
 /// Numbers of replicates that are tried.
 const NUMBERS: [u64; 4] = [100, 1_000, 10_000, 100_000];
 /// The studies have a seed of their own, far from the scene's, and every call of one has replicates of its own.
@@ -114,7 +114,7 @@ impl<'a> IntervalSubject<'a> {
             reference: [None; 2],
         };
         if !counted {
-            let count = if whole { FEW } else { MANY };
+            let count = if whole { FEW_REPLICATES } else { MANY_REPLICATES };
             subject.reference = quantiles(&first, 0, count);
             subject.fit_all();
         }

@@ -11,10 +11,10 @@
 
 mod clock;
 mod configuration;
+mod digits;
 mod discretisation;
 mod error;
 mod errors;
-mod hard;
 mod held_out;
 mod interval;
 mod memory;
@@ -27,13 +27,15 @@ mod replicates;
 mod scoring;
 mod single_precision;
 mod solver;
+mod solver_ladder;
 mod stages;
 
 pub use clock::{Clocked, Watch, counted_region};
+#[doc(hidden)]
+pub use digits::{DIGITS_OF_A_DOUBLE, digits_absolute, digits_of};
 pub use discretisation::{Measured, Subject, mark};
 pub use error::FrontierError;
 pub use errors::{Errors, QUANTITIES, Share};
-pub use hard::{SolverSubject, cholesky_ends, mark_solvers};
 pub use held_out::held_out;
 pub use interval::IntervalSubject;
 pub use order_of_accuracy::{Order, orders};
@@ -41,4 +43,5 @@ pub use pick::{Choice, Request};
 pub use pick::{check_truth, choose};
 pub use point::{Frontier, Point};
 pub use replicates::REPLICATES;
+pub use solver_ladder::{SolverSubject, mark_solvers};
 pub use stages::{Stage, of_fit, of_replicate};

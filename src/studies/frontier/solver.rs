@@ -12,7 +12,6 @@
 //! Every call starts from the rows: what a method has to form, E'E or R, is part of its time. Digits are those of the
 //! coefficients, `-log10(max |c - c_ref|/max |c_ref|)`.
 
-use crate::cases::digits_of;
 use palpate_fitting::fit::{DataSites, Equations};
 use palpate_numeric::linalg::{Sites, StencilMatrix, dot};
 use palpate_numeric::solve::{Cholesky, FastDiagonalisation, GridSolver, TriangularFactor};
@@ -180,9 +179,4 @@ fn pcg(matrix: &StencilMatrix, rhs: &[f64], tolerance: f64) -> Result<Vec<f64>, 
         rz = next;
     }
     Err(format!("not converged to {tolerance:.0e} in {} steps", STEPS_PER_UNKNOWN * rhs.len()))
-}
-
-/// Digits of what a solver found.
-pub(super) fn digits(found: &[f64], reference: &[f64]) -> f64 {
-    digits_of(found, reference)
 }

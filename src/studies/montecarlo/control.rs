@@ -22,7 +22,7 @@ use palpate_numeric::simd::{Isa, REPLICATES};
 
 /// Step of the gradient in standard deviations of a coefficient. L is normal with any step; a better gradient follows S
 /// more closely, and a step of the noise's size follows it best where S bends.
-const STEP: f64 = 0.5;
+const STEP_OF_GRADIENT: f64 = 0.5;
 
 /// The rows that make L of S and of R from coefficients.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ impl LinearControl {
         let draws = rows.of_draws()?;
         let nominal = rows.nominal().to_vec();
         let steps: Vec<f64> = (0..nominal.len())
-            .map(|u| STEP * draws.iter().flat_map(|own| own[u]).map(|p| p * p).sum::<f64>().sqrt())
+            .map(|u| STEP_OF_GRADIENT * draws.iter().flat_map(|own| own[u]).map(|p| p * p).sum::<f64>().sqrt())
             .collect();
         let mut gradient = [vec![0.0; nominal.len()], vec![0.0; nominal.len()]];
         for first in (0..nominal.len()).step_by(REPLICATES / 2) {

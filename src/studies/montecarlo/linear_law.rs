@@ -22,7 +22,7 @@ use palpate_geometry::shape::Interval;
 use palpate_numeric::draws::{DrawSource, EffectDraws};
 
 /// Half the step of a difference in standard deviations: its error is that share squared of a third derivative.
-const STEP: f64 = 0.05;
+const SHORT_STEP: f64 = 0.05;
 /// Half the step over readings that come in steps of their own: the noise's own size, which crosses as many of them as the
 /// noise does.
 const LONG_STEP: f64 = 1.0;
@@ -81,7 +81,7 @@ pub fn linear_law(engine: &Engine, level: f64, monte_carlo: &[Summary]) -> Linea
             let values = engine.values_from(&draws, 0, 2 * contacts * per);
             [0, 1].map(|q| variance(&values.columns[q], h))
         };
-        let (short, long) = (variances(STEP), variances(LONG_STEP));
+        let (short, long) = (variances(SHORT_STEP), variances(LONG_STEP));
         let bends = (0..2).any(|q| short[q] > BEND * long[q] || long[q] > BEND * short[q]);
         if bends {
             stepped.push(stage.name());

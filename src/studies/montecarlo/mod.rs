@@ -7,7 +7,6 @@
 mod attribution;
 mod control;
 mod coverage;
-mod cramer_rao;
 mod engine;
 mod error;
 mod evaluator;
@@ -17,13 +16,11 @@ mod full_refit;
 mod histogram;
 mod linear_law;
 mod linear_rows;
-mod minimax_length;
 mod noise_free_draws;
 mod options;
 mod order_statistics;
 mod problem;
 mod quantity;
-mod random_surfaces;
 mod refit;
 mod state;
 mod stopping;
@@ -39,7 +36,6 @@ pub use attribution::{Attribution, EffectShare, Share};
 pub use control::ControlTally;
 #[doc(hidden)]
 pub use coverage::{Coverages, Held, coverage};
-pub use cramer_rao::{Family, noise_of, oracle_sd};
 #[doc(hidden)]
 pub use engine::{Engine, Values};
 pub use error::StudyError;
@@ -53,13 +49,11 @@ pub use histogram::{Bins, Histogram};
 pub use linear_law::LinearLaw;
 #[doc(hidden)]
 pub use linear_law::linear_law;
-pub use minimax_length::{LeastWidth, SHARE};
 pub use options::{StudyOptions, Tolerance};
 pub use order_statistics::Coverage;
 #[doc(hidden)]
 pub use order_statistics::{Counted, Ranked, Sorted};
 pub use quantity::Quantity;
-pub use random_surfaces::RandomSurface;
 pub use state::StudyState;
 #[doc(hidden)]
 pub use stopping::{BatchEstimate, batch_estimate, batch_size, batches_wanted, numerical_tolerance};

@@ -9,7 +9,7 @@ pub(super) const KEPT: u64 = 1 << 22;
 /// Replicates of the pilot that says where the bins stand.
 pub(super) const PILOT: usize = 1 << 14;
 /// Most replicates of one study: beyond, the replicates that attribution draws would be met.
-pub(super) const MOST: u64 = 1 << 40;
+pub(super) const MOST_REPLICATES: u64 = 1 << 40;
 /// Replicates allowed when a tolerance decides and nothing else is said.
 pub(super) const ALLOWED: u64 = 1 << 32;
 
@@ -68,7 +68,7 @@ impl StudyOptions {
         let fault = |option, value: String, expected: &str| {
             Err(StudyError::Option { option, value, expected: expected.into() })
         };
-        if self.replicates == 0 || self.replicates > MOST {
+        if self.replicates == 0 || self.replicates > MOST_REPLICATES {
             return fault("replicates", self.replicates.to_string(), "a whole number from 1 to 2^40");
         }
         if !(self.level > 0.0 && self.level < 1.0) {

@@ -42,7 +42,8 @@ impl Path {
         match self {
             Path::FixedSites | Path::Linearised => 1 << 17,
             Path::Refit => 1 << 14,
-            Path::Whole => 1 << 8,
+            // an interrupt in the middle of a chunk loses it, and a whole fit may take seconds
+            Path::Whole => 1 << 5,
         }
     }
 }

@@ -169,6 +169,14 @@ impl Study {
 
     /// Everything that can be said; `attribution` is the number of replicates for the shares of the effects, 0 for none.
     pub fn result(&self, state: &StudyState, attribution: usize) -> StudyResult {
+        let mut result = self.replicates_alone(state);
+        result.linear = linear_law(&self.engine, self.options.level, &result.quantities);
+        result.attribution = (attribution > 0).then(|| attribute(&self.engine, self.seed, attribution, &result.linear));
+        result
+    }
+
+    /// What the replicates say, without any further fit: no linear law and no shares of the effects.
+    pub fn replicates_alone(&self, state: &StudyState) -> StudyResult {
         let (level, quantiles) = (self.options.level, &self.options.quantiles);
         let truths = self.truth.into_iter().chain(std::iter::repeat(None));
         let control = |q: usize| {
@@ -183,11 +191,9 @@ impl Study {
             .enumerate()
             .map(|(q, ((tally, truth), nominal))| summarise(tally, level, quantiles, truth, *nominal, control(q)))
             .collect();
-        let linear = linear_law(&self.engine, level, &quantities);
-        let attribution = (attribution > 0).then(|| attribute(&self.engine, self.seed, attribution, &linear));
         let (classes, no_class) = class_shares(state);
         let verdict = classes.iter().find(|(_, share)| *share >= level).map(|(class, _)| *class);
-        StudyResult { quantities, classes, no_class, verdict, linear, attribution }
+        StudyResult { quantities, classes, no_class, verdict, linear: LinearLaw::default(), attribution: None }
     }
 }
 

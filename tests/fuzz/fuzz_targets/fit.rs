@@ -9,14 +9,14 @@ use palpate::fit::{FitOptions, Method, NormalSigma, Objective, Robust, SlopeWeig
 use palpate::parametric::FittedSurface;
 
 /// Touches at most: hard enough. Loss, smoothing and noise levels iterate, so that a fit in ten takes a tenth of a second.
-const MOST: usize = 40;
+const MOST_TOUCHES: usize = 40;
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((head, rest)) = bytes.split_at_checked(6) else { return };
     let numbers: Vec<f64> = rest.chunks_exact(4).map(number).collect();
     let kind = head[0] % 3;
     let columns = if kind == 1 { 5 } else { 6 };
-    let touches = (numbers.len() / columns).min(MOST);
+    let touches = (numbers.len() / columns).min(MOST_TOUCHES);
     let column = |k: usize| numbers[k * touches..(k + 1) * touches].to_vec();
     let mut contacts = Contacts::from_positions(column(0), column(1), column(2));
     match kind {

@@ -7,7 +7,7 @@
 
 use palpate::Contacts;
 use palpate::fit::{FitOptions, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 
 use super::touches::{Feels, Place, pick, sites, touches};
 

@@ -8,8 +8,8 @@
 use palpate::Orientation;
 use palpate::fit::{Fit, FitError, Method, MethodUsed, NormalSigma, Note, Objective, Reason, Smooth, fit_contacts};
 use palpate::spline::Knots;
+use palpate_laboratory::hard_cases::digits_absolute;
 use palpate_numeric::linalg::DoubleDouble as Dd;
-use palpate_studies::cases::digits_absolute;
 
 use super::draw::{Family, RandomProblem, draw};
 use super::normals::NormalRows;

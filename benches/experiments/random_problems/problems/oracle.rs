@@ -8,8 +8,8 @@
 
 use palpate::spline::Knots;
 use palpate::{Contacts, Orientation};
+use palpate_laboratory::hard_cases::digits_absolute;
 use palpate_numeric::linalg::DoubleDouble as Dd;
-use palpate_studies::cases::digits_absolute;
 
 use super::basis::{basis, gauss};
 use super::least_squares::{Factor, Rows, dot};

@@ -5,7 +5,7 @@
 //! ```
 
 use palpate::Contacts;
-use palpate_studies::cases::Lcg;
+use palpate_laboratory::hard_cases::Lcg;
 
 /// One of several values.
 pub(super) fn pick<T: Copy>(lcg: &mut Lcg, choices: &[T]) -> T {

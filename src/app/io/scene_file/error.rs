@@ -58,7 +58,7 @@ pub enum SceneFileError {
         /// Key.
         key: &'static str,
         /// What would be right.
-        expected: &'static str,
+        expected: String,
     },
     /// Two keys that exclude each other.
     #[error("line {line}, column {column}: {first} and {second} contradict each other; give one")]

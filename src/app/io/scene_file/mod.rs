@@ -12,10 +12,10 @@
 //! with line and column.
 
 mod builtin;
-mod coverage_family;
 mod effects;
 mod error;
 mod fit;
+mod keys;
 mod manual;
 mod section;
 mod surface;
@@ -23,11 +23,12 @@ mod sweep;
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+use serde::Deserialize;
 use toml::de::DeTable;
 
 pub(crate) use builtin::{BuiltinScene, builtin_text};
 pub use builtin::{builtin, builtin_scenes, family_members};
-pub(crate) use coverage_family::coverage_family;
 pub use error::SceneFileError;
 pub(crate) use manual::{scene_manual, scene_topics};
 
@@ -52,6 +53,25 @@ pub struct SceneFile {
     pub study: StudyOptions,
 }
 
+/// At the top of the file, before any [section].
+#[derive(Deserialize, JsonSchema)]
+struct Top {
+    /// Printed with the results.
+    #[serde(default)]
+    #[schemars(example = &"my scene")]
+    name: String,
+    /// Where the random draws start: the same seed gives the same numbers.
+    #[serde(default = "paper_year")]
+    #[schemars(example = 1)]
+    seed: u64,
+}
+
+fn paper_year() -> u64 {
+    1997
+}
+
+keys::keys! { Top => Top }
+
 /// How an imported surface is found: `file` as it stands in the scene, or why not.
 pub(crate) type Importer<'a> = dyn Fn(&str) -> Result<Arc<dyn ImportedSurface>, String> + 'a;
 
@@ -73,8 +93,7 @@ pub fn read_scene_with(text: &str, importer: &Importer) -> Result<SceneFile, Sce
         SceneFileError::Syntax { line, column, message: error.message().to_string() }
     })?;
     let root = Section::new(text, "", document.get_ref(), 0);
-    let name = root.word("name")?.map_or(String::new(), |(name, _)| name.to_string());
-    let seed = root.count("seed", 0)?.unwrap_or(1997);
+    let Top { name, seed } = root.read::<Top>()?;
     let surface = match root.section("surface")? {
         Some(section) => surface::read(section, importer)?,
         None => return Err(root.missing("surface", "a scene needs a [surface] with its kind")),
@@ -85,22 +104,9 @@ pub fn read_scene_with(text: &str, importer: &Importer) -> Result<SceneFile, Sce
     };
     let (effects, laws) = root.section("effects")?.map_or(Ok(Default::default()), effects::read)?;
     let fit = fit::read(root.section("fit")?)?;
-    let study = root.section("study")?.map_or(Ok(StudyOptions::default()), read_study)?;
+    let study = root.section("study")?.map_or(Ok(StudyOptions::default()), fit::read_study)?;
     root.finish("key")?;
     let world = World { surface, sweeps, effects, laws };
     world.compile()?;
     Ok(SceneFile { name, seed, world, fit, study })
-}
-
-fn read_study(section: Section) -> Result<StudyOptions, SceneFileError> {
-    let mut study = StudyOptions::default();
-    if let Some(replicates) = section.count("replicates", 1)? {
-        study.replicates = replicates;
-        study.replicates_given = true;
-    }
-    if let Some(level) = fit::read_level(&section)? {
-        study.level = level;
-    }
-    section.finish("key")?;
-    Ok(study)
 }

@@ -1,4 +1,4 @@
-//! A table of a TOML document that knows which of its keys were asked for, so that the rest can be refused.
+//! A table of a TOML document that knows which of its keys have a meaning, so that the rest can be refused.
 
 use std::cell::RefCell;
 
@@ -6,6 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::SceneFileError;
+use super::keys::{Fault, Keys, Table, needed, schema_of};
 
 pub(super) type Value<'d> = Spanned<DeValue<'d>>;
 
@@ -56,10 +57,39 @@ impl<'d> Section<'d> {
         if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
     }
 
-    /// The value of a key, which is known from now on.
-    pub(super) fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
-        self.asked.borrow_mut().push(key);
+    /// The value of a key.
+    pub(super) fn get(&self, key: &str) -> Option<&'d Value<'d>> {
         self.table.get(key)
+    }
+
+    /// These keys are known from now on.
+    pub(super) fn know(&self, keys: &[&'static str]) {
+        self.asked.borrow_mut().extend_from_slice(keys);
+    }
+
+    /// Of the keys that are known, only these have a meaning here.
+    pub(super) fn keep(&self, keys: impl Fn(&str) -> bool) {
+        self.asked.borrow_mut().retain(|key| keys(key));
+    }
+
+    /// The keys that are known, in the order in which they came to be.
+    pub(super) fn known(self) -> Vec<&'static str> {
+        self.asked.into_inner()
+    }
+
+    /// The table as the type `K` describes it; its keys are known from now on.
+    pub(super) fn read<K: Keys>(&self) -> Result<K::Read, SceneFileError> {
+        let schema = schema_of::<K>();
+        K::read(Table::new(self, &schema)).map_err(|fault| match fault {
+            Fault::Placed(error) => error,
+            Fault::Wrong => self.unread(),
+        })
+    }
+
+    /// The table as a whole is none that the type could be; a table with keys always is one.
+    fn unread(&self) -> SceneFileError {
+        let (line, column) = self.place();
+        SceneFileError::Syntax { line, column, message: format!("[{}] cannot be read", self.path) }
     }
 
     pub(super) fn value_error(&self, key: &str, value: &Value, expected: impl Into<String>) -> SceneFileError {
@@ -80,9 +110,14 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub(super) fn missing(&self, key: &'static str, expected: &'static str) -> SceneFileError {
+    pub(super) fn missing(&self, key: &'static str, expected: &str) -> SceneFileError {
         let (line, column) = self.place();
-        SceneFileError::Missing { line, column, section: self.path.clone(), key, expected }
+        SceneFileError::Missing { line, column, section: self.path.clone(), key, expected: expected.into() }
+    }
+
+    /// The refusal of a table of type `K` in which this key is needed after all.
+    pub(super) fn needed<K: Keys>(&self, key: &'static str) -> SceneFileError {
+        self.missing(key, needed(&schema_of::<K>(), key))
     }
 
     pub(super) fn clash(&self, first: &str, second: &str) -> SceneFileError {
@@ -98,6 +133,7 @@ impl<'d> Section<'d> {
 
     /// A table inside this one.
     pub(super) fn section(&self, key: &'static str) -> Result<Option<Section<'d>>, SceneFileError> {
+        self.know(&[key]);
         let Some(value) = self.get(key) else { return Ok(None) };
         match value.get_ref() {
             DeValue::Table(table) => Ok(Some(Section::new(self.source, &self.full(key), table, value.span().start))),
@@ -105,72 +141,24 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub(super) fn number(&self, key: &'static str) -> Result<Option<f64>, SceneFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        match as_number(value) {
-            Some(number) => Ok(Some(number)),
-            None => Err(self.value_error(key, value, "a number is needed")),
-        }
-    }
-
-    pub(super) fn number_or(&self, key: &'static str, default: f64) -> Result<f64, SceneFileError> {
-        Ok(self.number(key)?.unwrap_or(default))
-    }
-
-    pub(super) fn required(&self, key: &'static str, expected: &'static str) -> Result<f64, SceneFileError> {
-        self.number(key)?.ok_or_else(|| self.missing(key, expected))
-    }
-
-    /// A whole number of at least `least`.
-    pub(super) fn count(&self, key: &'static str, least: u64) -> Result<Option<u64>, SceneFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        match as_count(value) {
-            Some(count) if count >= least => Ok(Some(count)),
-            _ => Err(self.value_error(key, value, format!("a whole number of at least {least} is needed"))),
-        }
-    }
-
-    pub(super) fn truth(&self, key: &'static str) -> Result<bool, SceneFileError> {
-        match self.get(key).map(|value| (value, value.get_ref())) {
-            None => Ok(false),
-            Some((_, DeValue::Boolean(truth))) => Ok(*truth),
-            Some((value, _)) => Err(self.value_error(key, value, "true or false is needed")),
-        }
+    /// The tables of a list, one by one.
+    pub(super) fn tables(&self, key: &'static str, expected: &str) -> Result<Vec<Section<'d>>, SceneFileError> {
+        let Some(value) = self.get(key) else { return Ok(Vec::new()) };
+        let Some(list) = as_array(value) else { return Err(self.value_error(key, value, expected)) };
+        let table = |entry: &'d Value<'d>| match entry.get_ref() {
+            DeValue::Table(table) => Ok(Section::new(self.source, &self.full(key), table, entry.span().start)),
+            _ => Err(self.value_error(key, entry, expected)),
+        };
+        list.iter().map(table).collect()
     }
 
     pub(super) fn word(&self, key: &'static str) -> Result<Option<(&'d str, &'d Value<'d>)>, SceneFileError> {
+        self.know(&[key]);
         match self.get(key).map(|value| (value, value.get_ref())) {
             None => Ok(None),
             Some((value, DeValue::String(word))) => Ok(Some((word.as_ref(), value))),
             Some((value, _)) => Err(self.value_error(key, value, "a string is needed")),
         }
-    }
-
-    pub(super) fn numbers(&self, key: &'static str) -> Result<Option<Vec<f64>>, SceneFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        let numbers = as_array(value).and_then(|array| array.iter().map(as_number).collect());
-        numbers.map(Some).ok_or_else(|| self.value_error(key, value, "a list of numbers is needed"))
-    }
-
-    /// Exactly `N` numbers.
-    pub(super) fn several<const N: usize>(&self, key: &'static str) -> Result<Option<[f64; N]>, SceneFileError> {
-        let Some(numbers) = self.numbers(key)? else { return Ok(None) };
-        match <[f64; N]>::try_from(numbers) {
-            Ok(numbers) => Ok(Some(numbers)),
-            Err(_) => Err(self.value_error(key, &self.table[key], format!("{N} numbers are needed"))),
-        }
-    }
-
-    /// One number for all three axes, or three.
-    pub(super) fn one_or_three(&self, key: &'static str) -> Result<Option<[f64; 3]>, SceneFileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        let numbers = match as_number(value) {
-            Some(number) => Some([number; 3]),
-            None => as_array(value)
-                .and_then(|array| array.iter().map(as_number).collect::<Option<Vec<f64>>>())
-                .and_then(|list| list.try_into().ok()),
-        };
-        numbers.map(Some).ok_or_else(|| self.value_error(key, value, "a number or three (x, y, z) are needed"))
     }
 
     /// Refuses the first key that was never asked for.

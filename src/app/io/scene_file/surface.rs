@@ -1,133 +1,347 @@
-//! `[surface]`: kind, sizes, pose.
+//! `[surface]`: kind, sizes, pose; one type a kind. Lengths are in the unit of the scene. The highest point of a raised
+//! body, or the lowest of a hollow one, is at the origin. Types that are `remote` are read straight into the body of the
+//! simulated world.
 
-use super::section::{Section, Value, as_array};
+use palpate_world::scene::Surface;
+use palpate_world::scene::surface::{self as world, Body, SolidShape};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::keys::keys;
+use super::manual::{Entry, Key};
+use super::section::Section;
 use super::{Importer, SceneFileError};
-use palpate_world::scene::surface::*;
-use toml::de::DeValue;
+
+/// A plane: flat, level unless it is turned.
+#[derive(Deserialize, JsonSchema)]
+struct Plane {}
+
+/// A ball.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Sphere")]
+struct Sphere {
+    /// Radius, units of length.
+    #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-needed" = "a radius is needed"))]
+    radius: f64,
+}
+
+/// A round bar that lies along its axis.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Cylinder")]
+struct Cylinder {
+    /// Radius, units of length.
+    #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-needed" = "a radius is needed"))]
+    radius: f64,
+}
+
+/// A ball stretched by another factor along each axis.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Ellipsoid")]
+struct Ellipsoid {
+    /// Half its length along x, y, z, units of length.
+    #[schemars(example = [12.0, 8.0, 6.0])]
+    #[schemars(extend("x-range" = "three numbers above 0", "x-needed" = "three semi-axes are needed"))]
+    semi_axes: [f64; 3],
+}
+
+/// A ring that lies flat, touched on top of its tube.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Torus")]
+struct Torus {
+    /// Radius of the ring, to the middle of the tube, units of length.
+    #[schemars(example = 20.0, extend("exclusiveMinimum" = 0, "x-needed" = "the radius of the ring is needed"))]
+    major: f64,
+    /// Radius of the tube, units of length.
+    #[schemars(example = 5.0, extend("exclusiveMinimum" = 0, "x-needed" = "the radius of the tube is needed"))]
+    minor: f64,
+}
+
+/// A bowl turned over: z = -x^2/(2 r1) - y^2/(2 r2).
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Paraboloid")]
+struct Paraboloid {
+    /// Radii of curvature r1, r2 along x and y at the top, units of length.
+    #[schemars(example = [10.0, 20.0])]
+    #[schemars(extend("x-range" = "two numbers, neither 0", "x-needed" = "two radii of curvature are needed"))]
+    radii: [f64; 2],
+}
+
+/// Raised along one axis, hollow along the other: z = -x^2/(2 r1) + y^2/(2 r2).
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Saddle")]
+struct Saddle {
+    /// Radii of curvature r1, r2 along x and y in the middle, units of length.
+    #[schemars(example = [10.0, 10.0])]
+    #[schemars(extend("x-range" = "two numbers, neither 0", "x-needed" = "two radii of curvature are needed"))]
+    radii: [f64; 2],
+}
+
+/// A saddle for two legs and a tail: z = (x^3 - 3 x y^2)/l^2.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::MonkeySaddle")]
+struct MonkeySaddle {
+    /// The length l, units of length.
+    #[schemars(example = 20.0, extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("x-needed" = "the length l of z = (x^3 - 3 x y^2)/l^2 is needed"))]
+    length: f64,
+}
+
+/// A smooth bump on a plane: z = h exp(-(x^2 + y^2)/(2 w^2)) - h.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::GaussianBump")]
+struct GaussianBump {
+    /// Its height h, units of length; below 0 a dent.
+    #[schemars(example = 2.0, extend("x-needed" = "the height of the bump is needed"))]
+    height: f64,
+    /// Its width w (one sigma), units of length.
+    #[schemars(example = 5.0, extend("exclusiveMinimum" = 0, "x-needed" = "the width (sigma) of the bump is needed"))]
+    width: f64,
+}
+
+/// Waves.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Sinusoid")]
+struct Sinusoid {
+    /// Half their height, units of length.
+    #[schemars(example = 0.5, extend("x-needed" = "the amplitude of the waves is needed"))]
+    amplitude: f64,
+    /// From crest to crest along x, units of length.
+    #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-needed" = "the wavelength along x is needed"))]
+    wavelength: f64,
+    /// From crest to crest along y, units of length.
+    #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-left-out" = "no waves along y"))]
+    wavelength_y: Option<f64>,
+}
+
+/// From a box with rounded edges to an ellipsoid.
+#[derive(Deserialize, JsonSchema)]
+#[serde(remote = "world::Superquadric")]
+struct Superquadric {
+    /// Half its length along x, y, z, units of length.
+    #[schemars(example = [10.0, 10.0, 10.0])]
+    #[schemars(extend("x-range" = "three numbers above 0", "x-needed" = "three semi-axes are needed"))]
+    semi_axes: [f64; 3],
+    /// Roundness e1 from top to side and e2 round about: 1 is an ellipsoid, near 0 a box.
+    #[schemars(example = [0.5, 0.5])]
+    #[schemars(extend("x-range" = "two numbers above 0, at most 1", "x-needed" = "the exponents e1, e2 in (0, 1] are needed"))]
+    exponents: [f64; 2],
+}
+
+/// Several bodies at once; the fingers touch whichever comes first from above.
+#[derive(Deserialize, JsonSchema)]
+struct Union {
+    /// The bodies.
+    #[schemars(with = "Vec<serde_json::Value>", extend("x-example" = BODIES, "x-needed" = EACH_PART, "x-expected" = EACH_PART))]
+    #[schemars(extend("x-range" = "a list of surfaces; each part may be its own [[surface.parts]]"))]
+    #[expect(dead_code, reason = "each part is a section, which is read as the surface is")]
+    parts: IgnoredAny,
+}
+
+const BODIES: &str = "[{ kind = \"sphere\", radius = 10.0 }, { kind = \"plane\", offset = [0.0, 0.0, -3.0] }]";
+
+/// Solids joined and cut: block (size), ball (radius), bar (radius, length), frustum (radius, top, length), ring (major,
+/// minor), each centred at its offset with its axis upright, and taken away where cut = true.
+#[derive(Deserialize, JsonSchema)]
+struct Solids {
+    /// The solids.
+    #[schemars(with = "Vec<serde_json::Value>", extend("x-example" = SOLIDS, "x-needed" = EACH_PART, "x-expected" = EACH_PART))]
+    #[schemars(extend("x-range" = "a list of solids; each part may be its own [[surface.parts]]"))]
+    #[expect(dead_code, reason = "each part is a section")]
+    parts: IgnoredAny,
+}
+
+const SOLIDS: &str = "[{ kind = \"ball\", radius = 10.0 }, { kind = \"bar\", radius = 3.0, length = 8.0, cut = true }]";
+const EACH_PART: &str = "give each part as a [[surface.parts]]";
+
+/// A surface that palpate fitted and saved.
+#[derive(Deserialize, JsonSchema)]
+struct Imported {
+    /// What --save or --json wrote.
+    #[schemars(example = &"surface.json", extend("x-needed" = "the JSON of a fit is needed"))]
+    #[schemars(extend("x-range" = "the name of a file, beside the scene"))]
+    file: String,
+}
+
+/// A box.
+#[derive(Deserialize, JsonSchema)]
+struct Block {
+    /// Sides along x, y, z, units of length.
+    #[schemars(extend("x-needed" = "three sides are needed"))]
+    size: [f64; 3],
+}
+
+/// A round bar.
+#[derive(Deserialize, JsonSchema)]
+struct Bar {
+    /// Radius, units of length.
+    #[schemars(extend("x-needed" = "a radius is needed"))]
+    radius: f64,
+    /// Length from end to end, units of length.
+    #[schemars(extend("x-needed" = "the length from end to end is needed"))]
+    length: f64,
+}
+
+/// A bar that narrows.
+#[derive(Deserialize, JsonSchema)]
+struct Frustum {
+    /// Radius of the lower end, units of length.
+    #[schemars(extend("x-needed" = "a radius is needed"))]
+    radius: f64,
+    /// Radius of the upper end, units of length.
+    #[schemars(extend("x-needed" = "the radius of the upper end is needed"))]
+    top: f64,
+    /// Length from end to end, units of length.
+    #[schemars(extend("x-needed" = "the length from end to end is needed"))]
+    length: f64,
+}
+
+/// Keys of every surface and of every solid.
+#[derive(Deserialize, JsonSchema)]
+struct Pose {
+    /// Direction of the body's long axis, degrees from x towards y.
+    #[serde(default)]
+    #[schemars(example = 45.0)]
+    axis_deg: f64,
+    /// Turns the body about x, y, z in this order, degrees.
+    #[serde(default)]
+    #[schemars(example = [0.0, 20.0, 0.0])]
+    rotation_deg: [f64; 3],
+    /// Moves it, units of length.
+    #[serde(default)]
+    #[schemars(example = [0.0, 0.0, 5.0])]
+    offset: [f64; 3],
+}
+
+/// Key of every surface.
+#[derive(Deserialize, JsonSchema)]
+struct Side {
+    /// Seen from inside: touched on its hollow side.
+    #[serde(default)]
+    #[schemars(example = true)]
+    concave: bool,
+}
+
+/// Key of every solid.
+#[derive(Deserialize, JsonSchema)]
+struct Cut {
+    /// Taken away from the solids before it.
+    #[serde(default)]
+    cut: bool,
+}
+
+keys! {
+    Plane => Plane,
+    Sphere => world::Sphere,
+    Cylinder => world::Cylinder,
+    Ellipsoid => world::Ellipsoid,
+    Torus => world::Torus,
+    Paraboloid => world::Paraboloid,
+    Saddle => world::Saddle,
+    MonkeySaddle => world::MonkeySaddle,
+    GaussianBump => world::GaussianBump,
+    Sinusoid => world::Sinusoid,
+    Superquadric => world::Superquadric,
+    Union => Union,
+    Solids => Solids,
+    Imported => Imported,
+    Block => Block,
+    Bar => Bar,
+    Frustum => Frustum,
+    Pose => Pose,
+    Side => Side,
+    Cut => Cut,
+}
+
+type Reader = fn(&Section, &Importer) -> Result<Body, SceneFileError>;
+type Describer = fn(&'static str, &'static str) -> Entry;
+
+/// Every kind of surface, in the order of [`Body::KINDS`].
+const KINDS: &[(&str, Reader, Describer)] = &[
+    ("plane", |s, _| s.read::<Plane>().map(|_| Body::Plane), Entry::of::<Plane>),
+    ("sphere", |s, _| s.read::<Sphere>().map(Body::Sphere), Entry::of::<Sphere>),
+    ("cylinder", |s, _| s.read::<Cylinder>().map(Body::Cylinder), Entry::of::<Cylinder>),
+    ("ellipsoid", |s, _| s.read::<Ellipsoid>().map(Body::Ellipsoid), Entry::of::<Ellipsoid>),
+    ("torus", |s, _| s.read::<Torus>().map(Body::Torus), Entry::of::<Torus>),
+    ("paraboloid", |s, _| s.read::<Paraboloid>().map(Body::Paraboloid), Entry::of::<Paraboloid>),
+    ("saddle", |s, _| s.read::<Saddle>().map(Body::Saddle), Entry::of::<Saddle>),
+    ("monkey_saddle", |s, _| s.read::<MonkeySaddle>().map(Body::MonkeySaddle), Entry::of::<MonkeySaddle>),
+    ("gaussian", |s, _| s.read::<GaussianBump>().map(Body::Gaussian), Entry::of::<GaussianBump>),
+    ("sinusoid", |s, _| s.read::<Sinusoid>().map(Body::Sinusoid), Entry::of::<Sinusoid>),
+    ("superquadric", |s, _| s.read::<Superquadric>().map(Body::Superquadric), Entry::of::<Superquadric>),
+    ("union", union, Entry::of::<Union>),
+    ("solids", solids, Entry::of::<Solids>),
+    ("imported", imported, Entry::of::<Imported>),
+];
+
+/// The kinds of surface for the manual.
+pub(super) fn entries() -> impl Iterator<Item = Entry> {
+    KINDS.iter().map(|(kind, _, describe)| describe("surface", kind))
+}
+
+/// The keys of every surface for the manual.
+pub(super) fn shared() -> Vec<Key> {
+    let mut keys = Key::all::<Pose>();
+    keys.splice(1..1, Key::all::<Side>());
+    keys
+}
 
 pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, SceneFileError> {
     let Some((kind, value)) = section.word("kind")? else {
         return Err(section.missing("kind", "one of plane, sphere, cylinder, ... is needed"));
     };
-    let body = match kind {
-        "plane" => Body::Plane,
-        "sphere" => Body::Sphere(Sphere { radius: radius(&section)? }),
-        "cylinder" => Body::Cylinder(Cylinder { radius: radius(&section)? }),
-        "ellipsoid" => Body::Ellipsoid(Ellipsoid { semi_axes: semi_axes(&section)? }),
-        "torus" => Body::Torus(Torus {
-            major: section.required("major", "the radius of the ring is needed")?,
-            minor: section.required("minor", "the radius of the tube is needed")?,
-        }),
-        "paraboloid" => Body::Paraboloid(Paraboloid { radii: radii(&section)? }),
-        "saddle" => Body::Saddle(Saddle { radii: radii(&section)? }),
-        "monkey_saddle" => Body::MonkeySaddle(MonkeySaddle {
-            length: section.required("length", "the length l of z = (x^3 - 3 x y^2)/l^2 is needed")?,
-        }),
-        "gaussian" => Body::Gaussian(GaussianBump {
-            height: section.required("height", "the height of the bump is needed")?,
-            width: section.required("width", "the width (sigma) of the bump is needed")?,
-        }),
-        "sinusoid" => Body::Sinusoid(Sinusoid {
-            amplitude: section.required("amplitude", "the amplitude of the waves is needed")?,
-            wavelength: section.required("wavelength", "the wavelength along x is needed")?,
-            wavelength_y: section.number("wavelength_y")?,
-        }),
-        "superquadric" => Body::Superquadric(Superquadric {
-            semi_axes: semi_axes(&section)?,
-            exponents: match section.several("exponents")? {
-                Some(exponents) => exponents,
-                None => return Err(section.missing("exponents", "the exponents e1, e2 in (0, 1] are needed")),
-            },
-        }),
-        "solids" => Body::Solids(Solids { parts: solids(&section)? }),
-        "union" => Body::Union(Union { parts: parts(&section, importer)? }),
-        "imported" => imported(&section, importer)?,
-        other => return Err(section.unknown_word("surface", value, other, Body::KINDS)),
+    let Some((_, reader, _)) = KINDS.iter().find(|(known, ..)| *known == kind) else {
+        return Err(section.unknown_word("surface", value, kind, Body::KINDS));
     };
+    let body = reader(&section, importer)?;
     let pose = pose(&section)?;
-    let concave = section.truth("concave")?;
+    let Side { concave } = section.read::<Side>()?;
     section.finish("key")?;
     Ok(Surface { body, concave, pose })
 }
 
-fn radius(section: &Section) -> Result<f64, SceneFileError> {
-    section.required("radius", "a radius is needed")
+fn pose(section: &Section) -> Result<world::Pose, SceneFileError> {
+    let Pose { axis_deg, rotation_deg, offset } = section.read::<Pose>()?;
+    Ok(world::Pose::new(axis_deg, rotation_deg, offset))
 }
 
-fn semi_axes(section: &Section) -> Result<[f64; 3], SceneFileError> {
-    section.several("semi_axes")?.ok_or_else(|| section.missing("semi_axes", "three semi-axes are needed"))
+fn union(section: &Section, importer: &Importer) -> Result<Body, SceneFileError> {
+    section.read::<Union>()?;
+    let parts = section.tables("parts", EACH_PART)?;
+    Ok(Body::Union(world::Union {
+        parts: parts.into_iter().map(|part| read(part, importer)).collect::<Result<_, _>>()?,
+    }))
 }
 
-fn radii(section: &Section) -> Result<[f64; 2], SceneFileError> {
-    section.several("radii")?.ok_or_else(|| section.missing("radii", "two radii of curvature are needed"))
+fn solids(section: &Section, _: &Importer) -> Result<Body, SceneFileError> {
+    section.read::<Solids>()?;
+    let parts = section.tables("parts", EACH_PART)?;
+    Ok(Body::Solids(world::Solids { parts: parts.into_iter().map(solid).collect::<Result<_, _>>()? }))
 }
 
-fn parts(section: &Section, importer: &Importer) -> Result<Vec<Surface>, SceneFileError> {
-    each_part(section, |part| read(part, importer))
-}
-
-/// Every `[[surface.parts]]`, read one by one.
-fn each_part<T>(
-    section: &Section,
-    read: impl Fn(Section) -> Result<T, SceneFileError>,
-) -> Result<Vec<T>, SceneFileError> {
-    const EXPECTED: &str = "give each part as a [[surface.parts]]";
-    let Some(value) = section.get("parts") else { return Err(section.missing("parts", EXPECTED)) };
-    let table = |part: &'_ Value| part.span().start;
-    let Some(array) = as_array(value) else { return Err(section.value_error("parts", value, EXPECTED)) };
-    let mut parts = Vec::new();
-    for part in array.iter() {
-        let DeValue::Table(inner) = part.get_ref() else {
-            return Err(section.value_error("parts", part, EXPECTED));
-        };
-        parts.push(read(Section::new(section.source, &section.full("parts"), inner, table(part)))?);
-    }
-    Ok(parts)
-}
-
-/// Blocks, balls, bars, frustums and rings.
-fn solids(section: &Section) -> Result<Vec<Solid>, SceneFileError> {
-    each_part(section, |part| {
-        let Some((kind, value)) = part.word("kind")? else {
-            return Err(part.missing("kind", "one of block, ball, bar, frustum, ring is needed"));
-        };
-        let length = |part: &Section| part.required("length", "the length from end to end is needed");
-        let shape = match kind {
-            "block" => SolidShape::Block {
-                size: part.several("size")?.ok_or_else(|| part.missing("size", "three sides are needed"))?,
-            },
-            "ball" => SolidShape::Ball { radius: radius(&part)? },
-            "bar" => SolidShape::Bar { radius: radius(&part)?, length: length(&part)? },
-            "frustum" => SolidShape::Frustum {
-                radius: radius(&part)?,
-                top: part.required("top", "the radius of the upper end is needed")?,
-                length: length(&part)?,
-            },
-            "ring" => SolidShape::Ring {
-                major: part.required("major", "the radius of the ring is needed")?,
-                minor: part.required("minor", "the radius of the tube is needed")?,
-            },
-            other => return Err(part.unknown_word("solid", value, other, &SolidShape::KINDS)),
-        };
-        let pose = pose(&part)?;
-        let cut = part.truth("cut")?;
-        part.finish("key")?;
-        Ok(Solid { shape, pose, cut })
-    })
-}
-
-fn pose(section: &Section) -> Result<Pose, SceneFileError> {
-    let axis = section.number_or("axis_deg", 0.0)?;
-    let rotation = section.several("rotation_deg")?.unwrap_or([0.0; 3]);
-    let offset = section.several("offset")?.unwrap_or([0.0; 3]);
-    Ok(Pose::new(axis, rotation, offset))
+/// A block, ball, bar, frustum or ring.
+fn solid(part: Section) -> Result<world::Solid, SceneFileError> {
+    let Some((kind, value)) = part.word("kind")? else {
+        return Err(part.missing("kind", "one of block, ball, bar, frustum, ring is needed"));
+    };
+    let shape = match kind {
+        "block" => part.read::<Block>().map(|Block { size }| SolidShape::Block { size }),
+        "ball" => part.read::<Sphere>().map(|ball| SolidShape::Ball { radius: ball.radius }),
+        "bar" => part.read::<Bar>().map(|Bar { radius, length }| SolidShape::Bar { radius, length }),
+        "frustum" => {
+            part.read::<Frustum>().map(|Frustum { radius, top, length }| SolidShape::Frustum { radius, top, length })
+        }
+        "ring" => part.read::<Torus>().map(|ring| SolidShape::Ring { major: ring.major, minor: ring.minor }),
+        other => Err(part.unknown_word("solid", value, other, &SolidShape::KINDS)),
+    }?;
+    let pose = pose(&part)?;
+    let Cut { cut } = part.read::<Cut>()?;
+    part.finish("key")?;
+    Ok(world::Solid { shape, pose, cut })
 }
 
 fn imported(section: &Section, importer: &Importer) -> Result<Body, SceneFileError> {
-    let Some((file, value)) = section.word("file")? else {
-        return Err(section.missing("file", "the JSON of a fit is needed"));
-    };
-    let (line, column) = section.place_of(value);
-    let failed = |reason| SceneFileError::Import { line, column, file: file.into(), reason };
-    importer(file).map(Body::Imported).map_err(failed)
+    let Imported { file } = section.read::<Imported>()?;
+    let (line, column) = section.get("file").map_or_else(|| section.place(), |value| section.place_of(value));
+    importer(&file).map(Body::Imported).map_err(|reason| SceneFileError::Import { line, column, file, reason })
 }

@@ -14,7 +14,6 @@
 //! What a format cannot say is refused by name: a spline that closes on itself has no ends for CAD, and one with
 //! coefficients that no data hold would show a made-up surface in the gap, which CAD could not tell from the touched one.
 
-mod base64;
 mod cad;
 mod glb;
 mod iges_reader;

@@ -6,8 +6,8 @@
 
 use std::fmt::Write as _;
 
-use super::base64::encode;
 use super::mesh::SurfaceMesh;
+use crate::io::base64;
 
 /// VTK's number of a triangle.
 const TRIANGLE: u8 = 5;
@@ -45,6 +45,6 @@ fn array(text: &mut String, kind: &str, name: &str, components: usize, bytes: &[
     let _ = writeln!(text, "<DataArray type=\"{kind}\" Name=\"{name}\"{parts} format=\"binary\">");
     let mut whole = (bytes.len() as u64).to_le_bytes().to_vec();
     whole.extend_from_slice(bytes);
-    encode(&whole, text);
+    text.push_str(&base64(&whole));
     text.push_str("\n</DataArray>\n");
 }

@@ -10,13 +10,13 @@ use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::Parts;
 use palpate_numeric::vector::{Vector, dot, unit};
 
-use super::super::base64::singles;
 use super::super::colour::{hex, mix};
 use super::super::parts_picture::part_colour;
-use super::eye::Eye;
+use super::camera::Camera;
+use super::view_data::singles;
 
 /// Contacts that the page holds; of more, every so many-th.
-const MOST: usize = 300_000;
+const MOST_CONTACTS: usize = 300_000;
 /// Contacts of the still picture.
 const DOTS: usize = 6_000;
 /// Layers of the still picture from the farthest to the nearest.
@@ -51,15 +51,15 @@ impl PartsBody<'_> {
 
     /// How many contacts are in the page, where not all.
     pub(super) fn thinned(&self) -> Option<String> {
-        let (held, all) = (self.every(MOST).count(), self.contacts.len());
+        let (held, all) = (self.every(MOST_CONTACTS).count(), self.contacts.len());
         (held < all).then(|| format!("{held} of the {all} contacts are drawn, evenly chosen."))
     }
 
     /// The data of the turning view; `names` of the parts are what the switches and the pointer say.
     pub(super) fn data(&self, names: &[String]) -> String {
-        let all: Vec<usize> = self.every(MOST).collect();
-        let eye = Eye::new(&all.iter().map(|r| self.place(*r)).collect::<Vec<_>>());
-        let centre = eye.centre();
+        let all: Vec<usize> = self.every(MOST_CONTACTS).collect();
+        let camera = Camera::new(&all.iter().map(|r| self.place(*r)).collect::<Vec<_>>());
+        let centre = camera.centre();
         let label = |r: usize| self.found.labels[r].map_or(NONE, f64::from);
         let colours: Vec<_> = (0..names.len()).map(|k| part_colour(Some(k as u32))).collect();
         let normals: Option<Vec<Vector>> = all.iter().map(|r| self.normal(*r)).collect();
@@ -79,16 +79,16 @@ impl PartsBody<'_> {
     /// The still picture, from the eye of the turning view.
     pub(super) fn picture(&self) -> String {
         let all: Vec<usize> = self.every(DOTS).collect();
-        let eye = Eye::new(&all.iter().map(|r| self.place(*r)).collect::<Vec<_>>());
-        let canvas = eye.canvas();
-        let mut order: Vec<(f64, usize)> = all.iter().map(|r| (eye.turned(self.place(*r))[2], *r)).collect();
-        order.retain(|(_, r)| self.normal(*r).is_none_or(|normal| eye.faces(self.place(*r), normal)));
+        let camera = Camera::new(&all.iter().map(|r| self.place(*r)).collect::<Vec<_>>());
+        let canvas = camera.canvas();
+        let mut order: Vec<(f64, usize)> = all.iter().map(|r| (camera.turned(self.place(*r))[2], *r)).collect();
+        order.retain(|(_, r)| self.normal(*r).is_none_or(|normal| camera.faces(self.place(*r), normal)));
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut out = canvas.begin("The body in perspective, coloured by part");
-        out.push_str(&canvas.edges(&eye, true));
+        out.push_str(&canvas.edges(&camera, true));
         let light = unit([-0.25, -0.45, 1.0]);
         let apart = self.found.spacing * (self.contacts.len() as f64 / all.len().max(1) as f64).sqrt();
-        let width = canvas.width(&eye, COVER * apart).clamp(3.0, 60.0);
+        let width = canvas.width(&camera, COVER * apart).clamp(3.0, 60.0);
         for layer in order.chunks(order.len().div_ceil(LAYERS).max(1)) {
             // a few shades for each part, so that few shapes hold all contacts
             let mut groups = std::collections::BTreeMap::<String, String>::new();
@@ -96,7 +96,10 @@ impl PartsBody<'_> {
                 let lit = self.normal(*r).map_or(1.0, |n| 0.62 + 0.38 * (4.0 * dot(n, light)).round() / 4.0);
                 let shade = if self.edge.get(*r).copied().unwrap_or(false) { 0.3 } else { lit };
                 let colour = mix([0; 3], part_colour(self.found.labels[*r]), shade.clamp(0.3, 1.0));
-                groups.entry(hex(colour)).or_default().push_str(&format!("M{}h0", canvas.place(&eye, self.place(*r))));
+                groups
+                    .entry(hex(colour))
+                    .or_default()
+                    .push_str(&format!("M{}h0", canvas.place(&camera, self.place(*r))));
             }
             for (colour, path) in groups {
                 out.push_str(&format!(
@@ -104,7 +107,7 @@ impl PartsBody<'_> {
                 ));
             }
         }
-        out.push_str(&canvas.edges(&eye, false));
+        out.push_str(&canvas.edges(&camera, false));
         out + "</svg>\n"
     }
 }

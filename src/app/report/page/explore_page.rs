@@ -2,14 +2,15 @@
 
 use std::io::Write;
 
-use super::chart::{Axis, Chart, precise, shown};
+use super::figure::{chart, precise, shown};
 use super::fit_page::surface;
 use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{key, notes, table};
+use crate::report::charts::{Falling, touched};
 use crate::report::description::Description;
-use crate::report::explore::{ExploreDocument, KnownPart, StepPart, write_explore_table};
+use crate::report::explore::{ExploreDocument, KnownPart, write_explore_table};
 use crate::report::json::write_json;
 use crate::report::table::significant;
 use crate::report::words::like;
@@ -20,7 +21,7 @@ use crate::report::words::like;
 /// What the system says.
 pub(crate) fn write_explore_page(
     document: &ExploreDocument,
-    found: Option<&dyn Description>,
+    found: Option<&Description>,
     provenance: &Provenance,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
@@ -28,7 +29,7 @@ pub(crate) fn write_explore_page(
     write_json(document, &mut json)?;
     write_explore_table(document, &mut words)?;
     let mut sections = falling(document);
-    sections.push_str(&touched(document));
+    sections.push_str(&places(document));
     sections.push_str(&looks(document));
     sections.push_str(&notes(&document.notes));
     let mut view = None;
@@ -69,39 +70,17 @@ fn lead(document: &ExploreDocument) -> String {
 
 /// u(S) and u(R)/R over the contacts.
 fn falling(document: &ExploreDocument) -> String {
-    let one = |name: &str, goal: Option<f64>, of: fn(&StepPart) -> Option<f64>| {
-        let points: Vec<([f64; 2], &StepPart)> =
-            document.steps.iter().filter_map(|step| Some(([step.contacts as f64, of(step)?], step))).collect();
-        if points.is_empty() {
-            return format!(
-                "<figure><figcaption><b>{}</b> is undefined at every look.</figcaption></figure>",
-                text(name)
-            );
+    let both = Falling::both(document).map(|falling| {
+        let name = text(falling.name);
+        if !falling.is_known(document) {
+            return format!("<figure><figcaption><b>{name}</b> is undefined at every look.</figcaption></figure>");
         }
-        let all = points.iter().map(|(p, _)| p[1]).chain(goal);
-        let mut chart = Chart::new(
-            &format!("{name} against the number of contacts"),
-            Axis::holding("contacts", document.steps.iter().map(|step| step.contacts as f64)),
-            Axis::logarithmic("standard uncertainty", all),
-        );
-        if let Some(goal) = goal {
-            let ends = [document.steps.first(), document.steps.last()].map(|s| s.map_or(0.0, |s| s.contacts as f64));
-            chart.line("goal", &[[ends[0], goal], [ends[1], goal]]);
-        }
-        chart.line("", &points.iter().map(|(p, _)| *p).collect::<Vec<_>>());
-        for (at, step) in &points {
-            let words = format!("{} contacts\n{name} {}\n{}", step.contacts, significant(at[1], 3), known(step));
-            chart.dot("", *at, 4.0, &words);
-        }
-        format!("<figure><figcaption><b>{}</b></figcaption>{}</figure>", text(name), chart.svg())
-    };
-    let goal = document.goal.as_ref();
-    let s = one("standard uncertainty of S", goal.map(|goal| goal.u_S), |step| step.shape_index.u.filter(|u| *u > 0.0));
-    let r = one("standard uncertainty of R, as a share of R", goal.map(|goal| goal.u_R), |step| {
-        let (u, mean) = (step.curvedness.u?, step.curvedness.mean?);
-        Some(u / mean).filter(|share| *share > 0.0 && share.is_finite())
+        let label = format!("{} against the number of contacts", falling.name);
+        let chart = chart(&label, |drawing, rect| falling.draw(drawing, rect, document));
+        format!("<figure><figcaption><b>{name}</b></figcaption>{chart}</figure>")
     });
-    let marks = if goal.is_some() {
+    let [s, r] = both;
+    let marks = if document.goal.is_some() {
         key(&[("line", "--accent", "so far"), ("line dashed", "--faint", "goal")])
     } else {
         String::new()
@@ -111,33 +90,14 @@ fn falling(document: &ExploreDocument) -> String {
     )
 }
 
-fn known(step: &StepPart) -> String {
-    let one = |name: &str, part: &KnownPart| {
-        part.mean.zip(part.u).map(|(mean, u)| format!("{name} {} with uncertainty {}", shown(mean), significant(u, 2)))
-    };
-    let both = [one("S", &step.shape_index), one("R", &step.curvedness)];
-    both.into_iter().flatten().collect::<Vec<_>>().join("\n")
-}
-
 /// Where it touched, the first sweep apart from the planned touches.
-fn touched(document: &ExploreDocument) -> String {
-    let places = || document.steps.iter().flat_map(|step| step.touched.iter());
-    if places().next().is_none() {
+fn places(document: &ExploreDocument) -> String {
+    if document.steps.iter().all(|step| step.touched.is_empty()) {
         return String::new();
     }
-    let [x, y] = Axis::level(["x", "y"], &places().copied().collect::<Vec<_>>());
-    let mut chart = Chart::new("Where it touched", x, y);
-    let mut number = 0;
-    for (k, step) in document.steps.iter().enumerate() {
-        for place in &step.touched {
-            number += 1;
-            let when = if k == 0 { "first sweep".to_string() } else { format!("planned, round {k}") };
-            let words = format!("contact {number}: {when}\nx {}, y {}", shown(place[0]), shown(place[1]));
-            chart.dot(if k == 0 { "quiet" } else { "second" }, *place, 4.5, &words);
-        }
-    }
+    let chart = chart("Where it touched", |drawing, rect| touched(drawing, rect, document));
     let marks = key(&[("", "--faint", "first sweep"), ("", "--second", "planned touches")]);
-    format!("<section id=\"touched\"><h2>Where it touched</h2>\n<figure>{}</figure>{marks}</section>\n", chart.svg())
+    format!("<section id=\"touched\"><h2>Where it touched</h2>\n<figure>{chart}</figure>{marks}</section>\n")
 }
 
 fn looks(document: &ExploreDocument) -> String {

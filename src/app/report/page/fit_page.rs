@@ -18,7 +18,7 @@ use crate::report::words::write_words;
 ///
 /// # Errors
 /// What the system says of memory.
-pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String, String)> {
+pub(super) fn surface(description: &Description) -> std::io::Result<(String, String)> {
     let (view, document) = (shown_view(description), description.document());
     let fields = fields(&view, document);
     let mut sections = cards(document);
@@ -37,7 +37,7 @@ pub(super) fn surface(description: &dyn Description) -> std::io::Result<(String,
 /// # Errors
 /// What the system says.
 pub(crate) fn write_fit_page(
-    description: &dyn Description,
+    description: &Description,
     saved: &FitDocument,
     name: &str,
     provenance: &Provenance,

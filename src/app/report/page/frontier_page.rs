@@ -2,25 +2,15 @@
 
 use std::io::Write;
 
-use super::chart::{Axis, Chart};
+use super::figure::chart;
 use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, notes, table};
+use crate::report::charts::{FrontierFigure, FrontierKind, KINDS, TIME, number, time};
 use crate::report::frontier::{FrontierDocument, FrontierRecord, PickPart};
 use crate::report::frontier_table::write_frontier_table;
 use crate::report::json::write_json;
-use crate::report::table::significant;
-
-/// The frontiers: key, heading, name of the error.
-const KINDS: [[&str; 3]; 3] = [
-    ["discretisation", "Ways of fitting", "error of S and R together"],
-    ["solver", "Ways of solving the equations", "error of the coefficients"],
-    ["interval", "Ways to an interval", "error of the ends / half width"],
-];
-
-/// Errors below this are rounding: they are drawn there.
-const ROUNDING: f64 = 1e-17;
 
 /// Writes the page of a frontier.
 ///
@@ -38,7 +28,7 @@ pub(crate) fn write_frontier_page(
     if let Some(pick) = &document.pick {
         sections.push_str(&picked(pick));
     }
-    KINDS.iter().for_each(|kind| sections.push_str(&frontier(document, kind)));
+    KINDS.into_iter().for_each(|kind| sections.push_str(&frontier(document, kind)));
     sections.push_str(&stages(document));
     sections.push_str(&without_answer(document));
     sections.push_str(&notes(&document.notes));
@@ -77,18 +67,6 @@ fn lead(document: &FrontierDocument) -> String {
     )
 }
 
-fn time(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => format!("{} us", significant(1e6 * s, 3)),
-        s if s < 1.0 => format!("{} ms", significant(1e3 * s, 3)),
-        s => format!("{} s", significant(s, 3)),
-    }
-}
-
-fn number(value: Option<f64>) -> String {
-    value.map_or("-".into(), |v| significant(v, 3))
-}
-
 fn picked(pick: &PickPart) -> String {
     let verdict = if pick.met { "meets the request" } else { "nothing meets the request; this is nearest" };
     let mut lines = vec![verdict.to_string()];
@@ -106,85 +84,25 @@ fn picked(pick: &PickPart) -> String {
     )
 }
 
-/// Time and error of a point that has both.
-fn place(point: &FrontierRecord) -> Option<[f64; 2]> {
-    let error = point.error.filter(|_| point.failed.is_none())?;
-    Some([point.seconds?.median, error.max(ROUNDING)])
-}
-
-/// What a point says when it is pointed at.
-fn words(point: &FrontierRecord) -> String {
-    let mut lines =
-        vec![if point.frontier == "solver" { format!("{}: {}", point.case, point.label) } else { point.label.clone() }];
-    if let Some(seconds) = point.seconds {
-        lines.push(format!("time {} ({} to {})", time(seconds.median), time(seconds.lo), time(seconds.hi)));
-    }
-    lines.push(format!("error {}", number(point.error)));
-    if point.error_S.is_some() || point.error_R.is_some() {
-        lines.push(format!("error of S {}, of R {}", number(point.error_S), number(point.error_R)));
-    }
-    lines.extend(point.digits.map(|digits| format!("{} right digits", significant(digits, 3))));
-    lines.extend(point.instructions.map(|count| format!("{count} instructions")));
-    if point.on_frontier {
-        lines.push("on the frontier".into());
-    }
-    lines.join("\n")
-}
-
-fn frontier(document: &FrontierDocument, [kind, title, error]: &[&str; 3]) -> String {
-    let mut all: Vec<(&FrontierRecord, [f64; 2])> =
-        document.points.iter().filter(|point| point.frontier == *kind).filter_map(|p| Some((p, place(p)?))).collect();
-    if all.is_empty() {
-        return String::new();
-    }
-    all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-    let mut chart = Chart::new(
-        &format!("{title}: {error} against time"),
-        Axis::logarithmic("seconds on one thread", all.iter().map(|(_, p)| p[0])),
-        Axis::logarithmic(error, all.iter().map(|(_, p)| p[1])),
-    );
-    // solvers are compared case by case, and have no single frontier to draw
-    let on: Vec<&(&FrontierRecord, [f64; 2])> = all.iter().filter(|(point, _)| point.on_frontier).collect();
-    if *kind != "solver" {
-        chart.line("second", &stairs(&on.iter().map(|(_, p)| *p).collect::<Vec<_>>()));
-    }
-    for (point, at) in all.iter().filter(|(point, _)| !point.on_frontier) {
-        chart.dot("quiet", *at, 3.2, &words(point));
-    }
-    for (point, at) in &on {
-        if let Some(seconds) = point.seconds {
-            chart.whisker("second", [[seconds.lo, at[1]], [seconds.hi, at[1]]]);
-        }
-        chart.dot("second", *at, 5.0, &words(point));
-    }
+fn frontier(document: &FrontierDocument, kind: FrontierKind) -> String {
+    let Some(figure) = FrontierFigure::new(document, kind) else { return String::new() };
+    let FrontierKind { frontier, title, error } = kind;
+    let chart = chart(&format!("{title}: {error} against time"), |drawing, rect| {
+        figure.draw(drawing, rect, TIME);
+        let bottom = drawing.size[1];
+        drawing.size[1] = figure.key(drawing, bottom + 6.0);
+    });
     let marks = key(&[("", "--second", "on the frontier"), ("", "--faint", "another is faster and more accurate")]);
-    let rows: Vec<Vec<String>> = on.iter().map(|(point, _)| row(point)).collect();
+    let rows: Vec<Vec<String>> = figure.on.iter().map(|point| row(figure.name(point), point)).collect();
     let head = ["", "Error", "Error of S", "Error of R", "Time", "Time interval", "Instructions"];
     format!(
-        "<section id=\"{kind}\"><h2>{title}</h2>\n<figure>{}</figure>\n{marks}\
+        "<section id=\"{frontier}\"><h2>{title}</h2>\n<figure>{chart}</figure>\n{marks}\
          <details><summary>The points on the frontier as a table</summary>{}</details></section>\n",
-        chart.svg(),
         table(&head, &rows)
     )
 }
 
-/// From point to point: first along the time, then down.
-fn stairs(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut out: Vec<[f64; 2]> = Vec::new();
-    let mut least = f64::INFINITY;
-    for [x, y] in points.iter().copied().filter(|p| p[1].is_finite()) {
-        if y < least {
-            out.extend(out.last().map(|last| [x, last[1]]));
-            out.push([x, y]);
-            least = y;
-        }
-    }
-    out
-}
-
-fn row(point: &FrontierRecord) -> Vec<String> {
-    let name =
-        if point.frontier == "solver" { format!("{}: {}", point.case, point.label) } else { point.label.clone() };
+fn row(name: String, point: &FrontierRecord) -> Vec<String> {
     vec![
         name,
         number(point.error),

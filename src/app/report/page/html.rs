@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use crate::io::visible;
+use crate::io::{changes_others, visible};
 
 /// Letters of a name that are shown in a heading; the whole name stands at the page's end.
 const MOST_LETTERS: usize = 80;
@@ -26,7 +26,7 @@ pub(super) fn text(plain: &str) -> String {
             c if turns(c) => {
                 let _ = write!(out, "{}", c.escape_unicode());
             }
-            c if c.is_control() => out.push_str(&visible(&c.to_string())),
+            c if changes_others(c) => out.push_str(&visible(&c.to_string())),
             c => out.push(c),
         }
     }

@@ -19,20 +19,20 @@
 //! | `shell.rs`, `html.rs`, `lengths.rs`, `provenance.rs` | the page around its sections, escaping, units, where it comes from |
 //! | `fit_page.rs`, `surface_sections.rs`, `words.rs` | a surface: sections, sentences |
 //! | `study_page.rs`, `frontier_page.rs`, `explore_page.rs`, `sweep_page.rs`, `parts_page.rs`, `table_page.rs` | the other verbs |
-//! | `chart.rs`, `histogram.rs`, `figures.rs`, `tables.rs` | charts, maps and tables |
-//! | `eye.rs`, `perspective.rs`, `body.rs` | still pictures in space |
-//! | `colour.rs`, `raster.rs`, `base64.rs`, `view_data.rs` | colours, pixels, data for the scripts |
+//! | `figure.rs`, `inline.rs`, `figures.rs`, `tables.rs` | charts (drawn by `report/charts`), maps and tables |
+//! | `camera.rs`, `perspective.rs`, `body.rs` | still pictures in space |
+//! | `view_data.rs` | data for the scripts |
 //! | `assets/` | style, scripts, and in `vendor/` the library with its licence and the script that bundles it |
 
 mod body;
-mod chart;
+mod camera;
 mod explore_page;
-mod eye;
+mod figure;
 mod figures;
 mod fit_page;
 mod frontier_page;
-mod histogram;
 mod html;
+mod inline;
 mod lengths;
 mod parts_page;
 mod perspective;

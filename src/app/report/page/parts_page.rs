@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use super::body::PartsBody;
-use super::chart::{precise, shown};
+use super::figure::{precise, shown};
 use super::html::{heading, short, text};
 use super::provenance::Provenance;
 use super::shell::Page;

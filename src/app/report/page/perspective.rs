@@ -7,7 +7,7 @@ use crate::report::surface_view::{SurfaceView, Vector};
 use palpate_numeric::vector::{cross, dot, minus, unit};
 
 use super::super::colour::{FAINT, Field, hex, mix};
-use super::eye::{Canvas, Eye};
+use super::camera::{Camera, Canvas};
 
 /// Faces along each direction, a multiple of [`LINES`]; more would take a browser without graphics longer to draw.
 const FACES: usize = 20;
@@ -40,13 +40,13 @@ pub(super) fn picture(view: &SurfaceView, field: &Field) -> String {
     if n < 2 || m < 2 {
         return String::new();
     }
-    let eye = Eye::new(&view.points);
-    let canvas = eye.canvas();
+    let camera = Camera::new(&view.points);
+    let canvas = camera.canvas();
     let mut out = canvas.begin(&format!("The surface in perspective, coloured by {}", field.name));
-    out.push_str(&canvas.edges(&eye, true));
-    faces(view, field, (&eye, &canvas), &mut out);
-    out.push_str(&canvas.edges(&eye, false));
-    dots(view, (&eye, &canvas), &mut out);
+    out.push_str(&canvas.edges(&camera, true));
+    faces(view, field, (&camera, &canvas), &mut out);
+    out.push_str(&canvas.edges(&camera, false));
+    dots(view, (&camera, &canvas), &mut out);
     out.push_str("</svg>\n");
     out
 }
@@ -77,15 +77,15 @@ fn faces_of(view: &SurfaceView, turned: &[Vector]) -> (Vec<Face>, [usize; 2]) {
     (faces, [i.len() - 1, j.len() - 1])
 }
 
-fn faces(view: &SurfaceView, field: &Field, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
-    let turned: Vec<Vector> = view.points.iter().map(|p| eye.turned(*p)).collect();
+fn faces(view: &SurfaceView, field: &Field, (camera, canvas): (&Camera, &Canvas), out: &mut String) {
+    let turned: Vec<Vector> = view.points.iter().map(|p| camera.turned(*p)).collect();
     let (faces, [n, m]) = faces_of(view, &turned);
     let every = [n, m].map(|count| (count / LINES).max(1));
     let mut drawn = vec![false; n * m];
     for Face { corners, middle, at: [k, l], .. } in faces {
         drawn[k * m + l] = true;
         let light = light(corners.map(|c| turned[c]));
-        let [a, b, c, d] = corners.map(|c| canvas.place(eye, view.points[c]));
+        let [a, b, c, d] = corners.map(|c| canvas.place(camera, view.points[c]));
         let (colour, class) = field.colour(middle).map_or((FAINT, " class=\"none\""), |colour| (colour, ""));
         let fill = hex(mix([0; 3], colour, light));
         let _ = writeln!(out, "<path{class} d=\"M{a}L{b} {c} {d}z\" fill=\"{fill}\"/>");
@@ -105,10 +105,11 @@ fn faces(view: &SurfaceView, field: &Field, (eye, canvas): (&Eye, &Canvas), out:
     }
 }
 
-fn dots(view: &SurfaceView, (eye, canvas): (&Eye, &Canvas), out: &mut String) {
+fn dots(view: &SurfaceView, (camera, canvas): (&Camera, &Canvas), out: &mut String) {
     let Some(contacts) = &view.contacts else { return };
     let step = contacts.points.len().div_ceil(DOTS).max(1);
-    let path: String = contacts.points.iter().step_by(step).map(|p| format!("M{}h0", canvas.place(eye, *p))).collect();
+    let path: String =
+        contacts.points.iter().step_by(step).map(|p| format!("M{}h0", canvas.place(camera, *p))).collect();
     let size = if contacts.points.len() < DOTS { "few" } else { "many" };
     let _ = writeln!(out, "<path class=\"rim {size}\" d=\"{path}\"/><path class=\"dot {size}\" d=\"{path}\"/>");
 }

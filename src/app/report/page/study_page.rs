@@ -3,15 +3,15 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::chart::{precise, shown};
-use super::histogram::{BARS, Histogram};
+use super::figure::{chart, precise, shown};
 use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, list, notes, table};
+use crate::report::charts::{CUT, Scatter, class_shares, effect_shares};
 use crate::report::json::write_json;
 use crate::report::percent::percent;
-use crate::report::study::{EffectPart, LinearQuantity, QuantityPart, StudyDocument};
+use crate::report::study::{LinearQuantity, QuantityPart, StudyDocument};
 use crate::report::study_table::write_study_table;
 use crate::report::table::significant;
 use crate::report::words::like;
@@ -19,10 +19,6 @@ use palpate_studies::montecarlo::Ranked;
 
 /// The word of [`StudyDocument::stopped`] for a study that Ctrl-C ended.
 pub(crate) const INTERRUPTED: &str = "interrupted";
-
-/// Share of the replicates that is left out on either side of a histogram: one wild replicate would squeeze all others into
-/// a bar.
-const CUT: f64 = 0.001;
 
 /// Writes the page of a study; `ranked` are the values of S and of R, `asked` the replicates that were asked for.
 ///
@@ -121,24 +117,14 @@ fn histograms(document: &StudyDocument, ranked: &[Ranked<'_>; 2]) -> String {
         .into_iter()
         .zip(ranked)
         .map(|((name, part), ranked)| {
-            let Some(histogram) = of_ranked(ranked) else {
+            let Some(scatter) = Scatter::new(part, ranked) else {
                 return format!(
                     "<figure><figcaption><b>{}</b>: undefined in every replicate.</figcaption></figure>\n",
                     text(name)
                 );
             };
-            let mut uprights = Vec::new();
-            uprights.extend(part.mean.map(|mean| ("mean", mean)));
-            uprights.extend(part.truth.map(|truth| ("truth", truth)));
-            let chart = histogram.chart(
-                [&format!("Histogram of {name}"), name, "measurements"],
-                part.lo.zip(part.hi).map(|(lo, hi)| [lo, hi]),
-                &uprights,
-            );
-            let far = part.truth.filter(|truth| !histogram.is_near(*truth));
-            let far = far.map_or(String::new(), |truth| {
-                format!(" The truth, {}, lies far outside of this picture.", shown(truth))
-            });
+            let chart = chart(&format!("Histogram of {name}"), |drawing, rect| scatter.draw(drawing, rect, name));
+            let far = scatter.far().map_or(String::new(), |far| format!(" {far}"));
             format!("<figure><figcaption><b>{}</b>{}</figcaption>{chart}</figure>\n", text(name), text(&far))
         })
         .collect();
@@ -154,23 +140,6 @@ fn histograms(document: &StudyDocument, ranked: &[Ranked<'_>; 2]) -> String {
     format!(
         "<section id=\"histograms\"><h2>How the measurements scatter</h2>\n<div class=\"figures\">\n{figures}</div>\n{marks}<p class=\"hint\">{cut}</p></section>\n"
     )
-}
-
-/// Counts of ranked values; `None` where there are none.
-fn of_ranked(ranked: &Ranked<'_>) -> Option<Histogram> {
-    let (lo, hi) = (ranked.quantile(CUT)?, ranked.quantile(1.0 - CUT)?);
-    let [lo, hi] = if lo < hi { [lo, hi] } else { [lo - 0.5, lo + 0.5] };
-    // the number below a value, by halving: ranks rise with values
-    let below = |value: f64| {
-        let (mut a, mut b) = (0_u64, ranked.len());
-        while a < b {
-            let middle = a + (b - a) / 2;
-            if ranked.at(middle as f64 + 1.0) < value { a = middle + 1 } else { b = middle }
-        }
-        a as f64
-    };
-    let edge = |k: usize| lo + (hi - lo) * k as f64 / BARS as f64;
-    Some(Histogram { ends: [lo, hi], counts: (0..BARS).map(|k| below(edge(k + 1)) - below(edge(k))).collect() })
 }
 
 fn numbers(document: &StudyDocument) -> String {
@@ -208,43 +177,22 @@ fn numbers(document: &StudyDocument) -> String {
 }
 
 fn classes(document: &StudyDocument) -> String {
-    let mut rows: Vec<&(String, f64)> = document.class.0.iter().filter(|(_, share)| *share > 0.0).collect();
-    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let rows: Vec<_> = rows
-        .into_iter()
-        .map(|(name, share)| (name.clone(), *share, format!("{} %", significant(100.0 * share, 3))))
-        .collect();
+    let rows = class_shares(document);
     if rows.is_empty() {
         return String::new();
     }
     format!("<section id=\"classes\"><h2>Which class the measurements show</h2>\n{}</section>\n", bars(&rows))
 }
 
-/// A share with its interval.
-type ShareWithEnds = (Option<f64>, Option<[f64; 2]>);
-
 fn effects(document: &StudyDocument) -> String {
     if document.effects.is_empty() {
         return String::new();
     }
-    let words = |share: Option<f64>, interval: Option<[f64; 2]>| match (share, interval) {
-        (Some(share), Some([lo, hi])) => format!("{share:.3} ({lo:.3} to {hi:.3})"),
-        (Some(share), None) => format!("{share:.3}"),
-        _ => "-".into(),
-    };
-    let of = |pick: fn(&EffectPart) -> ShareWithEnds| {
-        let rows = document.effects.iter().map(|effect| {
-            let (share, interval) = pick(effect);
-            (effect.name.replace('_', " "), share.unwrap_or(0.0), words(share, interval))
-        });
-        bars(&rows.collect::<Vec<_>>())
-    };
+    let [s, r] = effect_shares(document).map(|rows| bars(&rows));
     format!(
-        "<section id=\"effects\"><h2>Which error is to blame</h2>\n<div class=\"figures wide\"><div><h3>Share of the variance of S</h3>{}</div>\
-         <div><h3>Share of the variance of R</h3>{}</div></div>\n\
-         <p class=\"hint\">What each effect brings to the scatter by itself; in brackets how well that is known.</p></section>\n",
-        of(|effect| (effect.share_S, effect.interval_S)),
-        of(|effect| (effect.share_R, effect.interval_R))
+        "<section id=\"effects\"><h2>Which error is to blame</h2>\n<div class=\"figures wide\"><div><h3>Share of the variance of S</h3>{s}</div>\
+         <div><h3>Share of the variance of R</h3>{r}</div></div>\n\
+         <p class=\"hint\">What each effect brings to the scatter by itself; in brackets how well that is known.</p></section>\n"
     )
 }
 

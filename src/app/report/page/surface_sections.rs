@@ -3,15 +3,15 @@
 use std::fmt::Write as _;
 
 use super::super::colour::{DIVERGING, Field, VIRIDIS, ends};
-use super::chart::{precise, shown};
+use super::figure::{chart, precise, shown};
 use super::figures::{figure, thinned};
-use super::histogram::Histogram;
 use super::html::text;
 use super::lengths::Lengths;
 use super::perspective::picture;
 use super::tables::{bars, card, list, notes, table};
 use super::view_data::STROKES;
 use super::words::{apart, certificate, interval_of, named_level, noise};
+use crate::report::charts::{Histogram, Style};
 use crate::report::document::{FitDocument, MeasurePart, ShapePart, SpreadPart};
 use crate::report::percent::percent;
 use crate::report::radius::radius_bounds;
@@ -252,7 +252,9 @@ pub(super) fn residuals(document: &FitDocument, contacts: &ContactsView) -> Stri
     let Some(histogram) = Histogram::of(&belonging) else { return String::new() };
     let lengths = Lengths::of(document);
     let name = lengths.along(&format!("residual {}, contact less surface", contacts.measured));
-    let chart = histogram.chart(["Residuals of the contacts", &name, "contacts"], None, &[("zero", 0.0)]);
+    let chart = chart("Residuals of the contacts", |drawing, rect| {
+        histogram.draw((drawing, rect), [&name, "contacts"], None, &[(Style::ZERO, 0.0)]);
+    });
     let rms = &document.fit.rms;
     let mut said = Vec::new();
     let worst = belonging.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

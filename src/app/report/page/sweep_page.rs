@@ -2,11 +2,13 @@
 
 use std::io::Write;
 
-use super::chart::{Axis, Chart, precise, shown};
+use super::figure::{chart, precise, shown};
 use super::html::{short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
-use super::tables::{key, table};
+use super::tables::{coloured_key, table};
+use crate::report::charts::{SWEPT, series, sweep_panel};
+use crate::report::colour::hex;
 use crate::report::percent::percent;
 use crate::report::study::QuantityPart;
 use crate::report::sweep::{SweepPoint, write_sweep_table};
@@ -39,9 +41,7 @@ pub(crate) fn write_sweep_page(
     let mut words = Vec::new();
     write_sweep_table(sweep.keys, sweep.points, &mut words)?;
     let mut sections = String::new();
-    if let [only] = sweep.keys {
-        sections.push_str(&charts(sweep, only));
-    }
+    sections.push_str(&charts(sweep));
     sections.push_str(&points(sweep));
     let done = sweep.points.len();
     let cut = (done < sweep.asked)
@@ -64,41 +64,33 @@ pub(crate) fn write_sweep_page(
     page.write(provenance, out)
 }
 
-fn charts(sweep: &SweepPage<'_>, name: &str) -> String {
-    let across: Vec<f64> = sweep.points.iter().filter_map(|point| point.at.first().copied()).collect();
-    let least = across.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = across.iter().copied().fold(0.0, f64::max);
-    // values over more than a decade were meant to be seen by their ratios
-    let logarithmic = least > 0.0 && most > 10.0 * least;
-    let one = |title: &str, of: fn(&SweepPoint) -> &QuantityPart| {
-        let parts = || sweep.points.iter().filter_map(|p| Some((*p.at.first()?, of(p))));
-        let values = parts().flat_map(|(_, part)| [part.lo, part.hi, part.mean, part.truth]).flatten();
-        let values: Vec<f64> = values.collect();
-        let x = if logarithmic {
-            Axis::logarithmic(name, across.iter().copied())
-        } else {
-            Axis::holding(name, across.iter().copied())
-        };
-        let mut chart = Chart::new(&format!("{title} against {name}"), x, Axis::holding(title, values.into_iter()));
-        let band: Vec<[f64; 3]> = parts().filter_map(|(x, part)| Some([x, part.lo?, part.hi?])).collect();
-        chart.band("", &band);
-        chart.line("truth", &parts().filter_map(|(x, part)| Some([x, part.truth?])).collect::<Vec<_>>());
-        let means: Vec<[f64; 2]> = parts().filter_map(|(x, part)| Some([x, part.mean?])).collect();
-        chart.line("", &means);
-        for (x, part) in parts() {
-            let Some(mean) = part.mean else { continue };
-            let interval =
-                part.lo.zip(part.hi).map_or(String::new(), |(lo, hi)| format!("\n{} to {}", shown(lo), shown(hi)));
-            chart.dot("", [x, mean], 3.5, &format!("{name} {}\nmean {}{interval}", shown(x), shown(mean)));
+fn charts(sweep: &SweepPage<'_>) -> String {
+    let all = series(sweep.keys, sweep.points);
+    let last = sweep.keys.last().copied().unwrap_or("");
+    let figures = SWEPT.map(|swept| {
+        let name = text(swept.0);
+        let mut known = false;
+        let label = format!("{} against {last}", swept.0);
+        let chart = chart(&label, |drawing, rect| known = sweep_panel((drawing, rect), swept, last, &all));
+        match known {
+            true => format!("<figure><figcaption><b>{name}</b></figcaption>{chart}</figure>"),
+            false => format!("<figure><figcaption><b>{name}</b> is undefined everywhere.</figcaption></figure>"),
         }
-        format!("<figure><figcaption><b>{}</b></figcaption>{}</figure>", text(title), chart.svg())
-    };
+    });
     let interval = format!("{} of the measurements", percent(sweep.level));
-    let marks = key(&[("line", "--accent", "mean"), ("", "--band", &interval), ("line dashed", "--second", "truth")]);
+    let mut marks = vec![("line dashed".to_string(), "var(--second)".to_string(), "truth".to_string())];
+    if let [_] = &all[..] {
+        marks.insert(0, (String::new(), "var(--accent)".into(), "mean".into()));
+        marks.insert(1, ("line".into(), "var(--accent)".into(), interval));
+    } else {
+        marks.extend(all.iter().map(|series| (String::new(), hex(series.colour), series.words.clone())));
+        marks.push((String::new(), "none".into(), format!("bars: {interval}")));
+    }
+    let marks: Vec<_> = marks.iter().map(|(style, colour, words)| (&style[..], &colour[..], &words[..])).collect();
     format!(
-        "<section id=\"charts\"><h2>S and R</h2>\n<div class=\"figures\">{}{}</div>{marks}</section>\n",
-        one("S, shape index", |p| &p.shape_index),
-        one("R, curvedness", |p| &p.curvedness)
+        "<section id=\"charts\"><h2>S and R</h2>\n<div class=\"figures\">{}</div>{}</section>\n",
+        figures.concat(),
+        coloured_key(&marks)
     )
 }
 

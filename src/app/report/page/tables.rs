@@ -58,9 +58,16 @@ pub(super) fn list(sentences: &[String]) -> String {
 
 /// What marks of a chart mean: style (`line`, `dashed`, or none for an area), colour's name in the style sheet, words.
 pub(super) fn key(marks: &[(&str, &str, &str)]) -> String {
-    let items = marks.iter().map(|(style, colour, words)| {
-        format!("<li class=\"{style}\" style=\"--mark:var({colour})\">{}</li>", text(words))
-    });
+    let marks: Vec<_> = marks.iter().map(|(style, colour, words)| (*style, format!("var({colour})"), *words)).collect();
+    let marks: Vec<_> = marks.iter().map(|(style, colour, words)| (*style, &colour[..], *words)).collect();
+    coloured_key(&marks)
+}
+
+/// As [`key`], with colours as CSS has them.
+pub(super) fn coloured_key(marks: &[(&str, &str, &str)]) -> String {
+    let items = marks
+        .iter()
+        .map(|(style, colour, words)| format!("<li class=\"{style}\" style=\"--mark:{colour}\">{}</li>", text(words)));
     format!("<ul class=\"key\">{}</ul>\n", items.collect::<String>())
 }
 

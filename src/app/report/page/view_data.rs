@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::super::base64::singles;
 use super::super::colour::{DIVERGING, FADE, Field, VIRIDIS};
+use crate::io::base64;
 use crate::report::surface_view::{ContactsView, SurfaceView, Vector};
 
 /// Normals, and likewise residuals, that are drawn as strokes; more would be a fur.
@@ -68,4 +68,20 @@ fn middle(view: &SurfaceView) -> Vector {
         let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
         if lo <= hi { 0.5 * (lo + hi) } else { 0.0 }
     })
+}
+
+/// Numbers in single precision, lowest byte first, in base 64.
+pub(super) fn singles(values: impl Iterator<Item = f64>) -> String {
+    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
+    base64(&bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_in_single_precision() {
+        assert_eq!(singles([1.0].into_iter()), "AACAPw==");
+    }
 }

@@ -1,6 +1,6 @@
 //! What the numbers of a fit mean, in sentences for somebody who never saw the program.
 
-use super::chart::{precise, shown};
+use super::figure::{precise, shown};
 use super::lengths::Lengths;
 use crate::report::document::{FitDocument, MeasurePart};
 use crate::report::percent::percent;

@@ -12,7 +12,6 @@ mod perspective;
 mod scale;
 mod section;
 mod shape;
-mod sweep;
 
 use std::io::Write;
 
@@ -21,7 +20,7 @@ use super::document::FitDocument;
 use super::drawing::Drawing;
 use super::surface_view::SurfaceView;
 
-pub(crate) use sweep::write_sweep_picture;
+pub(super) use scale::{LARGE, fitting, foot, number_bar, picture, shape_bar, short};
 
 /// How a picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +61,7 @@ impl SurfacePictures {
     pub(crate) const NAMES: [&'static str; 3] = ["shape", "section", "perspective"];
 
     /// Of a described surface; `name` begins the titles.
-    pub(crate) fn new(description: &dyn Description, document: &FitDocument, name: &str) -> SurfacePictures {
+    pub(crate) fn new(description: &Description, document: &FitDocument, name: &str) -> SurfacePictures {
         let part = &document.shape;
         SurfacePictures {
             view: shown_view(description),

@@ -7,13 +7,14 @@
 //!
 //! The net is that of the spline: lines between neighbouring control points, which the surface follows and does not meet.
 
+use crate::report::charts::{BLACK, GREY, MIDDLE, SMALL};
 use crate::report::colour::{DIVERGING, FADE, FAINT, along, mix};
 use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::surface_view::{SurfaceView, Vector};
 use crate::report::table::significant;
 
 use super::dots::{evenly, radius};
-use super::scale::{BLACK, GREY, LARGE, MIDDLE, SMALL, fitting, foot, picture, shape_bar, short, with_unit};
+use super::scale::{LARGE, fitting, foot, picture, shape_bar, short, with_unit};
 
 /// Edges of the scene: left, right, above, below.
 const ROOM: [f64; 4] = [52.0, 376.0, 44.0, 310.0];

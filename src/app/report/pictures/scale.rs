@@ -1,5 +1,6 @@
-//! Axes, colour scales and the words beside them.
+//! Colour scales, and the words of a picture.
 
+use crate::report::charts::{Axis, BLACK, SMALL};
 use crate::report::colour::{DIVERGING, along};
 use crate::report::drawing::{Anchor, Colour, Drawing, width_of};
 use crate::report::png::Raster;
@@ -9,78 +10,16 @@ use palpate_geometry::curvature::ShapeClass;
 pub(super) const WIDTH: f64 = 500.0;
 /// A screen has room for more.
 pub(super) const ON_SCREEN: f64 = 1.6;
-/// Sizes of words: captions and titles, axes, and the foot; at 85 mm these are 6.3, 5.8 and 5.3 points.
-pub(super) const LARGE: f64 = 13.0;
-pub(super) const MIDDLE: f64 = 12.0;
-pub(super) const SMALL: f64 = 11.0;
-pub(super) const BLACK: Colour = [0; 3];
-pub(super) const GREY: Colour = [120; 3];
-/// Columns that a name takes which runs upwards beside the numbers.
-const UPWARD: f64 = 17.0;
-/// Least distance between two numbers below an axis.
-const GAP: f64 = 5.0;
+/// Size of titles; at 85 mm 6.3 points, where axes have 5.8 and the foot 5.3.
+pub(in crate::report) const LARGE: f64 = 13.0;
 /// Width of a colour scale's bar.
 const BAR: f64 = 10.0;
 
 /// An empty picture of this height.
-pub(super) fn picture(height: f64) -> Drawing {
+pub(in crate::report) fn picture(height: f64) -> Drawing {
     let mut drawing = Drawing::new(WIDTH, height.ceil());
     drawing.on_screen = ON_SCREEN;
     drawing
-}
-
-/// A linear axis: values from `lo` to `hi` on pixels from `from` to `to`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
-    pub lo: f64,
-    pub hi: f64,
-    pub from: f64,
-    pub to: f64,
-}
-
-impl Axis {
-    /// The pixel of a value.
-    pub(super) fn at(&self, value: f64) -> f64 {
-        self.from + (self.to - self.from) * (value - self.lo) / (self.hi - self.lo)
-    }
-
-    /// Round values at most so many, with their words.
-    pub(super) fn ticks(&self, most: usize) -> Vec<(f64, String)> {
-        ticks(self.lo, self.hi, most)
-    }
-}
-
-/// Multiples of 1, 2 or 5 times a power of ten from `lo` to `hi`, at most `most` of them, with their words.
-pub(super) fn ticks(lo: f64, hi: f64, most: usize) -> Vec<(f64, String)> {
-    let span = hi - lo;
-    if !(span > 0.0 && span.is_finite()) || most == 0 {
-        return Vec::new();
-    }
-    let mut power = (span / most as f64).log10().floor() as i32;
-    let mut digit = 0;
-    let step = loop {
-        let step = [1.0, 2.0, 5.0][digit] * 10.0_f64.powi(power);
-        // a last place that rounding would lose still counts
-        let count = ((hi + 1e-9 * span) / step).floor() - ((lo - 1e-9 * span) / step).ceil() + 1.0;
-        if count <= most as f64 {
-            break step;
-        }
-        digit = (digit + 1) % 3;
-        power += i32::from(digit == 0);
-    };
-    let places = (-power).max(0) as usize;
-    let first = ((lo - 1e-9 * span) / step).ceil() as i64;
-    let last = ((hi + 1e-9 * span) / step).floor() as i64;
-    let word = |value: f64| {
-        if value == 0.0 && !(1e-4..1e6).contains(&step) {
-            "0".into()
-        } else if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
-            format!("{value:.1e}")
-        } else {
-            format!("{value:.places$}")
-        }
-    };
-    (first..=last).map(|k| (k as f64 * step, word(k as f64 * step))).collect()
 }
 
 /// A name with its unit.
@@ -93,45 +32,6 @@ pub(super) fn with_unit(name: &str, unit: Option<&str>, power: i32) -> String {
     }
 }
 
-/// Frame, ticks and names of a panel; `words` of the two axes are left out where they are empty.
-pub(super) fn frame(drawing: &mut Drawing, x: &Axis, y: &Axis, names: [&str; 2], most: [usize; 2], numbers: bool) {
-    let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
-    drawing.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK);
-    for (value, word) in side_by_side(x, most[0]) {
-        let at = x.at(value);
-        drawing.line(&[[at, bottom], [at, bottom + 4.0]], 1.0, BLACK);
-        drawing.word([at, bottom + 12.0], word, SMALL, Anchor::Middle);
-    }
-    let mut widest = 0.0_f64;
-    for (value, word) in y.ticks(most[1]) {
-        let at = y.at(value);
-        widest = widest.max(width_of(&word, SMALL));
-        drawing.line(&[[left - 4.0, at], [left, at]], 1.0, BLACK);
-        if numbers {
-            drawing.word([left - 6.0, at], word, SMALL, Anchor::End);
-        }
-    }
-    drawing.word([0.5 * (left + right), bottom + 26.0], names[0], MIDDLE, Anchor::Middle);
-    let room = left - 6.0;
-    if names[1].is_empty() {
-    } else if numbers && widest > room - UPWARD && width_of(names[1], MIDDLE) < room {
-        drawing.word([room, top - 10.0], names[1], MIDDLE, Anchor::End);
-    } else {
-        drawing.upward_word([9.0, 0.5 * (top + bottom)], names[1], MIDDLE);
-    }
-}
-
-/// The most ticks up to `most` whose words do not touch.
-fn side_by_side(axis: &Axis, most: usize) -> Vec<(f64, String)> {
-    let apart = |ticks: &[(f64, String)]| {
-        ticks.windows(2).all(|pair| {
-            let away = (axis.at(pair[1].0) - axis.at(pair[0].0)).abs();
-            away > 0.5 * (width_of(&pair[0].1, SMALL) + width_of(&pair[1].1, SMALL)) + GAP
-        })
-    };
-    (1..=most).rev().map(|most| axis.ticks(most)).find(|ticks| apart(ticks)).unwrap_or_default()
-}
-
 /// A bar of colours from the least (below) to the largest.
 fn bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64, colour: &dyn Fn(f64) -> Colour) {
     const STEPS: usize = 128;
@@ -141,7 +41,7 @@ fn bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64, colour: &dyn Fn(f64
 }
 
 /// The scale of S from cup to cap, with the name of every class at its middle.
-pub(super) fn shape_bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64) {
+pub(in crate::report) fn shape_bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64) {
     bar(drawing, [x, y], height, &|t| along(&DIVERGING, t));
     for (k, class) in ShapeClass::CURVED.into_iter().enumerate() {
         let at = y + height * (1.0 - k as f64 / 8.0);
@@ -159,7 +59,7 @@ pub(super) fn shape_bar(drawing: &mut Drawing, [x, y]: [f64; 2], height: f64) {
 }
 
 /// A scale with numbers; what its ticks are.
-pub(super) fn number_bar(
+pub(in crate::report) fn number_bar(
     drawing: &mut Drawing,
     [x, y]: [f64; 2],
     height: f64,
@@ -167,7 +67,7 @@ pub(super) fn number_bar(
     stops: &[Colour],
 ) -> Vec<f64> {
     bar(drawing, [x, y], height, &|t| along(stops, t));
-    let axis = Axis { lo, hi, from: y + height, to: y };
+    let axis = Axis::linear([lo, hi], [y + height, y]);
     let mut ticks = axis.ticks(6);
     // words that would be cut at the picture's edge are written short
     let room = drawing.size[0] - (x + BAR + 6.0);
@@ -187,7 +87,7 @@ fn powered(value: f64) -> String {
 }
 
 /// Text that fits into so many letters: its middle is left out where it is longer.
-pub(super) fn fitting(text: &str, letters: usize) -> String {
+pub(in crate::report) fn fitting(text: &str, letters: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= letters {
         return text.to_string();
@@ -202,7 +102,7 @@ pub(super) fn fitting(text: &str, letters: usize) -> String {
 const FOOT_LETTERS: usize = 82;
 
 /// The picture's last lines: remarks, as many in a line as fit. The picture grows by them.
-pub(super) fn foot(drawing: &mut Drawing, remarks: &[String]) {
+pub(in crate::report) fn foot(drawing: &mut Drawing, remarks: &[String]) {
     let mut lines: Vec<String> = Vec::new();
     for remark in remarks {
         match lines.last_mut().filter(|line| line.chars().count() + remark.chars().count() + 2 <= FOOT_LETTERS) {
@@ -229,7 +129,7 @@ fn wrapped(remark: &str) -> Vec<String> {
 }
 
 /// A number without the zeros behind its last digit.
-pub(super) fn short(value: f64) -> String {
+pub(in crate::report) fn short(value: f64) -> String {
     let text = crate::report::table::significant(value, 3);
     match text.contains('.') && !text.contains('e') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
@@ -254,24 +154,6 @@ pub(super) fn thinned(all: usize, most: usize) -> (usize, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        let words = |lo, hi, most| ticks(lo, hi, most).into_iter().map(|(_, w)| w).collect::<Vec<_>>();
-        assert_eq!(words(-1.0, 1.0, 5), ["-1.0", "-0.5", "0.0", "0.5", "1.0"]);
-        assert_eq!(words(0.0, 0.0712, 5), ["0.00", "0.02", "0.04", "0.06"]);
-        assert_eq!(words(-6.0, 6.0, 4), ["-5", "0", "5"]);
-        assert!(words(1.0, 1.0, 5).is_empty() && words(f64::NAN, 1.0, 5).is_empty());
-    }
-
-    #[test]
-    fn numbers_below_an_axis_do_not_touch() {
-        let narrow = Axis { lo: -0.021, hi: 0.024, from: 0.0, to: 90.0 };
-        assert_eq!(narrow.ticks(5).len(), 5);
-        let words: Vec<String> = side_by_side(&narrow, 5).into_iter().map(|(_, word)| word).collect();
-        assert_eq!(words, ["-0.02", "0.00", "0.02"]);
-        assert_eq!(side_by_side(&Axis { to: 400.0, ..narrow }, 5).len(), 5);
-    }
 
     #[test]
     fn numbers_beside_a_scale_end_before_the_edge() {

@@ -6,11 +6,12 @@
 //! below      residuals of all contacts at s = (p - c) . d; dark those that the upper panel shows
 //! ```
 
+use crate::report::charts::{Axis, Frame, GREY, SMALL, frame};
 use crate::report::drawing::{Anchor, Drawing};
 use crate::report::surface_view::{ContactsView, SurfaceView, Vector, between};
 use crate::report::table::significant;
 
-use super::scale::{Axis, GREY, LARGE, SMALL, WIDTH, fitting, foot, frame, picture, thinned, with_unit};
+use super::scale::{LARGE, WIDTH, fitting, foot, picture, thinned, with_unit};
 
 /// Edges of the panels.
 const LEFT: f64 = 66.0;
@@ -19,9 +20,9 @@ const ABOVE: [f64; 2] = [34.0, 204.0];
 const BELOW: [f64; 2] = [252.0, 352.0];
 /// Points of the line.
 const POINTS: usize = 240;
-/// Parts of the map's size within which a contact counts as lying at the section, the first that holds [`FEW`] of them.
+/// Parts of the map's size within which a contact counts as lying at the section, the first that holds [`CONTACTS_OF_BAND`] of them.
 const BANDS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-const FEW: usize = 8;
+const CONTACTS_OF_BAND: usize = 8;
 /// Dots of a panel.
 const MOST_DOTS: usize = 2_000;
 const BLUE: [u8; 3] = [31, 90, 166];
@@ -54,14 +55,15 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
     let known: Vec<[f64; 2]> = known.filter(|p| p.iter().all(|v| v.is_finite())).collect();
     // contacts in the corners of the map stand beyond the ends of the line
     let corners = misses.iter().map(|(p, _)| p[0]).filter(|_| cut.plane.is_none());
-    let x = Axis { from: LEFT, to: RIGHT, ..spread(known.iter().map(|p| p[0]).chain(corners)) };
-    let y = Axis { from: ABOVE[1], to: ABOVE[0], ..spread(known.iter().map(|p| p[1])) };
+    let x = spread(known.iter().map(|p| p[0]).chain(corners)).placed(LEFT, RIGHT);
+    let y = spread(known.iter().map(|p| p[1])).placed(ABOVE[1], ABOVE[0]);
     let ([x, y], names) = match cut.plane {
         None => ([x, y], ["", "z"]),
         Some(_) => (to_scale(x, y), ["", "along the normal"]),
     };
     let names = names.map(|name| if name.is_empty() { String::new() } else { with_unit(name, unit, 1) });
-    frame(&mut drawing, &x, &y, [&names[0], &names[1]], [7, 6], true);
+    let around = Frame { names: [&names[0], &names[1]], most: [7, 6], numbers: true, room: LEFT };
+    frame(&mut drawing, &x, &y, &around);
     let (step, _) = thinned(near.len(), MOST_DOTS);
     let shown = near.iter().step_by(step).map(|p| [x.at(p[0]), y.at(p[1])]).collect();
     drawing.dots(shown, if near.len() > 400 { 1.0 } else { 2.2 }, ORANGE);
@@ -71,7 +73,7 @@ pub(super) fn section(view: &SurfaceView, title: &str, unit: Option<&str>, acros
         Some(contacts) => {
             // on a bent surface the way along it is no tangent
             let along = misses.iter().map(|(p, _)| p[0]);
-            let x = if cut.plane.is_none() { x } else { Axis { from: LEFT, to: RIGHT, ..spread(along) } };
+            let x = if cut.plane.is_none() { x } else { spread(along).placed(LEFT, RIGHT) };
             words.push(residuals(&mut drawing, &x, &misses, band, unit, contacts));
         }
         None => words.push("the contacts are not saved with the surface".into()),
@@ -101,7 +103,7 @@ fn spread(values: impl Iterator<Item = f64>) -> Axis {
     // rounding is not blown up to a relief
     let least = (1e-9 * lo.abs().max(hi.abs())).max(f64::MIN_POSITIVE);
     let room = if hi - lo > least { 0.06 * (hi - lo) } else { 0.5 * lo.abs().max(1.0) };
-    Axis { lo: lo - room, hi: hi + room, from: 0.0, to: 1.0 }
+    Axis::linear([lo - room, hi + room], [0.0, 1.0])
 }
 
 /// How much more the ordinate is stretched than the abscissa, in words.
@@ -137,7 +139,7 @@ fn residuals(
     let largest = finite.iter().map(|(p, _)| p[1].abs()).fold(0.0, f64::max);
     let size = x.hi - x.lo;
     let largest = if largest > 1e-12 * size { 1.1 * largest } else { 1e-3 * size };
-    let y = Axis { lo: -largest, hi: largest, from: BELOW[1], to: BELOW[0] };
+    let y = Axis::linear([-largest, largest], [BELOW[1], BELOW[0]]);
     drawing.line(&[[x.from, y.at(0.0)], [x.to, y.at(0.0)]], 0.8, GREY);
     let (step, _) = thinned(finite.len(), MOST_DOTS);
     let radius = if finite.len() > 400 { 1.0 } else { 2.2 };
@@ -147,7 +149,8 @@ fn residuals(
     }
     // the same abscissa as above: dots beyond it are counted out
     let drawn = finite.iter().step_by(step).filter(|(p, _)| (x.lo..=x.hi).contains(&p[0])).count();
-    frame(drawing, x, &y, ["", &with_unit("residual", unit, 1)], [7, 5], true);
+    let name = with_unit("residual", unit, 1);
+    frame(drawing, x, &y, &Frame { names: ["", &name], most: [7, 5], numbers: true, room: LEFT });
     drawing.word(
         [x.from, BELOW[0] - 12.0],
         format!("contact minus surface, {}", contacts.measured),
@@ -296,8 +299,9 @@ impl<'a> Cut<'a> {
 
     fn band(&self, contacts: &ContactsView) -> f64 {
         let size = (0..2).map(|k| ends(&self.view.places[k])).map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
-        let within =
-            |band: &f64| contacts.places.iter().filter(|place| self.seen(**place)[1].abs() <= *band).count() >= FEW;
+        let within = |band: &f64| {
+            contacts.places.iter().filter(|place| self.seen(**place)[1].abs() <= *band).count() >= CONTACTS_OF_BAND
+        };
         BANDS.iter().map(|part| part * size).find(within).unwrap_or(size)
     }
 }

@@ -8,6 +8,7 @@
 //! The maps are pixels, linear between the points of the grid; outline, lines, contacts and words are drawn. Cells drawn one
 //! by one would make 0.4 to 1.7 MB.
 
+use crate::report::charts::{Axis, BLACK, Frame, GREY, MIDDLE, frame};
 use crate::report::colour::{Colour, DIVERGING, FADE, FAINT, VIRIDIS, along, mix};
 use crate::report::drawing::{Anchor, Drawing};
 use crate::report::png::Raster;
@@ -15,13 +16,13 @@ use crate::report::surface_view::{ContactsView, SurfaceView};
 
 use super::contour::contours;
 use super::dots::{evenly, radius};
-use super::scale::{Axis, BLACK, GREY, LARGE, MIDDLE, fitting, foot, frame, number_bar, picture, shape_bar, with_unit};
+use super::scale::{LARGE, fitting, foot, number_bar, picture, shape_bar, with_unit};
 
 /// Sides of a map: its width, and the most that its height may be.
 const SIDE: f64 = 142.0;
 const TALLEST: f64 = 230.0;
 /// Least height of a row: the scale of S has nine names.
-const LEAST: f64 = 118.0;
+const LEAST_HEIGHT: f64 = 118.0;
 /// Left edges of the two columns.
 const COLUMNS: [f64; 2] = [46.0, 290.0];
 /// Pixels of a map along its longer side: with four maps a picture stays below 200 kB.
@@ -53,7 +54,7 @@ struct Map<'a> {
 pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Drawing {
     let maps = maps(view, unit);
     let [width, height] = sides(view);
-    let row = height.max(LEAST) + 62.0;
+    let row = height.max(LEAST_HEIGHT) + 62.0;
     let rows = maps.len().div_ceil(2);
     let mut drawing = picture(32.0 + row * rows as f64);
     drawing.word([8.0, 14.0], fitting(title, 70), LARGE, Anchor::Start);
@@ -69,16 +70,18 @@ pub(super) fn shape(view: &SurfaceView, title: &str, unit: Option<&str>) -> Draw
         let bar = [left + width + 8.0, top];
         let levels = match map.ends {
             None => {
-                shape_bar(&mut drawing, bar, height.max(LEAST));
+                shape_bar(&mut drawing, bar, height.max(LEAST_HEIGHT));
                 (0..8).map(|k| 0.25 * f64::from(k) - 0.875).collect()
             }
-            Some(ends) => number_bar(&mut drawing, bar, height.max(LEAST), ends, &VIRIDIS),
+            Some(ends) => number_bar(&mut drawing, bar, height.max(LEAST_HEIGHT), ends, &VIRIDIS),
         };
         panel.levels(&mut drawing, map, &levels);
         if let Some(contacts) = view.contacts.as_ref().filter(|_| k < 2) {
             words = panel.contacts(&mut drawing, contacts);
         }
-        frame(&mut drawing, &panel.x, &panel.y, [&names[0], second], [(width / 26.0) as usize, 5], k % 2 == 0);
+        let most = [(width / 26.0) as usize, 5];
+        let around = Frame { names: [&names[0], second], most, numbers: k % 2 == 0, room: left };
+        frame(&mut drawing, &panel.x, &panel.y, &around);
     }
     if view.curvedness.iter().any(|r| r.is_nan()) {
         words.push("grey: not surrounded by contacts".into());
@@ -158,8 +161,8 @@ impl<'a> Panel<'a> {
         Panel {
             view,
             size: [view.places[0].len(), view.places[1].len()],
-            x: Axis { lo: x0, hi: x1, from: left, to: left + width },
-            y: Axis { lo: y0, hi: y1, from: top + height, to: top },
+            x: Axis::linear([x0, x1], [left, left + width]),
+            y: Axis::linear([y0, y1], [top + height, top]),
         }
     }
 

@@ -4,7 +4,7 @@ use super::*;
 use crate::report::surface_view::ContactsView;
 
 /// Bytes that no picture exceeds.
-const MOST: usize = 200_000;
+const MOST_BYTES: usize = 200_000;
 
 /// A groove with a rough map, an edge of support, uncertainties, a net and so many contacts.
 fn pictures(contacts: usize, title: &str) -> SurfacePictures {
@@ -61,7 +61,7 @@ fn every_picture_is_small_and_says_how_many_contacts_it_shows() {
         for name in SurfacePictures::NAMES {
             for format in PictureFormat::ALL {
                 let size = bytes(&pictures, name, format).len();
-                assert!(size < MOST, "{name}.{} of {contacts} contacts has {size} bytes", format.name());
+                assert!(size < MOST_BYTES, "{name}.{} of {contacts} contacts has {size} bytes", format.name());
             }
             let svg = String::from_utf8(bytes(&pictures, name, PictureFormat::Svg)).unwrap();
             let words = if contacts == 36 { "all 36 contacts".into() } else { format!(" of {contacts} contacts") };

@@ -12,10 +12,10 @@ use super::super::table::significant;
 const STEPS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
 /// Most characters per side; of a finer grid every so many points are shown.
-const MOST: usize = 24;
+const MOST_CHARACTERS: usize = 24;
 
 /// Values that differ by less than this fraction are one value.
-const LEAST: f64 = 0.01;
+const LEAST_DIFFERENCE: f64 = 0.01;
 
 /// Both maps below each other; nothing where there is nothing to see.
 pub(in crate::report) fn small_maps(maps: &ShapeMaps) -> String {
@@ -25,13 +25,13 @@ pub(in crate::report) fn small_maps(maps: &ShapeMaps) -> String {
 }
 
 fn small_map(name: &str, maps: &ShapeMaps, value: impl Fn(usize, usize) -> Option<f64>) -> Option<String> {
-    let every = |count: usize| (0..count).step_by(count.div_ceil(MOST)).collect::<Vec<_>>();
+    let every = |count: usize| (0..count).step_by(count.div_ceil(MOST_CHARACTERS)).collect::<Vec<_>>();
     let (columns, rows) = (every(maps.grid.x.len()), every(maps.grid.y.len()));
     let at = |i, j| value(i, j).filter(|v| v.is_finite());
     let all = columns.iter().flat_map(|i| rows.iter().filter_map(|j| at(*i, *j)));
     let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
     // without any value the ends are infinite, and there is no map either
-    let differs = hi - lo > LEAST * hi.abs().max(lo.abs());
+    let differs = hi - lo > LEAST_DIFFERENCE * hi.abs().max(lo.abs());
     if !differs {
         return None;
     }

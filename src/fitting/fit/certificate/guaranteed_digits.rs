@@ -9,9 +9,8 @@
 
 use crate::fit::certificate::backward::Backward;
 use crate::fit::certificate::bounds::{Bound, PLACING, maximum};
-use crate::fit::describe::shape::Shape;
 use crate::fit::solved::Solved;
-use palpate_geometry::shape::EightPoints;
+use palpate_geometry::shape::{EightPoints, GridGradients, ShapeMaps};
 use palpate_numeric::bspline::{BasisRow, MAX_DEGREE};
 use palpate_numeric::simd::{CellGradients, Isa, OfKinds, POINTS, PointLanes, PointShapes, functional_bounds};
 
@@ -21,7 +20,12 @@ const UNIT: f64 = PLACING;
 const ORDERS: [[usize; 2]; 5] = [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
 /// Decimal digits of the coefficients, of S and of R, from the condition and the backward error.
-pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backward) -> [f64; 3] {
+pub(crate) fn guaranteed_digits(
+    solved: &Solved,
+    maps: &ShapeMaps,
+    gradients: &GridGradients,
+    backward: &Backward,
+) -> [f64; 3] {
     let c = &solved.fitted.solution.coefficients;
     let Some(bound) = Bound::new(solved, backward) else { return [0.0; 3] };
     let (origin, scale) = (solved.origin_height(), solved.patch.frame.scale);
@@ -29,7 +33,7 @@ pub(crate) fn guaranteed_digits(solved: &Solved, shape: &Shape, backward: &Backw
     let held = c.iter().zip(&bound.inverse).filter(|(_, d)| **d > 0.0);
     let largest = held.fold(0.0_f64, |m, (v, _)| m.max((origin / scale + v).abs()));
     let coefficients = bound.of_coefficients();
-    let [shape_index, curvedness] = at_points(solved, shape, &bound);
+    let [shape_index, curvedness] = at_points(solved, maps, gradients, &bound);
     [if largest > 0.0 { coefficients / largest } else { 0.0 }, shape_index, curvedness].map(digits)
 }
 
@@ -39,12 +43,12 @@ fn digits(bound: f64) -> f64 {
 }
 
 /// The worst bounds on `|dS|` and `|dR| / R` over the supported points of the shape grid, up to eight of a row at once.
-fn at_points(solved: &Solved, shape: &Shape, bound: &Bound) -> [f64; 2] {
-    let (maps, terms) = (&shape.maps, bound.terms());
+fn at_points(solved: &Solved, maps: &ShapeMaps, gradients: &GridGradients, bound: &Bound) -> [f64; 2] {
+    let terms = bound.terms();
     let isa = Isa::for_work(maps.grid.len());
     let (columns, width) = (solved.surface.coefficients().ncols(), solved.options.degree[0] + 1);
     let mut worst = [0.0; 2];
-    shape.gradients.visit(&solved.surface, &maps.rows, |eight| {
+    gradients.visit(&solved.surface, &maps.rows, |eight| {
         let runs: [usize; MAX_DEGREE + 1] = std::array::from_fn(|a| (eight.first[0] + a) * columns + eight.first[1]);
         let gradients = CellGradients { runs: &runs[..width], entries: eight.entries };
         let PointShapes { roundings, sizes, .. } = eight.shapes;

@@ -11,12 +11,12 @@ mod bounds;
 pub(super) mod guaranteed_digits;
 mod row_passes;
 
-use crate::fit::describe::shape::Shape;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::options::method::MethodUsed;
 use crate::fit::solved::Solved;
 use backward::backward;
 use guaranteed_digits::guaranteed_digits;
+use palpate_geometry::shape::{GridGradients, ShapeMaps};
 
 /// The certificate of one fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,11 +51,11 @@ pub struct Certificate {
 }
 
 /// The certificate of a solved fit and of the S and R it gives; computes what the fit itself did not need.
-pub(super) fn certify(solved: &Solved, shape: &Shape) -> Certificate {
+pub(super) fn certify(solved: &Solved, maps: &ShapeMaps, gradients: &GridGradients) -> Certificate {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let backward = backward(solved);
     let [digits_of_coefficients, digits_of_shape_index, digits_of_curvedness] =
-        guaranteed_digits(solved, shape, &backward);
+        guaranteed_digits(solved, maps, gradients, &backward);
     Certificate {
         method: solution.method,
         reasons: solution.reasons.clone(),

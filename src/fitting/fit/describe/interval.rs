@@ -8,8 +8,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::erf;
 
-use crate::fit::describe::shape::Statistic;
-use palpate_geometry::shape::{Interval, Spread};
+use palpate_geometry::shape::{Interval, Spread, Statistic};
 
 /// Degrees of freedom from which on the expansion serves; its error is below 1e-7 there up to a level of 95 %, 1e-6 at 99 %.
 const MANY: f64 = 30.0;

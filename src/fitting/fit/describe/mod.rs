@@ -7,10 +7,7 @@ mod plane;
 pub(super) mod pointwise;
 pub(super) mod residuals;
 mod robust_plane;
-pub(super) mod shape;
 mod uncertainty;
-
-use ndarray::Array2;
 
 use crate::fit::model_reading::ModelReading;
 use crate::fit::solved::Solved;
@@ -20,9 +17,10 @@ use flatness::{is_flat, plane_probability};
 use interval::{NoisePart, statistic};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
-use palpate_geometry::shape::{GridGradients, Outline, ShapeGrid, ShapeMaps, class_probabilities, radius_of};
+use palpate_geometry::shape::{
+    GridGradients, Outline, ShapeGrid, ShapeMaps, ShapeReport, Statistic, class_probabilities, every_class, radius_of,
+};
 use palpate_geometry::surface::SurfacePoint;
-use shape::{Shape, Statistic};
 use uncertainty::Uncertainties;
 
 /// The significance at which the best plane is rejected; below it the patch is taken as a plane.
@@ -35,21 +33,17 @@ pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
     let mut maps = solved.surface.shape_maps(grid, &solved.fitted.solution.unsupported);
     // who names a domain asks about all of it, as streams and plans answer
     if let (Data::Scattered { contacts, .. }, None) = (&solved.data, solved.options.domain) {
-        leave_out_beyond(&Outline::new(&contacts.x, &contacts.y), &mut maps);
+        maps.leave_out_beyond(&Outline::new(&contacts.x, &contacts.y));
     }
     maps
 }
 
-/// Leaves out the grid points that lie outside of the contacts; all of them stay where none would be left.
-fn leave_out_beyond(outline: &Outline, maps: &mut ShapeMaps) {
-    let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| outline.holds(maps.grid.x[i], maps.grid.y[j]));
-    if held.iter().zip(&maps.supported).any(|(held, supported)| *held && *supported) {
-        maps.supported.zip_mut_with(&held, |supported, held| *supported &= held);
-    }
-}
+/// The shape of a patch, in input units: x, y of the maps run along the frame's axes.
+pub type Shape = ShapeReport<ShapeMaps>;
 
-/// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units.
-pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelReading>) -> Shape {
+/// Step 5: means, class, radius, and with `model` their uncertainty and the direction, in input units; and the gradients of S and R
+/// by the coefficients, for the certificate.
+pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelReading>) -> (Shape, GridGradients) {
     let scale = solved.patch.frame.scale;
     let s = local.spread_of_shape_index();
     let r = local.spread_of(&local.curvedness, scale);
@@ -68,7 +62,7 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
     let r_of_others = other.map(|other| other.curvedness);
     let Directions { k1: direction_deg, axis } =
         curved.filter(|_| model.is_some()).map_or(Directions::NONE, |_| directions(solved));
-    Shape {
+    let shape = Shape {
         shape_index: curved.map_or(Statistic::default(), |_| statistic(s, u_s, s_of_others, level, [-1.0, 1.0])),
         curvedness: statistic(r, u_r, r_of_others, level, [0.0, f64::INFINITY]),
         class,
@@ -84,9 +78,9 @@ pub(super) fn classify(solved: &Solved, local: &ShapeMaps, model: Option<&ModelR
         axis_deg: axis.filter(|_| class.has_axis()),
         support: s.count as f64 / local.grid.len() as f64,
         plane_p,
-        maps: in_input_units(&solved.patch.frame, local),
-        gradients: u.map_or_else(GridGradients::unkept, |u| u.gradients),
-    }
+        ..ShapeReport::of_maps(in_input_units(&solved.patch.frame, local))
+    };
+    (shape, u.map_or_else(GridGradients::unkept, |u| u.gradients))
 }
 
 /// Covariance of the noise in mean S and mean R, 1/length in input units.
@@ -96,12 +90,6 @@ pub(super) fn covariance_of_means(solved: &Solved) -> Option<f64> {
     let of_means = palpate_geometry::shape::mean_gradients(&solved.surface, &local, &gradients);
     let found = uncertainty::covariance(solved, [&of_means.shape_index, &of_means.curvedness])?;
     Some(found / solved.patch.frame.scale)
-}
-
-/// Every class in the order of S, and the plane, with its probability.
-fn every_class(found: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
-    let of = |class| found.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
-    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(|class| (class, of(class))).collect()
 }
 
 /// Supported points of the grid with their heights, at most `most` each way: the middles of as many blocks.

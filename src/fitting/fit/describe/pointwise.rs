@@ -1,23 +1,19 @@
-//! Uncertainty of height, normal, S and R point by point, by the delta method.
-//!
-//! ```text
-//! u^2(position) = u^2(S) / w^2                 w^2 = 1 + p^2 + q^2,  p, q = S_x, S_y
-//! u^2(normal)   = ((1 + q^2) var p - 2 p q cov(p, q) + (1 + p^2) var q) / w^4
-//! ```
-//!
-//! The second is the mean square of the angle by which noise turns the normal. cov(p, q) follows from the variance of p + q.
+//! Uncertainty of position, normal, S and R of a height field point by point: what noise tells of its coefficients.
 
 use super::uncertainty::{above_declared, noise_at_point};
 use crate::fit::solved::Solved;
 use crate::observation::Data;
 use palpate_geometry::contact::Frame;
-use palpate_geometry::shape::{Outline, PointSds, by_coefficients, shape_gradient};
+use palpate_geometry::shape::{
+    ByJet, Outline, PointSds, Support, Uncertain, by_coefficients, point_sds, shape_gradient,
+};
+use palpate_geometry::surface::{Jet, Surface};
 use palpate_numeric::bspline::{BasisRow, linspace};
 
 /// Rows times functionals beyond which no point is asked: a few seconds of work, where the fit itself took a fraction of one.
 const MOST_WORK: usize = 200_000_000;
 
-/// Functionals at a point: height, p, q, p + q, S, R.
+/// Functionals at a point that the bound above counts: a fit that was asked before must not fall silent.
 const FUNCTIONALS: usize = 6;
 
 /// Standard uncertainties at `points` places each way of the patch's domain, the second direction running fastest, input
@@ -32,49 +28,64 @@ pub(in crate::fit) fn pointwise(solved: &Solved, points: usize) -> Option<Vec<Po
         linspace(lo, hi, points)
     });
     let scale = solved.patch.frame.scale;
-    let above = above_declared(solved);
-    let places = x.iter().flat_map(|x| y.iter().map(move |y| (*x, *y)));
-    places.map(|(x, y)| Some(at(solved, above, x, y)?.scaled(scale))).collect()
+    let noisy = Noisy { solved, above: above_declared(solved) };
+    let places = x.iter().flat_map(|x| y.iter().map(move |y| [*x, *y]));
+    places.map(|at| Some(point_sds(&noisy, at)?.scaled(scale))).collect()
 }
 
-fn at(solved: &Solved, above: [f64; 2], x: f64, y: f64) -> Option<PointSds> {
-    let surface = &solved.surface;
-    let (bx, by) = (surface.knots()[0].basis(x), surface.knots()[1].basis(y));
-    let here = surface.with_rows(&bx, &by);
-    let variance = |gradient: &[f64]| noise_at_point(solved, gradient, above).map(|u| u * u);
-    let by_derivatives = |g: &[f64; 5]| {
-        let mut out = vec![0.0; surface.coefficients().len()];
-        let columns = surface.coefficients().ncols();
-        by_coefficients(g, &bx, &by, |a, b, value| out[(bx.first + a) * columns + by.first + b] = value);
-        out
-    };
-    let (p, q) = (here.zx, here.zy);
-    let w2 = 1.0 + p * p + q * q;
-    let of_height = variance(&heights(&bx, &by, surface.coefficients().dim()))?;
-    let of_p = variance(&by_derivatives(&[1.0, 0.0, 0.0, 0.0, 0.0]))?;
-    let of_q = variance(&by_derivatives(&[0.0, 1.0, 0.0, 0.0, 0.0]))?;
-    let of_sum = variance(&by_derivatives(&[1.0, 1.0, 0.0, 0.0, 0.0]))?;
-    let both = 0.5 * (of_sum - of_p - of_q);
-    let turned = ((1.0 + q * q) * of_p - 2.0 * p * q * both + (1.0 + p * p) * of_q) / (w2 * w2);
-    let gradient = shape_gradient(&here);
-    let curved = gradient.sum != 0.0 || gradient.difference != 0.0;
-    Some(PointSds {
-        position: (of_height / w2).sqrt(),
-        normal: turned.max(0.0).sqrt(),
-        shape_index: if curved { variance(&by_derivatives(&gradient.shape_index)).map(f64::sqrt) } else { None },
-        curvedness: if curved { variance(&by_derivatives(&gradient.curvedness)).map(f64::sqrt) } else { None },
-    })
+/// The fitted height field with what noise makes of it; `above` are the factors by which it is larger than declared.
+struct Noisy<'a> {
+    solved: &'a Solved,
+    above: [f64; 2],
 }
 
-/// The height's derivatives by the coefficients.
-fn heights(bx: &BasisRow, by: &BasisRow, (n, m): (usize, usize)) -> Vec<f64> {
-    let mut out = vec![0.0; n * m];
+impl Noisy<'_> {
+    fn rows(&self, [x, y]: [f64; 2]) -> [BasisRow; 2] {
+        let knots = self.solved.surface.knots();
+        [knots[0].basis(x), knots[1].basis(y)]
+    }
+
+    /// Of a functional with these derivatives by the slopes and second derivatives, and by the height.
+    fn sd(&self, [bx, by]: &[BasisRow; 2], g: &[f64; 5], of_height: f64) -> Option<f64> {
+        let (n, m) = self.solved.surface.coefficients().dim();
+        let mut out = vec![0.0; n * m];
+        by_coefficients(g, bx, by, |a, b, value| out[(bx.first + a) * m + by.first + b] = value);
+        if of_height != 0.0 {
+            add_heights(bx, by, of_height, m, &mut out);
+        }
+        noise_at_point(self.solved, &out, self.above)
+    }
+}
+
+impl Uncertain for Noisy<'_> {
+    fn jet(&self, at: [f64; 2]) -> Jet {
+        self.solved.surface.jet(at)
+    }
+
+    fn functional_sd(&self, at: [f64; 2], by: &ByJet) -> Option<f64> {
+        // x and y are fixed: noise moves the heights alone
+        let [height, p, q, r, s, t] = by.map(|by| by[2]);
+        self.sd(&self.rows(at), &[p, q, r, s, t], height)
+    }
+
+    fn shape_sds(&self, at: [f64; 2], _: &Jet) -> [Option<f64>; 2] {
+        let rows = self.rows(at);
+        // five derivatives instead of fifteen, as the means over the grid have them
+        let gradient = shape_gradient(&self.solved.surface.with_rows(&rows[0], &rows[1]));
+        if gradient.sum == 0.0 && gradient.difference == 0.0 {
+            return [None; 2];
+        }
+        [gradient.shape_index, gradient.curvedness].map(|g| self.sd(&rows, &g, 0.0))
+    }
+}
+
+/// Adds `factor` times the height's derivatives by the coefficients.
+fn add_heights(bx: &BasisRow, by: &BasisRow, factor: f64, columns: usize, out: &mut [f64]) {
     for (a, na) in bx.derivative(0).iter().enumerate() {
         for (b, mb) in by.derivative(0).iter().enumerate() {
-            out[(bx.first + a) * m + by.first + b] = na * mb;
+            out[(bx.first + a) * columns + by.first + b] += factor * na * mb;
         }
     }
-    out
 }
 
 /// Whether contacts support a place, in coordinates of the input along the frame's axes, as the shape's means have it.
@@ -85,7 +96,7 @@ pub(in crate::fit) fn supported<'a>(solved: &'a Solved) -> impl Fn(f64, f64) -> 
     };
     let Frame { origin, scale, .. } = solved.patch.frame;
     let origin = if solved.patch.frame.keeps_axes() { origin } else { solved.patch.frame.rotate(origin) };
-    move |x, y| outline.as_ref().is_none_or(|o| o.holds((x - origin[0]) / scale, (y - origin[1]) / scale))
+    move |x, y| outline.as_ref().is_none_or(|o| o.supports([(x - origin[0]) / scale, (y - origin[1]) / scale]))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use palpate_numeric::solve::PivotedQr;
 use palpate_numeric::statistics::Loss;
 
 /// Sites up to which this test takes the place of the other, which is right for more.
-const FEW: usize = 200;
+const FEW_SITES: usize = 200;
 /// Reweightings at most; a dozen settle.
 const STEPS: usize = 50;
 const SETTLED: f64 = 1e-9;
@@ -42,7 +42,7 @@ pub(super) fn score_probability(solved: &Solved, places: impl Fn() -> Vec<[f64; 
         Robust::Tukey => Loss::Tukey,
     };
     let equations = &solved.fitted.equations;
-    if equations.sites.len() > FEW || solved.fitted.moved.is_some() {
+    if equations.sites.len() > FEW_SITES || solved.fitted.moved.is_some() {
         return None;
     }
     let plane = Plane { solved, measured: solved.data.measured(), places: places() };

@@ -12,7 +12,7 @@ use palpate_geometry::contact::Contacts;
 use palpate_numeric::statistics::{ExponentialCorrelation, upper_median};
 
 /// Fewest steps along fingers from which a correlation could be told.
-const FEWEST: usize = 6;
+const FEWEST_STEPS: usize = 6;
 /// Largest correlation of two touches: repeats in one place share nearly all of their error.
 const CLOSEST: f64 = 0.995;
 
@@ -42,7 +42,7 @@ impl Fingers {
             links.push((*r as u32, *before as u32, distance));
         }
         let steps: Vec<f64> = links.iter().map(|l| l.2).filter(|d| *d > 0.0).collect();
-        if steps.len() < FEWEST {
+        if steps.len() < FEWEST_STEPS {
             return None;
         }
         let median = upper_median(steps)?;

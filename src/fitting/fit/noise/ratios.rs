@@ -15,7 +15,7 @@ use palpate_numeric::solve::{Simultaneous, simultaneous};
 
 /// Range and steps of t. A step is half the posterior's sd at 200 sites.
 const RANGE: f64 = 8.0;
-const STEP: f64 = 0.05;
+const STEP_OF_T: f64 = 0.05;
 /// Shares of the posterior below this are left out.
 const NEGLIGIBLE: f64 = 1e-4;
 
@@ -73,7 +73,7 @@ impl Ratios {
     }
 
     fn find_nodes(&mut self, sums: &Sums, stride: i32) {
-        let taken = STEP * f64::from(stride);
+        let taken = STEP_OF_T * f64::from(stride);
         let count = (RANGE / taken) as i32;
         let tried: Vec<(f64, [f64; 2])> = match self.known {
             Known::Nothing => {

@@ -27,7 +27,7 @@ const MOST_WORK: usize = 20_000_000;
 /// Unknowns up to which the matrices are diagonalised; 100 of them take a millisecond.
 const FEW_UNKNOWNS: usize = 100;
 /// Fewest degrees of freedom: a variance needs more than 4 for its own variance to exist.
-const FEWEST: f64 = 5.0;
+const FEWEST_FREEDOM: f64 = 5.0;
 /// Expected ratio of a height's sd, in half sides of the patch, to that of a slope or normal. The prior of its logarithm is
 /// 1/cosh: a ratio ten times larger or smaller is 5 times less likely, and no ratio is excluded.
 const USUAL_RATIO: f64 = 0.1;
@@ -90,7 +90,7 @@ impl Levels {
         let rows = equations.row_weights.row_counts(sites).map(|r| r as f64);
         let freedom = rows[0] + rows[1] - unknowns as f64;
         let is_whole = solution.rank == unknowns && equations.roughness.is_none();
-        if unknowns > FEW_UNKNOWNS || !is_whole || freedom < FEWEST {
+        if unknowns > FEW_UNKNOWNS || !is_whole || freedom < FEWEST_FREEDOM {
             return None;
         }
         let residuals: Targets = equations.residuals(&solution.coefficients);
@@ -175,7 +175,7 @@ impl Levels {
     pub(crate) fn beside_independent(&self, gradient: &[f64], [u, dof]: [f64; 2], above: f64) -> [f64; 2] {
         let shared = self.probability_shared();
         // a law of fewer than five degrees of freedom has no fourth moment
-        let dof = dof.max(FEWEST);
+        let dof = dof.max(FEWEST_FREEDOM);
         let (second, kurtosis) =
             if dof.is_finite() { (u * u * dof / (dof - 2.0), 3.0 * (dof - 2.0) / (dof - 4.0)) } else { (u * u, 3.0) };
         let [of_shared, fourth_of_shared] = self.moments(gradient, |set| set.correlations != [0.0; 2]);

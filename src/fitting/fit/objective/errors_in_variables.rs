@@ -31,7 +31,7 @@ const MAX_FITS: usize = 60;
 const SETTLED: f64 = 1e-7;
 /// Least noise of heights and of normals, as a share of what errors in place add: with none at all a row on level ground
 /// would count for everything.
-const LEAST: f64 = 1e-2;
+const LEAST_NOISE: f64 = 1e-2;
 /// A contact is moved by this many sds at most.
 const FARTHEST: f64 = 4.0;
 
@@ -121,7 +121,7 @@ fn next_noise(now: Option<[f64; 2]>, found: [f64; 2], added: &[[f64; 2]], sd: f6
             Some(now) => now[b] + (found[b] / now[b] - 1.0) / of(&|k| 1.0 / (now[b] + k)),
             None => found[b] - mean,
         };
-        next.max(LEAST * LEAST * mean).max(f64::MIN_POSITIVE.sqrt())
+        next.max(LEAST_NOISE * LEAST_NOISE * mean).max(f64::MIN_POSITIVE.sqrt())
     })
 }
 

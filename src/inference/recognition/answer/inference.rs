@@ -19,21 +19,21 @@ use palpate_numeric::vector::Vector;
 use super::weights::Weights;
 
 /// Everything that was found, in the frame of the patch.
-pub(in crate::recognition) struct Findings<'a> {
-    pub(in crate::recognition) patch: &'a Patch,
-    pub(in crate::recognition) evidence: &'a Evidence<'a>,
-    pub(in crate::recognition) nodes: &'a [Node],
-    pub(in crate::recognition) weights: &'a Weights,
-    pub(in crate::recognition) relief: f64,
-    pub(in crate::recognition) linearised: &'a Linearised,
-    pub(in crate::recognition) distances: &'a Mat<f64>,
+pub(crate) struct Findings<'a> {
+    pub(crate) patch: &'a Patch,
+    pub(crate) evidence: &'a Evidence<'a>,
+    pub(crate) nodes: &'a [Node],
+    pub(crate) weights: &'a Weights,
+    pub(crate) relief: f64,
+    pub(crate) linearised: &'a Linearised,
+    pub(crate) distances: &'a Mat<f64>,
     /// A sample of the contacts, each with the one whose foot is nearest.
-    pub(in crate::recognition) nearest: &'a [[usize; 2]],
-    pub(in crate::recognition) place_errors: PlaceErrors,
+    pub(crate) nearest: &'a [[usize; 2]],
+    pub(crate) place_errors: PlaceErrors,
     /// Standard uncertainty of R, as a share of it, from how well the errors of places are known.
-    pub(in crate::recognition) doubt_of_places: f64,
+    pub(crate) doubt_of_places: f64,
     /// Places that the caller asks about.
-    pub(in crate::recognition) asked: &'a RequestedPlaces<'a>,
+    pub(crate) asked: &'a RequestedPlaces<'a>,
 }
 
 impl Findings<'_> {

@@ -23,7 +23,7 @@ pub(super) struct Findings {
     /// Posterior probability that neighbours share errors.
     pub(super) correlated: f64,
     /// Size of those errors over relief.
-    pub(in crate::recognition) tau: f64,
+    pub(crate) tau: f64,
     /// Displacement over relief, where it was read as shape and is certain.
     pub(super) displacement: Option<f64>,
 }

@@ -20,5 +20,5 @@ mod report;
 mod shape_means;
 mod weights;
 
-pub(in crate::recognition) use inference::Findings;
-pub(in crate::recognition) use weights::weigh;
+pub(crate) use inference::Findings;
+pub(crate) use weights::weigh;

@@ -46,7 +46,7 @@ const DRAWS: f64 = 400.0;
 const OF_BODY: f64 = 100.0;
 
 /// Least number of draws of a node, so that its own spread is known.
-const FEWEST: usize = 4;
+const FEWEST_DRAWS: usize = 4;
 
 /// Weights below which a node is left out.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -192,7 +192,7 @@ fn all_drawn(
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
         let wanted = (weights.interval[i] * DRAWS).max(weights.heard[i] * OF_BODY);
-        let count = (wanted.round() as usize).max(FEWEST);
+        let count = (wanted.round() as usize).max(FEWEST_DRAWS);
         let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
         let likeliest = match &joint {
             Some((mean, _)) => displaced(evidence, node, mean)?,

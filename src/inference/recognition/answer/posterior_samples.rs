@@ -17,7 +17,7 @@ use super::weights::HEARD;
 
 /// Everything drawn for one node.
 pub(super) struct Drawn {
-    pub(in crate::recognition) kind: Kind,
+    pub(crate) kind: Kind,
     pub(super) displaced: bool,
     /// Whether it departs smoothly.
     pub(super) smooth: bool,
@@ -26,12 +26,12 @@ pub(super) struct Drawn {
     /// The body that it is, and the node's share of it where its interval of R is held as if it were alone.
     pub(super) body: Option<(Body, f64)>,
     /// Weights of the node in estimate and interval.
-    pub(in crate::recognition) weights: [f64; 2],
+    pub(crate) weights: [f64; 2],
     /// Its weight in the shares of the classes.
     pub(super) of_class: f64,
     pub(super) likeliest: Field,
     /// Its likeliest surface where it is displaced: step of the model and weights of the displacement's columns.
-    pub(in crate::recognition) columns: Option<(Vec<f64>, Vec<f64>)>,
+    pub(crate) columns: Option<(Vec<f64>, Vec<f64>)>,
     pub(super) draws: Vec<Field>,
     /// What touches would measure on the first of the draws.
     pub(super) touches: Vec<Vec<[f64; 3]>>,

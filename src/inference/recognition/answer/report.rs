@@ -6,7 +6,8 @@ use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::region::{RecognisedSurface, Region, places};
 use crate::recognition::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, dense,
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
+    dense,
 };
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;
@@ -46,15 +47,15 @@ fn middle_of(surface: &RecognisedSurface) -> [f64; 2] {
 }
 
 fn failed(step: &'static str) -> RecognitionError {
-    RecognitionError::Arithmetic { step, what: "no hypothesis could be computed" }
+    RecognitionError::Arithmetic {
+        step,
+        what: "no kind of surface could be computed from these contacts; lengths of ordinary size (mm, not 1e-200) may help",
+    }
 }
 
 impl Findings<'_> {
     /// The whole answer.
-    pub(in crate::recognition) fn recognition(
-        &self,
-        options: &RecognitionOptions,
-    ) -> Result<Recognition, RecognitionError> {
+    pub(crate) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         let tried = self.tried();
         let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
         let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
@@ -254,41 +255,27 @@ impl Findings<'_> {
         (per_cell + best.ratio) * ones.iter().map(|v| v * v).sum::<f64>()
     }
 
-    /// What the normals are too steep by, in words; `None` where they may not be.
-    fn words_of_gain(&self, best: &Node) -> Option<String> {
+    /// What the normals are too steep by; `None` where they may not be.
+    fn gain(&self, best: &Node) -> Option<Remark> {
         let gain = self.linearised.gain.as_ref()?.mean(&self.evidence.coefficients(best)?)?;
-        let how = if gain > 0.0 { "steeper" } else { "flatter" };
-        Some(format!(
-            "the normals are {:.0} % {how} than the positions say, all alike: how strongly the surface bends was taken from the positions; \
-             --ignore-normals does without normals",
-            100.0 * gain.abs()
-        ))
+        Some(Remark::Gain { gain })
     }
 
-    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<String> {
+    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<Remark> {
         let mut notes = self.patch.notes.clone();
-        notes.extend(self.words_of_gain(best));
+        notes.extend(self.gain(best));
         if self.weights.displacement_is_error() {
-            let read = match self.weights.taken_for_shape {
-                true => "is read as shape, but may be an error of the sensor: the intervals hold both",
-                false => "is read as an error of the sensor, not as shape",
-            };
-            notes.push(format!("a departure of {:.1} % of the relief {read}", 100.0 * self.weights.size));
+            let percent = 100.0 * self.weights.size;
+            notes.push(match self.weights.taken_for_shape {
+                true => Remark::DepartureAsShape { percent },
+                false => Remark::DepartureAsError { percent },
+            });
         }
         if self.place_errors.shown {
-            let sd = self.place_errors.across.sqrt() * self.patch.frame.scale;
-            let rounded: f64 = format!("{sd:.1e}").parse().unwrap_or(sd);
-            notes.push(format!(
-                "contacts on slopes scatter more than on level ground: x and y err by about {rounded}, and the answer counts that"
-            ));
+            notes.push(Remark::PlacesErr { sd: self.place_errors.across.sqrt() * self.patch.frame.scale });
         }
-        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class != ShapeClass::Plane {
-            notes.push(
-                "the misfit is as large as the shape itself: the class describes only its coarsest part".to_string(),
-            );
-        }
-        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 && class == ShapeClass::Plane {
-            notes.push("what is not flat here is a pattern that none of the shapes describes".to_string());
+        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 {
+            notes.push(if class == ShapeClass::Plane { Remark::MisfitOfPlane } else { Remark::MisfitOfShape });
         }
         notes
     }

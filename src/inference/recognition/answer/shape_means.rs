@@ -16,7 +16,7 @@ pub(super) struct Field {
     pub(super) s: f64,
     pub(super) r: f64,
     pub(super) k: [f64; 2],
-    pub(in crate::recognition) at: Vec<[f64; 2]>,
+    pub(crate) at: Vec<[f64; 2]>,
     /// Directions of k1 and k2 in the middle, where they are defined and asked for.
     pub(super) directions: Option<[Vector; 2]>,
 }
@@ -24,7 +24,7 @@ pub(super) struct Field {
 /// Points at which surfaces are evaluated.
 pub(super) struct Points<'a> {
     /// Those that means are taken over.
-    pub(in crate::recognition) all: &'a [ChartPoint],
+    pub(crate) all: &'a [ChartPoint],
     /// Those whose own uncertainty is asked for.
     pub(super) map: &'a [ChartPoint],
     /// Numbers within the map of those that means are taken over, where they are a part of it.

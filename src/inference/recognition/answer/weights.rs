@@ -39,7 +39,7 @@ const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
 /// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief
 /// below which such an error must stay.
 const OF_SCATTER: f64 = 2.0;
-const MOST: f64 = 0.5;
+const SHARE_OF_RELIEF: f64 = 0.5;
 
 /// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
 /// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
@@ -67,7 +67,7 @@ pub(super) const HEARD: f64 = 0.25;
 
 /// Weights of all nodes.
 #[derive(Clone, Debug, Default)]
-pub(in crate::recognition) struct Weights {
+pub(crate) struct Weights {
     /// Of the estimate.
     pub(super) estimate: Vec<f64>,
     /// Of the interval.
@@ -87,7 +87,7 @@ pub(in crate::recognition) struct Weights {
     /// Log evidence by which a displaced surface is ahead.
     pub(super) gap: f64,
     /// Log likelihood by which all normals prefer the displaced surface.
-    pub(in crate::recognition) normals: f64,
+    pub(crate) normals: f64,
     /// Number of cells.
     cells: f64,
     /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
@@ -97,12 +97,12 @@ pub(in crate::recognition) struct Weights {
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
-        let small = self.size < SENSOR[1] || (self.size < MOST && self.of_scatter < OF_SCATTER);
+        let small = self.size < SENSOR[1] || (self.size < SHARE_OF_RELIEF && self.of_scatter < OF_SCATTER);
         SENSOR[0] < self.size && small && self.may_be_error()
     }
 
     /// Whether the interval has a share of surfaces without the displacement, because that may be the sensor's error.
-    pub(in crate::recognition) fn displacement_may_be_error(&self) -> bool {
+    pub(crate) fn displacement_may_be_error(&self) -> bool {
         self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * SENSOR[1])
     }
 
@@ -135,7 +135,7 @@ impl Weights {
 }
 
 /// Weighs the nodes; `misfit` is the root mean square distance of a kind's fit.
-pub(in crate::recognition) fn weigh(
+pub(crate) fn weigh(
     evidence: &Evidence,
     rows: &Rows,
     nodes: &[Node],

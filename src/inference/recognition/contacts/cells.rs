@@ -16,7 +16,7 @@ use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
 
 /// Cells at most.
-const MOST: usize = 200;
+const MOST_CELLS: usize = 200;
 
 /// Range of voxel sizes, in units of the patch's size, and the halvings of its logarithm.
 const SIZES: [f64; 2] = [1e-3, 8.0];
@@ -31,52 +31,52 @@ const ROOM: f64 = 1.05;
 const UNKNOWN: f64 = 1e8;
 
 /// Whether cells with normals of this relative variance have any.
-pub(in crate::recognition) fn is_known(variance: f64) -> bool {
+pub(crate) fn is_known(variance: f64) -> bool {
     variance < UNKNOWN
 }
 
 /// Measured normals of the cells.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct CellNormals {
-    pub(in crate::recognition) measured: Vec<Vector>,
+pub(crate) struct CellNormals {
+    pub(crate) measured: Vec<Vector>,
     /// Variance relative to that of an average cell.
-    pub(in crate::recognition) variance: Vec<f64>,
+    pub(crate) variance: Vec<f64>,
 }
 
 impl CellNormals {
     /// Those that are known, and zero where there is none.
-    pub(in crate::recognition) fn where_known(&self) -> Vec<Vector> {
+    pub(crate) fn where_known(&self) -> Vec<Vector> {
         let pairs = self.measured.iter().zip(&self.variance);
         pairs.map(|(normal, variance)| if is_known(*variance) { *normal } else { [0.0; 3] }).collect()
     }
 
     /// How many cells have any.
-    pub(in crate::recognition) fn known(&self) -> usize {
+    pub(crate) fn known(&self) -> usize {
         self.variance.iter().filter(|variance| is_known(**variance)).count()
     }
 }
 
 /// The averaged contacts.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Cells {
-    pub(in crate::recognition) points: Vec<Vector>,
+pub(crate) struct Cells {
+    pub(crate) points: Vec<Vector>,
     /// Their feet on the robust surface, by which neighbours are told.
-    pub(in crate::recognition) feet: Vec<Vector>,
+    pub(crate) feet: Vec<Vector>,
     /// Variance relative to that of an average cell.
-    pub(in crate::recognition) variance: Vec<f64>,
+    pub(crate) variance: Vec<f64>,
     /// Weights of the plain refits: the counts, limited so that a crowded cell does not outvote the others.
-    pub(in crate::recognition) weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// Two tangents of the robust surface.
-    pub(in crate::recognition) tangents: [Vec<Vector>; 2],
-    pub(in crate::recognition) normals: Option<CellNormals>,
+    pub(crate) tangents: [Vec<Vector>; 2],
+    pub(crate) normals: Option<CellNormals>,
     /// Cell of every contact.
-    pub(in crate::recognition) of: Vec<usize>,
+    pub(crate) of: Vec<usize>,
 }
 
 impl Cells {
     /// The vector across `normal` whose parts along both tangents of a cell are these: `g = a' p + b' q` with the tangents' own parts p
     /// and q across it. Zero where those do not span a plane.
-    pub(in crate::recognition) fn gradient(&self, cell: usize, normal: Vector, [a, b]: [f64; 2]) -> Vector {
+    pub(crate) fn gradient(&self, cell: usize, normal: Vector, [a, b]: [f64; 2]) -> Vector {
         let [p, q] = [0, 1].map(|side| reject(self.tangents[side][cell], normal));
         let (pp, pq, qq) = (dot(p, p), dot(p, q), dot(q, q));
         let det = pp * qq - pq * pq;
@@ -89,12 +89,7 @@ impl Cells {
 
 /// Averages contacts whose feet on the surface share a voxel; `errors` are measured minus model normals, `None` where a normal is
 /// not used.
-pub(in crate::recognition) fn cells(
-    points: &[Vector],
-    feet: &[Vector],
-    surface: &Model,
-    errors: Option<&[Option<Vector>]>,
-) -> Cells {
+pub(crate) fn cells(points: &[Vector], feet: &[Vector], surface: &Model, errors: Option<&[Option<Vector>]>) -> Cells {
     let (of, count) = membership(feet);
     let mut counts = vec![0.0; count];
     let mut sums = vec![[0.0; 3]; count];
@@ -153,7 +148,7 @@ fn cell_normals(of: &[usize], centres: &[Vector], surface: &Model, errors: &[Opt
 
 /// Cell of every point, and the number of cells.
 fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
-    if points.len() <= MOST {
+    if points.len() <= MOST_CELLS {
         return ((0..points.len()).collect(), points.len());
     }
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
@@ -163,7 +158,7 @@ fn membership(points: &[Vector]) -> (Vec<usize>, usize) {
     let [mut lo, mut hi] = SIZES;
     for _ in 0..HALVINGS {
         let size = (lo * hi).sqrt();
-        if are_more(points, bounds, size, MOST) {
+        if are_more(points, bounds, size, MOST_CELLS) {
             lo = size;
         } else {
             hi = size;

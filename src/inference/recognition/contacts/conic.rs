@@ -21,7 +21,7 @@ const ON_CONIC: f64 = 1e-3;
 const TERMS: usize = 6;
 
 /// Whether these places lie on one conic, or so near to it that they tell nothing else.
-pub(in crate::recognition) fn on_conic(places: &[[f64; 2]]) -> bool {
+pub(crate) fn on_conic(places: &[[f64; 2]]) -> bool {
     let count = places.len() as f64;
     let mean = |k: usize| places.iter().map(|p| p[k]).sum::<f64>() / count;
     let means = [mean(0), mean(1)];

@@ -28,10 +28,10 @@ const OPPOSITE: f64 = 0.5;
 const BLUNDER: f64 = 0.5;
 
 /// Cosine below which a normal contradicts the surface: 60 degrees off.
-pub(in crate::recognition) const AGAINST: f64 = 0.5;
+pub(crate) const AGAINST: f64 = 0.5;
 
 /// Whether the normals of these contacts follow from the positions.
-pub(in crate::recognition) fn derived_from_positions(
+pub(crate) fn derived_from_positions(
     points: &[Vector],
     normals: &[Vector],
     surface: &Model,

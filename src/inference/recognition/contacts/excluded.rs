@@ -32,15 +32,15 @@ impl NormalsUse {
 /// Contacts and normals that were set aside or changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(in crate::recognition) struct Dropped {
+pub(crate) struct Dropped {
     /// Contacts too far off the surface to belong to it.
-    pub(in crate::recognition) outliers: usize,
+    pub(crate) outliers: usize,
     /// Missing pixels of a grid.
-    pub(in crate::recognition) missing: usize,
+    pub(crate) missing: usize,
     /// Normals of length zero.
-    pub(in crate::recognition) normals_of_length_zero: usize,
+    pub(crate) normals_of_length_zero: usize,
     /// Normals more than 60 degrees off the surface's.
-    pub(in crate::recognition) normals_against: usize,
+    pub(crate) normals_against: usize,
     /// Normals that were reversed to agree with their neighbours.
-    pub(in crate::recognition) normals_flipped: usize,
+    pub(crate) normals_flipped: usize,
 }

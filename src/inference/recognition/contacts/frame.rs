@@ -54,7 +54,7 @@ fn norm_of_largest(v: Vector) -> f64 {
 }
 
 /// The frame of the patch; `normals` are unit vectors on the free side, zero where unknown, or there are none.
-pub(in crate::recognition) fn patch_frame(
+pub(crate) fn patch_frame(
     points: &[Vector],
     normals: Option<&[Vector]>,
     options: &RecognitionOptions,

@@ -11,16 +11,16 @@ const NEEDED: [usize; 2] = [9, 4];
 
 /// Positions and normals in the input's coordinates.
 #[derive(Clone, Debug, Default)]
-pub(in crate::recognition) struct Observations {
-    pub(in crate::recognition) points: Vec<Vector>,
+pub(crate) struct Observations {
+    pub(crate) points: Vec<Vector>,
     /// Unit normals, zero where there is none.
-    pub(in crate::recognition) normals: Option<Vec<Vector>>,
-    pub(in crate::recognition) missing: usize,
+    pub(crate) normals: Option<Vec<Vector>>,
+    pub(crate) missing: usize,
     /// Whether there were normals that the caller asked to ignore.
-    pub(in crate::recognition) ignored: bool,
+    pub(crate) ignored: bool,
 }
 
-pub(in crate::recognition) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
+pub(crate) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
     let wrong = |option, value, expected| Err(RecognitionError::Option { option, value, expected });
     if !(options.level > 0.0 && options.level < 1.0) {
         return wrong("level", options.level.to_string(), "a level lies between 0 and 1");
@@ -42,7 +42,7 @@ pub(in crate::recognition) fn check_options(options: &RecognitionOptions) -> Res
 }
 
 impl Observations {
-    pub(in crate::recognition) fn from_contacts(
+    pub(crate) fn from_contacts(
         contacts: &Contacts,
         options: &RecognitionOptions,
     ) -> Result<Observations, RecognitionError> {
@@ -69,10 +69,7 @@ impl Observations {
         Observations { points, normals, ..Observations::default() }.sorted()
     }
 
-    pub(in crate::recognition) fn from_grid(
-        grid: &Grid,
-        options: &RecognitionOptions,
-    ) -> Result<Observations, RecognitionError> {
+    pub(crate) fn from_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Observations, RecognitionError> {
         grid.check()?;
         let slopes = grid.zx.as_ref().zip(grid.zy.as_ref());
         let mut given = Observations { ignored: slopes.is_some() && !options.use_normals, ..Observations::default() };

@@ -16,10 +16,10 @@ mod excluded;
 mod frame;
 mod input;
 
-pub(in crate::recognition) use cells::{CellNormals, Cells, cells, is_known};
-pub(in crate::recognition) use conic::on_conic;
-pub(in crate::recognition) use derived_normals_test::{AGAINST, derived_from_positions};
-pub(in crate::recognition) use excluded::Dropped;
+pub(crate) use cells::{CellNormals, Cells, cells, is_known};
+pub(crate) use conic::on_conic;
+pub(crate) use derived_normals_test::{AGAINST, derived_from_positions};
+pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;
-pub(in crate::recognition) use frame::patch_frame;
-pub(in crate::recognition) use input::{Observations, check_options};
+pub(crate) use frame::patch_frame;
+pub(crate) use input::{Observations, check_options};

@@ -5,7 +5,7 @@
 //! u = c u2 - s v2,   v = s u2 + c v2                                              axes rotated by an angle
 //! ```
 
-use crate::recognition::kinds::Jet;
+use palpate_geometry::primitives::NormalJet;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::simd::ChartBasis;
 
@@ -17,7 +17,7 @@ pub(super) const WIDTH: usize = DEGREE + 1;
 
 /// The 25 basis functions at one chart point with their derivatives.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct JetRow {
+pub(crate) struct JetRow {
     first: [usize; 2],
     values: [[[f64; WIDTH]; 3]; 2],
     across: usize,
@@ -49,13 +49,13 @@ impl JetRow {
     }
 
     /// The jet of that basis function alone.
-    pub(super) fn jet_of(&self, a: usize, b: usize) -> Jet {
+    pub(super) fn jet_of(&self, a: usize, b: usize) -> NormalJet {
         let [us, vs] = &self.values;
         [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].map(|(u, v)| us[u][a] * vs[v][b])
     }
 
     /// f, f_u, f_v, f_uu, f_uv, f_vv of the displacement with these coefficients.
-    pub(super) fn jet(&self, coefficients: &[f64]) -> Jet {
+    pub(super) fn jet(&self, coefficients: &[f64]) -> NormalJet {
         let mut out = [0.0; 6];
         let [us, vs] = &self.values;
         for a in 0..WIDTH {
@@ -74,7 +74,7 @@ impl JetRow {
 }
 
 /// A jet in axes rotated by an angle: `u = c u2 - s v2`, `v = s u2 + c v2`.
-pub(super) fn turned(jet: &Jet, c: f64, s: f64) -> Jet {
+pub(super) fn turned(jet: &NormalJet, c: f64, s: f64) -> NormalJet {
     let [f, fu, fv, fuu, fuv, fvv] = *jet;
     [
         f,

@@ -20,20 +20,21 @@ use faer::Mat;
 
 use crate::recognition::dense;
 use crate::recognition::kinds::ConstantCurvature;
+use palpate_geometry::primitives::over_circle;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::vector::Vector;
 
 use super::smooth::splines_through;
 
 /// Numbers that say how a body departs; those that a body does not have are zero.
-pub(in crate::recognition) type Form = [f64; 3];
+pub(crate) type Form = [f64; 3];
 
 /// Forms of all bodies, in the order of [`Body::ALL`].
-pub(in crate::recognition) type Forms = [Form; Body::ALL.len()];
+pub(crate) type Forms = [Form; Body::ALL.len()];
 
 /// Which body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::recognition) enum Body {
+pub(crate) enum Body {
     Quadric,
     /// A ring whose generating circle runs along the first direction of the chart.
     TorusAlongU,
@@ -46,7 +47,7 @@ pub(in crate::recognition) enum Body {
 const SPREAD: Form = [1.0, 1.0, 2.0];
 
 /// Step of central differences, in units of the patch: their error is its square.
-const STEP: f64 = 1e-4;
+const STEP_OF_DIFFERENCES: f64 = 1e-4;
 
 /// Steps until a place on the body is found, and how near it then is.
 const STEPS: usize = 20;
@@ -61,15 +62,15 @@ const FOUND: f64 = 1e-3;
 const UNTOLD: f64 = 1e-9;
 
 impl Body {
-    pub(in crate::recognition) const ALL: [Body; 3] = [Body::Quadric, Body::TorusAlongU, Body::TorusAlongV];
+    pub(crate) const ALL: [Body; 3] = [Body::Quadric, Body::TorusAlongU, Body::TorusAlongV];
 
     /// Number of the body in [`Body::ALL`].
-    pub(in crate::recognition) fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         self as usize
     }
 
     /// How many numbers say its form.
-    pub(in crate::recognition) fn numbers(self) -> usize {
+    pub(crate) fn numbers(self) -> usize {
         if self == Body::Quadric { 3 } else { 1 }
     }
 
@@ -94,8 +95,10 @@ impl Body {
         farthest: f64,
     ) -> Option<(f64, Form)> {
         let [_, _, _, k1, k2, _] = surface.theta;
-        let at = |form: Form, f: f64| self.side([k1, k2], form, surface.local_point(u, v, f));
-        let slope_at = |f: f64| (at(form, f + STEP) - at(form, f - STEP)) / (2.0 * STEP);
+        let at = |form: Form, f: f64| self.side([k1, k2], form, surface.form().point(u, v, f));
+        let slope_at = |f: f64| {
+            (at(form, f + STEP_OF_DIFFERENCES) - at(form, f - STEP_OF_DIFFERENCES)) / (2.0 * STEP_OF_DIFFERENCES)
+        };
         let (mut f, mut step) = (0.0, f64::INFINITY);
         // one slope serves all steps: the side is nearly linear along the normal
         let slope = slope_at(f);
@@ -113,9 +116,9 @@ impl Body {
         let mut by = Form::default();
         for (number, by) in by[..self.numbers()].iter_mut().enumerate() {
             let (mut ahead, mut behind) = (form, form);
-            ahead[number] += STEP;
-            behind[number] -= STEP;
-            *by = -(at(ahead, f) - at(behind, f)) / (2.0 * STEP * slope);
+            ahead[number] += STEP_OF_DIFFERENCES;
+            behind[number] -= STEP_OF_DIFFERENCES;
+            *by = -(at(ahead, f) - at(behind, f)) / (2.0 * STEP_OF_DIFFERENCES * slope);
         }
         Some((f, by))
     }
@@ -129,13 +132,13 @@ fn ring([k1, k2]: [f64; 2], geodesic: f64, [x, y, w]: Vector) -> f64 {
     let [along_x, along_w] = if k > 0.0 { [geodesic / k, k2 / k] } else { [0.0, 1.0] };
     let (inwards, beside) = (along_x * x + along_w * w, along_w * x - along_x * w);
     // turned back into the plane, without a division by k
-    let turned = (2.0 * inwards - k * (inwards * inwards + y * y)) / (1.0 + (1.0 - k * inwards).hypot(k * y));
+    let (turned, _) = over_circle(k, y, inwards, f64::hypot);
     let (x, w) = (along_x * turned + along_w * beside, along_w * turned - along_x * beside);
-    (2.0 * w - k1 * (w * w + x * x)) / (1.0 + (1.0 - k1 * w).hypot(k1 * x))
+    over_circle(k1, x, w, f64::hypot).0
 }
 
 /// Standard deviation of one of a body's numbers on such a surface.
-pub(in crate::recognition) fn spread(surface: &ConstantCurvature, number: usize) -> f64 {
+pub(crate) fn spread(surface: &ConstantCurvature, number: usize) -> f64 {
     let [_, _, _, k1, k2, _] = surface.theta;
     SPREAD[number] * (0.5 * (k1 * k1 + k2 * k2)).sqrt()
 }
@@ -249,7 +252,7 @@ mod tests {
         let surface = ConstantCurvature::new([0.0, 0.0, 0.0, -c / (a * a), -c / (b * b), 0.0]);
         for [u, v] in places() {
             let f = Body::Quadric.displacement(&surface, [0.0, 0.0, -1.0 / c], [u, v], 1.0).unwrap().0;
-            let [x, y, w] = surface.local_point(u, v, f);
+            let [x, y, w] = surface.form().point(u, v, f);
             assert!(((x / a).powi(2) + (y / b).powi(2) + ((w + c) / c).powi(2) - 1.0).abs() < 1e-10);
         }
     }

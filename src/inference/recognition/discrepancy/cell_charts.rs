@@ -23,7 +23,7 @@ use super::basis::{WIDTH, ends};
 const ORDERS: usize = 4;
 
 /// Step along a tangent that shows the steps of the chart.
-const STEP: f64 = 1e-4;
+const STEP_OF_CHART: f64 = 1e-4;
 
 /// Mean places and spreads of the cells' contacts.
 pub(super) struct CellCharts {
@@ -106,9 +106,9 @@ impl CellCharts {
 fn steps(surface: &ConstantCurvature, cells: &Cells) -> Vec<[f64; 2]> {
     let along_chart = |(side, i): (usize, usize)| {
         let (p, tangent) = (cells.points[i], cells.tangents[side][i]);
-        let ahead = surface.chart(along(p, STEP, tangent));
-        let behind = surface.chart(along(p, -STEP, tangent));
-        [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * STEP))
+        let ahead = surface.chart(along(p, STEP_OF_CHART, tangent));
+        let behind = surface.chart(along(p, -STEP_OF_CHART, tangent));
+        [0, 1].map(|k| (ahead[k] - behind[k]) / (2.0 * STEP_OF_CHART))
     };
     let n = cells.points.len();
     (0..2).flat_map(|side| (0..n).map(move |i| (side, i))).map(along_chart).collect()

@@ -9,24 +9,20 @@ use palpate_numeric::simd::{ChartBasis, EightShapes, EightSurfaces, Isa, SURFACE
 use super::state::{ChartPoint, State};
 
 /// Points at which displaced surfaces are looked at together.
-pub(in crate::recognition) struct Together<'a> {
+pub(crate) struct Together<'a> {
     points: Vec<ChartBasis<'a>>,
 }
 
 impl<'a> Together<'a> {
     /// `None` where one of the points has no basis functions, because nothing can be displaced.
-    pub(in crate::recognition) fn at(points: impl IntoIterator<Item = &'a ChartPoint>) -> Option<Together<'a>> {
+    pub(crate) fn at(points: impl IntoIterator<Item = &'a ChartPoint>) -> Option<Together<'a>> {
         let of = |point: &'a ChartPoint| Some(point.row.as_ref()?.basis(point.chart));
         Some(Together { points: points.into_iter().map(of).collect::<Option<_>>()? })
     }
 
     /// Hands every pack of at most eight surfaces at all points to `tell`, in order; `None`, before anything is told, where one of the
     /// surfaces is not displaced.
-    pub(in crate::recognition) fn look(
-        &self,
-        surfaces: &[State],
-        mut tell: impl FnMut(&[State], &[EightShapes]),
-    ) -> Option<()> {
+    pub(crate) fn look(&self, surfaces: &[State], mut tell: impl FnMut(&[State], &[EightShapes])) -> Option<()> {
         if surfaces.iter().any(|surface| surface.displaced().is_none()) {
             return None;
         }

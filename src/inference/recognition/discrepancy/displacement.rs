@@ -17,7 +17,8 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::kinds::{ConstantCurvature, Jet};
+use crate::recognition::kinds::ConstantCurvature;
+use palpate_geometry::primitives::NormalJet;
 use palpate_numeric::bspline::{Knots, gram};
 use palpate_numeric::linalg;
 
@@ -36,11 +37,11 @@ const SEGMENTS: usize = 5;
 const ORDER: usize = 3;
 
 /// Cells needed. Below 16 the prior decides most of f, which is right where an interval asks what else the surface may be.
-const FEWEST: usize = 9;
+const FEWEST_CELLS: usize = 9;
 
 /// Smallest |Q_v| of the chart. Nearer to a pole the chart's derivatives grow without bound, and the intervals with
 /// them.
-pub(in crate::recognition) const POLE: f64 = 0.5;
+pub(crate) const POLE: f64 = 0.5;
 
 /// Share of the largest mean square at the cells below which a column of a smooth departure is left out. With a tenth of it there are a
 /// quarter more columns and the same intervals.
@@ -54,47 +55,47 @@ const MARGIN: f64 = 0.02;
 
 /// Columns of the displacement at the cells, and the matrix from the columns' weights to spline coefficients.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Displacement {
+pub(crate) struct Displacement {
     knots: [Knots; 2],
     /// 81 x columns.
     to_coefficients: Mat<f64>,
     /// Number of columns with the prior above.
-    pub(in crate::recognition) rough: usize,
+    pub(crate) rough: usize,
     /// Number of columns of natural departures, which follow.
-    pub(in crate::recognition) natural: usize,
+    pub(crate) natural: usize,
     /// First column and number of columns of every smooth departure.
-    pub(in crate::recognition) smooth: Vec<(usize, usize)>,
+    pub(crate) smooth: Vec<(usize, usize)>,
     /// First column and number of columns of every body; none of those that do not lie near the surface.
-    pub(in crate::recognition) bodies: [(usize, usize); Body::ALL.len()],
+    pub(crate) bodies: [(usize, usize); Body::ALL.len()],
     /// The forms about which those are linear.
-    pub(in crate::recognition) forms: Forms,
+    pub(crate) forms: Forms,
     /// Rows of the distances.
-    pub(in crate::recognition) positions: Mat<f64>,
+    pub(crate) positions: Mat<f64>,
     /// Rows of the normals' two tangential parts, one after the other; only where normals are used.
-    pub(in crate::recognition) normals: Option<Mat<f64>>,
+    pub(crate) normals: Option<Mat<f64>>,
     /// The same rows for the displacements u^2/2, v^2/2 and u v, which over a plane are exact columns of its curvatures.
-    pub(in crate::recognition) quadratic: Quadratic,
+    pub(crate) quadratic: Quadratic,
 }
 
 /// Rows of the displacements u^2/2, v^2/2 and u v.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Quadratic {
-    pub(in crate::recognition) positions: Mat<f64>,
-    pub(in crate::recognition) normals: Option<Mat<f64>>,
+pub(crate) struct Quadratic {
+    pub(crate) positions: Mat<f64>,
+    pub(crate) normals: Option<Mat<f64>>,
 }
 
 impl Displacement {
     /// The displacement over the cells of a general surface, where the data and the chart allow one.
     /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it. Bodies are linear about
     /// these `forms`.
-    pub(in crate::recognition) fn new(
+    pub(crate) fn new(
         surface: &ConstantCurvature,
         cells: &Cells,
         contacts: &[Vector],
         forms: &Forms,
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
-        if charts.len() < FEWEST || charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+        if charts.len() < FEWEST_CELLS || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
             return None;
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
@@ -168,19 +169,19 @@ impl Displacement {
     }
 
     /// Number of columns.
-    pub(in crate::recognition) fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.to_coefficients.ncols()
     }
 
     /// First column and number of columns of every group that stands together in some departure: rough and natural columns, and those
     /// of every smooth departure and of every body.
-    pub(in crate::recognition) fn groups(&self) -> Vec<(usize, usize)> {
+    pub(crate) fn groups(&self) -> Vec<(usize, usize)> {
         let bodies = self.bodies.iter().filter(|(_, count)| *count > 0);
         std::iter::once((0, self.rough + self.natural)).chain(self.smooth.iter().chain(bodies).copied()).collect()
     }
 
     /// Spline coefficients for given weights of the columns. A surface uses the columns of one departure and not the others.
-    pub(in crate::recognition) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
+    pub(crate) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.to_coefficients.nrows()];
         for (j, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             out.iter_mut().zip(self.to_coefficients.col_as_slice(j)).for_each(|(out, c)| *out += w * c);
@@ -190,7 +191,7 @@ impl Displacement {
 
     /// The forms in which bodies are nearest to the displaced surface with these coefficients, at some of these places of the chart; those
     /// that they are linear about where they are not near, or not asked for.
-    pub(in crate::recognition) fn nearest_forms(
+    pub(crate) fn nearest_forms(
         &self,
         surface: &ConstantCurvature,
         charts: &[[f64; 2]],
@@ -211,12 +212,12 @@ impl Displacement {
     }
 
     /// Spline coefficients of many displacements, one a column, for given weights of the columns from `first` on.
-    pub(in crate::recognition) fn coefficients_of_many(&self, first: usize, weights: &Mat<f64>) -> Mat<f64> {
+    pub(crate) fn coefficients_of_many(&self, first: usize, weights: &Mat<f64>) -> Mat<f64> {
         linalg::product(self.to_coefficients.as_ref().subcols(first, weights.nrows()), weights.as_ref())
     }
 
     /// The basis functions at a chart point, with which many displacements can be evaluated there.
-    pub(in crate::recognition) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
+    pub(crate) fn at(&self, [u, v]: [f64; 2]) -> JetRow {
         JetRow::new(&self.knots, [u, v])
     }
 }
@@ -229,7 +230,12 @@ fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
 }
 
 /// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.
-fn product(knots: &[Knots; 2], charts: &[[f64; 2]], columns: &Mat<f64>, pick: impl Fn(usize, Jet) -> f64) -> Mat<f64> {
+fn product(
+    knots: &[Knots; 2],
+    charts: &[[f64; 2]],
+    columns: &Mat<f64>,
+    pick: impl Fn(usize, NormalJet) -> f64,
+) -> Mat<f64> {
     let mut basis = Mat::<f64>::zeros(charts.len(), columns.nrows());
     for (i, chart) in charts.iter().enumerate() {
         let row = JetRow::new(knots, *chart);

@@ -19,9 +19,9 @@ mod rotational_process;
 mod smooth;
 mod state;
 
-pub(in crate::recognition) use bodies::{Body, Forms};
-pub(in crate::recognition) use displaced_batch::Together;
-pub(in crate::recognition) use displacement::{Displacement, POLE, Quadratic};
-pub(in crate::recognition) use polynomial_prior::{TERMS as NATURAL_TERMS, size as natural_size};
-pub(in crate::recognition) use smooth::is_free;
-pub(in crate::recognition) use state::{ChartPoint, State};
+pub(crate) use bodies::{Body, Forms};
+pub(crate) use displaced_batch::Together;
+pub(crate) use displacement::{Displacement, POLE, Quadratic};
+pub(crate) use polynomial_prior::{TERMS as NATURAL_TERMS, size as natural_size};
+pub(crate) use smooth::is_free;
+pub(crate) use state::{ChartPoint, State};

@@ -31,11 +31,10 @@ const FOURTH: f64 = 3.0;
 const SPREAD: f64 = 2.0;
 
 /// Powers of u and v.
-pub(in crate::recognition) const TERMS: [[usize; 2]; 9] =
-    [[3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
+pub(crate) const TERMS: [[usize; 2]; 9] = [[3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
 
 /// Spline coefficients of the nine departures, each with its prior standard deviation, about the middle of the chart.
-pub(in crate::recognition) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f64> {
+pub(crate) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f64> {
     let powers = knots.each_ref().map(|knots| {
         let t = knots.as_slice();
         let middle = 0.5 * (t[0] + t[t.len() - 1]);
@@ -50,7 +49,7 @@ pub(in crate::recognition) fn columns(knots: &[Knots; 2], surface: &ConstantCurv
 }
 
 /// Natural size of the coefficient of u^a v^b.
-pub(in crate::recognition) fn size(surface: &ConstantCurvature, [a, b]: [usize; 2]) -> f64 {
+pub(crate) fn size(surface: &ConstantCurvature, [a, b]: [usize; 2]) -> f64 {
     let [_, _, _, k1, k2, _] = surface.theta;
     let r = (0.5 * (k1 * k1 + k2 * k2)).sqrt();
     let derivative = if a + b == 3 { r.powi(2) } else { FOURTH * r.powi(3) };

@@ -22,7 +22,7 @@ use palpate_numeric::vector::{cross, dot, minus, reject, unit};
 const TERMS: usize = 6;
 
 /// Step along the chart that shows the direction of its first coordinate.
-const STEP: f64 = 1e-3;
+const STEP_OF_DIRECTION: f64 = 1e-3;
 
 /// Values of every term at the sites of u (rows) and v (columns) of the splines.
 pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f64) -> Vec<Mat<f64>> {
@@ -30,7 +30,7 @@ pub(super) fn values(surface: &ConstantCurvature, knots: &[Knots; 2], length: f6
     let [u, v] = knots.each_ref().map(Knots::domain).map(|[lo, hi]| 0.5 * (lo + hi));
     let middle = surface.point(u, v, 0.0);
     let normal = surface.distance_and_normal(middle).1;
-    let first = unit(reject(minus(surface.point(u + STEP, v, 0.0), middle), normal));
+    let first = unit(reject(minus(surface.point(u + STEP_OF_DIRECTION, v, 0.0), middle), normal));
     let axes = [first, cross(normal, first)];
     let place = |i: usize, j: usize| {
         let away = minus(surface.point(us[i], vs[j], 0.0), middle);

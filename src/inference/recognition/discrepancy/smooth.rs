@@ -53,18 +53,18 @@ pub(super) enum Form {
 const FORMS: [Form; 4] = [Form::Free, Form::Drawn(0), Form::Drawn(1), Form::Turned];
 
 /// All forms with all lengths.
-pub(in crate::recognition) fn all() -> impl Iterator<Item = (Form, f64)> {
+pub(crate) fn all() -> impl Iterator<Item = (Form, f64)> {
     FORMS.into_iter().flat_map(|form| LENGTHS.map(|length| (form, length)))
 }
 
 /// Whether the process of this number may vary in every direction.
-pub(in crate::recognition) fn is_free(process: usize) -> bool {
+pub(crate) fn is_free(process: usize) -> bool {
     process < LENGTHS.len()
 }
 
 /// Weights of the rough columns for independent standard gaussians: the process without its part of second degree. `None` where a
 /// factor does not exist.
-pub(in crate::recognition) fn weights(
+pub(crate) fn weights(
     surface: &ConstantCurvature,
     knots: &[Knots; 2],
     rough: &Mat<f64>,

@@ -5,8 +5,9 @@
 //!                                    at most 45 degrees
 //! ```
 
-use crate::recognition::kinds::{ConstantCurvature, Jet, Kind, Model, bending, curvatures_of, derivatives};
-use palpate_geometry::curvature::Principal;
+use crate::recognition::kinds::{ConstantCurvature, Kind, Model};
+use palpate_geometry::curvature::{Derivatives, Principal, curvatures};
+use palpate_geometry::primitives::{NormalJet, TwoCurvatures};
 
 use super::basis::{JetRow, turned};
 
@@ -14,17 +15,17 @@ use palpate_numeric::vector::{Vector, along, cross, norm_hypot};
 
 /// A point of the chart of the general surface.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct ChartPoint {
-    pub(in crate::recognition) chart: [f64; 2],
+pub(crate) struct ChartPoint {
+    pub(crate) chart: [f64; 2],
     /// Its place on the general surface, patch coordinates.
-    pub(in crate::recognition) place: Vector,
+    pub(crate) place: Vector,
     /// What the displacement needs there.
-    pub(in crate::recognition) row: Option<JetRow>,
+    pub(crate) row: Option<JetRow>,
 }
 
 /// One surface.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::recognition) struct State {
+pub(crate) struct State {
     model: Model,
     /// Cosine and sine of the rotation from the chart's axes to those of k1 and k2.
     turn: [f64; 2],
@@ -36,20 +37,20 @@ pub(in crate::recognition) struct State {
 
 /// A surface at one point.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::recognition) struct Bent {
-    pub(in crate::recognition) place: Vector,
-    pub(in crate::recognition) normal: Vector,
-    pub(in crate::recognition) k1: f64,
-    pub(in crate::recognition) k2: f64,
+pub(crate) struct Bent {
+    pub(crate) place: Vector,
+    pub(crate) normal: Vector,
+    pub(crate) k1: f64,
+    pub(crate) k2: f64,
     /// Direction of k1, patch axes; `None` where it is undefined.
-    pub(in crate::recognition) direction: Option<Vector>,
+    pub(crate) direction: Option<Vector>,
     /// Displacement along the normal.
-    pub(in crate::recognition) displacement: f64,
+    pub(crate) displacement: f64,
 }
 
 impl State {
     /// A model moved by x, in the evidence's coordinates.
-    pub(in crate::recognition) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
+    pub(crate) fn new(model: &Model, x: &[f64], coefficients: Option<Vec<f64>>) -> State {
         let (kind, theta) = (model.kind(), model.theta());
         let mut moved = theta;
         (0..3).for_each(|i| moved[i] += x[i]);
@@ -84,7 +85,7 @@ impl State {
         State { model: Model::new(kind, moved), turn, quadratic, coefficients }
     }
 
-    pub(in crate::recognition) fn model(&self) -> &Model {
+    pub(crate) fn model(&self) -> &Model {
         &self.model
     }
 
@@ -99,7 +100,7 @@ impl State {
     }
 
     /// The displacement at a chart point.
-    fn jet(&self, at: &ChartPoint) -> Jet {
+    fn jet(&self, at: &ChartPoint) -> NormalJet {
         match (&self.coefficients, &at.row) {
             (Some(coefficients), Some(row)) => {
                 let ([u, v], [a, c, b]) = (at.chart, self.quadratic);
@@ -112,20 +113,19 @@ impl State {
     }
 
     /// Larger and smaller curvature at a chart point; `None` where the chart folds.
-    pub(in crate::recognition) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
+    pub(crate) fn curvatures(&self, at: &ChartPoint) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
-            (Model::Paraboloid(surface), _) => curvatures_of(&surface.derivatives(at.place[0], at.place[1])),
+            (Model::Paraboloid(surface), _) => curvatures(&surface.derivatives(at.place[0], at.place[1])),
             (Model::Constant(_, surface), Some(_)) => {
-                let [_, _, _, k1, k2, _] = surface.theta;
                 let [c, s] = self.turn;
-                bending(k1, k2, self.turned_chart(at)[0], &turned(&self.jet(at), c, s))
+                surface.form().bending(self.turned_chart(at)[0], &turned(&self.jet(at), c, s))
             }
             (Model::Constant(..), None) => self.constant_curvatures(),
         }
     }
 
     /// Larger and smaller curvature where they are the same everywhere.
-    pub(in crate::recognition) fn constant_curvatures(&self) -> Option<[f64; 2]> {
+    pub(crate) fn constant_curvatures(&self) -> Option<[f64; 2]> {
         match (&self.model, &self.coefficients) {
             (Model::Constant(_, surface), None) => {
                 let [_, _, _, k1, k2, _] = surface.theta;
@@ -138,30 +138,30 @@ impl State {
     fn principal(&self, at: &ChartPoint) -> Option<Principal> {
         match &self.model {
             Model::Paraboloid(surface) => surface.derivatives(at.place[0], at.place[1]).principal(),
-            Model::Constant(_, surface) => {
-                let [_, _, _, k1, k2, _] = surface.theta;
-                let [c, s] = self.turn;
-                derivatives(k1, k2, self.turned_chart(at), &turned(&self.jet(at), c, s)).principal()
-            }
+            Model::Constant(_, surface) => self.derivatives(surface, at, &self.jet(at)).principal(),
         }
+    }
+
+    /// First and second derivatives of the displaced surface in its own axes.
+    fn derivatives(&self, surface: &ConstantCurvature, at: &ChartPoint, jet: &NormalJet) -> Derivatives {
+        let [c, s] = self.turn;
+        surface.form().derivatives(self.turned_chart(at), &turned(jet, c, s))
     }
 
     /// Where the surface lies at a chart point, and its unit normal there: a part of [`State::at`], without its curvatures
     /// and directions where the surface is displaced.
-    pub(in crate::recognition) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
+    pub(crate) fn place_and_normal(&self, at: &ChartPoint) -> (Vector, Vector) {
         let Model::Constant(Kind::General, surface) = &self.model else {
             let bent = self.at(at);
             return (bent.place, bent.normal);
         };
         let (jet, chart) = (self.jet(at), self.turned_chart(at));
-        let [_, _, _, k1, k2, _] = surface.theta;
-        let [c, s] = self.turn;
-        let bent = derivatives(k1, k2, chart, &turned(&jet, c, s));
+        let bent = self.derivatives(surface, at, &jet);
         (surface.point(chart[0], chart[1], jet[0]), surface.rotate_back(normal_of(cross(bent.u, bent.v))))
     }
 
     /// Directions of k1 and k2 at a chart point; `None` where they are undefined.
-    pub(in crate::recognition) fn directions(&self, at: &ChartPoint) -> Option<[Vector; 2]> {
+    pub(crate) fn directions(&self, at: &ChartPoint) -> Option<[Vector; 2]> {
         let [k1, normal] = match &self.model {
             Model::Constant(Kind::General, surface) => {
                 let principal = self.principal(at)?;
@@ -181,7 +181,7 @@ impl State {
     }
 
     /// Everything at a chart point.
-    pub(in crate::recognition) fn at(&self, at: &ChartPoint) -> Bent {
+    pub(crate) fn at(&self, at: &ChartPoint) -> Bent {
         let curvatures = self.curvatures(at).unwrap_or([f64::NAN; 2]);
         let displacement = self.jet(at)[0];
         let [k1, k2] = curvatures;
@@ -216,7 +216,7 @@ fn normal_of(across: Vector) -> Vector {
 
 /// Direction of the larger curvature of a cylinder.
 fn axis_of_k1(surface: &ConstantCurvature, place: Vector) -> Vector {
-    let k = surface.theta[3];
-    let local = derivatives(k, 0.0, surface.chart(place), &[0.0; 6]).principal();
+    let bar = TwoCurvatures { k2: 0.0, ..surface.form() };
+    let local = bar.derivatives(surface.chart(place), &[0.0; 6]).principal();
     surface.rotate_back(local.map_or([1.0, 0.0, 0.0], |p| p.direction1))
 }

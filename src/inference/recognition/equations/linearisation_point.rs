@@ -16,23 +16,23 @@ use super::rows::{CURVATURES, Rows, column_of, first_of_displacement};
 use palpate_numeric::vector::{Vector, dot};
 
 /// Where the general surface belongs under its displacement.
-pub(in crate::recognition) struct Moved {
-    pub(in crate::recognition) base: Model,
+pub(crate) struct Moved {
+    pub(crate) base: Model,
     /// Slopes of the displacement along both tangents of every cell; `None` where no normals are used. They are kept in place of
     /// the weights of its columns, because those belong to one chart and the moved surface has another.
-    pub(in crate::recognition) slopes: Option<[Vec<f64>; 2]>,
+    pub(crate) slopes: Option<[Vec<f64>; 2]>,
     /// Degrees of freedom that the displacement takes from the normals.
-    pub(in crate::recognition) spent: f64,
+    pub(crate) spent: f64,
     /// Kernel of the errors that positions share.
-    pub(in crate::recognition) kernel: usize,
+    pub(crate) kernel: usize,
     /// Forms that bodies are linear about.
-    pub(in crate::recognition) forms: Forms,
+    pub(crate) forms: Forms,
 }
 
 impl Moved {
     /// Takes, in the rows of the general surface, the mean distance of a cell's contacts in place of the distance of their
     /// mean: the moved surface bends otherwise than the one about which the contacts were averaged.
-    pub(in crate::recognition) fn average(&self, rows: &mut Rows, cells: &Cells, contacts: &[Vector]) {
+    pub(crate) fn average(&self, rows: &mut Rows, cells: &Cells, contacts: &[Vector]) {
         if contacts.len() == cells.points.len() {
             return;
         }
@@ -47,7 +47,7 @@ impl Moved {
 
     /// Multiplies the measured normals, in the rows of the general surface, by the length of `n - grad f`: the rows then
     /// ask for `n - grad f` itself and not for its direction.
-    pub(in crate::recognition) fn lengthen(&self, rows: &mut Rows, cells: &Cells) {
+    pub(crate) fn lengthen(&self, rows: &mut Rows, cells: &Cells) {
         let (Some(halves), Some(CellNormals { measured, .. })) = (&mut rows.normals, &cells.normals) else { return };
         let Some([a, b]) = &self.slopes else { return };
         let y = column_of(Kind::General);
@@ -62,7 +62,7 @@ impl Moved {
     }
 
     /// Rows in which the normals are free of the displacement.
-    pub(in crate::recognition) fn without_displacement(&self, rows: &Rows) -> Rows {
+    pub(crate) fn without_displacement(&self, rows: &Rows) -> Rows {
         let mut out = rows.clone();
         let y = column_of(Kind::General);
         for (half, slopes) in out.normals.iter_mut().flatten().zip(self.slopes.iter().flatten()) {
@@ -74,7 +74,7 @@ impl Moved {
 
 /// Slopes along both tangents of every cell of the displacement whose columns have these weights, about a general surface that has
 /// moved by x. Over a plane its curvatures are displacements, too.
-pub(in crate::recognition) fn slopes(rows: &Rows, weights: &[f64], base: &Model, x: &[f64]) -> Option<[Vec<f64>; 2]> {
+pub(crate) fn slopes(rows: &Rows, weights: &[f64], base: &Model, x: &[f64]) -> Option<[Vec<f64>; 2]> {
     let (z, own) = (first_of_displacement(), column_of(Kind::General) + 1);
     let bends = if base.is_flat() { CURVATURES..x.len() } else { 0..0 };
     let of = |half: &Mat<f64>| {

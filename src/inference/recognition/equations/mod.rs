@@ -10,6 +10,6 @@ mod linearisation_point;
 mod reduced;
 mod rows;
 
-pub(in crate::recognition) use linearisation_point::{Moved, slopes};
-pub(in crate::recognition) use reduced::{Columns, Grams, Reduced, joint, reduced, reduced_in_cells};
-pub(in crate::recognition) use rows::{Rows, column_of, first_of_displacement};
+pub(crate) use linearisation_point::{Moved, slopes};
+pub(crate) use reduced::{Columns, Grams, Reduced, joint, reduced, reduced_in_cells};
+pub(crate) use rows::{Rows, column_of, first_of_displacement};

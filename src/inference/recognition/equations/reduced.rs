@@ -16,40 +16,40 @@ use palpate_numeric::simd::{Isa, factor_dense};
 const LANES: usize = 8;
 
 /// The equations after elimination.
-pub(in crate::recognition) struct Reduced {
+pub(crate) struct Reduced {
     /// Lower factor of H, p x p.
-    pub(in crate::recognition) lower: Mat<f64>,
+    pub(crate) lower: Mat<f64>,
     /// The step that solves them.
-    pub(in crate::recognition) x: Vec<f64>,
-    pub(in crate::recognition) rss: f64,
+    pub(crate) x: Vec<f64>,
+    pub(crate) rss: f64,
     /// Log determinant of the displacement's precision.
-    pub(in crate::recognition) log_det: f64,
+    pub(crate) log_det: f64,
 }
 
 /// Which rows and columns of a Gram matrix belong to the equations.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::recognition) struct Columns {
+pub(crate) struct Columns {
     /// Column of y; the model's follow.
-    pub(in crate::recognition) y: usize,
+    pub(crate) y: usize,
     /// Column that is added to y: a displacement that is not for the contacts to choose.
-    pub(in crate::recognition) fixed: Option<usize>,
+    pub(crate) fixed: Option<usize>,
     /// Parameters of the model.
-    pub(in crate::recognition) unknowns: usize,
+    pub(crate) unknowns: usize,
     /// First column of the displacement, and how many are used.
-    pub(in crate::recognition) z: (usize, usize),
+    pub(crate) z: (usize, usize),
     /// How many of those are a rough spline's or a smooth departure's; natural departures follow.
-    pub(in crate::recognition) rough: usize,
+    pub(crate) rough: usize,
     /// Factors of the former and of the latter.
-    pub(in crate::recognition) factors: [f64; 2],
+    pub(crate) factors: [f64; 2],
 }
 
 /// Gram matrices of positions and normals, summed where they are read.
 #[derive(Clone, Copy)]
-pub(in crate::recognition) struct Grams<'a> {
-    pub(in crate::recognition) positions: &'a Mat<f64>,
+pub(crate) struct Grams<'a> {
+    pub(crate) positions: &'a Mat<f64>,
     /// Variance of a position: its rows are divided by it.
-    pub(in crate::recognition) variance: f64,
-    pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
+    pub(crate) variance: f64,
+    pub(crate) normals: Option<&'a Mat<f64>>,
 }
 
 impl Grams<'_> {
@@ -125,7 +125,7 @@ impl Columns {
 }
 
 /// Eliminates the displacement and then the parameters by one factor; y is a row below it. `None` unless positive definite.
-pub(in crate::recognition) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
+pub(crate) fn reduced(columns: Columns, grams: Grams) -> Option<Reduced> {
     let (p, count) = (columns.unknowns, columns.z.1);
     let m = count + p;
     let mut joint = Bordered::new(m, 1);
@@ -147,7 +147,7 @@ pub(in crate::recognition) fn reduced(columns: Columns, grams: Grams) -> Option<
 }
 
 /// The equations in the order parameters, displacement: their precision's lower triangle and right-hand side.
-pub(in crate::recognition) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>, Vec<f64>) {
+pub(crate) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>, Vec<f64>) {
     let (p, count) = (columns.unknowns, columns.z.1);
     let m = p + count;
     let place = |i: usize| if i < count { p + i } else { i - count };
@@ -170,7 +170,7 @@ pub(in crate::recognition) fn joint(columns: Columns, grams: Grams) -> (Mat<f64>
 /// ```
 ///
 /// `products` are Z Z' of the columns with the first and with the second factor, before the factors.
-pub(in crate::recognition) fn reduced_in_cells(
+pub(crate) fn reduced_in_cells(
     columns: Columns,
     rows: &Mat<f64>,
     variance: f64,

@@ -18,27 +18,27 @@ pub(super) const CURVATURES: usize = 3;
 
 /// Columns of all models side by side.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Rows {
-    pub(in crate::recognition) positions: Mat<f64>,
+pub(crate) struct Rows {
+    pub(crate) positions: Mat<f64>,
     /// Both tangential parts of the normals, each with a row for every cell.
-    pub(in crate::recognition) normals: Option<[Mat<f64>; 2]>,
-    pub(in crate::recognition) columns: usize,
+    pub(crate) normals: Option<[Mat<f64>; 2]>,
+    pub(crate) columns: usize,
     /// First column and number of columns of every group of the displacement that stands together in some departure.
-    pub(in crate::recognition) groups: Vec<(usize, usize)>,
+    pub(crate) groups: Vec<(usize, usize)>,
 }
 
 /// Column of a model's residuals; its Jacobian follows.
-pub(in crate::recognition) fn column_of(kind: Kind) -> usize {
+pub(crate) fn column_of(kind: Kind) -> usize {
     Kind::ALL.iter().take_while(|k| **k != kind).map(|k| 1 + k.unknowns()).sum()
 }
 
 /// First column of the displacement.
-pub(in crate::recognition) fn first_of_displacement() -> usize {
+pub(crate) fn first_of_displacement() -> usize {
     Kind::ALL.iter().map(|k| 1 + k.unknowns()).sum()
 }
 
 impl Rows {
-    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], displacement: Option<&Displacement>) -> Rows {
+    pub(crate) fn new(cells: &Cells, models: &[Model], displacement: Option<&Displacement>) -> Rows {
         let n = cells.points.len();
         let first = first_of_displacement();
         let columns = first + displacement.map_or(0, Displacement::columns);
@@ -62,7 +62,7 @@ impl Rows {
 
     /// Lets the general surface's curvatures stand for quadratic displacements: over a plane its columns are exact so, however far its
     /// curvatures lie from those of a plane.
-    pub(in crate::recognition) fn bend_by(&mut self, quadratic: &Quadratic) {
+    pub(crate) fn bend_by(&mut self, quadratic: &Quadratic) {
         let (n, first) = (self.positions.nrows(), column_of(Kind::General) + 1 + CURVATURES);
         for j in 0..3 {
             (0..n).for_each(|i| self.positions[(i, first + j)] = quadratic.positions[(i, j)]);
@@ -74,7 +74,7 @@ impl Rows {
     }
 
     /// The models alone, without a displacement.
-    pub(in crate::recognition) fn of_models(&self) -> Rows {
+    pub(crate) fn of_models(&self) -> Rows {
         let columns = first_of_displacement();
         let own = |rows: &Mat<f64>| rows.as_ref().subcols(0, columns).to_owned();
         let normals = self.normals.as_ref().map(|halves| halves.each_ref().map(own));

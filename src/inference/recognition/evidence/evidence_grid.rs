@@ -87,7 +87,7 @@ struct OfKernel {
 }
 
 /// A search that has asked the kinds without a departure everywhere, and departures where neighbours share no errors.
-pub(in crate::recognition) struct PartialEvidence<'a, 'f> {
+pub(crate) struct PartialEvidence<'a, 'f> {
     evidence: Evidence<'a>,
     rows: &'a Rows,
     factors: &'f Factors<'f>,
@@ -117,7 +117,7 @@ impl<'a> PartialEvidence<'a, '_> {
     /// The evidence, and all nodes that the data and the limit of shared errors allow. Where departures are outdone without shared errors
     /// and with those that the kinds without one need most, they are asked there alone: errors that neighbours share take up what would
     /// speak for a departure.
-    pub(in crate::recognition) fn finished(self) -> (Evidence<'a>, Vec<Node>) {
+    pub(crate) fn finished(self) -> (Evidence<'a>, Vec<Node>) {
         let PartialEvidence { mut evidence, rows, factors, plain: mut nodes, displaced, white } = self;
         let courses = after(white.as_ref(), &displaced);
         let outdone = |found: &OfKernel| {
@@ -139,7 +139,7 @@ impl<'a> PartialEvidence<'a, '_> {
 
 impl<'a> Evidence<'a> {
     /// Begins with all that these equations and the limit of shared errors allow.
-    pub(in crate::recognition) fn begun<'f>(
+    pub(crate) fn begun<'f>(
         cells: &'a Cells,
         linearised: &'a Linearised,
         factors: &'f Factors<'f>,

@@ -17,7 +17,7 @@ use super::node::Node;
 
 impl Evidence<'_> {
     /// Half the sum of squares of the normals' whitened residuals under a node's likeliest surface; `None` without normals.
-    pub(in crate::recognition) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
+    pub(crate) fn misfit_of_normals(&self, node: &Node) -> Option<f64> {
         Some(half_square(self.normals?, &self.coefficients(node)?))
     }
 
@@ -31,7 +31,7 @@ impl Evidence<'_> {
     }
 
     /// What every column of the equations is multiplied by in the residuals of a node's likeliest surface.
-    pub(in crate::recognition) fn coefficients(&self, node: &Node) -> Option<Vec<f64>> {
+    pub(crate) fn coefficients(&self, node: &Node) -> Option<Vec<f64>> {
         let (y, p, first) = (column_of(node.kind), node.kind.unknowns(), first_of_displacement());
         let mut at = vec![0.0; first + self.displacement.map_or(0, Displacement::columns)];
         at[y] = 1.0;
@@ -46,7 +46,7 @@ impl Evidence<'_> {
     }
 
     /// Weights of all columns of the displacement, from those of a node's own columns in units of their prior.
-    pub(in crate::recognition) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
+    pub(crate) fn weights_of(&self, node: &Node, own: &[f64]) -> Vec<f64> {
         let first = first_of_displacement();
         let Columns { z: (start, _), fixed, rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
         let mut out = vec![0.0; self.displacement.map_or(0, Displacement::columns)];
@@ -61,7 +61,7 @@ impl Evidence<'_> {
 
     /// Spline coefficients of many displacements of one node, one a column: weights of the node's own columns, in units of their prior,
     /// stand below its parameters in `drawn`.
-    pub(in crate::recognition) fn splines_of(&self, node: &Node, drawn: &Mat<f64>) -> Option<Mat<f64>> {
+    pub(crate) fn splines_of(&self, node: &Node, drawn: &Mat<f64>) -> Option<Mat<f64>> {
         let Columns { z: (start, count), fixed, rough, factors: [of_spline, of_natural], .. } = self.columns_of(node);
         let own =
             |i: usize, k: usize| drawn[(node.kind.unknowns() + i, k)] * if i < rough { of_spline } else { of_natural };
@@ -79,7 +79,7 @@ impl Evidence<'_> {
 
     /// Posterior of parameters and displacement together under one node: its mean and the lower factor of its
     /// precision. The displacement's columns are scaled to unit prior variance.
-    pub(in crate::recognition) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
+    pub(crate) fn joint_posterior(&self, node: &Node) -> Option<(Vec<f64>, Mat<f64>)> {
         let gram = self.grams[node.kernel].as_ref()?;
         let columns = self.columns_of(node);
         let grams = Grams { positions: gram, variance: node.variance, normals: self.normals };

@@ -14,14 +14,14 @@ use crate::recognition::noise::{Factors, Gain, NormalNoise};
 use palpate_numeric::vector::Vector;
 
 /// Factors of the covariances of positions and of normals.
-pub(in crate::recognition) struct FactorPair<'a> {
-    pub(in crate::recognition) positions: Factors<'a>,
+pub(crate) struct FactorPair<'a> {
+    pub(crate) positions: Factors<'a>,
     /// `None` where every cell has as many normals as positions: one factor then serves both.
     normals: Option<Factors<'a>>,
 }
 
 impl<'a> FactorPair<'a> {
-    pub(in crate::recognition) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
+    pub(crate) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
         let own = cells.normals.as_ref().filter(|normals| normals.variance != cells.variance);
         FactorPair {
             positions: Factors::new(&cells.variance, distances),
@@ -43,27 +43,22 @@ pub(super) struct NormalsTold {
 
 /// Models with their equations.
 #[derive(Clone)]
-pub(in crate::recognition) struct Linearised {
-    pub(in crate::recognition) models: Vec<Model>,
+pub(crate) struct Linearised {
+    pub(crate) models: Vec<Model>,
     pub(super) displacement: Option<Displacement>,
-    pub(in crate::recognition) rows: Rows,
-    pub(in crate::recognition) normal_noise: Option<NormalNoise>,
+    pub(crate) rows: Rows,
+    pub(crate) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
-    pub(in crate::recognition) normals: Option<Mat<f64>>,
+    pub(crate) normals: Option<Mat<f64>>,
     /// Where all normals may be too steep by one factor.
-    pub(in crate::recognition) gain: Option<Gain>,
+    pub(crate) gain: Option<Gain>,
     /// Where departures stand over a plane instead of a curved surface: what its longer rows add to the log evidence.
-    pub(in crate::recognition) over_plane: Option<f64>,
+    pub(crate) over_plane: Option<f64>,
 }
 
 impl Linearised {
     /// Equations about these models.
-    pub(in crate::recognition) fn new(
-        cells: &Cells,
-        contacts: &[Vector],
-        models: Vec<Model>,
-        factors: &FactorPair,
-    ) -> Linearised {
+    pub(crate) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
         let displacement = displacement_of(&models, cells, contacts, &Forms::default());
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
@@ -134,7 +129,7 @@ impl Linearised {
 
     /// Equations about the moved models, with normals that scatter about the displacement which moved them; `None` where the moved
     /// surface has no chart that a displacement could stand on.
-    pub(in crate::recognition) fn about(
+    pub(crate) fn about(
         &self,
         moved: &Moved,
         cells: &Cells,

@@ -28,7 +28,7 @@ use super::whitened::Whitened;
 
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
-const FEW: usize = 3;
+const FREEDOM_OF_NOISE: usize = 3;
 
 /// Contacts below which normals count little for the errors of positions, and how much: with all of them, intervals of R hold the
 /// truth in 88 to 93 of 100 patches of 4 to 8 contacts.
@@ -40,7 +40,7 @@ const SUPPOSED: f64 = 1.0;
 
 /// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) enum Look {
+pub(crate) enum Look {
     /// Splines alone: whether there is a displacement.
     First,
     /// Splines beside a natural departure.
@@ -48,15 +48,15 @@ pub(in crate::recognition) enum Look {
 }
 
 /// Everything that the evidence is computed from.
-pub(in crate::recognition) struct Evidence<'a> {
-    pub(in crate::recognition) cells: &'a Cells,
-    pub(in crate::recognition) models: &'a [Model],
-    pub(in crate::recognition) displacement: Option<&'a Displacement>,
-    pub(in crate::recognition) kernels: Vec<Kernel>,
+pub(crate) struct Evidence<'a> {
+    pub(crate) cells: &'a Cells,
+    pub(crate) models: &'a [Model],
+    pub(crate) displacement: Option<&'a Displacement>,
+    pub(crate) kernels: Vec<Kernel>,
     /// Gram matrix of the whitened position rows under every kernel that was tried.
     pub(super) grams: Vec<Option<Mat<f64>>>,
     /// Gram matrix of the whitened normal rows.
-    pub(in crate::recognition) normals: Option<&'a Mat<f64>>,
+    pub(crate) normals: Option<&'a Mat<f64>>,
     /// Variance of the errors of an average cell's normal.
     normal_variance: Option<f64>,
     limit: Limit,
@@ -99,7 +99,7 @@ impl<'a> Evidence<'a> {
     pub(super) fn node(&self, model: &Model, white: &Whitened, departure: Departure) -> Option<Node> {
         let (kind, kernel) = (model.kind(), self.kernels[white.kernel]);
         let (n, p) = (self.cells.points.len(), kind.unknowns());
-        if self.normals.is_none() && n < p + FEW {
+        if self.normals.is_none() && n < p + FREEDOM_OF_NOISE {
             return None;
         }
         let variance = self.variance(kind, white, departure)?.max(1e-18);
@@ -159,7 +159,7 @@ impl<'a> Evidence<'a> {
     /// noise is, so its size in units of the noise needs the noise: once where a spline takes up most, else twice.
     fn variance(&self, kind: Kind, white: &Whitened, departure: Departure) -> Option<f64> {
         let (n, p) = (self.cells.points.len(), kind.unknowns());
-        if n < p + FEW {
+        if n < p + FREEDOM_OF_NOISE {
             return self.joint_variance(kind, white);
         }
         let rss = |departure: Departure, natural: f64| {
@@ -222,7 +222,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The equations of a model, with the displacement where there is one; factors of the spline's and of the natural columns.
-    pub(in crate::recognition) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
+    pub(crate) fn columns(&self, kind: Kind, departure: Departure, factors: [f64; 2]) -> Columns {
         let mut fixed = None;
         let (start, count, rough) = match (departure, self.displacement) {
             (Departure::None, _) | (_, None) => (0, 0, 0),
@@ -244,7 +244,7 @@ impl<'a> Evidence<'a> {
 }
 
 /// Both curvatures of a model moved by x, the larger first.
-pub(in crate::recognition) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
+pub(crate) fn curvatures(model: &Model, x: &[f64]) -> [f64; 2] {
     let theta = model.theta();
     let (a, c, b) = match model.kind() {
         Kind::Plane => return [0.0; 2],

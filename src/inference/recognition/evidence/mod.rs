@@ -19,9 +19,9 @@ mod node;
 mod relinearise;
 mod whitened;
 
-pub(in crate::recognition) use linearised::{FactorPair, Linearised};
+pub(crate) use linearised::{FactorPair, Linearised};
 #[cfg(test)]
-pub(in crate::recognition) use marginal_likelihood::Look;
-pub(in crate::recognition) use marginal_likelihood::{Evidence, curvatures};
-pub(in crate::recognition) use model_search::{SearchContext, likeliest_look};
-pub(in crate::recognition) use node::{GROUPS, Node, highest, likeliest};
+pub(crate) use marginal_likelihood::Look;
+pub(crate) use marginal_likelihood::{Evidence, curvatures};
+pub(crate) use model_search::{SearchContext, likeliest_look};
+pub(crate) use node::{GROUPS, Node, highest, likeliest};

@@ -27,11 +27,11 @@ const CLEAR: f64 = 2.0;
 
 /// What every look is at.
 #[derive(Clone, Copy)]
-pub(in crate::recognition) struct SearchContext<'a> {
-    pub(in crate::recognition) cells: &'a Cells,
-    pub(in crate::recognition) contacts: &'a [Vector],
-    pub(in crate::recognition) factors: &'a FactorPair<'a>,
-    pub(in crate::recognition) limit: Limit,
+pub(crate) struct SearchContext<'a> {
+    pub(crate) cells: &'a Cells,
+    pub(crate) contacts: &'a [Vector],
+    pub(crate) factors: &'a FactorPair<'a>,
+    pub(crate) limit: Limit,
 }
 
 /// A look: its equations, their evidence, all nodes.
@@ -133,7 +133,7 @@ fn is_believable(seen: &SearchedModel) -> bool {
 
 /// Tells of the likeliest look. What `may_be_error` of the sensor and no shape stays over the curved base: a surface without it is one
 /// of two constant curvatures, which there is none of over a plane.
-pub(in crate::recognition) fn likeliest_look<T>(
+pub(crate) fn likeliest_look<T>(
     at: SearchContext,
     plain: &Linearised,
     may_be_error: impl Fn(&Linearised, &Evidence, &[Node]) -> bool,

@@ -16,7 +16,7 @@ pub(super) const POWERS: std::ops::RangeInclusive<i32> = -2..=8;
 
 /// How a surface departs from its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) enum Departure {
+pub(crate) enum Departure {
     None,
     /// By third and fourth derivatives of natural size.
     Natural,
@@ -63,61 +63,61 @@ impl Departure {
     }
 
     /// Whether it is a smooth departure.
-    pub(in crate::recognition) fn is_smooth(self) -> bool {
+    pub(crate) fn is_smooth(self) -> bool {
         matches!(self, Departure::Smooth { .. })
     }
 
     /// Number of the process of a smooth departure.
-    pub(in crate::recognition) fn process(self) -> Option<usize> {
+    pub(crate) fn process(self) -> Option<usize> {
         if let Departure::Smooth { process, .. } = self { Some(process) } else { None }
     }
 
     /// The body that it is.
-    pub(in crate::recognition) fn body(self) -> Option<Body> {
+    pub(crate) fn body(self) -> Option<Body> {
         if let Departure::Body(body) = self { Some(body) } else { None }
     }
 
     /// Whether both have the same prior but for its size.
-    pub(in crate::recognition) fn is_like(self, other: Departure) -> bool {
+    pub(crate) fn is_like(self, other: Departure) -> bool {
         discriminant(&self) == discriminant(&other) && self.process() == other.process() && self.body() == other.body()
     }
 }
 
 /// One hypothesis under one covariance.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Node {
-    pub(in crate::recognition) kind: Kind,
+pub(crate) struct Node {
+    pub(crate) kind: Kind,
     /// Number of its kernel.
-    pub(in crate::recognition) kernel: usize,
-    pub(in crate::recognition) ratio: f64,
-    pub(in crate::recognition) length: f64,
-    pub(in crate::recognition) departure: Departure,
+    pub(crate) kernel: usize,
+    pub(crate) ratio: f64,
+    pub(crate) length: f64,
+    pub(crate) departure: Departure,
     /// Variance of an average cell's independent error.
-    pub(in crate::recognition) variance: f64,
-    pub(in crate::recognition) log_evidence: f64,
+    pub(crate) variance: f64,
+    pub(crate) log_evidence: f64,
     /// Step from the fitted model, in the evidence's coordinates.
-    pub(in crate::recognition) x: Vec<f64>,
+    pub(crate) x: Vec<f64>,
     /// Lower factor of the precision of x.
-    pub(in crate::recognition) precision: Mat<f64>,
-    pub(in crate::recognition) dof: f64,
+    pub(crate) precision: Mat<f64>,
+    pub(crate) dof: f64,
 }
 
 /// The node of the largest log evidence.
-pub(in crate::recognition) fn likeliest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> Option<&'n Node> {
+pub(crate) fn likeliest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> Option<&'n Node> {
     nodes.into_iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
 /// Largest log evidence; minus infinity of no nodes.
-pub(in crate::recognition) fn highest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> f64 {
+pub(crate) fn highest<'n>(nodes: impl IntoIterator<Item = &'n Node>) -> f64 {
     likeliest(nodes).map_or(f64::NEG_INFINITY, |node| node.log_evidence)
 }
 
 /// Groups of hypotheses: simple, general, displaced by a spline or smoothly, general with a natural departure alone, bodies.
-pub(in crate::recognition) const GROUPS: usize = 5;
+pub(crate) const GROUPS: usize = 5;
 
 impl Node {
     /// Number of the node's group.
-    pub(in crate::recognition) fn group(&self) -> usize {
+    pub(crate) fn group(&self) -> usize {
         match (self.kind, self.departure) {
             (Kind::General, Departure::Natural) => 3,
             (Kind::General, Departure::Body(_)) => 4,
@@ -128,22 +128,22 @@ impl Node {
     }
 
     /// Whether the surface departs from its kind at all.
-    pub(in crate::recognition) fn is_displaced(&self) -> bool {
+    pub(crate) fn is_displaced(&self) -> bool {
         self.departure != Departure::None
     }
 
     /// Whether it does so by a natural departure alone.
-    pub(in crate::recognition) fn is_natural(&self) -> bool {
+    pub(crate) fn is_natural(&self) -> bool {
         self.departure == Departure::Natural
     }
 
     /// Whether it is a body whose form is known but for a few numbers.
-    pub(in crate::recognition) fn is_body(&self) -> bool {
+    pub(crate) fn is_body(&self) -> bool {
         self.departure.body().is_some()
     }
 
     /// Standard deviation of the errors that neighbours share.
-    pub(in crate::recognition) fn tau(&self) -> f64 {
+    pub(crate) fn tau(&self) -> f64 {
         (self.variance * self.ratio).sqrt()
     }
 }

@@ -50,7 +50,7 @@ const WITHOUT_CHANCE: f64 = 16.0;
 const NEAR_FORM: f64 = 0.03;
 
 /// The move under the likeliest displaced node, with a natural departure beside its spline; `None` where displacements are unlikely.
-pub(in crate::recognition) fn moved(
+pub(crate) fn moved(
     plain: &Linearised,
     nodes: &[Node],
     cells: &Cells,

@@ -18,7 +18,7 @@ pub(super) struct Whitened {
     pub(super) kernel: usize,
     rows: Mat<f64>,
     /// `W'W` where some equations read it ([`dense::gram_of_groups`]).
-    pub(in crate::recognition) gram: Mat<f64>,
+    pub(crate) gram: Mat<f64>,
     /// Log determinant of the covariance over the variance.
     pub(super) log_det: f64,
     /// `Z Z'` of the columns that stand together, by the number of their first one; each when it is first asked for.
@@ -27,7 +27,7 @@ pub(super) struct Whitened {
 
 impl Whitened {
     /// `None` where the covariance is not positive definite.
-    pub(in crate::recognition) fn new(rows: &Rows, factors: &Factors, kernel: usize, first: usize) -> Option<Whitened> {
+    pub(crate) fn new(rows: &Rows, factors: &Factors, kernel: usize, first: usize) -> Option<Whitened> {
         let lower = factors.of(kernel)?;
         let mut whitened = rows.positions.clone();
         dense::whiten(lower, whitened.as_mut());

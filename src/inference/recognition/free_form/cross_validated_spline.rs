@@ -43,7 +43,7 @@ const UNPREDICTED: f64 = 0.5;
 const PER_UNKNOWN: usize = 3;
 
 /// Contacts among which blocks are left out; more would take longer and choose the same.
-const ENOUGH: usize = 10_000;
+const MOST_CONTACTS: usize = 10_000;
 
 /// A height field, and how well it predicts.
 #[derive(Clone, Debug)]
@@ -64,7 +64,7 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
     let point = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
     let points: Vec<Vector> =
         (0..contacts.len()).map(|r| if frame.keeps_axes() { point(r) } else { frame.rotate(point(r)) }).collect();
-    let chosen: Vec<u32> = thinned(&points, ENOUGH).into_iter().map(|i| i as u32).collect();
+    let chosen: Vec<u32> = thinned(&points, MOST_CONTACTS).into_iter().map(|i| i as u32).collect();
     let [x, y, z] = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).collect());
     let few = Contacts { x, y, z, orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
     let relief = relief(&points);

@@ -12,13 +12,18 @@
 
 use crate::recognition::{MapPoint, Recognition, dense};
 use palpate_geometry::contact::Contacts;
-use palpate_geometry::shape::PointSds;
+use palpate_geometry::curvature::Derivatives;
+use palpate_geometry::shape::{ByJet, PointSds, Uncertain, point_sds};
+use palpate_geometry::surface::Jet;
 
 /// Coefficients of the quadratic.
 const TERMS: usize = 6;
 
 /// Contacts that are looked at; of more, every so many-th.
-const ENOUGH: usize = 4096;
+const MOST_CONTACTS: usize = 4096;
+
+/// Half sides of the chart in units of the frame are at least this long, so that contacts on one line leave a tangent plane.
+const LEAST_SIDE: f64 = 1e-30;
 
 /// A part of the largest diagonal entry that keeps a design of few contacts solvable.
 const RIDGE: f64 = 1e-12;
@@ -40,8 +45,8 @@ impl<'a> Pointwise<'a> {
     pub fn new(found: &'a Recognition, contacts: &Contacts) -> Pointwise<'a> {
         let surface = &found.surface;
         let middle = [surface.u, surface.v].map(|[lo, hi]| 0.5 * (lo + hi));
-        let half = [surface.u, surface.v].map(|[lo, hi]| (0.5 * (hi - lo)).max(f64::MIN_POSITIVE));
-        let step = contacts.len().div_ceil(ENOUGH).max(1);
+        let half = [surface.u, surface.v].map(|[lo, hi]| (0.5 * (hi - lo)).max(LEAST_SIDE));
+        let step = contacts.len().div_ceil(MOST_CONTACTS).max(1);
         let mut sums = faer::Mat::<f64>::zeros(TERMS, TERMS);
         let mut count = 0.0;
         for r in (0..contacts.len()).step_by(step) {
@@ -66,25 +71,11 @@ impl<'a> Pointwise<'a> {
     pub fn at(&self, place: [f64; 3]) -> Option<PointSds> {
         let chart = self.found.surface.chart_of(place);
         let local = [0, 1].map(|k| (chart[k] - self.middle[k]) / self.half[k]);
-        let lower = self.design.as_ref()?;
-        let of = |mut f: [f64; TERMS]| {
-            dense::forward(lower, &mut f);
-            self.variance * f.iter().map(|v| v * v).sum::<f64>()
-        };
-        let [u, v] = local;
-        let lengths = self.half.map(|h| h * self.found.surface.frame.scale);
-        let tilts = of([0.0, 1.0, 0.0, 2.0 * u, v, 0.0]) / lengths[0].powi(2)
-            + of([0.0, 0.0, 1.0, 0.0, u, 2.0 * v]) / lengths[1].powi(2);
-        let [s, r] = self.shape_at(self.found.share_of_map(place));
+        let [shape_index, curvedness] = self.shape_at(self.found.share_of_map(place));
         let curved = self.found.shape_index.is_some();
-        let sds = PointSds {
-            position: of(terms(local)).sqrt(),
-            normal: tilts.sqrt(),
-            shape_index: s.filter(|_| curved),
-            curvedness: r,
-        };
-        // lengths are those of the input already
-        sds.position.is_finite().then_some(sds.scaled(1.0))
+        let sds = point_sds(self, local).filter(|sds| sds.position.is_finite())?.scaled(self.found.surface.frame.scale);
+        // those of the map are in the input's unit already
+        Some(PointSds { shape_index: shape_index.filter(|_| curved).map(|u| u.min(1.0)), curvedness, ..sds })
     }
 
     /// Those of S and R between the four nearest points of the map.
@@ -102,6 +93,30 @@ impl<'a> Pointwise<'a> {
             Some((1.0 - s) * between(i)? + s * between(i + 1)?).filter(|u| u.is_finite())
         };
         [value(|p| p.u_shape_index), value(|p| p.u_curvedness)]
+    }
+}
+
+/// The quadratic height over the chart, in units of the frame; places are shares of the half sides.
+impl Uncertain for Pointwise<'_> {
+    fn jet(&self, [u, v]: [f64; 2]) -> Jet {
+        let [a, b] = self.half;
+        let derivatives =
+            Derivatives { u: [a, 0.0, 0.0], v: [0.0, b, 0.0], ..Derivatives::of_height(0.0, 0.0, 0.0, 0.0, 0.0) };
+        Jet { point: [a * u, b * v, 0.0], derivatives }
+    }
+
+    fn functional_sd(&self, [u, v]: [f64; 2], by: &ByJet) -> Option<f64> {
+        let lower = self.design.as_ref()?;
+        let orders = [terms([u, v]), [0.0, 1.0, 0.0, 2.0 * u, v, 0.0], [0.0, 0.0, 1.0, 0.0, u, 2.0 * v]];
+        let mut f: [f64; TERMS] =
+            std::array::from_fn(|k| orders.iter().zip(by).map(|(of, by)| by[2] * of[k]).sum::<f64>());
+        dense::forward(lower, &mut f);
+        Some(self.variance.sqrt() / self.found.surface.frame.scale * f.iter().map(|v| v * v).sum::<f64>().sqrt())
+    }
+
+    /// A quadratic says little of curvatures; the draws say more.
+    fn shape_sds(&self, _: [f64; 2], _: &Jet) -> [Option<f64>; 2] {
+        [None; 2]
     }
 }
 

@@ -5,12 +5,12 @@
 //! plane k1 = k2 = 0      sphere k1 = k2      cylinder k2 = 0      general: a patch of a torus      paraboloid: q(x, y)
 //! ```
 //!
-//! Nothing here knows contacts. `model.rs` comes first: which parameters of a kind are free. `constant_curvature.rs` has the formula
-//! of all kinds but the paraboloid, and `paraboloid.rs` that one's.
+//! Nothing here knows contacts. `model.rs` comes first: which parameters of a kind are free. `constant_curvature.rs` places
+//! all kinds but the paraboloid, and `paraboloid.rs` has that one.
 
 mod constant_curvature;
 mod model;
 mod paraboloid;
 
-pub(in crate::recognition) use constant_curvature::{ConstantCurvature, Jet, bending, curvatures_of, derivatives};
-pub(in crate::recognition) use model::{Kind, Model};
+pub(crate) use constant_curvature::ConstantCurvature;
+pub(crate) use model::{Kind, Model};

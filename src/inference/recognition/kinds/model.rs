@@ -19,7 +19,7 @@ const UMBILIC: f64 = 0.1;
 
 /// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::recognition) enum Kind {
+pub(crate) enum Kind {
     Plane,
     Sphere,
     Cylinder,
@@ -28,11 +28,10 @@ pub(in crate::recognition) enum Kind {
 }
 
 impl Kind {
-    pub(in crate::recognition) const ALL: [Kind; 5] =
-        [Kind::Plane, Kind::Sphere, Kind::Cylinder, Kind::General, Kind::Paraboloid];
+    pub(crate) const ALL: [Kind; 5] = [Kind::Plane, Kind::Sphere, Kind::Cylinder, Kind::General, Kind::Paraboloid];
 
     /// Number of free parameters.
-    pub(in crate::recognition) fn unknowns(self) -> usize {
+    pub(crate) fn unknowns(self) -> usize {
         match self {
             Kind::Plane => 3,
             Kind::Sphere => 4,
@@ -42,7 +41,7 @@ impl Kind {
     }
 
     /// The surface of this kind with the same free parameters; the others get the values that this kind has fixed.
-    pub(in crate::recognition) fn restricted(self, theta: [f64; 6]) -> [f64; 6] {
+    pub(crate) fn restricted(self, theta: [f64; 6]) -> [f64; 6] {
         let [h, a, b, k1, k2, phi] = theta;
         match self {
             Kind::Plane => [h, a, b, 0.0, 0.0, 0.0],
@@ -53,7 +52,7 @@ impl Kind {
     }
 
     /// `theta` moved by a step in the free parameters.
-    pub(in crate::recognition) fn moved(self, theta: [f64; 6], step: &[f64]) -> [f64; 6] {
+    pub(crate) fn moved(self, theta: [f64; 6], step: &[f64]) -> [f64; 6] {
         let mut out = theta;
         match self {
             Kind::Cylinder => [0, 1, 2, 3, 5].iter().zip(step).for_each(|(&i, s)| out[i] += s),
@@ -63,7 +62,7 @@ impl Kind {
     }
 
     /// Derivatives by the free parameters from those by theta.
-    pub(in crate::recognition) fn columns(self, by: [f64; 6]) -> [f64; 6] {
+    pub(crate) fn columns(self, by: [f64; 6]) -> [f64; 6] {
         let [h, a, b, k1, k2, phi] = by;
         match self {
             Kind::Plane => [h, a, b, 0.0, 0.0, 0.0],
@@ -80,27 +79,27 @@ impl Kind {
     reason = "a handful of models exist at a time, and a box would cost an indirection at every distance"
 )]
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::recognition) enum Model {
+pub(crate) enum Model {
     Constant(Kind, ConstantCurvature),
     Paraboloid(Paraboloid),
 }
 
 impl Model {
-    pub(in crate::recognition) fn new(kind: Kind, theta: [f64; 6]) -> Model {
+    pub(crate) fn new(kind: Kind, theta: [f64; 6]) -> Model {
         match kind {
             Kind::Paraboloid => Model::Paraboloid(Paraboloid { theta }),
             _ => Model::Constant(kind, ConstantCurvature::new(theta)),
         }
     }
 
-    pub(in crate::recognition) fn kind(&self) -> Kind {
+    pub(crate) fn kind(&self) -> Kind {
         match self {
             Model::Constant(kind, _) => *kind,
             Model::Paraboloid(_) => Kind::Paraboloid,
         }
     }
 
-    pub(in crate::recognition) fn theta(&self) -> [f64; 6] {
+    pub(crate) fn theta(&self) -> [f64; 6] {
         match self {
             Model::Constant(_, surface) => surface.theta,
             Model::Paraboloid(surface) => surface.theta,
@@ -108,23 +107,23 @@ impl Model {
     }
 
     /// Whether it bends nowhere, whatever its kind.
-    pub(in crate::recognition) fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.theta()[3..5] == [0.0; 2]
     }
 
-    pub(in crate::recognition) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
+    pub(crate) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {
         match self {
             Model::Constant(_, surface) => surface.distance_and_normal(x),
             Model::Paraboloid(surface) => surface.distance_and_normal(x),
         }
     }
 
-    pub(in crate::recognition) fn distance(&self, x: Vector) -> f64 {
+    pub(crate) fn distance(&self, x: Vector) -> f64 {
         self.distance_and_normal(x).0
     }
 
     /// Distance and its derivatives by the free parameters.
-    pub(in crate::recognition) fn distance_by_free(&self, x: Vector) -> (f64, [f64; 6]) {
+    pub(crate) fn distance_by_free(&self, x: Vector) -> (f64, [f64; 6]) {
         let (d, by) = match self {
             Model::Constant(_, surface) => surface.distance_by_theta(x),
             Model::Paraboloid(surface) => surface.distance_by_theta(x),
@@ -134,7 +133,7 @@ impl Model {
 
     /// Pairs of neighbouring surfaces with the difference of the evidence's coordinate between them: central
     /// differences for one column of the evidence's Jacobian each.
-    pub(in crate::recognition) fn neighbours(&self) -> Vec<(Model, Model, f64)> {
+    pub(crate) fn neighbours(&self) -> Vec<(Model, Model, f64)> {
         let (kind, theta) = (self.kind(), self.theta());
         let shifted = |shift: [f64; 6]| Model::new(kind, [0, 1, 2, 3, 4, 5].map(|i| theta[i] + shift[i]));
         let step = 1e-5;

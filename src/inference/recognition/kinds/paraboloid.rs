@@ -13,18 +13,18 @@ use palpate_numeric::vector::Vector;
 
 /// A paraboloid with the parameters above.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) struct Paraboloid {
-    pub(in crate::recognition) theta: [f64; 6],
+pub(crate) struct Paraboloid {
+    pub(crate) theta: [f64; 6],
 }
 
 impl Paraboloid {
     /// Height and its two slopes.
-    pub(in crate::recognition) fn height(&self, x: f64, y: f64) -> [f64; 3] {
+    pub(crate) fn height(&self, x: f64, y: f64) -> [f64; 3] {
         let [c0, c1, c2, a, c, b] = self.theta;
         [c0 + c1 * x + c2 * y + 0.5 * (a * x * x + c * y * y) + b * x * y, c1 + a * x + b * y, c2 + b * x + c * y]
     }
 
-    pub(in crate::recognition) fn distance_and_normal(&self, p: Vector) -> (f64, Vector) {
+    pub(crate) fn distance_and_normal(&self, p: Vector) -> (f64, Vector) {
         let [q, qx, qy] = self.height(p[0], p[1]);
         let length = (1.0 + qx * qx + qy * qy).sqrt();
         ((p[2] - q) / length, [-qx / length, -qy / length, 1.0 / length])
@@ -48,7 +48,7 @@ impl Paraboloid {
     }
 
     /// Derivatives of `(x, y, q(x, y))`.
-    pub(in crate::recognition) fn derivatives(&self, x: f64, y: f64) -> Derivatives {
+    pub(crate) fn derivatives(&self, x: f64, y: f64) -> Derivatives {
         let [_, qx, qy] = self.height(x, y);
         let [_, _, _, a, c, b] = self.theta;
         Derivatives::of_height(qx, qy, a, b, c)

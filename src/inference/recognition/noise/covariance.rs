@@ -33,25 +33,25 @@ const CUT: f64 = 1.5;
 
 /// One node of the grid over rho and l.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) struct Kernel {
-    pub(in crate::recognition) ratio: f64,
+pub(crate) struct Kernel {
+    pub(crate) ratio: f64,
     /// Correlation length; without meaning when the ratio is 0.
-    pub(in crate::recognition) length: f64,
+    pub(crate) length: f64,
     /// Log of its prior probability.
-    pub(in crate::recognition) log_prior: f64,
+    pub(crate) log_prior: f64,
 }
 
 impl Kernel {
     /// Lengths that are tried, each with errors of every size.
-    pub(in crate::recognition) const CHAINS: usize = LENGTHS.len();
+    pub(crate) const CHAINS: usize = LENGTHS.len();
 
     /// Numbers of the kernels of one length, the smallest shared error first.
-    pub(in crate::recognition) fn chain(length: usize) -> std::ops::Range<usize> {
+    pub(crate) fn chain(length: usize) -> std::ops::Range<usize> {
         1 + length * RATIOS.len()..1 + (length + 1) * RATIOS.len()
     }
 
     /// The whole grid, the node without correlation first.
-    pub(in crate::recognition) fn all() -> Vec<Kernel> {
+    pub(crate) fn all() -> Vec<Kernel> {
         let share = (2.0 * (RATIOS.len() * LENGTHS.len()) as f64).ln();
         let white = Kernel { ratio: 0.0, length: 1.0, log_prior: -std::f64::consts::LN_2 };
         let others = LENGTHS.iter().flat_map(|&length| RATIOS.map(|ratio| Kernel { ratio, length, log_prior: -share }));
@@ -59,7 +59,7 @@ impl Kernel {
     }
 
     /// Lower factor of `diag(variance) + rho exp(-r/l)`.
-    pub(in crate::recognition) fn factor(&self, variance: &[f64], distances: &Mat<f64>) -> Option<Mat<f64>> {
+    pub(crate) fn factor(&self, variance: &[f64], distances: &Mat<f64>) -> Option<Mat<f64>> {
         let n = variance.len();
         if self.ratio == 0.0 {
             return Some(Mat::from_fn(n, n, |i, j| if i == j { variance[i].sqrt() } else { 0.0 }));
@@ -73,7 +73,7 @@ impl Kernel {
 }
 
 /// Factors of the covariance under every kernel, each computed when it is first asked for.
-pub(in crate::recognition) struct Factors<'a> {
+pub(crate) struct Factors<'a> {
     variance: &'a [f64],
     distances: &'a Mat<f64>,
     kernels: Vec<Kernel>,
@@ -81,50 +81,50 @@ pub(in crate::recognition) struct Factors<'a> {
 }
 
 impl<'a> Factors<'a> {
-    pub(in crate::recognition) fn new(variance: &'a [f64], distances: &'a Mat<f64>) -> Factors<'a> {
+    pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>) -> Factors<'a> {
         let kernels = Kernel::all();
         let found = kernels.iter().map(|_| OnceLock::new()).collect();
         Factors { variance, distances, kernels, found }
     }
 
     /// Relative variances on the diagonal.
-    pub(in crate::recognition) fn variance(&self) -> &[f64] {
+    pub(crate) fn variance(&self) -> &[f64] {
         self.variance
     }
 
     /// Between the cells.
-    pub(in crate::recognition) fn distances(&self) -> &Mat<f64> {
+    pub(crate) fn distances(&self) -> &Mat<f64> {
         self.distances
     }
 
     /// Lower factor under a kernel.
-    pub(in crate::recognition) fn of(&self, kernel: usize) -> Option<&Mat<f64>> {
+    pub(crate) fn of(&self, kernel: usize) -> Option<&Mat<f64>> {
         self.found[kernel].get_or_init(|| self.kernels[kernel].factor(self.variance, self.distances)).as_ref()
     }
 }
 
 /// Distances in space between the cells' feet.
-pub(in crate::recognition) fn distances_between(cells: &Cells) -> Mat<f64> {
+pub(crate) fn distances_between(cells: &Cells) -> Mat<f64> {
     let p = &cells.feet;
     Mat::from_fn(p.len(), p.len(), |i, j| norm(minus(p[i], p[j])))
 }
 
 /// How large a shared error may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) struct Limit {
-    pub(in crate::recognition) limit: f64,
+pub(crate) struct Limit {
+    pub(crate) limit: f64,
 }
 
 impl Limit {
     /// From the relief and the differences of residuals between contacts with the nearest feet.
-    pub(in crate::recognition) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64) -> Limit {
+    pub(crate) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64) -> Limit {
         let differences = pairs.iter().map(|&[i, j]| residuals[i] - residuals[j]);
         let nearest = mad(differences) / std::f64::consts::SQRT_2;
         Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
     }
 
     /// Log of the prior of a shared error's size; `None` where the error is too large to be considered.
-    pub(in crate::recognition) fn log_prior(&self, tau: f64) -> Option<f64> {
+    pub(crate) fn log_prior(&self, tau: f64) -> Option<f64> {
         let size = tau / self.limit;
         (size <= CUT).then_some(-0.5 * size * size)
     }

@@ -28,18 +28,18 @@ use palpate_numeric::vector::{dot, minus, scaled, unit};
 const GAIN: f64 = 0.2;
 
 /// Gains up to this multiple of [`GAIN`] are believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
-const MOST: f64 = 3.0;
+const MOST_GAINS: f64 = 3.0;
 
 /// Cells needed: twice the unknowns of the general surface. Five touches whose heights hardly bend had a gain that turned a cap into a
 /// cup.
-const FEWEST: usize = 12;
+const FEWEST_CELLS: usize = 12;
 
 /// Log odds against such a sensor: one in twenty.
-pub(in crate::recognition) const RARE: f64 = 3.0;
+pub(crate) const RARE: f64 = 3.0;
 
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]
-pub(in crate::recognition) struct Gain {
+pub(crate) struct Gain {
     /// v along both tangents.
     steeper: [Vec<f64>; 2],
     /// c and k of the rows that it was taken out of.
@@ -49,8 +49,8 @@ pub(in crate::recognition) struct Gain {
 impl Gain {
     /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
     /// are too few to tell by themselves how the surface bends.
-    pub(in crate::recognition) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
-        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST)?;
+    pub(crate) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
+        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST_CELLS)?;
         let general = models.iter().find(|m| m.kind() == Kind::General)?;
         let normal = |i: usize| {
             let (_, n) = general.distance_and_normal(cells.points[i]);
@@ -88,12 +88,12 @@ impl Gain {
     }
 
     /// Whether a sensor may be so wrong.
-    pub(in crate::recognition) fn is_believable(&self, coefficients: &[f64]) -> bool {
-        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST * GAIN)
+    pub(crate) fn is_believable(&self, coefficients: &[f64]) -> bool {
+        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST_GAINS * GAIN)
     }
 
     /// Mean of the gain where the columns have these coefficients.
-    pub(in crate::recognition) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
+    pub(crate) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
         let (c, k) = self.told.as_ref()?;
         Some(c.iter().zip(coefficients).map(|(c, x)| c * x).sum::<f64>() / k)
     }
@@ -101,7 +101,7 @@ impl Gain {
 
 #[cfg(test)]
 mod tests {
-    use crate::recognition::{Recognition, RecognitionOptions};
+    use crate::recognition::{Recognition, RecognitionOptions, Remark};
     use palpate_geometry::contact::Contacts;
     use palpate_numeric::draws::EffectDraws;
     use palpate_numeric::vector::Vector;
@@ -124,7 +124,7 @@ mod tests {
     }
 
     fn says_steeper(found: &Recognition) -> bool {
-        found.notes.iter().any(|note| note.contains("steeper than the positions say"))
+        found.notes.iter().any(|note| matches!(note, Remark::Gain { gain } if *gain > 0.0))
     }
 
     /// Without a gain no interval of R holds the truth (`benches/runs/coverage.md`).

@@ -15,9 +15,9 @@ mod position_covariance;
 mod regression_calibration;
 mod slope_dependent_variance;
 
-pub(in crate::recognition) use covariance::{Factors, Kernel, Limit, distances_between};
-pub(in crate::recognition) use gain::{Gain, RARE as RARE_GAIN};
-pub(in crate::recognition) use normals::NormalNoise;
-pub(in crate::recognition) use position_covariance::PlaceErrors;
-pub(in crate::recognition) use regression_calibration::set_back;
-pub(in crate::recognition) use slope_dependent_variance::weighed;
+pub(crate) use covariance::{Factors, Kernel, Limit, distances_between};
+pub(crate) use gain::{Gain, RARE as RARE_GAIN};
+pub(crate) use normals::NormalNoise;
+pub(crate) use position_covariance::PlaceErrors;
+pub(crate) use regression_calibration::set_back;
+pub(crate) use slope_dependent_variance::weighed;

@@ -19,20 +19,20 @@ const HOPELESS: f64 = 8.0;
 
 /// The covariance found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::recognition) struct NormalNoise {
+pub(crate) struct NormalNoise {
     /// Number of the kernel.
     kernel: usize,
     /// Variance of an average cell's independent error.
-    pub(in crate::recognition) variance: f64,
+    pub(crate) variance: f64,
     /// What it adds to the log evidence of every hypothesis: `-(log det Sigma_n)/2 + log prior(rho, l)`.
-    pub(in crate::recognition) log_share: f64,
+    pub(crate) log_share: f64,
 }
 
 impl NormalNoise {
     /// By restricted likelihood; `None` without normals or where no covariance can be factored.
     ///
     /// `spent` are degrees of freedom that a displacement has taken from the normals.
-    pub(in crate::recognition) fn find(rows: &Rows, factors: &Factors, spent: f64) -> Option<NormalNoise> {
+    pub(crate) fn find(rows: &Rows, factors: &Factors, spent: f64) -> Option<NormalNoise> {
         let mut best = NormalNoise::under(rows, factors, 0, spent);
         for chain in 0..Kernel::CHAINS {
             let mut last = f64::NEG_INFINITY;
@@ -53,7 +53,7 @@ impl NormalNoise {
     }
 
     /// Independent errors that are as large as differences between neighbours say; `None` without normals.
-    pub(in crate::recognition) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
+    pub(crate) fn of_differences(rows: &Rows, factors: &Factors) -> Option<NormalNoise> {
         let (halves, own, distances) = (rows.normals.as_ref()?, factors.variance(), factors.distances());
         let (y, known) = (column_of(Kind::General), known(own));
         let others = |i: usize| known.iter().copied().filter(move |&j| j != i);
@@ -73,7 +73,7 @@ impl NormalNoise {
     }
 
     /// Whether neighbours share errors.
-    pub(in crate::recognition) fn is_shared(&self) -> bool {
+    pub(crate) fn is_shared(&self) -> bool {
         self.kernel != 0
     }
 
@@ -95,12 +95,7 @@ impl NormalNoise {
     }
 
     /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.
-    pub(in crate::recognition) fn gram(
-        &mut self,
-        rows: &Rows,
-        factors: &Factors,
-        gain: Option<&mut Gain>,
-    ) -> Option<Mat<f64>> {
+    pub(crate) fn gram(&mut self, rows: &Rows, factors: &Factors, gain: Option<&mut Gain>) -> Option<Mat<f64>> {
         let lower = factors.of(self.kernel)?;
         let mut halves = rows.normals.clone()?;
         halves.iter_mut().for_each(|half| dense::whiten(lower, half.as_mut()));

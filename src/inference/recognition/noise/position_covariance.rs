@@ -14,7 +14,7 @@ use crate::recognition::start::Patch;
 use palpate_numeric::statistics::mad;
 
 /// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
-const ENOUGH: usize = 100;
+const FEWEST_PAIRS: usize = 100;
 
 /// Ratios of the variances.
 const RATIOS: [f64; 8] = [0.0, 1.0 / 16.0, 0.25, 1.0, 4.0, 16.0, 64.0, 256.0];
@@ -26,7 +26,7 @@ const OTHER: f64 = 1.0 / 8.0;
 const SHOWN: f64 = 0.95;
 
 /// Least relative variance of a pair: a few contacts on walls must not decide alone.
-const LEAST: f64 = 0.1;
+const LEAST_VARIANCE: f64 = 0.1;
 
 /// Mean of `n_z^2` below which a patch stands upright.
 const UPRIGHT: f64 = 0.5;
@@ -40,23 +40,23 @@ const BLUNDER: f64 = 6.0;
 
 /// Variances of one contact's place, in units of the patch's size.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::recognition) struct PlaceErrors {
+pub(crate) struct PlaceErrors {
     /// Along the input's z.
     pub(super) along_z: f64,
     /// Along each of the input's x and y.
-    pub(in crate::recognition) across: f64,
+    pub(crate) across: f64,
     /// Standard deviation of the variance across: how well it is known.
     pub(super) doubt: f64,
     /// Whether those across are known, or the contacts show that they are larger, so that contacts on slopes weigh less.
     pub(super) weigh: bool,
     /// Whether it is the contacts that show it.
-    pub(in crate::recognition) shown: bool,
+    pub(crate) shown: bool,
 }
 
 impl PlaceErrors {
     /// Of the contacts of a patch, some of them with the one whose foot is nearest; `declared` is the known sd in x and in y, input units, and 0 where
     /// it is not known.
-    pub(in crate::recognition) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
+    pub(crate) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
         let pairs = pairs(patch, nearest);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
         if declared > 0.0 {
@@ -66,7 +66,7 @@ impl PlaceErrors {
             return PlaceErrors { along_z, across, doubt: 0.0, weigh: true, shown: false };
         }
         let scale = mad(patch.distances.iter().copied());
-        if pairs.len() < ENOUGH || whole.sqrt() < SINGLE * scale {
+        if pairs.len() < FEWEST_PAIRS || whole.sqrt() < SINGLE * scale {
             // between none along the surface and as large ones as across it, alike in all directions however the patch lies
             let half = 0.5 * whole;
             return PlaceErrors { along_z: half, across: half, doubt: half, weigh: false, shown: false };
@@ -88,7 +88,7 @@ fn by_evidence(pairs: &[(f64, f64)]) -> PlaceErrors {
     let n = pairs.len() as f64;
     let of = |ratio: f64| {
         let relative = |slope: f64| 1.0 - slope + ratio * slope;
-        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST)));
+        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST_VARIANCE)));
         let variance = kept().map(|(q, v)| q / v).sum::<f64>() / n;
         let log = -0.5 * (kept().map(|(_, v)| v.ln()).sum::<f64>() + n * variance.max(1e-30).ln());
         let prior = if ratio == 0.0 || ratio == 1.0 { 1.0 } else { OTHER * ratio.max(1.0).powi(-2) };

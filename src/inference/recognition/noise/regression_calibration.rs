@@ -29,7 +29,7 @@ const FACTOR: [f64; 2] = [0.5, 2.0];
 /// Moves cells and contacts along the surface to where they most likely were, and says by which share of R that may be wrong.
 ///
 /// Slopes over places that err with the variance s^2 are too small by s^2 over the variance of the measured places.
-pub(in crate::recognition) fn set_back(
+pub(crate) fn set_back(
     cells: &mut Cells,
     contacts: &mut [Vector],
     feet: &[Vector],

@@ -18,10 +18,10 @@ use palpate_numeric::vector::cross;
 const UNKNOWNS: f64 = 6.0;
 /// Least variance of a cell over the mean: what is said of x and y may be too much, and a few contacts on level ground must
 /// not decide alone.
-const LEAST: f64 = 0.1;
+const LEAST_VARIANCE: f64 = 0.1;
 
 /// The cells with variances and weights that count these errors, input units.
-pub(in crate::recognition) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
+pub(crate) fn weighed(mut cells: Cells, patch: &Patch, errors: &PlaceErrors) -> Cells {
     if !errors.weigh {
         return cells;
     }
@@ -37,14 +37,14 @@ pub(in crate::recognition) fn weighed(mut cells: Cells, patch: &Patch, errors: &
         MAD_TO_SD * spent * median(patch.distances.iter().map(|d| d.abs()).collect::<Vec<f64>>()).unwrap_or(0.0);
     let across = errors.across;
     let upright = mean(&squares);
-    let along_z = (scatter * scatter - across * (1.0 - upright)).max(0.0) / upright.max(LEAST);
+    let along_z = (scatter * scatter - across * (1.0 - upright)).max(0.0) / upright.max(LEAST_VARIANCE);
     let variances: Vec<f64> = squares.iter().map(|n| along_z * n + across * (1.0 - n)).collect();
     let all = mean(&variances);
     if all <= 0.0 {
         return cells;
     }
     for (i, variance) in variances.iter().enumerate() {
-        let ratio = (variance / all).max(LEAST);
+        let ratio = (variance / all).max(LEAST_VARIANCE);
         cells.variance[i] *= ratio;
         cells.weights[i] /= ratio;
     }

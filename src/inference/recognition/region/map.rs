@@ -30,23 +30,23 @@ const LATTICE: usize = 16;
 
 /// A narrow strip that runs aslant leaves few points of a grid over x and y. With fewer than this the chart's grid, where
 /// it has more, says more of the patch.
-const FEW: usize = 8;
+const FEWEST_POINTS: usize = 8;
 
 /// The reported surface with its points.
-pub(in crate::recognition) struct Region {
-    pub(in crate::recognition) surface: RecognisedSurface,
-    pub(in crate::recognition) map: Vec<ChartPoint>,
+pub(crate) struct Region {
+    pub(crate) surface: RecognisedSurface,
+    pub(crate) map: Vec<ChartPoint>,
     /// Whether contacts support a point of the map.
-    pub(in crate::recognition) supported: Vec<bool>,
-    pub(in crate::recognition) lattice: Vec<ChartPoint>,
+    pub(crate) supported: Vec<bool>,
+    pub(crate) lattice: Vec<ChartPoint>,
     /// Numbers of the lattice's points within the map, where they are a part of it.
-    pub(in crate::recognition) within_map: Option<Vec<usize>>,
+    pub(crate) within_map: Option<Vec<usize>>,
     /// The box of the input's x and y over which the map is even; `None` where it is even over the chart.
-    pub(in crate::recognition) over: Option<[[f64; 2]; 2]>,
+    pub(crate) over: Option<[[f64; 2]; 2]>,
 }
 
 impl Region {
-    pub(in crate::recognition) fn new(
+    pub(crate) fn new(
         patch: &Patch,
         evidence: &Evidence,
         base: &ConstantCurvature,
@@ -72,7 +72,7 @@ impl Region {
         let mut over =
             looked_at.is_level(&surface).then(|| bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
         let (mut map, mut supported) = even(&surface, over.map(|over| (&looked_at, over)), options.grid);
-        if over.is_some() && count(&supported) < FEW {
+        if over.is_some() && count(&supported) < FEWEST_POINTS {
             let (of_chart, there) = even(&surface, None, options.grid);
             if count(&there) > count(&supported) {
                 (over, map, supported) = (None, of_chart, there);

@@ -14,8 +14,8 @@ mod projected_grid;
 mod support;
 mod surface;
 
-pub(in crate::recognition) use map::Region;
+pub(crate) use map::Region;
 pub use predictive::PredictiveDraw;
-pub(in crate::recognition) use predictive::{Place, measured, places, predicted};
+pub(crate) use predictive::{Place, measured, places, predicted};
 pub use surface::RecognisedSurface;
-pub(in crate::recognition) use surface::chart_point;
+pub(crate) use surface::chart_point;

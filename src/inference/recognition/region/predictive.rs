@@ -18,10 +18,10 @@ use super::surface::RecognisedSurface;
 const PREDICTED: f64 = 0.32;
 
 /// Draws of a node at least.
-const FEWEST: usize = 2;
+const FEWEST_DRAWS: usize = 2;
 
 /// A place that may be touched, with the axes along which a touch there is measured.
-pub(in crate::recognition) struct Place {
+pub(crate) struct Place {
     point: ChartPoint,
     foot: Vector,
     normal: Vector,
@@ -41,19 +41,19 @@ pub struct PredictiveDraw {
 
 impl PredictiveDraw {
     /// From the patch's unit of length to the input's.
-    pub(in crate::recognition) fn scaled(self, scale: f64) -> PredictiveDraw {
+    pub(crate) fn scaled(self, scale: f64) -> PredictiveDraw {
         let touches = self.touches.into_iter().map(|[height, first, second]| [height * scale, first, second]).collect();
         PredictiveDraw { shape: [self.shape[0], self.shape[1] / scale], touches, ..self }
     }
 }
 
 /// How many of a node's draws touches are predicted on.
-pub(in crate::recognition) fn predicted(draws: usize) -> usize {
-    ((PREDICTED * draws as f64).ceil() as usize).max(FEWEST).min(draws)
+pub(crate) fn predicted(draws: usize) -> usize {
+    ((PREDICTED * draws as f64).ceil() as usize).max(FEWEST_DRAWS).min(draws)
 }
 
 /// The reported surface at places of the input's x and y.
-pub(in crate::recognition) fn places(surface: &RecognisedSurface, asked: &[[f64; 2]]) -> Vec<Place> {
+pub(crate) fn places(surface: &RecognisedSurface, asked: &[[f64; 2]]) -> Vec<Place> {
     let place = |(point, _): (ChartPoint, bool)| {
         let (foot, normal) = surface.state.place_and_normal(&point);
         let across = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
@@ -67,7 +67,7 @@ pub(in crate::recognition) fn places(surface: &RecognisedSurface, asked: &[[f64;
 }
 
 /// What touches at these places would measure on a surface, in the patch's unit of length.
-pub(in crate::recognition) fn measured(state: &State, places: &[Place]) -> Vec<[f64; 3]> {
+pub(crate) fn measured(state: &State, places: &[Place]) -> Vec<[f64; 3]> {
     let one = |place: &Place| {
         let (there, normal) = state.place_and_normal(&place.point);
         let [first, second] = place.tangents.map(|tangent| dot(normal, tangent));

@@ -37,7 +37,7 @@ pub(super) struct Support<'a> {
 
 impl<'a> Support<'a> {
     /// Of contacts, by their feet, with their chart positions.
-    pub(in crate::recognition) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+    pub(crate) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
         let tree = Neighbours::new(feet);
         let sample = thinned(feet, SAMPLE);
         let nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();

@@ -24,7 +24,7 @@ pub struct RecognisedSurface {
     pub v: [f64; 2],
     pub(super) base: ConstantCurvature,
     pub(super) displacement: Option<Displacement>,
-    pub(in crate::recognition) state: State,
+    pub(crate) state: State,
     pub(super) support: Arc<Support<'static>>,
 }
 
@@ -75,13 +75,13 @@ impl RecognisedSurface {
         self.frame.scale * (self.state.model().distance(local) - displaced)
     }
 
-    pub(in crate::recognition) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {
+    pub(crate) fn chart_point(&self, u: f64, v: f64) -> ChartPoint {
         chart_point(&self.base, self.displacement.as_ref(), [u, v])
     }
 }
 
 /// A chart point of the general surface with what the displacement needs there.
-pub(in crate::recognition) fn chart_point(
+pub(crate) fn chart_point(
     base: &ConstantCurvature,
     displacement: Option<&Displacement>,
     chart: [f64; 2],

@@ -41,8 +41,8 @@ pub(super) const TASK: usize = 1 << 13;
 /// A fit with its distances and their robust scale.
 #[derive(Clone, Debug)]
 pub(super) struct Fitted {
-    pub(in crate::recognition) model: Model,
-    pub(in crate::recognition) distances: Vec<f64>,
+    pub(crate) model: Model,
+    pub(crate) distances: Vec<f64>,
     pub(super) scale: f64,
 }
 

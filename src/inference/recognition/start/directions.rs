@@ -13,10 +13,10 @@ use palpate_numeric::statistics::{huber_weight, mad};
 use palpate_numeric::vector::{Vector, cross, dot, minus, norm, unit};
 
 /// Error of a position over that of a normal, in radians, that the fit supposes: 0.05 mm over a patch of 5 mm, beside 3 degrees.
-pub(in crate::recognition) const OF_NORMAL: f64 = 0.2;
+pub(crate) const OF_NORMAL: f64 = 0.2;
 
 /// Step of the differences, in units of the patch.
-const STEP: f64 = 1e-6;
+const STEP_OF_DIFFERENCES: f64 = 1e-6;
 
 /// Measured normals with two axes across each, and their weights.
 #[derive(Clone, Debug)]
@@ -75,14 +75,15 @@ impl Directions {
             step[j] = by;
             Model::new(model.kind(), model.kind().moved(model.theta(), &step[..p]))
         };
-        let beside: Vec<[Model; 2]> = (0..p).map(|j| [moved(j, STEP), moved(j, -STEP)]).collect();
+        let beside: Vec<[Model; 2]> =
+            (0..p).map(|j| [moved(j, STEP_OF_DIFFERENCES), moved(j, -STEP_OF_DIFFERENCES)]).collect();
         for (i, point) in points.iter().enumerate().filter(|(i, _)| self.weights[*i] > 0.0) {
             let weight = OF_NORMAL * OF_NORMAL * self.weights[i];
             let here = self.parts(i, model.distance_and_normal(*point).1);
             let mut by = [[0.0; 6]; 2];
             for (j, pair) in beside.iter().enumerate() {
                 let [ahead, behind] = pair.each_ref().map(|m| self.parts(i, m.distance_and_normal(*point).1));
-                (0..2).for_each(|side| by[side][j] = (ahead[side] - behind[side]) / (2.0 * STEP));
+                (0..2).for_each(|side| by[side][j] = (ahead[side] - behind[side]) / (2.0 * STEP_OF_DIFFERENCES));
             }
             for (by, here) in by.iter().zip(here) {
                 for a in 0..p {

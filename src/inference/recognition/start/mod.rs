@@ -16,7 +16,7 @@ mod patch;
 mod relief;
 mod robust;
 
-pub(in crate::recognition) use directions::OF_NORMAL;
-pub(in crate::recognition) use patch::Patch;
-pub(in crate::recognition) use relief::{relief, weighted_rms};
-pub(in crate::recognition) use robust::thinned;
+pub(crate) use directions::OF_NORMAL;
+pub(crate) use patch::Patch;
+pub(crate) use relief::{relief, weighted_rms};
+pub(crate) use robust::thinned;

@@ -30,10 +30,10 @@ const ROUNDS: usize = 20;
 
 /// Share of the contacts off the surface that the departure has to explain. Where it explains fewer, something else lies
 /// beside the surface, as the shoulders beside a bullet's land, and what a departure takes of that is no shape.
-const MOST: f64 = 0.75;
+const SHARE_EXPLAINED: f64 = 0.75;
 
 /// Contacts below which a departure of third and fourth degree would follow any of them.
-const FEWEST: usize = 18;
+const FEWEST_CONTACTS: usize = 18;
 
 /// Marks as belonging what the departure explains; `sample` are the contacts that it is fitted to, and `distances` those of
 /// all contacts from `surface`.
@@ -46,18 +46,18 @@ pub(super) fn take_back(
     belongs: &mut [bool],
 ) {
     let off: Vec<usize> = (0..points.len()).filter(|&i| !belongs[i]).collect();
-    if off.is_empty() || sample.len() < FEWEST {
+    if off.is_empty() || sample.len() < FEWEST_CONTACTS {
         return;
     }
     let charts: Vec<[f64; 2]> = sample.iter().map(|&i| surface.chart(points[i])).collect();
-    if charts.iter().any(|c| surface.width(c[0]).abs() < POLE) {
+    if charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
         return;
     }
     let given: Vec<f64> = sample.iter().map(|&i| distances[i]).collect();
     let Some(departure) = Departure::fitted(surface, &charts, &given) else { return };
     let explained = |i: &usize| (distances[*i] - departure.at(surface.chart(points[*i]))).abs() < limit;
     let back: Vec<usize> = off.iter().copied().filter(explained).collect();
-    if back.len() as f64 >= MOST * off.len() as f64 {
+    if back.len() as f64 >= SHARE_EXPLAINED * off.len() as f64 {
         back.into_iter().for_each(|i| belongs[i] = true);
     }
 }

@@ -11,7 +11,7 @@ use crate::recognition::contacts::{
     patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::{RecognitionError, RecognitionOptions};
+use crate::recognition::{RecognitionError, RecognitionOptions, Remark};
 use palpate_geometry::contact::Frame;
 
 use super::descent::{TASK, plain};
@@ -30,27 +30,24 @@ const ALL_AROUND: f64 = 0.3;
 const TOO_MANY_OUTLIERS: f64 = 0.25;
 
 /// Contacts that belong to the surface, in the frame of the patch, with the robust fit.
-pub(in crate::recognition) struct Patch {
-    pub(in crate::recognition) frame: Frame,
-    pub(in crate::recognition) points: Vec<Vector>,
+pub(crate) struct Patch {
+    pub(crate) frame: Frame,
+    pub(crate) points: Vec<Vector>,
     /// Feet of the contacts on the robust general surface. What lies beside what is told by them: in space, contacts that err much
     /// lie apart because they err, and their distances from a surface would be a smooth function of their places.
-    pub(in crate::recognition) feet: Vec<Vector>,
+    pub(crate) feet: Vec<Vector>,
     /// Signed distances from the robust general surface.
-    pub(in crate::recognition) distances: Vec<f64>,
+    pub(crate) distances: Vec<f64>,
     /// Measured minus model normals where they are used.
     errors: Option<Vec<Option<Vector>>>,
     start: Start,
-    pub(in crate::recognition) dropped: Dropped,
-    pub(in crate::recognition) normals: NormalsUse,
-    pub(in crate::recognition) notes: Vec<String>,
+    pub(crate) dropped: Dropped,
+    pub(crate) normals: NormalsUse,
+    pub(crate) notes: Vec<Remark>,
 }
 
 impl Patch {
-    pub(in crate::recognition) fn new(
-        given: Observations,
-        options: &RecognitionOptions,
-    ) -> Result<Patch, RecognitionError> {
+    pub(crate) fn new(given: Observations, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };
@@ -62,7 +59,7 @@ impl Patch {
         }
         let frame = patch_frame(&given.points, normals.as_deref(), options)?;
         if normals.is_none() && options.up.is_none() && options.viewpoint.is_none() {
-            notes.push("the sign of S takes +z for the free side: name a viewpoint where it is not".to_string());
+            notes.push(Remark::FreeSideAssumed);
         }
         let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
         if normals.is_none() && on_conic(&points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>()) {
@@ -81,7 +78,7 @@ impl Patch {
             threads::map(points.len(), TASK, |k| start.general.distance_and_normal(points[k]).1);
         let length = norm(mean_of(&surface_normals));
         if length < ALL_AROUND {
-            return Err(RecognitionError::AllAround { mean_length: length });
+            return Err(RecognitionError::AllAround { mean_length: length, measured: normals.is_some() });
         }
         let mut errors = None;
         if let Some(normals) = normals {
@@ -104,7 +101,7 @@ impl Patch {
     }
 
     /// A sample of the contacts, each with the one whose foot is nearest.
-    pub(in crate::recognition) fn nearest(&self) -> Vec<[usize; 2]> {
+    pub(crate) fn nearest(&self) -> Vec<[usize; 2]> {
         const SAMPLE: usize = 4000;
         let tree = Neighbours::new(&self.feet);
         let beside = |i: usize| tree.nearest_other(i).map(|(_, j)| [i, j]);
@@ -112,17 +109,17 @@ impl Patch {
     }
 
     /// Cosine between the robust surface's normal at a place and the input's z.
-    pub(in crate::recognition) fn upright(&self, place: Vector) -> f64 {
+    pub(crate) fn upright(&self, place: Vector) -> f64 {
         self.frame.rotate_back(self.start.general.distance_and_normal(place).1)[2]
     }
 
     /// Averaged contacts.
-    pub(in crate::recognition) fn cells(&self) -> Cells {
+    pub(crate) fn cells(&self) -> Cells {
         cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref())
     }
 
     /// All models refitted to the cells, each from its likeliest starts.
-    pub(in crate::recognition) fn fitted(&self, cells: &Cells) -> Vec<Model> {
+    pub(crate) fn fitted(&self, cells: &Cells) -> Vec<Model> {
         let general = self.start.general.theta();
         let [h, a, b, k1, k2, phi] = general;
         let across = phi + std::f64::consts::FRAC_PI_2;
@@ -149,7 +146,7 @@ impl Patch {
     }
 
     /// How many normals a cell that has any averages, on the mean; with it a cell's noise gives that of a single normal.
-    pub(in crate::recognition) fn normals_per_cell(&self, cells: &Cells) -> f64 {
+    pub(crate) fn normals_per_cell(&self, cells: &Cells) -> f64 {
         let used = self.errors.as_ref().map_or(0, |e| e.iter().filter(|e| e.is_some()).count());
         used as f64 / cells.normals.as_ref().map_or(0, CellNormals::known).max(1) as f64
     }
@@ -159,20 +156,20 @@ impl Patch {
 fn accepted(
     found: Oriented,
     dropped: &mut Dropped,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Remark>,
 ) -> Result<(NormalsUse, Option<Vec<Vector>>), RecognitionError> {
     if !found.consistent {
-        notes.push("the normals contradict their neighbours everywhere and are not used".to_string());
+        notes.push(Remark::NormalsContradict);
         return Ok((NormalsUse::Contradicting, None));
     }
     let length = norm(mean_of(&found.normals));
     if found.of_length_zero < found.normals.len() && length < ALL_AROUND {
-        return Err(RecognitionError::AllAround { mean_length: length });
+        return Err(RecognitionError::AllAround { mean_length: length, measured: true });
     }
-    notes.extend(found.note());
+    notes.extend(found.undecided().map(|agree| Remark::SignsMixed { agree }));
     dropped.normals_flipped = found.flipped;
     if 2 * found.of_length_zero > found.normals.len() {
-        notes.push("most normals have length zero; only positions are used".to_string());
+        notes.push(Remark::NormalsOfLengthZero);
         let known = (found.of_length_zero < found.normals.len()).then_some(found.normals);
         return Ok((NormalsUse::Contradicting, known));
     }

@@ -9,7 +9,7 @@ use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::statistics::standard_deviation;
 
 /// Standard deviation of the heights that curvature accounts for, with a floor so that planes have one too.
-pub(in crate::recognition) fn relief(cells: &Cells, models: &[Model]) -> f64 {
+pub(crate) fn relief(cells: &Cells, models: &[Model]) -> f64 {
     /// A fiftieth of the patch's size.
     const FLAT: f64 = 0.02;
     let of = |kind: Kind| models.iter().find(|m| m.kind() == kind);
@@ -19,7 +19,7 @@ pub(in crate::recognition) fn relief(cells: &Cells, models: &[Model]) -> f64 {
 }
 
 /// Root mean square distance of the cells from a model, about the mean distance.
-pub(in crate::recognition) fn weighted_rms(cells: &Cells, model: &Model) -> f64 {
+pub(crate) fn weighted_rms(cells: &Cells, model: &Model) -> f64 {
     let weighted: Vec<f64> =
         cells.points.iter().zip(&cells.weights).map(|(p, w)| w.sqrt() * model.distance(*p)).collect();
     standard_deviation(&weighted)

@@ -26,7 +26,7 @@ use palpate_numeric::vector::Vector;
 
 /// Contacts below which none is set aside: six parameters leave too few of them to tell what single ones scatter by, and a third of
 /// the patches that were touched at 7 to 10 places were refused.
-const FEWEST: usize = 12;
+const FEWEST_CONTACTS: usize = 12;
 
 /// Median error of the normals, radians, below which they contradict nothing, and the multiple of what another surface leaves of it
 /// above which they contradict the surface that positions found.
@@ -49,7 +49,7 @@ pub(super) struct Start {
     pub(super) sphere: Model,
     pub(super) cylinder: Model,
     /// Signed distances of all contacts from `general`.
-    pub(in crate::recognition) distances: Vec<f64>,
+    pub(crate) distances: Vec<f64>,
     /// Whether a contact belongs to the surface.
     pub(super) belongs: Vec<bool>,
     /// Numbers of the contacts that the start looked at.
@@ -59,7 +59,7 @@ pub(super) struct Start {
 }
 
 /// At most `most` numbers of points, evenly spread over their lexicographic order.
-pub(in crate::recognition) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
+pub(crate) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
     if points.len() <= most {
         return (0..points.len()).collect();
     }
@@ -87,7 +87,7 @@ pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>) -> Start {
     let n = points.len() as f64;
     let scale = mad(distances.iter().copied());
     let limit = (6.0 * scale * (n / (n - 6.0).max(1.0)).sqrt()).max(1e-9);
-    let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || points.len() < FEWEST).collect();
+    let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || points.len() < FEWEST_CONTACTS).collect();
     if let Model::Constant(_, surface) = &general {
         take_back(surface, points, &distances, &sample, limit, &mut belongs);
     }

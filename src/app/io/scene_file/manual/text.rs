@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::super::section::nearest;
-use super::{Default, Entry, Key, entries, shared};
+use super::{Entry, Key, entries, shared};
 
 /// A whole scene to start from.
 const EXAMPLE: &str = "name = \"a bar\"
@@ -29,11 +29,7 @@ degree = 2
 
 /// What can be asked for: sections, surfaces, effects.
 pub(crate) fn scene_topics() -> Vec<&'static str> {
-    entries().map(topic).filter(|topic| !topic.is_empty()).collect()
-}
-
-fn topic(entry: &Entry) -> &'static str {
-    entry.kind.unwrap_or_else(|| entry.table.trim_start_matches("effects."))
+    entries().map(|entry| entry.name).filter(|topic| !topic.is_empty()).collect()
 }
 
 /// The manual of scene files, or of one topic.
@@ -45,13 +41,13 @@ pub(crate) fn scene_manual(asked: Option<&str>) -> Result<String, String> {
     match asked {
         None => whole(&mut text),
         Some(asked) => {
-            let found: Vec<&Entry> = entries().filter(|entry| topic(entry) == asked || entry.table == asked).collect();
+            let found: Vec<Entry> = entries().filter(|entry| entry.name == asked || entry.table() == asked).collect();
             if found.is_empty() {
                 let topics = scene_topics();
                 let close = nearest(asked, topics.iter().copied());
                 return Err(format!("scenes have no {asked:?}{close} There are: {}", topics.join(", ")));
             }
-            found.into_iter().for_each(|entry| section(entry, true, &mut text));
+            found.iter().for_each(|entry| section(entry, true, &mut text));
         }
     }
     Ok(text)
@@ -62,20 +58,19 @@ fn whole(text: &mut String) {
     text.push_str("make and how the contacts are fitted. Start from this one, or from `palpate scenes NAME`:\n\n");
     text.extend(EXAMPLE.lines().map(|line| if line.is_empty() { "\n".into() } else { format!("    {line}\n") }));
     text.push_str("\nLengths are in any one unit, angles in degrees. An unknown key is refused, and the nearest known one named.\n");
-    let mut table = None;
+    let mut group = None;
     for entry in entries() {
-        let group = entry.table.split('.').next();
-        if table != group {
-            heading(entry, text);
-            table = group;
+        if group != Some(entry.group) {
+            heading(&entry, text);
+            group = Some(entry.group);
         }
-        section(entry, false, text);
+        section(&entry, false, text);
     }
 }
 
 /// The heading of a group, with the keys that all of it share.
 fn heading(entry: &Entry, text: &mut String) {
-    let (title, every) = match entry.table {
+    let (title, every) = match entry.group {
         "" => return text.push_str("\n# The file\n"),
         "surface" => ("# [surface]: what is touched", "Every surface also takes:\n"),
         "sweep" => return text.push_str("\n# [sweep]: how it is touched\n"),
@@ -90,23 +85,19 @@ fn heading(entry: &Entry, text: &mut String) {
 }
 
 fn section(entry: &Entry, with_shared: bool, text: &mut String) {
-    let name = match (entry.kind, entry.table) {
-        (Some(kind), _) => format!("kind = \"{kind}\""),
-        (None, "") => "name and seed".into(),
-        (None, table) => format!("[{table}]"),
+    let name = match entry.group {
+        "surface" => format!("kind = \"{}\"", entry.name),
+        "" => "name and seed".into(),
+        _ => format!("[{}]", entry.table()),
     };
     let _ = writeln!(text, "\n{name}\n{}", entry.about);
-    let also = if with_shared { shared(entry) } else { &[] };
-    entry.keys.iter().chain(also).for_each(|key| line(key, text));
+    let also = if with_shared { shared(entry) } else { Vec::new() };
+    entry.keys.iter().chain(&also).for_each(|key| line(key, text));
 }
 
 /// Key and example; then meaning, range and default below it.
 fn line(key: &Key, text: &mut String) {
-    let default = match key.default {
-        Default::Required => "needed".into(),
-        Default::Value(value) => format!("left out: {value}"),
-        Default::Words(words) => format!("left out: {words}"),
-    };
-    let _ = writeln!(text, "    {} = {}", key.name, key.example);
-    let _ = writeln!(text, "        {}; {}; {default}", key.meaning, key.range.words());
+    let default = key.left_out().map_or("needed".into(), |value| format!("left out: {value}"));
+    let _ = writeln!(text, "    {} = {}", key.name, key.example());
+    let _ = writeln!(text, "        {}; {}; {default}", key.meaning(), key.range());
 }
