@@ -13,10 +13,13 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const CRATES: [&str; 7] = ["numeric", "geometry", "world", "fitting", "inference", "studies", "app"];
 
 /// Floor of every room inside its crate; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 26] = [
+const FLOORS: [(&str, u8); 30] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
+    ("statistics", 1),
+    ("levenberg_marquardt", 1),
+    ("convex_hull", 1),
     ("contact", 1),
     ("bspline", 1),
     ("linalg", 1),
@@ -27,6 +30,7 @@ const FLOORS: [(&str, u8); 26] = [
     ("solve", 2),
     ("surface", 2),
     ("neighbours", 2),
+    ("primitives", 2),
     ("shape", 3),
     ("fit", 4),
     ("comparison", 4),
@@ -51,7 +55,6 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("error", 0),
         ("options", 0),
         ("remark", 0),
-        ("statistics", 0),
         ("kinds", 1),
         ("contacts", 2),
         ("discrepancy", 3),
@@ -62,6 +65,7 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("region", 7),
         ("result", 8),
         ("answer", 9),
+        ("shape_report", 9),
         ("free_form", 10),
         ("mod", 11),
         ("tests", 12),

@@ -5,6 +5,7 @@
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
+mod deadlines;
 mod diff;
 mod draws;
 mod explore;
@@ -16,6 +17,7 @@ mod fuzz_seeds;
 mod hostile;
 mod newcomers_files;
 mod npz;
+mod outputs;
 mod parts;
 mod readers;
 mod report_page;

@@ -109,7 +109,7 @@ fn run(args: &StudyArgs, plan: &Arc<Plan>, source: Source) -> Result<(), Failure
             }
             saved = Instant::now();
         }
-        if let Some(budget) = for_replicates.filter(|_| args.tolerance.is_some()) {
+        if let Some(budget) = args.budget.filter(|_| args.tolerance.is_some()) {
             fault = out_of_reach(args, progress.state.done(), progress.end - progress.state.from, seconds, budget);
         }
         fault.is_none() && !replicates_until.is_over()

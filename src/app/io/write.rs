@@ -22,7 +22,7 @@ impl ContactFormat {
     /// By the name's ending; `-` is CSV.
     ///
     /// # Errors
-    /// [`IoError::Extension`].
+    /// `IoError::Extension`.
     pub fn of(path: &Path) -> Result<ContactFormat, IoError> {
         if path == Path::new("-") {
             return Ok(ContactFormat::Csv);

@@ -8,22 +8,20 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
-use crate::io::{AnySurface, Input, SupportMap, UNCERTAINTY_POINTS};
-use palpate_fitting::fit::Fit;
-use palpate_fitting::parametric::ParametricFit;
+use crate::io::{AnySurface, SupportMap, UNCERTAINTY_POINTS};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
-use palpate_inference::recognition::Recognition;
 use palpate_world::scene::Truth;
 
 use super::describe::{height, recognised};
-use super::document::{ChosenPart, FitDocument, LackOfFitPart, MeasurePart};
+use super::document::{FitDocument, MeasurePart};
 use super::height_view::height_view;
 use super::maps::{write_maps_csv, write_maps_npz};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::{contacts_on_feet, parametric_view};
 use super::recognised_view::recognised_view;
-use super::surface_maps::Maps;
+use super::subject::Source;
+use super::surface_maps::{Maps, ShownGrid};
 use super::surface_view::SurfaceView;
 use super::table::significant;
 use super::uncertainty;
@@ -34,18 +32,6 @@ pub(super) const PICTURE_CELLS: [usize; 2] = [48, 100];
 
 /// How the remark on imported surfaces begins.
 pub(super) const INVERSE_CRIME: &str = "inverse crime";
-
-/// What a surface was described from.
-pub(super) enum Source<'a> {
-    /// A file, with its maps over the grid that is shown.
-    Saved(Box<Maps<'a>>),
-    /// A height field that was fitted.
-    Height { fit: &'a Fit, input: &'a Input, bare: bool },
-    /// A parametric surface that was fitted.
-    Parametric { fit: &'a ParametricFit, input: &'a Input, bare: bool },
-    /// A recognition; the surface is its spline.
-    Recognised { found: &'a Recognition, input: &'a Input },
-}
 
 /// A surface in words, numbers and pictures.
 pub(crate) struct Description<'a> {
@@ -161,44 +147,6 @@ impl Description<'_> {
             _ => {}
         }
         view
-    }
-}
-
-/// What is known of a fit besides the fit itself.
-#[derive(Clone, Debug)]
-pub(crate) struct Subject<'a> {
-    /// The data.
-    pub input: &'a Input,
-    /// Unit of all lengths, where the user named it.
-    pub unit: Option<String>,
-    /// What is true, in a simulated world.
-    pub truth: Option<&'a Truth>,
-    /// Whether certificate, uncertainties and intervals were declined.
-    pub bare: bool,
-    /// Remarks of the reader.
-    pub notes: Vec<String>,
-    /// Kind of surface and why, where that was a question.
-    pub chosen: Option<ChosenPart>,
-    /// What the surface leaves unsaid, where that was tested.
-    pub lack_of_fit: Option<LackOfFitPart>,
-}
-
-/// Points of the shape grid over which a saved surface is described.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ShownGrid {
-    /// Points per direction.
-    pub points: [usize; 2],
-    /// Fraction of each side that is cut at every edge.
-    pub inset: f64,
-    /// Whether the grid is another one than the saved one, so that the shape is taken again.
-    pub again: bool,
-}
-
-impl Subject<'_> {
-    /// The remarks, and that on what was declined.
-    pub(super) fn remarks(&self) -> impl Iterator<Item = String> {
-        let declined = "certificate, uncertainties, intervals and direction were declined (--bare)";
-        self.notes.iter().cloned().chain(self.bare.then(|| declined.to_string()))
     }
 }
 

@@ -7,7 +7,16 @@ use palpate_geometry::shape::{ParametricMaps, ShapeGrid, ShapeMaps, parametric_m
 use palpate_geometry::surface::Surface;
 use palpate_numeric::bspline::Knots;
 
-use super::description::ShownGrid;
+/// Points of the shape grid over which a saved surface is described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ShownGrid {
+    /// Points per direction.
+    pub points: [usize; 2],
+    /// Fraction of each side that is cut at every edge.
+    pub inset: f64,
+    /// Whether the grid is another one than the saved one, so that the shape is taken again.
+    pub again: bool,
+}
 
 /// S, R and their like over (x, y) or over (u, v).
 pub(super) enum Maps<'a> {

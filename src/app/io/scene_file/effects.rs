@@ -16,7 +16,7 @@ use super::section::Section;
 /// The robot believes its round fingertips larger or smaller than they are.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::TipRadiusError")]
-struct TipRadiusError {
+struct TipRadiusErrorKeys {
     /// Believed less true radius, units of length.
     #[schemars(example = 0.1, extend("x-needed" = "the believed less the true radius is needed"))]
     error: f64,
@@ -25,7 +25,7 @@ struct TipRadiusError {
 /// Soft tips sink in before they are read (Hertz contact).
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Indentation")]
-struct Indentation {
+struct IndentationKeys {
     /// Contact modulus, force per length squared.
     #[schemars(example = 100.0, extend("exclusiveMinimum" = 0))]
     #[schemars(extend("x-needed" = "the contact modulus E*, force per length squared, is needed"))]
@@ -42,7 +42,7 @@ struct Indentation {
 /// Friction tilts the felt force, and with it the normal.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Friction")]
-struct Friction {
+struct FrictionKeys {
     /// Coefficient of friction, no unit.
     #[schemars(example = 0.2, range(min = 0), extend("x-needed" = "the coefficient of friction is needed"))]
     mu: f64,
@@ -55,7 +55,7 @@ struct Friction {
 /// The force sensor that tells the normal is noisy, biased, drifts and has steps.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::ForceNoise")]
-struct ForceNoise {
+struct ForceNoiseKeys {
     /// Standard deviation per axis, units of force.
     #[serde(default)]
     #[schemars(example = 0.02, range(min = 0))]
@@ -84,7 +84,7 @@ fn one() -> f64 {
 
 /// Positions are off by chance.
 #[derive(Deserialize, JsonSchema)]
-struct PositionNoise {
+struct PositionNoiseKeys {
     /// Standard deviation, for all axes or for x, y, z, units of length.
     #[schemars(example = 0.02, extend("x-needed" = "a number, three, or a covariance is needed"))]
     sigma: Option<OneOrThree>,
@@ -98,7 +98,7 @@ struct PositionNoise {
 /// Normals are off by chance.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::NormalNoise")]
-struct NormalNoise {
+struct NormalNoiseKeys {
     /// Standard deviation per tangent axis, degrees.
     #[schemars(example = 3.0, range(min = 0), extend("x-needed" = "the sd per tangent axis, degrees, is needed"))]
     sigma_deg: f64,
@@ -107,7 +107,7 @@ struct NormalNoise {
 /// All slopes are measured too steep, or too flat, by one factor.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::SlopeGain")]
-struct SlopeGain {
+struct SlopeGainKeys {
     /// By how much, relative to the slope: 0.3 is 30 % too steep, -0.2 is 20 % too flat.
     #[schemars(example = 0.3, extend("x-needed" = "by how much slopes are too steep is needed: 0.3 is 30 %"))]
     relative: f64,
@@ -115,7 +115,7 @@ struct SlopeGain {
 
 /// Joint encoders of the arm have steps and noise.
 #[derive(Deserialize, JsonSchema)]
-struct Encoder {
+struct EncoderKeys {
     /// Step of every encoder, degrees.
     #[serde(default)]
     #[schemars(example = 0.05, range(min = 0))]
@@ -129,7 +129,7 @@ struct Encoder {
     #[schemars(extend("x-range" = "three numbers; needs links"))]
     base: Option<[f64; 3]>,
     /// Denavit-Hartenberg links: lengths a and d, angles alpha_deg and theta_deg; what is left out is 0.
-    #[schemars(with = "Option<Vec<Link>>", extend("x-example" = LINKS, "x-left-out" = "three joints beside the patch"))]
+    #[schemars(with = "Option<Vec<LinkKeys>>", extend("x-example" = LINKS, "x-left-out" = "three joints beside the patch"))]
     #[schemars(extend("x-range" = "a list of tables; needs base"))]
     #[schemars(extend("x-expected" = LIST_OF_LINKS))]
     links: Option<IgnoredAny>,
@@ -142,7 +142,7 @@ const LIST_OF_LINKS: &str = "a list of tables { a, alpha_deg, d, theta_deg } is 
 /// A joint and the link behind it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Link")]
-struct Link {
+struct LinkKeys {
     /// Length along the link's x axis, units of length.
     #[serde(default)]
     a: f64,
@@ -160,7 +160,7 @@ struct Link {
 /// The robot's frame is not where it believes.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Misalignment")]
-struct Misalignment {
+struct MisalignmentKeys {
     /// Angles about x, y, z in this order, degrees.
     #[serde(default)]
     #[schemars(example = [0.0, 1.0, 0.0])]
@@ -174,7 +174,7 @@ struct Misalignment {
 /// The position that is read with a normal is an older one.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Latency")]
-struct Latency {
+struct LatencyKeys {
     /// How far back on its path the finger was, units of length.
     #[serde(default)]
     #[schemars(example = 0.1)]
@@ -188,7 +188,7 @@ struct Latency {
 /// Errors that change slowly along the path of a finger.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::FingerNoise")]
-struct FingerNoise {
+struct FingerNoiseKeys {
     /// Standard deviation of the position, for all axes or for x, y, z, units of length.
     #[serde(default, deserialize_with = "OneOrThree::numbers")]
     #[schemars(with = "OneOrThree", example = 0.05, extend("default" = 0.0))]
@@ -206,7 +206,7 @@ struct FingerNoise {
 /// Now and then a finger slips and the reading is gross.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Slip")]
-struct Slip {
+struct SlipKeys {
     /// How often.
     #[schemars(example = 0.05, range(min = 0, max = 1), extend("x-needed" = "how often a finger slips is needed"))]
     probability: f64,
@@ -218,7 +218,7 @@ struct Slip {
 /// Readings that never arrive.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Dropout")]
-struct Dropout {
+struct DropoutKeys {
     /// How often.
     #[schemars(example = 0.1, range(min = 0, max = 1), extend("x-needed" = "how often a reading is lost is needed"))]
     probability: f64,
@@ -227,7 +227,7 @@ struct Dropout {
 /// Errors of the heights and slopes that the fit sees; x and y stay exact.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::RowNoise")]
-struct RowNoise {
+struct RowNoiseKeys {
     /// Standard deviation of z, units of length.
     #[serde(default)]
     #[schemars(example = 0.02, range(min = 0))]
@@ -240,7 +240,7 @@ struct RowNoise {
 
 /// Key of every effect that draws normal errors.
 #[derive(Deserialize, JsonSchema)]
-pub(super) struct Law {
+pub(super) struct LawKeys {
     /// Law of its errors, their standard deviation unchanged; student_t takes dof beside it (above 2; left out: 5).
     #[schemars(with = "Option<String>", example = &"laplace", extend("default" = "normal", "enum" = NoiseLaw::NAMES))]
     #[schemars(extend("x-what" = "distribution", "x-range" = "normal, uniform, laplace, triangular, student_t"))]
@@ -266,22 +266,22 @@ struct StudentT {
 }
 
 keys! {
-    TipRadiusError => world::TipRadiusError,
-    Indentation => world::Indentation,
-    Friction => world::Friction,
-    ForceNoise => world::ForceNoise,
-    PositionNoise => PositionNoise,
-    NormalNoise => world::NormalNoise,
-    SlopeGain => world::SlopeGain,
-    Encoder => Encoder,
-    Link => world::Link,
-    Misalignment => world::Misalignment,
-    Latency => world::Latency,
-    FingerNoise => world::FingerNoise,
-    Slip => world::Slip,
-    Dropout => world::Dropout,
-    RowNoise => world::RowNoise,
-    Law => Law,
+    TipRadiusErrorKeys => world::TipRadiusError,
+    IndentationKeys => world::Indentation,
+    FrictionKeys => world::Friction,
+    ForceNoiseKeys => world::ForceNoise,
+    PositionNoiseKeys => PositionNoiseKeys,
+    NormalNoiseKeys => world::NormalNoise,
+    SlopeGainKeys => world::SlopeGain,
+    EncoderKeys => EncoderKeys,
+    LinkKeys => world::Link,
+    MisalignmentKeys => world::Misalignment,
+    LatencyKeys => world::Latency,
+    FingerNoiseKeys => world::FingerNoise,
+    SlipKeys => world::Slip,
+    DropoutKeys => world::Dropout,
+    RowNoiseKeys => world::RowNoise,
+    LawKeys => LawKeys,
     StudentT => StudentT,
 }
 
@@ -290,22 +290,22 @@ type Describer = fn(&'static str, &'static str) -> Entry;
 
 /// Every effect that a file can name.
 const EFFECTS: &[(&str, Reader, Describer)] = &[
-    ("tip_radius_error", plain::<TipRadiusError>, Entry::of::<TipRadiusError>),
-    ("indentation", plain::<Indentation>, Entry::of::<Indentation>),
-    ("friction", plain::<Friction>, Entry::of::<Friction>),
-    ("force_noise", plain::<ForceNoise>, Entry::of::<ForceNoise>),
-    ("position_noise", position_noise, Entry::of::<PositionNoise>),
-    ("normal_noise", plain::<NormalNoise>, Entry::of::<NormalNoise>),
-    ("slope_gain", plain::<SlopeGain>, Entry::of::<SlopeGain>),
-    ("encoder", encoder, Entry::of::<Encoder>),
-    ("misalignment", plain::<Misalignment>, Entry::of::<Misalignment>),
-    ("latency", plain::<Latency>, Entry::of::<Latency>),
-    ("finger_noise", plain::<FingerNoise>, Entry::of::<FingerNoise>),
+    ("tip_radius_error", plain::<TipRadiusErrorKeys>, Entry::of::<TipRadiusErrorKeys>),
+    ("indentation", plain::<IndentationKeys>, Entry::of::<IndentationKeys>),
+    ("friction", plain::<FrictionKeys>, Entry::of::<FrictionKeys>),
+    ("force_noise", plain::<ForceNoiseKeys>, Entry::of::<ForceNoiseKeys>),
+    ("position_noise", position_noise, Entry::of::<PositionNoiseKeys>),
+    ("normal_noise", plain::<NormalNoiseKeys>, Entry::of::<NormalNoiseKeys>),
+    ("slope_gain", plain::<SlopeGainKeys>, Entry::of::<SlopeGainKeys>),
+    ("encoder", encoder, Entry::of::<EncoderKeys>),
+    ("misalignment", plain::<MisalignmentKeys>, Entry::of::<MisalignmentKeys>),
+    ("latency", plain::<LatencyKeys>, Entry::of::<LatencyKeys>),
+    ("finger_noise", plain::<FingerNoiseKeys>, Entry::of::<FingerNoiseKeys>),
     // the name that finger_noise had first
-    (FIRST_NAME, plain::<FingerNoise>, Entry::of::<FingerNoise>),
-    ("slip", plain::<Slip>, Entry::of::<Slip>),
-    ("dropout", plain::<Dropout>, Entry::of::<Dropout>),
-    ("row_noise", plain::<RowNoise>, Entry::of::<RowNoise>),
+    (FIRST_NAME, plain::<FingerNoiseKeys>, Entry::of::<FingerNoiseKeys>),
+    ("slip", plain::<SlipKeys>, Entry::of::<SlipKeys>),
+    ("dropout", plain::<DropoutKeys>, Entry::of::<DropoutKeys>),
+    ("row_noise", plain::<RowNoiseKeys>, Entry::of::<RowNoiseKeys>),
 ];
 
 const FIRST_NAME: &str = "lane_noise";
@@ -340,7 +340,7 @@ fn plain<K: Keys<Read: Into<Effect>>>(section: &Section) -> Result<Effect, Scene
 
 /// `distribution`, and `dof` where it is Student's.
 fn law(section: &Section) -> Result<Option<NoiseLaw>, SceneFileError> {
-    let law = match section.read::<Law>()?.distribution {
+    let law = match section.read::<LawKeys>()?.distribution {
         None => return Ok(None),
         Some(Distribution::Normal) => NoiseLaw::Normal,
         Some(Distribution::Uniform) => NoiseLaw::Uniform,
@@ -358,17 +358,17 @@ fn law(section: &Section) -> Result<Option<NoiseLaw>, SceneFileError> {
 }
 
 fn position_noise(section: &Section) -> Result<Effect, SceneFileError> {
-    let read = section.read::<PositionNoise>()?;
+    let read = section.read::<PositionNoiseKeys>()?;
     match (read.sigma.map(OneOrThree::three), read.covariance) {
         (Some(_), Some(_)) => Err(section.clash("sigma", "covariance")),
         (Some(sigma), None) => Ok(Effect::position_noise(sigma)),
         (None, Some(covariance)) => Ok(Effect::position_covariance(covariance)),
-        (None, None) => Err(section.needed::<PositionNoise>("sigma")),
+        (None, None) => Err(section.needed::<PositionNoiseKeys>("sigma")),
     }
 }
 
 fn encoder(section: &Section) -> Result<Effect, SceneFileError> {
-    let Encoder { resolution_deg, sigma_deg, base, links } = section.read::<Encoder>()?;
+    let EncoderKeys { resolution_deg, sigma_deg, base, links } = section.read::<EncoderKeys>()?;
     let links = match links {
         Some(_) => Some(section.tables("links", LIST_OF_LINKS)?.into_iter().map(link).collect::<Result<_, _>>()?),
         None => None,
@@ -384,7 +384,7 @@ fn encoder(section: &Section) -> Result<Effect, SceneFileError> {
 }
 
 fn link(section: Section) -> Result<world::Link, SceneFileError> {
-    let link = section.read::<Link>()?;
+    let link = section.read::<LinkKeys>()?;
     section.finish("key")?;
     Ok(link)
 }

@@ -29,7 +29,7 @@ pub(super) trait Keys: JsonSchema {
     /// What the table is read into.
     type Read;
 
-    fn read(table: Table) -> Result<Self::Read, Fault>;
+    fn read(table: SceneTable) -> Result<Self::Read, Fault>;
 }
 
 /// Which types describe tables, and what those are read into.
@@ -39,7 +39,7 @@ macro_rules! keys {
             type Read = $read;
 
             fn read(
-                table: $crate::io::scene_file::keys::Table,
+                table: $crate::io::scene_file::keys::SceneTable,
             ) -> Result<$read, $crate::io::scene_file::keys::Fault> {
                 $keys::deserialize(table)
             }
@@ -68,6 +68,28 @@ pub(super) fn schema_of<K: JsonSchema>() -> Json {
     schema
 }
 
+impl Section<'_> {
+    /// The table as the type `K` describes it; its keys are known from now on.
+    pub(super) fn read<K: Keys>(&self) -> Result<K::Read, SceneFileError> {
+        let schema = schema_of::<K>();
+        K::read(SceneTable::new(self, &schema)).map_err(|fault| match fault {
+            Fault::Placed(error) => error,
+            Fault::Wrong => self.unread(),
+        })
+    }
+
+    /// The table as a whole is none that the type could be; a table with keys always is one.
+    fn unread(&self) -> SceneFileError {
+        let (line, column) = self.place();
+        SceneFileError::Syntax { line, column, message: format!("[{}] cannot be read", self.path) }
+    }
+
+    /// The refusal of a table of type `K` in which this key is needed after all.
+    pub(super) fn needed<K: Keys>(&self, key: &'static str) -> SceneFileError {
+        self.missing(key, needed(&schema_of::<K>(), key))
+    }
+}
+
 /// What stops serde.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Fault {
@@ -87,20 +109,20 @@ impl serde::de::Error for Fault {
 
 /// A table, for serde: keys in the order of the type's fields, whatever their order in the file. So the first fault is
 /// the same one however the keys are shuffled. Keys that are no fields are left to [`Section::finish`].
-pub(super) struct Table<'s, 'de> {
+pub(super) struct SceneTable<'s, 'de> {
     section: &'s Section<'de>,
     schema: &'s Json,
     fields: std::slice::Iter<'static, &'static str>,
     held: Option<(&'static str, &'de Value<'de>)>,
 }
 
-impl<'s, 'de> Table<'s, 'de> {
-    pub(super) fn new(section: &'s Section<'de>, schema: &'s Json) -> Table<'s, 'de> {
-        Table { section, schema, fields: [].iter(), held: None }
+impl<'s, 'de> SceneTable<'s, 'de> {
+    pub(super) fn new(section: &'s Section<'de>, schema: &'s Json) -> SceneTable<'s, 'de> {
+        SceneTable { section, schema, fields: [].iter(), held: None }
     }
 }
 
-impl<'de> Deserializer<'de> for Table<'_, 'de> {
+impl<'de> Deserializer<'de> for SceneTable<'_, 'de> {
     type Error = Fault;
 
     fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Fault> {
@@ -124,7 +146,7 @@ impl<'de> Deserializer<'de> for Table<'_, 'de> {
     }
 }
 
-impl<'de> MapAccess<'de> for Table<'_, 'de> {
+impl<'de> MapAccess<'de> for SceneTable<'_, 'de> {
     type Error = Fault;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Fault> {

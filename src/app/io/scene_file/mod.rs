@@ -8,7 +8,7 @@
 //! [study]                # replicates, level
 //! ```
 //!
-//! [`manual`] describes every key. Everything is checked before anything is simulated. An unknown key, effect or surface names the nearest known one
+//! `manual` describes every key. Everything is checked before anything is simulated. An unknown key, effect or surface names the nearest known one
 //! with line and column.
 
 mod builtin;

@@ -6,7 +6,6 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::SceneFileError;
-use super::keys::{Fault, Keys, Table, needed, schema_of};
 
 pub(super) type Value<'d> = Spanned<DeValue<'d>>;
 
@@ -77,21 +76,6 @@ impl<'d> Section<'d> {
         self.asked.into_inner()
     }
 
-    /// The table as the type `K` describes it; its keys are known from now on.
-    pub(super) fn read<K: Keys>(&self) -> Result<K::Read, SceneFileError> {
-        let schema = schema_of::<K>();
-        K::read(Table::new(self, &schema)).map_err(|fault| match fault {
-            Fault::Placed(error) => error,
-            Fault::Wrong => self.unread(),
-        })
-    }
-
-    /// The table as a whole is none that the type could be; a table with keys always is one.
-    fn unread(&self) -> SceneFileError {
-        let (line, column) = self.place();
-        SceneFileError::Syntax { line, column, message: format!("[{}] cannot be read", self.path) }
-    }
-
     pub(super) fn value_error(&self, key: &str, value: &Value, expected: impl Into<String>) -> SceneFileError {
         let (line, column) = self.place_of(value);
         let found = self.source.get(value.span()).unwrap_or("?").to_string();
@@ -113,11 +97,6 @@ impl<'d> Section<'d> {
     pub(super) fn missing(&self, key: &'static str, expected: &str) -> SceneFileError {
         let (line, column) = self.place();
         SceneFileError::Missing { line, column, section: self.path.clone(), key, expected: expected.into() }
-    }
-
-    /// The refusal of a table of type `K` in which this key is needed after all.
-    pub(super) fn needed<K: Keys>(&self, key: &'static str) -> SceneFileError {
-        self.missing(key, needed(&schema_of::<K>(), key))
     }
 
     pub(super) fn clash(&self, first: &str, second: &str) -> SceneFileError {

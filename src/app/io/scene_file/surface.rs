@@ -15,12 +15,12 @@ use super::{Importer, SceneFileError};
 
 /// A plane: flat, level unless it is turned.
 #[derive(Deserialize, JsonSchema)]
-struct Plane {}
+struct PlaneKeys {}
 
 /// A ball.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Sphere")]
-struct Sphere {
+struct SphereKeys {
     /// Radius, units of length.
     #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-needed" = "a radius is needed"))]
     radius: f64,
@@ -29,7 +29,7 @@ struct Sphere {
 /// A round bar that lies along its axis.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Cylinder")]
-struct Cylinder {
+struct CylinderKeys {
     /// Radius, units of length.
     #[schemars(example = 10.0, extend("exclusiveMinimum" = 0, "x-needed" = "a radius is needed"))]
     radius: f64,
@@ -38,7 +38,7 @@ struct Cylinder {
 /// A ball stretched by another factor along each axis.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Ellipsoid")]
-struct Ellipsoid {
+struct EllipsoidKeys {
     /// Half its length along x, y, z, units of length.
     #[schemars(example = [12.0, 8.0, 6.0])]
     #[schemars(extend("x-range" = "three numbers above 0", "x-needed" = "three semi-axes are needed"))]
@@ -48,7 +48,7 @@ struct Ellipsoid {
 /// A ring that lies flat, touched on top of its tube.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Torus")]
-struct Torus {
+struct TorusKeys {
     /// Radius of the ring, to the middle of the tube, units of length.
     #[schemars(example = 20.0, extend("exclusiveMinimum" = 0, "x-needed" = "the radius of the ring is needed"))]
     major: f64,
@@ -60,7 +60,7 @@ struct Torus {
 /// A bowl turned over: z = -x^2/(2 r1) - y^2/(2 r2).
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Paraboloid")]
-struct Paraboloid {
+struct ParaboloidKeys {
     /// Radii of curvature r1, r2 along x and y at the top, units of length.
     #[schemars(example = [10.0, 20.0])]
     #[schemars(extend("x-range" = "two numbers, neither 0", "x-needed" = "two radii of curvature are needed"))]
@@ -70,7 +70,7 @@ struct Paraboloid {
 /// Raised along one axis, hollow along the other: z = -x^2/(2 r1) + y^2/(2 r2).
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Saddle")]
-struct Saddle {
+struct SaddleKeys {
     /// Radii of curvature r1, r2 along x and y in the middle, units of length.
     #[schemars(example = [10.0, 10.0])]
     #[schemars(extend("x-range" = "two numbers, neither 0", "x-needed" = "two radii of curvature are needed"))]
@@ -80,7 +80,7 @@ struct Saddle {
 /// A saddle for two legs and a tail: z = (x^3 - 3 x y^2)/l^2.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::MonkeySaddle")]
-struct MonkeySaddle {
+struct MonkeySaddleKeys {
     /// The length l, units of length.
     #[schemars(example = 20.0, extend("exclusiveMinimum" = 0))]
     #[schemars(extend("x-needed" = "the length l of z = (x^3 - 3 x y^2)/l^2 is needed"))]
@@ -90,7 +90,7 @@ struct MonkeySaddle {
 /// A smooth bump on a plane: z = h exp(-(x^2 + y^2)/(2 w^2)) - h.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::GaussianBump")]
-struct GaussianBump {
+struct GaussianBumpKeys {
     /// Its height h, units of length; below 0 a dent.
     #[schemars(example = 2.0, extend("x-needed" = "the height of the bump is needed"))]
     height: f64,
@@ -102,7 +102,7 @@ struct GaussianBump {
 /// Waves.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Sinusoid")]
-struct Sinusoid {
+struct SinusoidKeys {
     /// Half their height, units of length.
     #[schemars(example = 0.5, extend("x-needed" = "the amplitude of the waves is needed"))]
     amplitude: f64,
@@ -117,7 +117,7 @@ struct Sinusoid {
 /// From a box with rounded edges to an ellipsoid.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Superquadric")]
-struct Superquadric {
+struct SuperquadricKeys {
     /// Half its length along x, y, z, units of length.
     #[schemars(example = [10.0, 10.0, 10.0])]
     #[schemars(extend("x-range" = "three numbers above 0", "x-needed" = "three semi-axes are needed"))]
@@ -130,7 +130,7 @@ struct Superquadric {
 
 /// Several bodies at once; the fingers touch whichever comes first from above.
 #[derive(Deserialize, JsonSchema)]
-struct Union {
+struct UnionKeys {
     /// The bodies.
     #[schemars(with = "Vec<serde_json::Value>", extend("x-example" = BODIES, "x-needed" = EACH_PART, "x-expected" = EACH_PART))]
     #[schemars(extend("x-range" = "a list of surfaces; each part may be its own [[surface.parts]]"))]
@@ -143,7 +143,7 @@ const BODIES: &str = "[{ kind = \"sphere\", radius = 10.0 }, { kind = \"plane\",
 /// Solids joined and cut: block (size), ball (radius), bar (radius, length), frustum (radius, top, length), ring (major,
 /// minor), each centred at its offset with its axis upright, and taken away where cut = true.
 #[derive(Deserialize, JsonSchema)]
-struct Solids {
+struct SolidsKeys {
     /// The solids.
     #[schemars(with = "Vec<serde_json::Value>", extend("x-example" = SOLIDS, "x-needed" = EACH_PART, "x-expected" = EACH_PART))]
     #[schemars(extend("x-range" = "a list of solids; each part may be its own [[surface.parts]]"))]
@@ -173,7 +173,7 @@ struct Block {
 
 /// A round bar.
 #[derive(Deserialize, JsonSchema)]
-struct Bar {
+struct BarKeys {
     /// Radius, units of length.
     #[schemars(extend("x-needed" = "a radius is needed"))]
     radius: f64,
@@ -198,7 +198,7 @@ struct Frustum {
 
 /// Keys of every surface and of every solid.
 #[derive(Deserialize, JsonSchema)]
-struct Pose {
+struct PoseKeys {
     /// Direction of the body's long axis, degrees from x towards y.
     #[serde(default)]
     #[schemars(example = 45.0)]
@@ -215,7 +215,7 @@ struct Pose {
 
 /// Key of every surface.
 #[derive(Deserialize, JsonSchema)]
-struct Side {
+struct SideKeys {
     /// Seen from inside: touched on its hollow side.
     #[serde(default)]
     #[schemars(example = true)]
@@ -224,33 +224,33 @@ struct Side {
 
 /// Key of every solid.
 #[derive(Deserialize, JsonSchema)]
-struct Cut {
+struct CutKeys {
     /// Taken away from the solids before it.
     #[serde(default)]
     cut: bool,
 }
 
 keys! {
-    Plane => Plane,
-    Sphere => world::Sphere,
-    Cylinder => world::Cylinder,
-    Ellipsoid => world::Ellipsoid,
-    Torus => world::Torus,
-    Paraboloid => world::Paraboloid,
-    Saddle => world::Saddle,
-    MonkeySaddle => world::MonkeySaddle,
-    GaussianBump => world::GaussianBump,
-    Sinusoid => world::Sinusoid,
-    Superquadric => world::Superquadric,
-    Union => Union,
-    Solids => Solids,
+    PlaneKeys => PlaneKeys,
+    SphereKeys => world::Sphere,
+    CylinderKeys => world::Cylinder,
+    EllipsoidKeys => world::Ellipsoid,
+    TorusKeys => world::Torus,
+    ParaboloidKeys => world::Paraboloid,
+    SaddleKeys => world::Saddle,
+    MonkeySaddleKeys => world::MonkeySaddle,
+    GaussianBumpKeys => world::GaussianBump,
+    SinusoidKeys => world::Sinusoid,
+    SuperquadricKeys => world::Superquadric,
+    UnionKeys => UnionKeys,
+    SolidsKeys => SolidsKeys,
     Imported => Imported,
     Block => Block,
-    Bar => Bar,
+    BarKeys => BarKeys,
     Frustum => Frustum,
-    Pose => Pose,
-    Side => Side,
-    Cut => Cut,
+    PoseKeys => PoseKeys,
+    SideKeys => SideKeys,
+    CutKeys => CutKeys,
 }
 
 type Reader = fn(&Section, &Importer) -> Result<Body, SceneFileError>;
@@ -258,19 +258,19 @@ type Describer = fn(&'static str, &'static str) -> Entry;
 
 /// Every kind of surface, in the order of [`Body::KINDS`].
 const KINDS: &[(&str, Reader, Describer)] = &[
-    ("plane", |s, _| s.read::<Plane>().map(|_| Body::Plane), Entry::of::<Plane>),
-    ("sphere", |s, _| s.read::<Sphere>().map(Body::Sphere), Entry::of::<Sphere>),
-    ("cylinder", |s, _| s.read::<Cylinder>().map(Body::Cylinder), Entry::of::<Cylinder>),
-    ("ellipsoid", |s, _| s.read::<Ellipsoid>().map(Body::Ellipsoid), Entry::of::<Ellipsoid>),
-    ("torus", |s, _| s.read::<Torus>().map(Body::Torus), Entry::of::<Torus>),
-    ("paraboloid", |s, _| s.read::<Paraboloid>().map(Body::Paraboloid), Entry::of::<Paraboloid>),
-    ("saddle", |s, _| s.read::<Saddle>().map(Body::Saddle), Entry::of::<Saddle>),
-    ("monkey_saddle", |s, _| s.read::<MonkeySaddle>().map(Body::MonkeySaddle), Entry::of::<MonkeySaddle>),
-    ("gaussian", |s, _| s.read::<GaussianBump>().map(Body::Gaussian), Entry::of::<GaussianBump>),
-    ("sinusoid", |s, _| s.read::<Sinusoid>().map(Body::Sinusoid), Entry::of::<Sinusoid>),
-    ("superquadric", |s, _| s.read::<Superquadric>().map(Body::Superquadric), Entry::of::<Superquadric>),
-    ("union", union, Entry::of::<Union>),
-    ("solids", solids, Entry::of::<Solids>),
+    ("plane", |s, _| s.read::<PlaneKeys>().map(|_| Body::Plane), Entry::of::<PlaneKeys>),
+    ("sphere", |s, _| s.read::<SphereKeys>().map(Body::Sphere), Entry::of::<SphereKeys>),
+    ("cylinder", |s, _| s.read::<CylinderKeys>().map(Body::Cylinder), Entry::of::<CylinderKeys>),
+    ("ellipsoid", |s, _| s.read::<EllipsoidKeys>().map(Body::Ellipsoid), Entry::of::<EllipsoidKeys>),
+    ("torus", |s, _| s.read::<TorusKeys>().map(Body::Torus), Entry::of::<TorusKeys>),
+    ("paraboloid", |s, _| s.read::<ParaboloidKeys>().map(Body::Paraboloid), Entry::of::<ParaboloidKeys>),
+    ("saddle", |s, _| s.read::<SaddleKeys>().map(Body::Saddle), Entry::of::<SaddleKeys>),
+    ("monkey_saddle", |s, _| s.read::<MonkeySaddleKeys>().map(Body::MonkeySaddle), Entry::of::<MonkeySaddleKeys>),
+    ("gaussian", |s, _| s.read::<GaussianBumpKeys>().map(Body::Gaussian), Entry::of::<GaussianBumpKeys>),
+    ("sinusoid", |s, _| s.read::<SinusoidKeys>().map(Body::Sinusoid), Entry::of::<SinusoidKeys>),
+    ("superquadric", |s, _| s.read::<SuperquadricKeys>().map(Body::Superquadric), Entry::of::<SuperquadricKeys>),
+    ("union", union, Entry::of::<UnionKeys>),
+    ("solids", solids, Entry::of::<SolidsKeys>),
     ("imported", imported, Entry::of::<Imported>),
 ];
 
@@ -281,8 +281,8 @@ pub(super) fn entries() -> impl Iterator<Item = Entry> {
 
 /// The keys of every surface for the manual.
 pub(super) fn shared() -> Vec<Key> {
-    let mut keys = Key::all::<Pose>();
-    keys.splice(1..1, Key::all::<Side>());
+    let mut keys = Key::all::<PoseKeys>();
+    keys.splice(1..1, Key::all::<SideKeys>());
     keys
 }
 
@@ -295,18 +295,18 @@ pub(super) fn read(section: Section, importer: &Importer) -> Result<Surface, Sce
     };
     let body = reader(&section, importer)?;
     let pose = pose(&section)?;
-    let Side { concave } = section.read::<Side>()?;
+    let SideKeys { concave } = section.read::<SideKeys>()?;
     section.finish("key")?;
     Ok(Surface { body, concave, pose })
 }
 
 fn pose(section: &Section) -> Result<world::Pose, SceneFileError> {
-    let Pose { axis_deg, rotation_deg, offset } = section.read::<Pose>()?;
+    let PoseKeys { axis_deg, rotation_deg, offset } = section.read::<PoseKeys>()?;
     Ok(world::Pose::new(axis_deg, rotation_deg, offset))
 }
 
 fn union(section: &Section, importer: &Importer) -> Result<Body, SceneFileError> {
-    section.read::<Union>()?;
+    section.read::<UnionKeys>()?;
     let parts = section.tables("parts", EACH_PART)?;
     Ok(Body::Union(world::Union {
         parts: parts.into_iter().map(|part| read(part, importer)).collect::<Result<_, _>>()?,
@@ -314,7 +314,7 @@ fn union(section: &Section, importer: &Importer) -> Result<Body, SceneFileError>
 }
 
 fn solids(section: &Section, _: &Importer) -> Result<Body, SceneFileError> {
-    section.read::<Solids>()?;
+    section.read::<SolidsKeys>()?;
     let parts = section.tables("parts", EACH_PART)?;
     Ok(Body::Solids(world::Solids { parts: parts.into_iter().map(solid).collect::<Result<_, _>>()? }))
 }
@@ -326,16 +326,16 @@ fn solid(part: Section) -> Result<world::Solid, SceneFileError> {
     };
     let shape = match kind {
         "block" => part.read::<Block>().map(|Block { size }| SolidShape::Block { size }),
-        "ball" => part.read::<Sphere>().map(|ball| SolidShape::Ball { radius: ball.radius }),
-        "bar" => part.read::<Bar>().map(|Bar { radius, length }| SolidShape::Bar { radius, length }),
+        "ball" => part.read::<SphereKeys>().map(|ball| SolidShape::Ball { radius: ball.radius }),
+        "bar" => part.read::<BarKeys>().map(|BarKeys { radius, length }| SolidShape::Bar { radius, length }),
         "frustum" => {
             part.read::<Frustum>().map(|Frustum { radius, top, length }| SolidShape::Frustum { radius, top, length })
         }
-        "ring" => part.read::<Torus>().map(|ring| SolidShape::Ring { major: ring.major, minor: ring.minor }),
+        "ring" => part.read::<TorusKeys>().map(|ring| SolidShape::Ring { major: ring.major, minor: ring.minor }),
         other => Err(part.unknown_word("solid", value, other, &SolidShape::KINDS)),
     }?;
     let pose = pose(&part)?;
-    let Cut { cut } = part.read::<Cut>()?;
+    let CutKeys { cut } = part.read::<CutKeys>()?;
     part.finish("key")?;
     Ok(world::Solid { shape, pose, cut })
 }

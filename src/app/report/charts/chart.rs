@@ -1,13 +1,10 @@
 //! Marks on two axes, drawn as they come.
 
 use super::axis::Axis;
-use super::frame::{Frame, SMALL, frame, grid};
+use super::frame::{Frame, Rect, SMALL, frame, grid};
 use super::numbers::Numbers;
 use crate::report::colour::mix;
 use crate::report::drawing::{Anchor, Colour, Drawing, Hook};
-
-/// Left and right, top and bottom of a panel.
-pub(in crate::report) type Rect = [[f64; 2]; 2];
 
 /// How a mark looks: its colour in files, its class on the page.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! The figures of an exploration: how the uncertainties fell, and where it touched.
 
 use super::axis::Axis;
-use super::chart::{Chart, ROOM, Rect, Style};
+use super::chart::{Chart, ROOM, Style};
+use super::frame::Rect;
 use crate::report::drawing::Drawing;
 use crate::report::explore::{ExploreDocument, KnownPart, StepPart};
 use crate::report::table::significant;

@@ -3,6 +3,9 @@
 use super::axis::Axis;
 use crate::report::drawing::{Anchor, Colour, Drawing, width_of};
 
+/// Left and right, top and bottom of a panel.
+pub(in crate::report) type Rect = [[f64; 2]; 2];
+
 /// Sizes of words: axes, and numbers.
 pub(in crate::report) const MIDDLE: f64 = 12.0;
 pub(in crate::report) const SMALL: f64 = 11.0;

@@ -5,8 +5,9 @@
 //! joined, numbered, and have error bars both ways; a number stands where it covers no other number and no marker.
 
 use super::axis::Axis;
-use super::chart::{Chart, Rect, Style, marker};
+use super::chart::{Chart, Style, marker};
 use super::frame::GREY;
+use super::frame::Rect;
 use crate::report::drawing::{Anchor, Colour, Drawing};
 use crate::report::frontier::{FrontierDocument, FrontierRecord};
 use crate::report::table::significant;

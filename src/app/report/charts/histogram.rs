@@ -1,7 +1,8 @@
 //! How many values fall where, with the interval, the mean and the truth on it.
 
 use super::axis::Axis;
-use super::chart::{Chart, ROOM, Rect, Style};
+use super::chart::{Chart, ROOM, Style};
+use super::frame::Rect;
 use crate::report::drawing::Drawing;
 use crate::report::table::significant;
 

@@ -21,8 +21,9 @@ mod study;
 mod sweep;
 
 pub(super) use axis::Axis;
-pub(super) use chart::{Rect, Style, legend};
+pub(super) use chart::{Style, legend};
 pub(super) use explore::{Falling, touched};
+pub(super) use frame::Rect;
 pub(super) use frame::{BLACK, Frame, GREY, MIDDLE, SMALL, frame};
 pub(super) use frontier::{FrontierFigure, INSTRUCTIONS, LINE, TIME, number, time};
 pub(crate) use frontier::{FrontierKind, KINDS};

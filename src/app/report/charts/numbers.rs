@@ -1,6 +1,6 @@
 //! Numbers beside the points of a panel that cover neither each other nor a mark.
 
-use super::chart::Rect;
+use super::frame::Rect;
 use crate::report::drawing::{Anchor, Drawing, Hook};
 
 /// Half the width and height of a number of two digits, pixels.

@@ -1,6 +1,7 @@
 //! The figures of a study: how S and R scatter, with interval, mean and truth; shares of the classes and of the effects.
 
-use super::chart::{Rect, Style};
+use super::chart::Style;
+use super::frame::Rect;
 use super::histogram::{BARS, Histogram};
 use super::shares::Share;
 use crate::report::drawing::Drawing;

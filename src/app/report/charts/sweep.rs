@@ -7,8 +7,9 @@
 //! One colour for each value of the keys before the last (Okabe and Ito's, 2008: told apart by everybody).
 
 use super::axis::Axis;
-use super::chart::{Chart, ROOM, Rect, Style};
+use super::chart::{Chart, ROOM, Style};
 use super::frame::GREY;
+use super::frame::Rect;
 use crate::report::drawing::{Colour, Drawing};
 use crate::report::pictures::short;
 use crate::report::study::QuantityPart;

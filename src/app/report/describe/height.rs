@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use crate::io::{AnySurface, Input};
-use crate::report::description::{Source, Subject};
 use crate::report::document::{FitPart, IntervalsPart, PromisePart, RmsPart, ShapePart, SigmaPart};
 use crate::report::interval_words::interval_words;
 use crate::report::shape_part::shape_part;
+use crate::report::subject::{Source, Subject};
 use crate::report::table::significant;
 use palpate_fitting::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
 use palpate_geometry::contact::{Contacts, Frame, Grid};

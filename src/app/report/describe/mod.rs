@@ -13,13 +13,14 @@ use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::{ShapeReport, TruthComparison};
 use palpate_inference::recognition::Recognition;
 
-use super::description::{Description, ShownGrid, Source, Subject};
+use super::description::Description;
 use super::document::{FitDocument, FitPart, Seconds, ShapePart, TruthPart};
 use super::parametric::ParametricPoints;
 use super::point_table::PointTable;
 use super::points::HeightPoints;
 use super::shape_part::{take_again, take_back_class};
-use super::surface_maps::Maps;
+use super::subject::{Source, Subject};
+use super::surface_maps::{Maps, ShownGrid};
 
 /// What a fit of the contacts answered.
 #[derive(Debug)]

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use crate::io::{AnySurface, Input};
-use crate::report::description::{Source, Subject};
 use crate::report::document::{FitPart, ParametricPart, RmsPart, ShapePart, SigmaPart};
 use crate::report::shape_part::shape_part;
+use crate::report::subject::{Source, Subject};
 use palpate_fitting::fit::FitError;
 use palpate_fitting::parametric::ParametricFit;
 use palpate_geometry::contact::Frame;

@@ -10,10 +10,10 @@ use std::borrow::Cow;
 use ndarray::Array2;
 
 use crate::io::{AnySurface, Input, SupportMap};
-use crate::report::description::{ShownGrid, Source, Subject};
 use crate::report::document::{ChosenPart, FitPart, LackOfFitPart, RmsPart, SigmaPart, TriedPart};
 use crate::report::shape_part::shape_part;
-use crate::report::surface_maps::Maps;
+use crate::report::subject::{Source, Subject};
+use crate::report::surface_maps::{Maps, ShownGrid};
 use crate::report::uncertainty;
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};

@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use super::super::section::nearest;
-use super::{Entry, Key, entries, shared};
+use super::entry::{Entry, Key};
+use super::{entries, shared};
 
 /// A whole scene to start from.
 const EXAMPLE: &str = "name = \"a bar\"
