@@ -71,4 +71,20 @@ mod tests {
         assert_eq!((convex_hull(&[]), convex_hull(&[[1.0, 2.0]])), (vec![], vec![]));
         assert_eq!(turn([0.0, 0.0], [1.0, 0.0], [0.0, 1.0]), 1.0);
     }
+
+    /// The rightmost corner stands also where it comes directly after the last one of the lower chain in the order of x, as
+    /// at an end where many points share one x.
+    #[test]
+    fn no_point_lies_outside() {
+        let wave = |k: usize, step: f64| 0.5 + 0.5 * (step * k as f64).sin();
+        for most in [0.8, 1.0] {
+            for first in 0..200 {
+                let points: Vec<[f64; 2]> =
+                    (first..first + 20).map(|k| [wave(k, 1.7).min(most), wave(k, 2.9)]).collect();
+                let hull = convex_hull(&points);
+                let side = |i: usize, p: [f64; 2]| turn(hull[i], hull[(i + 1) % hull.len()], p);
+                assert!(points.iter().all(|p| (0..hull.len()).all(|i| side(i, *p) > -1e-12)), "{most} {first}");
+            }
+        }
+    }
 }

@@ -36,7 +36,7 @@ pub trait ResidualModel {
     }
 
     /// Is told a step that was taken, or that one was refused.
-    fn decided(&mut self, _taken: Option<Taken<'_, Self::Step>>) {}
+    fn decided(&mut self, _taken: Option<TakenStep<'_, Self::Step>>) {}
 
     /// Whether to look no further after a refused step to a value of `after`: there is nothing lower but by rounding.
     fn gives_up(&self, _step: &Self::Step, _before: f64, _after: Option<f64>) -> bool {
@@ -49,7 +49,7 @@ pub trait ResidualModel {
 
 /// A step that was taken.
 #[derive(Clone, Copy, Debug)]
-pub struct Taken<'a, S> {
+pub struct TakenStep<'a, S> {
     pub step: &'a S,
     /// Whether it was the extrapolated one.
     pub is_extrapolated: bool,
@@ -77,7 +77,7 @@ const RISE: f64 = 10.0;
 
 /// How a descent ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Descent {
+pub struct DescentEnd {
     /// Steps taken.
     pub steps: usize,
     /// Whether the last step was small enough, or none goes down any more.
@@ -93,9 +93,9 @@ pub fn descend<M: ResidualModel>(
     point: &mut M::Point,
     damping: &mut f64,
     settings: &Settings,
-) -> Result<Descent, M::Error> {
+) -> Result<DescentEnd, M::Error> {
     let mut trials = settings.trials;
-    let mut found = Descent { steps: 0, is_settled: false };
+    let mut found = DescentEnd { steps: 0, is_settled: false };
     while found.steps < settings.steps && !found.is_settled {
         let before = model.linearise(point);
         match lower(model, point, before, damping, settings, &mut trials)? {
@@ -139,7 +139,7 @@ fn lower<M: ResidualModel>(
             && let Some((next, after)) = model.moved(point, &longer).filter(|(_, after)| goes_down(*after))
         {
             *point = next;
-            model.decided(Some(Taken { step: &longer, is_extrapolated: true }));
+            model.decided(Some(TakenStep { step: &longer, is_extrapolated: true }));
             return Ok(Some((longer, after)));
         }
         let trial = model.moved(point, &step);
@@ -147,7 +147,7 @@ fn lower<M: ResidualModel>(
         if let Some((next, after)) = trial.filter(|(_, after)| goes_down(*after)) {
             *point = next;
             *damping = (settings.fall)(*damping);
-            model.decided(Some(Taken { step: &step, is_extrapolated: false }));
+            model.decided(Some(TakenStep { step: &step, is_extrapolated: false }));
             return Ok(Some((step, after)));
         }
         model.decided(None);
@@ -203,7 +203,7 @@ mod tests {
             Some((next, p * p + q * q))
         }
 
-        fn decided(&mut self, taken: Option<Taken<'_, [f64; 2]>>) {
+        fn decided(&mut self, taken: Option<TakenStep<'_, [f64; 2]>>) {
             self.refused += usize::from(taken.is_none());
         }
 
@@ -228,11 +228,11 @@ mod tests {
         let (mut point, mut damping) = ([-1.2, 1.0], 1e-3);
         let few = Settings { steps: 2, ..SETTINGS };
         let found = descend(&mut Valley::default(), &mut point, &mut damping, &few).unwrap();
-        assert_eq!(found, Descent { steps: 2, is_settled: false });
+        assert_eq!(found, DescentEnd { steps: 2, is_settled: false });
         let tried = Settings { trials: 1, ..SETTINGS };
         assert!(descend(&mut Valley::default(), &mut point, &mut damping, &tried).unwrap().steps <= 1);
         let not_finite = descend(&mut Valley::default(), &mut [f64::NAN; 2], &mut damping, &SETTINGS);
-        assert_eq!(not_finite, Ok(Descent { steps: 0, is_settled: true }));
+        assert_eq!(not_finite, Ok(DescentEnd { steps: 0, is_settled: true }));
         let mut negative = 1e9;
         assert_eq!(lower(&mut Valley::default(), &mut point, 1.0, &mut negative, &SETTINGS, &mut 5), Err(()));
         assert_eq!(negative, SETTINGS.first);

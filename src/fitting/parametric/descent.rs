@@ -93,23 +93,23 @@ impl Solver {
     pub(super) fn descend(&mut self, problem: &Problem, state: &mut State, near: f64) -> Result<Descent, FitError> {
         state.feet = state.feet.moved(problem.cells, problem.contacts, &state.coefficients);
         let (value, sums) = problem.value(&state.coefficients, &state.feet).ok_or(FitError::Degenerate)?;
-        let mut reached = Reached { state: state.clone(), value, sums };
+        let mut reached = ReachedSurface { state: state.clone(), value, sums };
         let rhs = vec![0.0; self.matrix.order()];
         let mut model = Trials { problem, solver: self, rhs, near, last: Vec::new(), before: None, folds_refused: 0 };
         let steps = if near > TOLERANCE { MAX_COARSE_STEPS } else { MAX_STEPS };
         let settings = Settings { steps, ..SETTINGS };
         let found = levenberg_marquardt::descend(&mut model, &mut reached, &mut SETTINGS.first.clone(), &settings);
         let folds_refused = model.folds_refused;
-        let Reached { state: last, sums, .. } = reached;
+        let ReachedSurface { state: last, sums, .. } = reached;
         *state = last;
-        let levenberg_marquardt::Descent { steps, is_settled: settled } =
+        let levenberg_marquardt::DescentEnd { steps, is_settled: settled } =
             found.map_err(|source| FitError::Solve { source })?;
         Ok(Descent { sums, steps, folds_refused, settled })
     }
 }
 
 /// A surface, F and its parts.
-struct Reached {
+struct ReachedSurface {
     state: State,
     value: f64,
     sums: Sums,
@@ -141,11 +141,11 @@ struct Trials<'a, 'b> {
 }
 
 impl ResidualModel for Trials<'_, '_> {
-    type Point = Reached;
+    type Point = ReachedSurface;
     type Step = Move;
     type Error = SolveError;
 
-    fn linearise(&mut self, at: &Reached) -> f64 {
+    fn linearise(&mut self, at: &ReachedSurface) -> f64 {
         self.solver.matrix.clear();
         self.rhs.fill(0.0);
         let State { coefficients, feet } = &at.state;
@@ -160,7 +160,7 @@ impl ResidualModel for Trials<'_, '_> {
         Ok(Move { by, factor: 1.0 })
     }
 
-    fn moved(&mut self, from: &Reached, step: &Move) -> Option<(Reached, f64)> {
+    fn moved(&mut self, from: &ReachedSurface, step: &Move) -> Option<(ReachedSurface, f64)> {
         let (problem, state) = (self.problem, &from.state);
         let along = step.by.as_chunks::<3>().0;
         let moved = |(c, m): (&Vector, &Vector)| [0, 1, 2].map(|d| c[d] + step.factor * m[d]);
@@ -171,7 +171,7 @@ impl ResidualModel for Trials<'_, '_> {
         }
         let feet = state.feet.moved(problem.cells, problem.contacts, &next);
         let (value, sums) = problem.value(&next, &feet)?;
-        Some((Reached { state: State { coefficients: next, feet }, value, sums }, value))
+        Some((ReachedSurface { state: State { coefficients: next, feet }, value, sums }, value))
     }
 
     fn extrapolated(&mut self, step: &Move, damping: f64) -> Option<Move> {
@@ -179,7 +179,7 @@ impl ResidualModel for Trials<'_, '_> {
         (factor != 1.0).then(|| Move { by: step.by.clone(), factor })
     }
 
-    fn decided(&mut self, taken: Option<levenberg_marquardt::Taken<'_, Move>>) {
+    fn decided(&mut self, taken: Option<levenberg_marquardt::TakenStep<'_, Move>>) {
         self.last.clear();
         if let Some(taken) = taken.filter(|taken| !taken.is_extrapolated) {
             self.last.extend_from_slice(&taken.step.by);

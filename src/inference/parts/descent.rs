@@ -7,13 +7,13 @@
 //! by sizes  d by_size / u_d              s g by_size / u_n
 //! ```
 //!
-//! Rows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
+//! PrimitiveRows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
 use super::primitive::{MOST_UNKNOWNS, Primitive};
 use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
-use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
+use palpate_numeric::linalg::small::{NotPositiveDefinite, Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, along, cross, dot};
 
 /// Of 40 trials at most: from a start of the right kind six to ten steps are enough.
@@ -126,7 +126,7 @@ pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
 }
 
 /// Normal matrix, gradient and sum of squares at a primitive.
-fn reached(primitive: Primitive, sample: &Sample) -> Reached {
+fn reached(primitive: Primitive, sample: &Sample) -> ReachedPrimitive {
     let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS], 0.0);
     let free = primitive.kind.free();
     let weights = [sample.u_distance.powi(-2), sample.u_normal.powi(-2)];
@@ -147,33 +147,30 @@ fn reached(primitive: Primitive, sample: &Sample) -> Reached {
             matrix[i][i] = 1.0;
         }
     }
-    Reached { at: Descended { primitive, sum, matrix }, gradient }
+    ReachedPrimitive { at: Descended { primitive, sum, matrix }, gradient }
 }
 
 /// A primitive with its equations.
 #[derive(Clone, Copy)]
-struct Reached {
+struct ReachedPrimitive {
     at: Descended,
     gradient: [f64; MOST_UNKNOWNS],
 }
 
 /// The four rows of every point, and the equations at the last primitive.
-struct Rows<'a> {
+struct PrimitiveRows<'a> {
     sample: &'a Sample<'a>,
     /// About which the primitive is turned.
     centre: Vector,
-    here: Reached,
+    here: ReachedPrimitive,
 }
 
-/// The damped equations are not positive definite.
-struct NotPositiveDefinite;
-
-impl ResidualModel for Rows<'_> {
-    type Point = Reached;
+impl ResidualModel for PrimitiveRows<'_> {
+    type Point = ReachedPrimitive;
     type Step = [f64; MOST_UNKNOWNS];
     type Error = NotPositiveDefinite;
 
-    fn linearise(&mut self, at: &Reached) -> f64 {
+    fn linearise(&mut self, at: &ReachedPrimitive) -> f64 {
         self.here = *at;
         at.at.sum
     }
@@ -189,7 +186,7 @@ impl ResidualModel for Rows<'_> {
         Ok(std::array::from_fn(|i| step[i] / scale[i]))
     }
 
-    fn moved(&mut self, from: &Reached, step: &[f64; MOST_UNKNOWNS]) -> Option<(Reached, f64)> {
+    fn moved(&mut self, from: &ReachedPrimitive, step: &[f64; MOST_UNKNOWNS]) -> Option<(ReachedPrimitive, f64)> {
         let next = reached(from.at.primitive.moved(step).about(self.centre), self.sample);
         Some((next, next.at.sum))
     }
@@ -210,7 +207,7 @@ pub(super) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
     let sum_of = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, *p));
     let centre = sum_of.map(|v| v / count);
     let mut found = reached(start.about(centre), sample);
-    let mut rows = Rows { sample, centre, here: found };
+    let mut rows = PrimitiveRows { sample, centre, here: found };
     // a matrix that has no factor under any damping leaves the primitive where it is
     let _ = levenberg_marquardt::descend(&mut rows, &mut found, &mut SETTINGS.first.clone(), &SETTINGS);
     found.at.sum.is_finite().then_some(found.at)

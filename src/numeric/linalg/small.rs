@@ -11,6 +11,11 @@
 /// A square matrix of order N.
 pub type Square<const N: usize> = [[f64; N]; N];
 
+/// A symmetric matrix has no Cholesky factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the matrix is not positive definite")]
+pub struct NotPositiveDefinite;
+
 /// Largest number of sweeps over all pairs; six suffice for order 7.
 const SWEEPS: usize = 30;
 

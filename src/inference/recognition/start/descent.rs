@@ -9,7 +9,7 @@
 
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
-use palpate_numeric::linalg::small::solve_leading;
+use palpate_numeric::linalg::small::{NotPositiveDefinite, solve_leading};
 use palpate_numeric::statistics::{huber_weight, mad_about_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
@@ -116,9 +116,6 @@ struct Distances<'a> {
     gradient: [f64; 6],
     unknowns: usize,
 }
-
-/// The damped equations are not positive definite.
-struct NotPositiveDefinite;
 
 impl ResidualModel for Distances<'_> {
     type Point = Model;
