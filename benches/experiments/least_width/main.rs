@@ -9,7 +9,7 @@
 //!
 //! J. W. Pratt, *J. Amer. Statist. Assoc.* 56 (1961) 549. Members are found by descent from many starts, and followed to other values
 //! of S and R; a nearer one that was not found would raise the bound, so that it holds all the same. The departures from families
-//! that `palpate study --coverage` counts in its `least/oracle` are another class.
+//! that `cargo bench --bench coverage` counts are another class.
 
 mod descent;
 mod kinds;
