@@ -74,6 +74,8 @@ fn a_bump_of_few_contacts_is_no_cap() {
     for seed in 0..33 {
         let found = recognised(&touched(Surface::gaussian_bump(2.0, 4.0), 9, [0.05, 3.0], 740 + seed));
         others += u64::from(found.class != ShapeClass::Cap);
+        // nine of the first twelve: a share of two thirds would pass the larger count too often
+        assert!(seed != 11 || others >= 9, "{others} of 12");
         let s = found.shape_index.unwrap();
         coverage.answer([s.mean, s.u], s.interval, 0.5776);
     }
