@@ -10,7 +10,7 @@ use serde::de::IgnoredAny;
 
 use super::SceneFileError;
 use super::keys::{Keys, OneOrThree, keys};
-use super::manual::Entry;
+use super::manual::entry::Entry;
 use super::section::Section;
 
 /// The robot believes its round fingertips larger or smaller than they are.

@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::SceneFileError;
 use super::keys::keys;
-use super::manual::Entry;
+use super::manual::entry::Entry;
 use super::section::Section;
 use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::keys::keys;
-use super::manual::{Entry, Key};
+use super::manual::entry::{Entry, Key};
 use super::section::Section;
 use super::{Importer, SceneFileError};
 

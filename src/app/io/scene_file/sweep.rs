@@ -7,7 +7,7 @@ use serde::de::IgnoredAny;
 
 use super::SceneFileError;
 use super::keys::keys;
-use super::manual::Entry;
+use super::manual::entry::Entry;
 use super::section::Section;
 
 /// How the fingers move: side by side, each stopping at every station.

@@ -8,12 +8,12 @@
 //! All of it comes from the types that the reader reads into, see [`super::keys`]. The tests below hold every entry
 //! against the reader: its examples, defaults and ranges are what is read, what holds and what is taken.
 
-mod entry;
+pub(super) mod entry;
 mod text;
 
 pub(crate) use text::{scene_manual, scene_topics};
 
-pub(super) use entry::{Entry, Key};
+use entry::{Entry, Key};
 
 /// Everything, in the order of a file.
 fn entries() -> impl Iterator<Item = Entry> {
