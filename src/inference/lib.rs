@@ -2,7 +2,10 @@
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
 
+mod bodies;
+mod dense;
 pub mod parts;
+mod primitives;
 pub mod recognition;
 
 /// This floor by the names that users of `palpate` know, for the examples in its documentation.
@@ -17,6 +20,7 @@ pub mod facade {
         pub use crate::parts::{PartKind, Parts, PartsError, PartsOptions, PointShapes};
     }
     pub mod recognition {
+        pub use crate::bodies::Tuning;
         pub use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
     }
 }

@@ -204,7 +204,7 @@ fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {
     let began = Instant::now();
     let found = match &options.model {
         None => {
-            let recognition = RecognitionOptions { level, ..RecognitionOptions::default() };
+            let recognition = RecognitionOptions { level, up: Some([0.0, 0.0, 1.0]), ..RecognitionOptions::default() };
             automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
         }
         Some(model) => fit_input(input, &model.clone().with_level(level))

@@ -46,6 +46,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             radius_interval: None,
             radii: None,
             class: None,
+            other_class: None,
             class_probability: None,
             class_by_area: None,
             k1: SpreadPart::default(),

@@ -243,6 +243,9 @@ pub(crate) struct ShapePart {
     pub(crate) radii: Option<[f64; 2]>,
     /// One of the nine classes, or plane.
     pub(crate) class: Option<String>,
+    /// The class from the other side, where nothing tells which side is free; S is then given by its size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) other_class: Option<String>,
     /// Probability of each class.
     pub(crate) class_probability: Option<Shares>,
     /// Where several classes stand side by side and `class` is null: share of the patch of each that has a tenth of it or more, the

@@ -238,6 +238,7 @@ pub(super) fn full() -> FitDocument {
             radius_interval: Some([0.5, 0.5]),
             radii: Some([0.5, 0.5]),
             class: Some("ridge".into()),
+            other_class: Some("cup".into()),
             class_probability: Some(Shares(shares)),
             class_by_area: Some(Shares(vec![("ridge".into(), 0.5)])),
             k1: spread.clone(),

@@ -35,6 +35,7 @@ pub(super) fn take_back_class(document: &mut FitDocument, shape_index: impl Iter
     let by_area = counts.iter().map(|(class, n)| (*class, *n as f64 / all)).filter(|(_, share)| *share >= NAMED);
     shape.class_by_area = shares(&by_area.collect::<Vec<_>>());
     (shape.class, shape.class_probability, shape.radius, shape.radius_interval) = (None, None, None, None);
+    shape.other_class = None;
     shape.radii = None;
 }
 
@@ -53,6 +54,7 @@ pub(super) fn shape_part<M>(shape: &ShapeReport<M>, grid: [usize; 2], level: f64
         radius_interval: shape.radius_interval,
         radii: shape.radii,
         class: shape.curvedness.mean.is_some().then(|| shape.class.name().to_string()),
+        other_class: shape.other_class.map(|class| class.name().to_string()),
         class_probability: shares(&shape.class_probability),
         class_by_area: None,
         k1: spread_part(shape.k1),

@@ -60,6 +60,12 @@ impl ShapeClass {
         matches!(self, Ridge | Rut | Dome | Trough | SaddleRidge | SaddleRut)
     }
 
+    /// The class seen from the other side: what bulges is hollow from there.
+    pub fn mirrored(self) -> ShapeClass {
+        let place = ShapeClass::CURVED.iter().position(|c| *c == self);
+        place.map_or(self, |k| ShapeClass::CURVED[8 - k])
+    }
+
     /// The word used in every output.
     pub fn name(self) -> &'static str {
         match self {

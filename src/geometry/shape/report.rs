@@ -41,6 +41,8 @@ pub struct ShapeReport<M> {
     pub curvedness: Statistic,
     /// Class of the mean S, or plane.
     pub class: ShapeClass,
+    /// The class from the other side, where nothing tells which side is free: S and its interval are then given by their size.
+    pub other_class: Option<ShapeClass>,
     /// Probability of each class; empty for a plane.
     pub class_probability: Vec<(ShapeClass, f64)>,
     /// Radius of the cap, cup, ridge or rut.
@@ -80,6 +82,7 @@ impl<M> ShapeReport<M> {
             shape_index: Statistic::default(),
             curvedness: Statistic::default(),
             class: ShapeClass::Plane,
+            other_class: None,
             class_probability: Vec::new(),
             radius: None,
             radius_interval: None,

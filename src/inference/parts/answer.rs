@@ -8,7 +8,7 @@ use super::joints::joints;
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
-use super::primitive::{MOST_UNKNOWNS, PartKind, Primitive};
+use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use super::recognition_fallback::few;
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
 use super::unexplained_regions::label_leftover;

@@ -9,7 +9,7 @@
 //! neighbourhoods reach over edges even in the middle of a box's face.
 
 use super::cloud::{Cloud, NEAREST};
-use super::descent::Sample;
+use crate::primitives::descent::Sample;
 use super::hypothesis::{Walk, best, sampled};
 use super::local::{LocalShape, Noise, ROUNDING};
 use palpate_numeric::statistics::{Rank, quantile};

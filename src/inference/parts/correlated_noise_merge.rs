@@ -14,7 +14,7 @@
 use super::cloud::Cloud;
 use super::hypothesis::Walk;
 use super::partition::{Field, NONE, Partition};
-use super::primitive::Primitive;
+use crate::primitives::placed::Primitive;
 use palpate_numeric::vector::{dot, minus};
 
 /// A neighbour is asked when it holds so many groups of the part's size: fewer say little of its waves.

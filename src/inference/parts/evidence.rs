@@ -19,7 +19,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cloud::Cloud;
 use super::local::Noise;
-use super::primitive::Primitive;
+use crate::primitives::placed::Primitive;
 use palpate_geometry::shape::chi_square_upper_tail;
 use palpate_numeric::vector::{dot, minus};
 

@@ -9,10 +9,10 @@
 //! R. C. Jain, *Segmentation through variable-order surface fitting*, IEEE PAMI 10 (1988) 167.
 
 use super::cloud::{Cloud, NEAREST};
-use super::descent::{Descended, Sample, descend, sum_of_squares};
+use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
 use super::local::Noise;
-use super::primitive::{PartKind, Primitive};
-use super::start::starts;
+use crate::primitives::placed::{PartKind, Primitive};
+use crate::primitives::starts::starts;
 use palpate_numeric::vector::{Vector, dot, minus};
 
 /// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.

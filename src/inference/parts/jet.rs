@@ -12,7 +12,7 @@
 //! differential quantities using polynomial fitting of osculating jets*, 2005, without normals and prior.
 
 use super::local::Noise;
-use super::primitive::axes_along;
+use crate::primitives::placed::axes_along;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::{Vector, dot, minus};

@@ -9,7 +9,7 @@
 //! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
 
 use super::cloud::Cloud;
-use super::primitive::axes_along;
+use crate::primitives::placed::axes_along;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::statistics::{self, Rank};

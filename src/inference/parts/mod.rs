@@ -30,7 +30,6 @@ mod answer;
 mod cloud;
 mod correlated_noise;
 mod correlated_noise_merge;
-mod descent;
 mod error;
 mod evaluation;
 mod evidence;
@@ -45,11 +44,9 @@ mod normal_orientation;
 mod options;
 mod partition;
 mod point_shapes;
-mod primitive;
 mod recognition_fallback;
 mod result;
 mod scale_selection;
-mod start;
 mod unexplained_regions;
 
 pub use error::PartsError;
@@ -59,7 +56,7 @@ pub use evaluation::{Agreement, against};
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;
 pub use point_shapes::PointShapes;
-pub use primitive::PartKind;
+pub use crate::primitives::placed::PartKind;
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 
 use palpate_geometry::contact::Contacts;

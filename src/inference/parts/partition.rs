@@ -13,11 +13,11 @@
 use std::collections::HashSet;
 
 use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
-use super::descent::Sample;
+use crate::primitives::descent::Sample;
 use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
-use super::primitive::{PartKind, Primitive};
+use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 
@@ -344,7 +344,7 @@ pub(super) fn exact(
     inner: &[u32],
     primitive: &Primitive,
     u: &Noise,
-) -> Option<super::descent::Descended> {
+) -> Option<crate::primitives::descent::Descended> {
     let (points, normals) = sampled(cloud, inner, usize::MAX);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
     descended(primitive.kind, &sample, &[*primitive], extent(&points))

@@ -15,7 +15,7 @@ use super::cloud::Cloud;
 use super::exact::Exact;
 use super::free_form::FreeForm;
 use super::hypothesis::sampled;
-use super::primitive::PartKind;
+use crate::primitives::placed::PartKind;
 use super::result::PartUncertainty;
 use crate::recognition::{Recognition, RecognitionOptions};
 use palpate_geometry::contact::Contacts;

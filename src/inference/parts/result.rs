@@ -1,7 +1,7 @@
 //! The answer: parts, joints, and the part of every contact.
 
 use super::joints::Joint;
-use super::primitive::PartKind;
+use crate::primitives::placed::PartKind;
 use palpate_geometry::curvature::ShapeClass;
 
 /// Lengths and places of a part, in the contacts' units and axes; what its kind does not have is `None`. Of its standard

@@ -64,6 +64,23 @@ pub enum RecognitionError {
         /// Whether the normals were given; otherwise they are those of the surface through the positions.
         measured: bool,
     },
+    /// Two surfaces explain the contacts clearly better than one.
+    #[error(
+        "the contacts show several things: {} ({:.0} % of them) and {} ({:.0} %). Take one of them, or let `palpate parts` take them apart",
+        things[0], percent[0], things[1], percent[1]
+    )]
+    SeveralThings {
+        /// Both in words, with their radius.
+        things: [String; 2],
+        /// Their share of the contacts, percent.
+        percent: [f64; 2],
+    },
+    /// The normals agree with the places once their columns are exchanged or reversed.
+    #[error("the normals contradict the places, and agree with them where nx, ny, nz are read as {order}: the columns seem to be exchanged")]
+    NormalsExchanged {
+        /// The order that agrees, as `nz, ny, nx`.
+        order: String,
+    },
     /// A number left the range of the arithmetic.
     #[error("the {step} failed: {what}")]
     Arithmetic {

@@ -31,7 +31,6 @@
 
 mod answer;
 mod contacts;
-mod dense;
 mod discrepancy;
 mod equations;
 mod error;
@@ -47,6 +46,7 @@ mod shape_report;
 mod start;
 #[cfg(test)]
 mod tests;
+mod whole_body;
 
 pub use free_form::RecognisedSpline;
 // free-form parts are described by the same field as contacts that no simple shape explains
@@ -54,12 +54,14 @@ pub use contacts::NormalsUse;
 pub use error::RecognitionError;
 pub use free_form::{FieldRequest, Flexible, Pointwise, Shown, shown};
 pub use free_form::{flexible, own_axes};
+pub use crate::bodies::Tuning;
 pub use options::RecognitionOptions;
 pub use region::PredictiveDraw;
 pub use region::RecognisedSurface;
 pub use remark::Remark;
-pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
+pub use result::{Bounded, BodyGeometry, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
+pub(crate) use crate::dense;
 use palpate_geometry::contact::{Contacts, Grid};
 use palpate_numeric::vector::Vector;
 
@@ -110,10 +112,35 @@ impl Recognition {
     }
 }
 
+/// A patch first; where it is refused, doubtful or bent too far, a body in space. A side that nothing tells is said to be unknown.
+fn recognise_given(
+    given: Observations,
+    asked: &RequestedPlaces,
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
+    if asked.means.is_some() || !asked.touches.is_empty() {
+        return recognise_patch(given, asked, options);
+    }
+    let patch = recognise_patch(given.clone(), asked, options).and_then(|found| {
+        let hollow = found.shape_index.is_some_and(|s| s.mean < 0.0);
+        if found.side_known || !hollow {
+            return Ok(found);
+        }
+        // the convex reading stands for both
+        let z = found.frame.axes[2];
+        let options = RecognitionOptions { up: Some(z.map(|v| -v)), viewpoint: None, ..options.clone() };
+        let mut other = recognise_patch(given.clone().reversed(), asked, &options)?;
+        (other.side_known, other.notes) = (false, found.notes);
+        Ok(other)
+    });
+    let patch = patch.map(|found| if found.side_known { found } else { whole_body::of_either_side(found) });
+    whole_body::instead(patch, &given, options)
+}
+
 /// The steps, top to bottom, each in its room: the contacts are put in order (`contacts`), a robust surface says which of them belong
 /// together (`start`), how they err is told (`noise`), every kind of surface with its departures (`kinds`, `departures`) is asked how
 /// probable it is (`equations`, `evidence`), and the answer is told over the part that contacts support (`region`, `answer`).
-fn recognise_given(
+fn recognise_patch(
     given: Observations,
     asked: &RequestedPlaces,
     options: &RecognitionOptions,

@@ -1,5 +1,6 @@
 //! What a caller may say to a recognition; everything else is taken from the data.
 
+use crate::bodies::Tuning;
 use palpate_numeric::vector::Vector;
 
 /// Options of [`Recognition::of`](super::Recognition::of). The defaults serve a user who names nothing.
@@ -20,6 +21,9 @@ pub struct RecognitionOptions {
     pub up: Option<[f64; 3]>,
     /// Known sd of the contacts' errors in x and in y, input units and axes; 0 where they err alike in all directions.
     pub sigma_xy: f64,
+    /// What decides how whole and strongly bent bodies are judged.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub tuning: Tuning,
 }
 
 impl Default for RecognitionOptions {
@@ -32,6 +36,7 @@ impl Default for RecognitionOptions {
             viewpoint: None,
             up: None,
             sigma_xy: 0.0,
+            tuning: Tuning::default(),
         }
     }
 }

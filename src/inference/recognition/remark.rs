@@ -4,6 +4,8 @@
 //! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a departure, places)
 //! ```
 
+use palpate_geometry::contact::counted;
+
 /// What belongs to the answer of a recognition; printed, it is a whole sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -39,10 +41,34 @@ pub enum Remark {
         /// Standard deviation along each of them, input units.
         sd: f64,
     },
+    /// Part of the contacts of a body belong to nothing that was recognised.
+    FalseContacts {
+        /// Their number.
+        count: usize,
+    },
+    /// A cone's half angle and tip.
+    ConeIs {
+        /// Half angle with its interval, degrees.
+        half_angle_deg: [f64; 3],
+    },
+    /// A ring's radius and that of its tube.
+    RingIs {
+        /// Radius of the ring with its interval, input units.
+        ring: [f64; 3],
+        /// Radius of the tube with its interval.
+        tube: [f64; 3],
+    },
     /// The misfit is as large as the shape.
     MisfitOfShape,
     /// What is not flat on a plane is no shape that was tried.
     MisfitOfPlane,
+}
+
+impl Remark {
+    /// Whether nothing tells which side is free.
+    pub(crate) fn leaves_side_open(&self) -> bool {
+        matches!(self, Remark::FreeSideAssumed | Remark::SignsMixed { .. })
+    }
 }
 
 impl std::fmt::Display for Remark {
@@ -59,7 +85,10 @@ impl std::fmt::Display for Remark {
                 100.0 * agree
             ),
             Remark::FreeSideAssumed => {
-                write!(f, "the sign of S takes +z for the free side: name a viewpoint where it is not")
+                write!(
+                    f,
+                    "nothing tells which side is free, so that it may as well be hollow: name a place on that side by --viewpoint X,Y,Z, or give normals"
+                )
             }
             Remark::Gain { gain } => write!(
                 f,
@@ -85,12 +114,28 @@ impl std::fmt::Display for Remark {
                      counts that"
                 )
             }
+            Remark::FalseContacts { count } => write!(f, "{} lie off it by more than the others scatter, and do not count", counted(*count, "contact")),
+            Remark::ConeIs { half_angle_deg: [value, lo, hi] } => write!(
+                f,
+                "the cone opens by {} degrees to each side of its axis, between {} and {}",
+                digits(*value), digits(*lo), digits(*hi)
+            ),
+            Remark::RingIs { ring: [ring, a, b], tube: [tube, c, d] } => write!(
+                f,
+                "the ring has a radius of {} (between {} and {}), and its tube one of {} (between {} and {})",
+                digits(*ring), digits(*a), digits(*b), digits(*tube), digits(*c), digits(*d)
+            ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")
             }
             Remark::MisfitOfPlane => write!(f, "what is not flat here is a pattern that none of the shapes describes"),
         }
     }
+}
+
+/// Four digits.
+fn digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

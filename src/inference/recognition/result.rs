@@ -30,11 +30,13 @@ pub enum Hypothesis {
     Quadric,
     /// A circle turned about an axis in its plane, touched anywhere.
     Torus,
+    /// A line turned about an axis that it meets.
+    Cone,
 }
 
 impl Hypothesis {
     /// All hypotheses, in the order in which they are tried.
-    pub const ALL: [Hypothesis; 8] = [
+    pub const ALL: [Hypothesis; 9] = [
         Hypothesis::Plane,
         Hypothesis::Sphere,
         Hypothesis::Cylinder,
@@ -43,6 +45,7 @@ impl Hypothesis {
         Hypothesis::Displaced,
         Hypothesis::Quadric,
         Hypothesis::Torus,
+        Hypothesis::Cone,
     ];
 
     /// The word used in every output.
@@ -56,6 +59,7 @@ impl Hypothesis {
             Hypothesis::Displaced => "general with displacement",
             Hypothesis::Quadric => "quadric",
             Hypothesis::Torus => "torus",
+            Hypothesis::Cone => "cone",
         }
     }
 
@@ -70,6 +74,7 @@ impl Hypothesis {
             Hypothesis::Displaced => "a smooth surface near two constant curvatures",
             Hypothesis::Quadric => "an ellipsoid or another quadric",
             Hypothesis::Torus => "a torus",
+            Hypothesis::Cone => "a cone",
         }
     }
 
@@ -79,7 +84,7 @@ impl Hypothesis {
             Hypothesis::Plane => 3,
             Hypothesis::Sphere => 4,
             Hypothesis::Cylinder => 5,
-            Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced => 6,
+            Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced | Hypothesis::Cone => 6,
             Hypothesis::Torus => 7,
             Hypothesis::Quadric => 9,
         }
@@ -147,6 +152,36 @@ pub struct NoiseFound {
     pub correlation_length: Option<f64>,
     /// Sd of a normal's two tangential components, degrees; `None` where normals are not used.
     pub sd_normal_deg: Option<f64>,
+}
+
+/// A number with the interval in which it lies, at the level of the estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bounded {
+    /// The number.
+    pub value: f64,
+    /// Its interval.
+    pub interval: [f64; 2],
+}
+
+/// Sizes and place of a primitive in space, input units and axes; what its kind does not have is `None`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyGeometry {
+    /// Centre of a sphere or torus, or the point of the axis or plane next to the contacts' middle.
+    pub point: [f64; 3],
+    /// Within how far of `point` the true one lies: across the axis or plane only, since along it any point is as good.
+    pub point_within: f64,
+    /// Axis, or normal of a plane.
+    pub axis: Option<[f64; 3]>,
+    /// Radius of a sphere or cylinder, of a cone at `point`, of a torus' ring.
+    pub radius: Option<Bounded>,
+    /// Radius of a torus' tube.
+    pub minor_radius: Option<Bounded>,
+    /// Half angle of a cone, degrees.
+    pub half_angle_deg: Option<Bounded>,
+    /// Tip of a cone.
+    pub apex: Option<[f64; 3]>,
 }
 
 /// One hypothesis that was tried.
@@ -273,6 +308,11 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know; printed, whole sentences.
     pub notes: Vec<Remark>,
+    /// Whether something tells which side is free: normals, a viewpoint or a direction. Where nothing does, `class` and the maps are those
+    /// of the side that `frame` takes, S and its interval are given by their size, and every class has the probability of its mirror image.
+    pub side_known: bool,
+    /// Sizes and place of a body that was touched all round or far round; `None` of a patch.
+    pub body: Option<BodyGeometry>,
     /// Drawn surfaces with what touches would measure on them; empty where none was asked for.
     pub predictive: Vec<PredictiveDraw>,
 }

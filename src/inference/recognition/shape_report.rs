@@ -36,6 +36,7 @@ impl Recognition {
             shape_index: self.shape_index.as_ref().filter(|_| curved).map(Statistic::from).unwrap_or_default(),
             curvedness: Statistic::from(&self.curvedness),
             class: self.class,
+            other_class: Some(self.class.mirrored()).filter(|other| !self.side_known && *other != self.class),
             class_probability: every_class(&self.class_probability),
             radius: self.radius,
             radius_interval: self.radius.and(self.radius_interval),

@@ -154,7 +154,11 @@ impl<'a> IntervalSubject<'a> {
                 _ => StatedInterval::Nothing,
             }),
             Box::new(move |number| {
-                let options = RecognitionOptions { level: self.options.level, ..RecognitionOptions::default() };
+                let options = RecognitionOptions {
+                    level: self.options.level,
+                    up: Some([0.0, 0.0, 1.0]),
+                    ..RecognitionOptions::default()
+                };
                 let found = Recognition::of(contacts(number), &options).ok();
                 found.map_or(StatedInterval::Nothing, |found| {
                     let s = found.shape_index.map(|estimate| estimate.interval);

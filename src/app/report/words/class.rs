@@ -38,7 +38,7 @@ pub(in crate::report) fn radius_of_class(shape: &ShapePart) -> Option<f64> {
 pub(in crate::report) fn named(shape: &ShapePart) -> String {
     match (shape.class.as_deref(), likelier(shape), &shape.class_by_area) {
         (Some(class), Some((other, _)), _) => format!("between {class} and {other}"),
-        (Some(class), None, _) => class.into(),
+        (Some(class), None, _) => with_other(shape, class),
         (None, _, Some(by_area)) => {
             let names: Vec<&str> = by_area.0.iter().map(|(name, _)| name.as_str()).collect();
             format!("{} side by side", names.join(", "))
@@ -72,8 +72,9 @@ pub(super) fn sentence(shape: &ShapePart) -> String {
         let sure = format!("{} and {} sure", chance(p), chance(q));
         return format!("{class} by the mean of S, {other} by its bounds: the contacts do not tell which ({sure})");
     }
-    let like = like(class);
+    let like = like_either(shape, class);
     let sure = probability(shape, class).map_or(String::new(), |p| format!(" ({} sure)", chance(p)));
+    let class = &with_other(shape, class);
     if like.is_empty() { format!("{class}{sure}") } else { format!("{class}: {like}{sure}") }
 }
 
@@ -91,15 +92,34 @@ pub(in crate::report) fn of_patch(class: &str, share: f64) -> String {
     format!("{class} on {} of the patch", of_hundred(share))
 }
 
-/// Probability of a class, where it is known.
+/// The class with its mirror image where nothing tells which side is free, as `cap or cup`.
+fn with_other(shape: &ShapePart, class: &str) -> String {
+    shape.other_class.as_ref().map_or(class.into(), |other| format!("{class} or {other}"))
+}
+
+/// What it looks like, from either side where nothing tells which is free.
+fn like_either(shape: &ShapePart, class: &str) -> &'static str {
+    match (shape.other_class.is_some(), class) {
+        (true, "cap" | "cup") => "like a ball, from outside or from inside",
+        (true, "ridge" | "rut") => "like a pipe, from outside or from inside",
+        (true, "dome" | "trough") => "like the side of an egg, from outside or from inside",
+        (true, _) => "and nothing tells which side is free",
+        (false, _) => like(class),
+    }
+}
+
+/// Probability of a class, where it is known; of both where nothing tells which side is free.
 pub(super) fn probability(shape: &ShapePart, class: &str) -> Option<f64> {
-    shape.class_probability.as_ref()?.0.iter().find(|(name, _)| name == class).map(|(_, p)| *p)
+    let of = |name: &str| shape.class_probability.as_ref()?.0.iter().find(|(n, _)| n == name).map(|(_, p)| *p);
+    let other = shape.other_class.as_deref().filter(|_| shape.class.as_deref() == Some(class)).and_then(of);
+    of(class).map(|p| p + other.unwrap_or(0.0))
 }
 
 /// The likeliest other class with its probability.
 pub(super) fn second(shape: &ShapePart) -> Option<(&str, f64)> {
     let class = shape.class.as_deref()?;
     let others = shape.class_probability.as_ref()?.0.iter().filter(|(name, _)| name != class);
+    let others = others.filter(|(name, _)| shape.other_class.as_ref() != Some(name));
     others.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, p)| (name.as_str(), *p))
 }
 

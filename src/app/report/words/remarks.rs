@@ -105,6 +105,7 @@ fn in_words(hypothesis: &str) -> &str {
         "paraboloid" => "a paraboloid",
         "quadric" => "an ellipsoid or another quadric",
         "torus" => "a ring (torus)",
+        "cone" => "a cone",
         _ => "a free surface that follows the contacts",
     }
 }

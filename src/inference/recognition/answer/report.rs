@@ -4,7 +4,7 @@ use crate::recognition::contacts::Dropped;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::region::{RecognisedSurface, Region, places};
+use crate::recognition::region::{PatchSurface, Region, places};
 use crate::recognition::{
     Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
     dense,
@@ -42,7 +42,7 @@ fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
 }
 
 /// The middle of the chart.
-fn middle_of(surface: &RecognisedSurface) -> [f64; 2] {
+fn middle_of(surface: &PatchSurface) -> [f64; 2] {
     [surface.u, surface.v].map(|range| 0.5 * (range[0] + range[1]))
 }
 
@@ -97,6 +97,7 @@ impl Findings<'_> {
         let axis = directions.map(|both| both[lengthwise]).filter(|_| class.has_axis());
         let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
             self.patch.dropped;
+        let notes = self.notes(best, &misfit, class);
         Ok(Recognition {
             hypothesis,
             class,
@@ -121,7 +122,7 @@ impl Findings<'_> {
                 Some(_) => lattice.iter().map(place_of).collect(),
                 None => held(&points, &supported).iter().map(place_of).collect(),
             },
-            surface,
+            surface: surface.into(),
             outliers,
             missing,
             normals_of_length_zero,
@@ -132,7 +133,9 @@ impl Findings<'_> {
             tried,
             effective_contacts: self.effective_contacts(best),
             contacts: self.patch.points.len(),
-            notes: self.notes(best, &misfit, class),
+            side_known: !notes.iter().any(Remark::leaves_side_open),
+            notes,
+            body: None,
             predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
             misfit,
         })
@@ -197,7 +200,7 @@ impl Findings<'_> {
 
     fn map(
         &self,
-        surface: &RecognisedSurface,
+        surface: &PatchSurface,
         points: &[ChartPoint],
         supported: &[bool],
         found: &Summary,
@@ -224,7 +227,7 @@ impl Findings<'_> {
     }
 
     /// Directions of k1 and of k2 in the middle of the cells, input axes.
-    fn directions(&self, surface: &RecognisedSurface) -> Option<[[f64; 3]; 2]> {
+    fn directions(&self, surface: &PatchSurface) -> Option<[[f64; 3]; 2]> {
         let [u, v] = middle_of(surface);
         let both = surface.state.directions(&surface.chart_point(u, v))?;
         Some(both.map(|direction| self.patch.frame.rotate_back(direction)))

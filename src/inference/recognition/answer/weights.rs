@@ -22,7 +22,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::discrepancy::{Body, is_free};
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::evidence::{Evidence, Node, likeliest};

@@ -10,7 +10,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use palpate_numeric::linalg;
 
 /// Least eigenvalue below which places lie on a conic. Three by three touches have 0.13, a ring that is wide by a tenth of its radius 2e-3, one

@@ -6,7 +6,7 @@ use crate::recognition::{RecognitionError, RecognitionOptions};
 use palpate_geometry::contact::{ContactError, Contacts, Grid, Orientation};
 use palpate_numeric::vector::{Vector, unit_rescaled};
 
-/// Contacts needed without and with normals: the general surface has six parameters, and three more tell the noise.
+/// Contacts that a patch needs without and with normals: the general surface has six parameters, and three more tell the noise.
 const NEEDED: [usize; 2] = [9, 4];
 
 /// Positions and normals in the input's coordinates.
@@ -18,6 +18,8 @@ pub(crate) struct Observations {
     pub(crate) missing: usize,
     /// Whether there were normals that the caller asked to ignore.
     pub(crate) ignored: bool,
+    /// Step of the places' numbers, input units, and of the normals': 0 where none is found.
+    pub(crate) step: [f64; 2],
 }
 
 pub(crate) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
@@ -66,7 +68,7 @@ impl Observations {
                 Some((0..zx.len()).map(|r| unit_where_known([-zx[r], -zy[r], 1.0])).collect())
             }
         };
-        Observations { points, normals, ..Observations::default() }.sorted()
+        Ok(Observations { points, normals, ..Observations::default() }.sorted())
     }
 
     pub(crate) fn from_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Observations, RecognitionError> {
@@ -91,15 +93,29 @@ impl Observations {
             }
         }
         given.normals = slopes.map(|_| normals);
-        given.sorted()
+        Ok(given.sorted())
     }
 
-    fn sorted(self) -> Result<Observations, RecognitionError> {
+    /// Whether there are enough for a patch.
+    ///
+    /// # Errors
+    /// [`RecognitionError::TooFew`].
+    pub(crate) fn check_number(&self) -> Result<(), RecognitionError> {
         let kind = usize::from(self.normals.is_some());
         if self.points.len() < NEEDED[kind] {
             let (found, needed) = (self.points.len(), NEEDED[kind]);
             return Err(RecognitionError::TooFew { found, needed, kind: ["without", "with"][kind] });
         }
+        Ok(())
+    }
+
+    /// The same with every normal reversed.
+    pub(crate) fn reversed(mut self) -> Observations {
+        self.normals.iter_mut().flatten().for_each(|n| *n = n.map(|v| -v));
+        self
+    }
+
+    fn sorted(self) -> Observations {
         // x stands beside the number, so that contacts of different x are compared without a jump through memory
         let mut order: Vec<(f64, u32)> = self.points.iter().zip(0..).map(|(p, i)| (p[0], i)).collect();
         let rest = |i: u32| {
@@ -112,7 +128,7 @@ impl Observations {
         };
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| compare_rest(a.1, b.1)));
         let taken = |of: &[Vector]| order.iter().map(|&(_, i)| of[i as usize]).collect::<Vec<Vector>>();
-        Ok(Observations { points: taken(&self.points), normals: self.normals.as_deref().map(taken), ..self })
+        Observations { points: taken(&self.points), normals: self.normals.as_deref().map(taken), ..self }
     }
 }
 

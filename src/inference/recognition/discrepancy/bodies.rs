@@ -18,7 +18,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::kinds::ConstantCurvature;
 use palpate_geometry::primitives::over_circle;
 use palpate_numeric::bspline::Knots;

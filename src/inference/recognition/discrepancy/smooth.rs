@@ -24,7 +24,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::kinds::ConstantCurvature;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::linalg;

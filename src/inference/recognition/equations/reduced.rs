@@ -9,7 +9,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use palpate_numeric::simd::{Isa, factor_dense};
 
 /// Columns are padded to whole sets of the widest lanes.

@@ -7,7 +7,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::discrepancy::Displacement;
 use crate::recognition::equations::{Columns, Grams, column_of, first_of_displacement, joint};
 use crate::recognition::noise::Factors;

@@ -13,7 +13,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::discrepancy::{Body, Forms, State};
 use crate::recognition::equations::{Moved, Rows, slopes};
 use crate::recognition::kinds::Model;

@@ -8,7 +8,7 @@ use std::cell::OnceCell;
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::equations::{Columns, Grams, Reduced, Rows, reduced, reduced_in_cells};
 use crate::recognition::noise::Factors;
 use palpate_numeric::linalg;

@@ -18,6 +18,7 @@ mod spline;
 pub use cross_validated_spline::Flexible;
 pub use cross_validated_spline::flexible;
 pub use model_selection::{FieldRequest, Shown, shown};
+pub(crate) use named_model_uncertainty::leaves_much_unsaid;
 pub use pointwise::Pointwise;
 pub use principal_axes::own_axes;
 pub use spline::RecognisedSpline;

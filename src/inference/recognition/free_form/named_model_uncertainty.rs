@@ -100,7 +100,7 @@ fn reading(found: &Recognition, scale: f64) -> Reading {
 }
 
 /// Whether much of the relief has a pattern that the simple shape leaves unsaid.
-pub(super) fn leaves_much_unsaid(found: &Recognition) -> bool {
+pub(crate) fn leaves_much_unsaid(found: &Recognition) -> bool {
     found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
 }
 

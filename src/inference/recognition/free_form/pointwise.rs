@@ -69,6 +69,11 @@ impl<'a> Pointwise<'a> {
 
     /// Standard uncertainties on the surface nearest to a place, input units.
     pub fn at(&self, place: [f64; 3]) -> Option<PointSds> {
+        if let Some(body) = self.found.surface.body() {
+            let [position, normal, s, curvedness] = body.sds_at(place);
+            let shape_index = self.found.shape_index.map(|_| s.min(1.0));
+            return Some(PointSds { position, normal, shape_index, curvedness: Some(curvedness) });
+        }
         let chart = self.found.surface.chart_of(place);
         let local = [0, 1].map(|k| (chart[k] - self.middle[k]) / self.half[k]);
         let [shape_index, curvedness] = self.shape_at(self.found.share_of_map(place));

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::dense;
+use crate::dense;
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
 

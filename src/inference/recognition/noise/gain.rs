@@ -18,7 +18,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::linalg;
 use palpate_numeric::vector::{dot, minus, scaled, unit};

@@ -7,7 +7,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::is_known;
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::kinds::Kind;
 

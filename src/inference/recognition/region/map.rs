@@ -22,7 +22,7 @@ use palpate_numeric::vector::Vector;
 
 use super::projected_grid::{LookedAt, bounds};
 use super::support::Support;
-use super::surface::RecognisedSurface;
+use super::surface::PatchSurface;
 
 /// Points of the lattice each way at most: means over a finer map hardly differ, and every draw is taken at all of
 /// them.
@@ -34,7 +34,7 @@ const FEWEST_POINTS: usize = 8;
 
 /// The reported surface with its points.
 pub(crate) struct Region {
-    pub(crate) surface: RecognisedSurface,
+    pub(crate) surface: PatchSurface,
     pub(crate) map: Vec<ChartPoint>,
     /// Whether contacts support a point of the map.
     pub(crate) supported: Vec<bool>,
@@ -59,7 +59,7 @@ impl Region {
         let [u, v] = [support.range(0), support.range(1)];
         let displacement: Option<Displacement> = evidence.displacement.cloned();
         let support = Arc::new(support.into_owned());
-        let surface = RecognisedSurface {
+        let surface = PatchSurface {
             frame: patch.frame,
             u,
             v,
@@ -108,7 +108,7 @@ fn count(supported: &[bool]) -> usize {
 
 /// Points of an even grid, the second direction running fastest, and whether contacts support each.
 fn even(
-    surface: &RecognisedSurface,
+    surface: &PatchSurface,
     over: Option<(&LookedAt, [[f64; 2]; 2])>,
     points: [usize; 2],
 ) -> (Vec<ChartPoint>, Vec<bool>) {
@@ -129,6 +129,6 @@ fn even(
 }
 
 /// Chart points of the product of two axes, the second running fastest.
-fn product(surface: &RecognisedSurface, u: &[f64], v: &[f64]) -> Vec<ChartPoint> {
+fn product(surface: &PatchSurface, u: &[f64], v: &[f64]) -> Vec<ChartPoint> {
     u.iter().flat_map(|&a| v.iter().map(move |&b| (a, b))).map(|(a, b)| surface.chart_point(a, b)).collect()
 }

@@ -12,10 +12,12 @@ mod map;
 mod predictive;
 mod projected_grid;
 mod support;
+mod recognised;
 mod surface;
 
 pub(crate) use map::Region;
 pub use predictive::PredictiveDraw;
 pub(crate) use predictive::{Place, measured, places, predicted};
-pub use surface::RecognisedSurface;
+pub use recognised::RecognisedSurface;
+pub(crate) use surface::PatchSurface;
 pub(crate) use surface::chart_point;

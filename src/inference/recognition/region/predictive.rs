@@ -11,7 +11,7 @@ use crate::recognition::discrepancy::{ChartPoint, State};
 use palpate_numeric::vector::{Vector, cross, dot, minus, unit};
 
 use super::projected_grid::LookedAt;
-use super::surface::RecognisedSurface;
+use super::surface::PatchSurface;
 
 /// Share of the draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R)
 /// after 60 touches is a tenth smaller on balls and the same on other bodies (`benches/runs/explore.md`).
@@ -53,7 +53,7 @@ pub(crate) fn predicted(draws: usize) -> usize {
 }
 
 /// The reported surface at places of the input's x and y.
-pub(crate) fn places(surface: &RecognisedSurface, asked: &[[f64; 2]]) -> Vec<Place> {
+pub(crate) fn places(surface: &PatchSurface, asked: &[[f64; 2]]) -> Vec<Place> {
     let place = |(point, _): (ChartPoint, bool)| {
         let (foot, normal) = surface.state.place_and_normal(&point);
         let across = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };

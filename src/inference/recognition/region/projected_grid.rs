@@ -12,7 +12,7 @@ use crate::recognition::discrepancy::ChartPoint;
 use palpate_numeric::bspline::linspace;
 use palpate_numeric::vector::Vector;
 
-use super::surface::RecognisedSurface;
+use super::surface::PatchSurface;
 
 /// Least third component of the unit normals of a height field: they lean at most 75 degrees from the z axis.
 const STEEP: f64 = 0.25;
@@ -34,7 +34,7 @@ pub(super) struct LookedAt {
 }
 
 impl LookedAt {
-    pub(super) fn new(surface: &RecognisedSurface) -> LookedAt {
+    pub(super) fn new(surface: &PatchSurface) -> LookedAt {
         let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
         let at = |a: &f64| v.iter().map(|b| surface.chart_point(*a, *b)).collect::<Vec<_>>();
         let points: Vec<ChartPoint> = u.iter().flat_map(at).collect();
@@ -43,7 +43,7 @@ impl LookedAt {
     }
 
     /// Whether the part of the surface that contacts support is nowhere steep over x and y.
-    pub(super) fn is_level(&self, surface: &RecognisedSurface) -> bool {
+    pub(super) fn is_level(&self, surface: &PatchSurface) -> bool {
         let (mut supported, mut all) = (None, true);
         for (point, (_, normal)) in self.points.iter().zip(&self.seen) {
             let level = normal[2] >= STEEP;
@@ -64,7 +64,7 @@ impl LookedAt {
     }
 
     /// Points of the surface over places of the input's x and y, and whether the surface reaches each.
-    pub(super) fn at_places(&self, surface: &RecognisedSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
+    pub(super) fn at_places(&self, surface: &PatchSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
         places.iter().map(|place| above(surface, *place, self.nearest(*place))).collect()
     }
 
@@ -72,7 +72,7 @@ impl LookedAt {
     /// it does not, the point is the last that was tried.
     pub(super) fn product(
         &self,
-        surface: &RecognisedSurface,
+        surface: &PatchSurface,
         over: [[f64; 2]; 2],
         points: [usize; 2],
     ) -> Vec<(ChartPoint, bool)> {
@@ -90,7 +90,7 @@ pub(super) fn bounds(points: impl Iterator<Item = Vector>) -> [[f64; 2]; 2] {
 }
 
 /// The surface's point over a place, from a chart position near it, and whether the surface reaches so far.
-fn above(surface: &RecognisedSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (ChartPoint, bool) {
+fn above(surface: &PatchSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (ChartPoint, bool) {
     let mut asked: Option<[f64; 2]> = None;
     for _ in 0..STEPS {
         let here = surface.chart_point(chart[0], chart[1]);

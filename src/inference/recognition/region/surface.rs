@@ -1,4 +1,4 @@
-//! The recognised surface as a map `Q(u, v)` into space, over a rectangle of its chart.
+//! A patch as a map `Q(u, v)` into space, over a rectangle of its chart.
 //!
 //! ```text
 //! general, displaced   Q(u, v) = point at arc lengths (u, v), moved by f(u, v) along the normal
@@ -13,24 +13,24 @@ use palpate_geometry::contact::Frame;
 
 use super::support::Support;
 
-/// The surface that was recognised, of whichever kind, in the input's coordinates.
+/// A patch of whichever kind, in the input's coordinates.
 #[derive(Clone, Debug)]
-pub struct RecognisedSurface {
+pub(crate) struct PatchSurface {
     /// Frame in which the surface is written.
-    pub frame: Frame,
+    pub(crate) frame: Frame,
     /// Range of the first chart coordinate that the contacts cover, in units of the frame's length.
-    pub u: [f64; 2],
+    pub(crate) u: [f64; 2],
     /// Range of the second chart coordinate.
-    pub v: [f64; 2],
+    pub(crate) v: [f64; 2],
     pub(super) base: ConstantCurvature,
     pub(super) displacement: Option<Displacement>,
     pub(crate) state: State,
     pub(super) support: Arc<Support<'static>>,
 }
 
-impl RecognisedSurface {
+impl PatchSurface {
     /// Point and unit normal at chart coordinates, in the input's coordinates.
-    pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+    pub(crate) fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
         self.place_and_normal(&self.chart_point(u, v))
     }
 
@@ -41,13 +41,13 @@ impl RecognisedSurface {
     }
 
     /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
-    pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+    pub(crate) fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
         let curvatures = self.state.curvatures(&self.chart_point(u, v))?;
         Some(curvatures.map(|k| k / self.frame.scale))
     }
 
     /// Whether contacts surround the surface at chart coordinates.
-    pub fn supported_at(&self, u: f64, v: f64) -> bool {
+    pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {
         self.holds(&self.chart_point(u, v))
     }
 
@@ -58,12 +58,12 @@ impl RecognisedSurface {
     }
 
     /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
-    pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
+    pub(crate) fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
         self.base.chart(self.frame.to_patch(place))
     }
 
     /// Signed distance of a place from the surface, positive on the free side. Input units.
-    pub fn distance(&self, place: [f64; 3]) -> f64 {
+    pub(crate) fn distance(&self, place: [f64; 3]) -> f64 {
         let local = self.frame.to_patch(place);
         let displaced = match self.state.model().kind() {
             Kind::General if self.displacement.is_some() => {

@@ -13,7 +13,7 @@
 
 use faer::Mat;
 
-use crate::recognition::dense;
+use crate::dense;
 use crate::recognition::discrepancy::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
 use palpate_numeric::statistics::huber_weight;

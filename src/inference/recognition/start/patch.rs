@@ -48,6 +48,7 @@ pub(crate) struct Patch {
 
 impl Patch {
     pub(crate) fn new(given: Observations, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
+        given.check_number()?;
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };

@@ -48,7 +48,7 @@ impl PartKind {
     }
 
     /// Which of `tau1 tau2 tau3 omega1 omega2 size1 size2` are unknown.
-    pub(super) fn free(self) -> &'static [usize] {
+    pub(crate) fn free(self) -> &'static [usize] {
         match self {
             PartKind::Plane => &[2, 3, 4],
             PartKind::Sphere => &[0, 1, 2, 5],
@@ -61,24 +61,24 @@ impl PartKind {
 }
 
 /// Most unknowns of a primitive.
-pub(super) const MOST_UNKNOWNS: usize = 7;
+pub(crate) const MOST_UNKNOWNS: usize = 7;
 
 /// A primitive in the cloud's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Primitive {
-    pub(super) kind: PartKind,
+pub(crate) struct Primitive {
+    pub(crate) kind: PartKind,
     /// A point of the plane or of the axis; the centre of sphere and torus.
-    pub(super) origin: Vector,
+    pub(crate) origin: Vector,
     /// e1, e2 and the axis a (of a plane its normal).
-    pub(super) axes: [Vector; 3],
+    pub(crate) axes: [Vector; 3],
     /// Radius (of the torus the ring's), and half angle of the cone or radius of the tube.
-    pub(super) sizes: [f64; 2],
+    pub(crate) sizes: [f64; 2],
     /// 1 where the free side is that of growing d, else -1.
-    pub(super) side: f64,
+    pub(crate) side: f64,
 }
 
 /// Two unit vectors that complete `a` to right-handed axes.
-pub(super) fn axes_along(a: Vector) -> [Vector; 3] {
+pub(crate) fn axes_along(a: Vector) -> [Vector; 3] {
     let least = (0..3).fold(0, |least, k| if a[k].abs() < a[least].abs() { k } else { least });
     let mut start = [0.0; 3];
     start[least] = 1.0;
@@ -88,19 +88,19 @@ pub(super) fn axes_along(a: Vector) -> [Vector; 3] {
 
 impl Primitive {
     /// The point in the primitive's own axes.
-    pub(super) fn own(&self, p: Vector) -> Vector {
+    pub(crate) fn own(&self, p: Vector) -> Vector {
         let offset = minus(p, self.origin);
         self.axes.map(|axis| dot(axis, offset))
     }
 
     /// A direction of the primitive's own axes in the cloud's.
-    pub(super) fn out(&self, v: Vector) -> Vector {
+    pub(crate) fn out(&self, v: Vector) -> Vector {
         let [e1, e2, a] = self.axes;
         along(along(e1.map(|c| c * v[0]), v[1], e2), v[2], a)
     }
 
     /// Signed distance towards the free side, and the unit normal to it.
-    pub(super) fn nearest(&self, p: Vector) -> (f64, Vector) {
+    pub(crate) fn nearest(&self, p: Vector) -> (f64, Vector) {
         let q = self.own(p);
         let (distance, gradient) = self.distance(q);
         (self.side * distance, self.out(gradient.map(|g| self.side * g)))
@@ -119,17 +119,17 @@ impl Primitive {
     }
 
     /// Distance and gradient in the own axes.
-    pub(super) fn distance(&self, q: Vector) -> (f64, Vector) {
+    pub(crate) fn distance(&self, q: Vector) -> (f64, Vector) {
         self.own_form(|form| form.distance(q))
     }
 
     /// Everything at a point of the own axes.
-    pub(super) fn at(&self, q: Vector) -> DistanceJet {
+    pub(crate) fn at(&self, q: Vector) -> DistanceJet {
         self.own_form(|form| form.jet(q))
     }
 
     /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2`.
-    pub(super) fn moved(&self, step: &[f64; MOST_UNKNOWNS]) -> Primitive {
+    pub(crate) fn moved(&self, step: &[f64; MOST_UNKNOWNS]) -> Primitive {
         let origin = (0..3).fold(self.origin, |o, k| along(o, step[k], self.axes[k]));
         let omega = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
         let axis = unit(along(self.axes[2], 1.0, cross(omega, self.axes[2])));
@@ -140,7 +140,7 @@ impl Primitive {
 
     /// The same primitive with its origin where the axis (of a plane: the plane) is nearest to `centre`, so that turning
     /// moves the points least.
-    pub(super) fn about(&self, centre: Vector) -> Primitive {
+    pub(crate) fn about(&self, centre: Vector) -> Primitive {
         let q = self.own(centre);
         let mut same = *self;
         match self.kind {
@@ -156,7 +156,7 @@ impl Primitive {
     }
 
     /// Principal curvatures `k1 >= k2` at a point, the normal towards the free side.
-    pub(super) fn curvatures(&self, p: Vector) -> [f64; 2] {
+    pub(crate) fn curvatures(&self, p: Vector) -> [f64; 2] {
         let q = self.own(p);
         let [a, b] = self.own_form(|form| form.curvatures(q));
         let (a, b) = (self.side * a, self.side * b);
@@ -164,7 +164,7 @@ impl Primitive {
     }
 
     /// Whether the sizes are those of a body, and not so large against `extent` that a simpler kind is as good.
-    pub(super) fn is_sound(&self, extent: f64) -> bool {
+    pub(crate) fn is_sound(&self, extent: f64) -> bool {
         /// Sizes beyond this many extents bend the surface by less than a thousandth of its width.
         const FAR: f64 = 100.0;
         let [one, two] = self.sizes;

@@ -10,7 +10,7 @@
 //! PrimitiveRows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
-use super::primitive::{MOST_UNKNOWNS, Primitive};
+use super::placed::{MOST_UNKNOWNS, Primitive};
 use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::linalg::small::{NotPositiveDefinite, Square, cholesky, inverse, solve};
@@ -31,28 +31,28 @@ const SETTLED: f64 = 1e-10;
 
 /// Points with normals, and how far each is off.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample<'a> {
-    pub(super) points: &'a [Vector],
-    pub(super) normals: &'a [Vector],
+pub(crate) struct Sample<'a> {
+    pub(crate) points: &'a [Vector],
+    pub(crate) normals: &'a [Vector],
     /// Standard deviation of a distance.
-    pub(super) u_distance: f64,
+    pub(crate) u_distance: f64,
     /// Standard deviation of a normal per tangent axis, radians.
-    pub(super) u_normal: f64,
+    pub(crate) u_normal: f64,
 }
 
 /// A primitive at its minimum.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Descended {
-    pub(super) primitive: Primitive,
+pub(crate) struct Descended {
+    pub(crate) primitive: Primitive,
     /// The sum of squares.
-    pub(super) sum: f64,
+    pub(crate) sum: f64,
     /// The normal matrix, by the unknowns that are free; ones on the diagonal of the others.
-    pub(super) matrix: Square<MOST_UNKNOWNS>,
+    pub(crate) matrix: Square<MOST_UNKNOWNS>,
 }
 
 impl Descended {
     /// Covariance of the unknowns; `None` where the points leave one open.
-    pub(super) fn covariance(&self) -> Option<Square<MOST_UNKNOWNS>> {
+    pub(crate) fn covariance(&self) -> Option<Square<MOST_UNKNOWNS>> {
         let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
         let scaled: Square<MOST_UNKNOWNS> =
             std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j] / (scale[i] * scale[j])));
@@ -69,7 +69,7 @@ impl Descended {
 }
 
 /// The rows of one point: residual and derivatives by all unknowns, the distance's first, then the normal's three.
-pub(super) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST_UNKNOWNS]); 4] {
+pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST_UNKNOWNS]); 4] {
     let q = primitive.own(p);
     let m = primitive.axes.map(|axis| dot(axis, n));
     let at = primitive.at(q);
@@ -98,7 +98,7 @@ fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST_UNKNOWNS] {
 
 /// How many of the unknowns the distances determine; the normals determine the rest: the trace of the hat matrix over the rows
 /// of distances. `None` where the points leave an unknown open.
-pub(super) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f64> {
+pub(crate) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f64> {
     let covariance = found.covariance()?;
     let free = found.primitive.kind.free();
     let mut matrix = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
@@ -116,7 +116,7 @@ pub(super) fn share_of_distances(found: &Descended, sample: &Sample) -> Option<f
 }
 
 /// The sum of squares alone.
-pub(super) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
+pub(crate) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
     let one = |(p, n): (&Vector, &Vector)| {
         let (d, normal) = primitive.nearest(*p);
         let off = along(normal, -1.0, *n);
@@ -202,7 +202,7 @@ impl ResidualModel for PrimitiveRows<'_> {
 }
 
 /// Descends from `start`; `None` where the points do not determine this kind of primitive.
-pub(super) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
+pub(crate) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
     let count = sample.points.len() as f64;
     let sum_of = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, *p));
     let centre = sum_of.map(|v| v / count);
@@ -216,7 +216,7 @@ pub(super) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parts::primitive::{PartKind, axes_along};
+    use crate::primitives::placed::{PartKind, axes_along};
     use palpate_numeric::vector::{norm, unit};
 
     fn primitive(kind: PartKind) -> Primitive {

@@ -11,28 +11,28 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use palpate_numeric::linalg;
 
 /// Lower Cholesky factor; `None` where the matrix is not positive definite.
-pub(super) fn cholesky(a: &Mat<f64>) -> Option<Mat<f64>> {
+pub(crate) fn cholesky(a: &Mat<f64>) -> Option<Mat<f64>> {
     linalg::cholesky(a.as_ref())
 }
 
 /// `log det (L L')`.
-pub(super) fn log_det(lower: &Mat<f64>) -> f64 {
+pub(crate) fn log_det(lower: &Mat<f64>) -> f64 {
     2.0 * (0..lower.nrows()).map(|i| lower[(i, i)].ln()).sum::<f64>()
 }
 
 /// `B <- L^-1 B`.
-pub(super) fn whiten(lower: &Mat<f64>, b: MatMut<'_, f64>) {
+pub(crate) fn whiten(lower: &Mat<f64>, b: MatMut<'_, f64>) {
     solve_lower_triangular_in_place(lower.as_ref(), b, Par::Seq);
 }
 
 /// `A' A`.
-pub(super) fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
+pub(crate) fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
     linalg::product(a.transpose(), a)
 }
 
 /// Those entries of `A'A` that some equations read: of the first columns with all, and of every group, first column and number, with
 /// itself. The others are zero.
-pub(super) fn gram_of_groups(a: MatRef<'_, f64>, first: usize, groups: &[(usize, usize)]) -> Mat<f64> {
+pub(crate) fn gram_of_groups(a: MatRef<'_, f64>, first: usize, groups: &[(usize, usize)]) -> Mat<f64> {
     let n = a.ncols();
     let mut out = Mat::<f64>::zeros(n, n);
     let mut add = |(row, rows): (usize, usize), (column, columns): (usize, usize)| {
@@ -49,13 +49,13 @@ pub(super) fn gram_of_groups(a: MatRef<'_, f64>, first: usize, groups: &[(usize,
 }
 
 /// `(L L')^-1 b`.
-pub(super) fn solve(lower: &Mat<f64>, b: &mut [f64]) {
+pub(crate) fn solve(lower: &Mat<f64>, b: &mut [f64]) {
     forward(lower, b);
     backward(lower, b);
 }
 
 /// `L^-1 b`.
-pub(super) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
+pub(crate) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
     for i in 0..b.len() {
         let dot: f64 = (0..i).map(|j| lower[(i, j)] * b[j]).sum();
         b[i] = (b[i] - dot) / lower[(i, i)];
@@ -63,7 +63,7 @@ pub(super) fn forward(lower: &Mat<f64>, b: &mut [f64]) {
 }
 
 /// `L'^-1 b`.
-pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
+pub(crate) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
     for i in (0..b.len()).rev() {
         let dot: f64 = lower.col_as_slice(i)[i + 1..].iter().zip(&b[i + 1..]).map(|(l, b)| l * b).sum();
         b[i] = (b[i] - dot) / lower[(i, i)];
@@ -71,12 +71,12 @@ pub(super) fn backward(lower: &Mat<f64>, b: &mut [f64]) {
 }
 
 /// `B <- L'^-1 B`: columns of gaussians of unit variance made gaussians of covariance `(L L')^-1`.
-pub(super) fn coloured(lower: &Mat<f64>, b: MatMut<'_, f64>) {
+pub(crate) fn coloured(lower: &Mat<f64>, b: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(lower.transpose(), b, Par::Seq);
 }
 
 /// `L^-1 b` by columns, which stand together in memory.
-pub(super) fn forward_in_columns(lower: &Mat<f64>, b: &mut [f64]) {
+pub(crate) fn forward_in_columns(lower: &Mat<f64>, b: &mut [f64]) {
     for j in 0..b.len() {
         let (done, rest) = b.split_at_mut(j + 1);
         done[j] /= lower[(j, j)];

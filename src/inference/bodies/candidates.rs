@@ -1,0 +1,270 @@
+//! Where the search of each kind begins: closed forms over all contacts, over small sets of them, and over directions of an axis.
+//!
+//! ```text
+//! sphere without normals    |p|^2 = 2 c . p + (r^2 - |c|^2)                 linear least squares
+//! cylinder of a known axis  the same across the axis                        axes: principal ones and an even set of directions
+//! with normals              the closed forms of `primitives::starts`, over all contacts and over sets of a few
+//! order                     median distance, which half of the contacts may spoil
+//! ```
+//!
+//! Normals that are not given are those of planes through neighbours; they serve here and nowhere else. Sets of a few: M. Fischler and
+//! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
+
+use super::mode::is_possible;
+use super::sample::Sample;
+use super::tuning::Tuning;
+use crate::primitives::descent;
+use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use crate::primitives::starts::starts;
+use palpate_geometry::contact::Contacts;
+use palpate_numeric::draws::Lcg;
+use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
+use palpate_numeric::statistics::median;
+use palpate_numeric::vector::{Vector, along, dot};
+
+/// Contacts from which planes through neighbours tell normals.
+const NEIGHBOURLY: usize = 20;
+
+/// Directions of an axis on a half sphere, about 10 degrees apart.
+const DIRECTIONS: usize = 160;
+
+/// Contacts by whose distances starts are ordered.
+const COMPARED: usize = 200;
+
+/// Starts of a kind that are followed to their mode: by the distance that three tenths of the contacts have at most, so that one of two
+/// equal sheets is found, by the median, and by the mean square.
+const FOLLOWED: [usize; 3] = [2, 2, 2];
+
+/// The share of contacts that one of two sheets holds surely.
+const OF_ONE_SHEET: f64 = 0.3;
+
+/// Members of a small set: as many as a closed form needs, and one or two more.
+fn members_of_a_set(kind: PartKind) -> usize {
+    match kind {
+        PartKind::Plane => 3,
+        PartKind::Sphere => 4,
+        PartKind::Cylinder => 4,
+        PartKind::Cone => 6,
+        PartKind::Torus | PartKind::Patch => 8,
+    }
+}
+
+/// The starts of every kind that are worth a search.
+pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Primitive> {
+    let oriented = with_normals(sample);
+    let mut generator = Lcg::new(sample.len() as u64);
+    let few = sample.at_most(COMPARED);
+    let mut all = Vec::new();
+    for kind in PartKind::EXACT {
+        let mut of_kind = by_positions(kind, sample);
+        if let Some(oriented) = &oriented {
+            of_kind.extend(closed_forms(kind, oriented));
+            of_kind.extend(of_small_sets(kind, oriented, tuning, &mut generator));
+        } else {
+            of_kind.extend(of_bare_sets(kind, sample, tuning, &mut generator));
+        }
+        of_kind.retain(is_possible);
+        all.extend(nearest(of_kind, &few));
+    }
+    all
+}
+
+/// The primitive moved out and in to the middles of the contacts on either side of it, where these lie on two sheets: their distances
+/// then have a kurtosis near 1.
+pub(super) fn on_either_side(found: &Primitive, sample: &Sample, tuning: &Tuning) -> Vec<Primitive> {
+    let distances: Vec<f64> = sample.points.iter().map(|p| found.nearest(*p).0).collect();
+    let moment = |power: i32| distances.iter().map(|d| d.powi(power)).sum::<f64>() / distances.len() as f64;
+    let kurtosis = moment(4) / moment(2).powi(2);
+    if kurtosis.is_nan() || kurtosis > tuning.two_peaks {
+        return Vec::new();
+    }
+    let middle = |side: f64| median(distances.iter().filter(|d| side * **d > 0.0).copied().collect::<Vec<f64>>());
+    [1.0, -1.0].into_iter().filter_map(middle).map(|by| beside(found, by)).filter(is_possible).collect()
+}
+
+/// The parallel surface at a distance.
+fn beside(found: &Primitive, by: f64) -> Primitive {
+    let [one, two] = found.sizes;
+    match found.kind {
+        PartKind::Plane | PartKind::Patch => Primitive { origin: along(found.origin, by, found.axes[2]), ..*found },
+        PartKind::Sphere | PartKind::Cylinder => Primitive { sizes: [one + by, two], ..*found },
+        PartKind::Cone => Primitive { sizes: [one + by / two.cos(), two], ..*found },
+        PartKind::Torus => Primitive { sizes: [one, two + by], ..*found },
+    }
+}
+
+/// The starts whose distances are least, by every rate.
+fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Primitive> {
+    let mut rated: Vec<([f64; 3], Primitive)> = starts
+        .into_iter()
+        .map(|start| {
+            let mut distances: Vec<f64> = few.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
+            distances.sort_unstable_by(f64::total_cmp);
+            let at = |share: f64| distances[((share * distances.len() as f64) as usize).min(distances.len() - 1)];
+            let square = distances.iter().map(|d| d * d).sum::<f64>();
+            ([at(OF_ONE_SHEET), at(0.5), square], start)
+        })
+        .filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite()))
+        .collect();
+    let mut taken: Vec<Primitive> = Vec::new();
+    for (by, count) in FOLLOWED.into_iter().enumerate() {
+        rated.sort_by(|a, b| a.0[by].total_cmp(&b.0[by]));
+        for (_, start) in rated.iter().take(count) {
+            if !taken.contains(start) {
+                taken.push(*start);
+            }
+        }
+    }
+    taken
+}
+
+/// The contacts with given normals, or with those of planes through neighbours; `None` where there are too few for either.
+fn with_normals(sample: &Sample) -> Option<Sample> {
+    if sample.known_normals() > 0 {
+        let known: Vec<usize> = (0..sample.len()).filter(|i| sample.normal(*i).is_some()).collect();
+        return Some(sample.only(&known));
+    }
+    if sample.len() < NEIGHBOURLY {
+        return None;
+    }
+    let contacts = Contacts::from_points(&sample.points).with_estimated_normals(None).ok()?;
+    let normals = (0..contacts.len()).map(|r| contacts.unit_normal(r).unwrap_or([0.0, 0.0, 1.0])).collect();
+    Some(Sample { normals, ..sample.clone() })
+}
+
+fn closed_forms(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
+    let given = descent::Sample { points: &sample.points, normals: &sample.normals, u_distance: 1.0, u_normal: 1.0 };
+    starts(kind, &given).into_iter().map(outside).collect()
+}
+
+/// The side is asked of all normals at the end.
+fn outside(start: Primitive) -> Primitive {
+    Primitive { side: 1.0, ..start }
+}
+
+/// Members of a set, each drawn once.
+fn drawn(count: usize, among: usize, generator: &mut Lcg) -> Vec<usize> {
+    let mut set: Vec<usize> = Vec::with_capacity(count);
+    for _ in 0..8 * count {
+        let one = ((generator.uniform() * among as f64) as usize).min(among - 1);
+        if !set.contains(&one) {
+            set.push(one);
+        }
+        if set.len() == count {
+            break;
+        }
+    }
+    set
+}
+
+fn of_small_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
+    let count = members_of_a_set(kind);
+    if sample.len() <= count {
+        return Vec::new();
+    }
+    let one = |_| closed_forms(kind, &sample.only(&drawn(count, sample.len(), generator)));
+    (0..tuning.starts).flat_map(one).collect()
+}
+
+/// Sets of positions alone: planes and spheres have a closed form.
+fn of_bare_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
+    let count = members_of_a_set(kind);
+    if sample.len() <= count || !matches!(kind, PartKind::Plane | PartKind::Sphere) {
+        return Vec::new();
+    }
+    let one = |_| by_positions(kind, &sample.only(&drawn(count, sample.len(), generator)));
+    (0..tuning.starts).flat_map(one).collect()
+}
+
+/// Closed forms that need no normal.
+fn by_positions(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
+    let made = |origin, axis: Vector, sizes| Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 };
+    let (middle, axes) = principal(sample);
+    match kind {
+        PartKind::Plane => vec![made(middle, axes[0], [0.0; 2])],
+        PartKind::Sphere => sphere(&sample.points).map(|(c, r)| made(c, [0.0, 0.0, 1.0], [r, 0.0])).into_iter().collect(),
+        PartKind::Cylinder | PartKind::Cone => {
+            let across = |axis: Vector| {
+                let (centre, radius) = circle(sample, axis)?;
+                Some(made(centre, axis, [radius, 0.0]))
+            };
+            axes.into_iter().chain(directions()).filter_map(across).collect()
+        }
+        // a ring that lies about the contacts, its tube as wide as they scatter along its axis
+        PartKind::Torus => axes
+            .into_iter()
+            .filter_map(|axis| {
+                let (centre, radius) = circle(sample, axis)?;
+                let rise = sample.points.iter().map(|p| dot(*p, axis).powi(2)).sum::<f64>() / sample.len() as f64;
+                let tube = (2.0 * rise).sqrt().min(0.9 * radius);
+                Some(made(centre, axis, [radius, tube]))
+            })
+            .collect(),
+        PartKind::Patch => Vec::new(),
+    }
+}
+
+/// Middle and principal axes, the narrowest first.
+fn principal(sample: &Sample) -> (Vector, [Vector; 3]) {
+    let count = sample.len() as f64;
+    let middle = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / count, *p));
+    let mut spread = [[0.0; 3]; 3];
+    for p in &sample.points {
+        for i in 0..3 {
+            (0..3).for_each(|j| spread[i][j] += (p[i] - middle[i]) * (p[j] - middle[j]));
+        }
+    }
+    (middle, eigen(&spread).1)
+}
+
+/// An even set of directions on the upper half sphere, by the golden angle.
+fn directions() -> impl Iterator<Item = Vector> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..DIRECTIONS).map(move |k| {
+        let z = (k as f64 + 0.5) / DIRECTIONS as f64;
+        let (sin, cos) = (golden * k as f64).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        [across * cos, across * sin, z]
+    })
+}
+
+/// Centre and radius by linear least squares.
+fn sphere(points: &[Vector]) -> Option<(Vector, f64)> {
+    let (mut matrix, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
+    for p in points {
+        let row = [2.0 * p[0], 2.0 * p[1], 2.0 * p[2], 1.0];
+        let square = dot(*p, *p);
+        for i in 0..4 {
+            right[i] += row[i] * square;
+            (0..4).for_each(|j| matrix[i][j] += row[i] * row[j]);
+        }
+    }
+    let [x, y, z, rest] = solve(&cholesky(&ridged(matrix))?, right);
+    let centre = [x, y, z];
+    let radius = (rest + dot(centre, centre)).sqrt();
+    radius.is_finite().then_some((centre, radius))
+}
+
+/// Centre and radius of the circle through the contacts as they look along an axis.
+fn circle(sample: &Sample, axis: Vector) -> Option<(Vector, f64)> {
+    let [e1, e2, _] = axes_along(axis);
+    let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    for p in &sample.points {
+        let (u, v) = (dot(*p, e1), dot(*p, e2));
+        let row = [2.0 * u, 2.0 * v, 1.0];
+        for i in 0..3 {
+            right[i] += row[i] * (u * u + v * v);
+            (0..3).for_each(|j| matrix[i][j] += row[i] * row[j]);
+        }
+    }
+    let [u, v, rest] = solve(&cholesky(&ridged(matrix))?, right);
+    let radius = (rest + u * u + v * v).sqrt();
+    radius.is_finite().then(|| (along(e1.map(|e| e * u), v, e2), radius))
+}
+
+/// A matrix whose factor rounding does not take away: contacts on a plane leave one direction open.
+fn ridged<const N: usize>(mut matrix: Square<N>) -> Square<N> {
+    let trace: f64 = (0..N).map(|i| matrix[i][i]).sum();
+    (0..N).for_each(|i| matrix[i][i] += 1e-13 * trace);
+    matrix
+}

@@ -1,0 +1,240 @@
+//! A primitive as a map Q(u, v) over the part that was touched, in the input's coordinates.
+//!
+//! ```text
+//! plane      u, v along two axes of it                   cylinder, cone   u = r angle, v along a generator
+//! sphere     u = r longitude, v = r latitude             torus            u = R angle of the ring, v = r angle of the tube
+//! ```
+//!
+//! Angles are counted from the middle of what was touched, so that the seam lies in the widest gap; a gap narrower than a sixth of
+//! the way round is none. `Q_u x Q_v` points to the free side.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use palpate_geometry::contact::Frame;
+use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::{Rank, quantile};
+use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, unit_or_zero};
+
+use super::posterior::DrawnBase;
+
+/// A gap between contacts round a body that is no gap.
+const NO_GAP: f64 = PI / 3.0;
+
+/// Latitudes beyond which meridians are too near to each other for a chart.
+const POLAR: f64 = 1.48;
+
+/// A place is supported where a contact is this many times as near as contacts are to each other, at the 90th percentile.
+const SUPPORTED: f64 = 3.0;
+
+/// A body over a rectangle of its chart.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyChart {
+    /// Units of the contacts' size about their middle, with the input's axes.
+    pub(crate) frame: Frame,
+    pub(crate) primitive: Primitive,
+    /// Draws of the posterior, for the uncertainty point by point.
+    pub(crate) draws: Arc<Vec<DrawnBase>>,
+    contacts: Arc<Neighbours<'static>>,
+    reach: f64,
+    pub(crate) u: [f64; 2],
+    pub(crate) v: [f64; 2],
+}
+
+impl BodyChart {
+    /// Of contacts that belong to the body, in its units.
+    pub(crate) fn new(frame: Frame, likeliest: &Primitive, contacts: &[Vector], draws: Vec<DrawnBase>) -> BodyChart {
+        let mut primitive = *likeliest;
+        if primitive.kind == PartKind::Sphere {
+            primitive.axes = axes_along(pole(&primitive, contacts));
+        }
+        let seams = angles(&primitive, contacts);
+        let axes = primitive.axes;
+        if !matches!(primitive.kind, PartKind::Plane) {
+            let (sin, cos) = middle(&seams[0]).sin_cos();
+            let first = along(axes[0].map(|e| e * cos), sin, axes[1]);
+            primitive.axes = [first, cross(axes[2], first), axes[2]];
+        }
+        let feet: Vec<Vector> = contacts
+            .iter()
+            .map(|p| {
+                let (d, normal) = primitive.nearest(*p);
+                along(*p, -d, normal)
+            })
+            .collect();
+        let tree = Neighbours::new(&feet).into_owned();
+        let beside: Vec<f64> = (0..feet.len()).filter_map(|i| tree.nearest_other(i)).map(|(d, _)| d).collect();
+        let reach = SUPPORTED * quantile(beside, 0.9, Rank::NearestStep).unwrap_or(f64::INFINITY);
+        let mut chart = BodyChart {
+            frame,
+            primitive,
+            draws: Arc::new(draws),
+            contacts: Arc::new(tree),
+            reach,
+            u: [0.0; 2],
+            v: [0.0; 2],
+        };
+        [chart.u, chart.v] = chart.ranges(&feet);
+        chart
+    }
+
+    fn ranges(&self, feet: &[Vector]) -> [[f64; 2]; 2] {
+        let places: Vec<[f64; 2]> = feet.iter().map(|q| self.own_chart(*q)).collect();
+        let lengths = self.lengths();
+        let range = |k: usize| {
+            let values = places.iter().map(|place| place[k]);
+            let [lo, hi] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+            let round = self.is_round(k).then(|| PI * lengths[k]);
+            match round {
+                Some(half) if 2.0 * half - (hi - lo) < NO_GAP * lengths[k] => [-half, half],
+                _ if hi > lo => [lo, hi],
+                // all contacts on one line of the chart
+                _ => [lo - 0.5 * lengths[k].min(1.0), hi + 0.5 * lengths[k].min(1.0)],
+            }
+        };
+        [range(0), range(1)]
+    }
+
+    /// Lengths of one radian in the two directions.
+    fn lengths(&self) -> [f64; 2] {
+        let [one, two] = self.primitive.sizes;
+        match self.primitive.kind {
+            PartKind::Plane | PartKind::Patch => [1.0, 1.0],
+            PartKind::Sphere => [one, one],
+            PartKind::Cylinder | PartKind::Cone => [one.abs(), 1.0],
+            PartKind::Torus => [one, two],
+        }
+    }
+
+    /// Whether the chart comes back to itself that way.
+    fn is_round(&self, k: usize) -> bool {
+        match self.primitive.kind {
+            PartKind::Plane | PartKind::Patch => false,
+            PartKind::Sphere | PartKind::Cylinder | PartKind::Cone => k == 0,
+            PartKind::Torus => true,
+        }
+    }
+
+    /// Chart coordinates of a place, in the sample's units; `u` is turned so that the normal points to the free side.
+    fn own_chart(&self, p: Vector) -> [f64; 2] {
+        let q = self.primitive.own(p);
+        let [lu, lv] = self.lengths();
+        let rho = q[0].hypot(q[1]);
+        let angle = q[1].atan2(q[0]);
+        let [u, v] = match self.primitive.kind {
+            PartKind::Plane | PartKind::Patch => [q[0], q[1]],
+            PartKind::Sphere => [lu * angle, lv * q[2].atan2(rho).clamp(-POLAR, POLAR)],
+            PartKind::Cylinder => [lu * angle, q[2]],
+            PartKind::Cone => {
+                let (sin, cos) = self.primitive.sizes[1].sin_cos();
+                [lu * angle, (rho - self.primitive.sizes[0]) * sin + q[2] * cos]
+            }
+            PartKind::Torus => [lu * angle, lv * q[2].atan2(rho - self.primitive.sizes[0])],
+        };
+        [self.primitive.side * u, v]
+    }
+
+    /// Place in the sample's units.
+    fn place(&self, [u, v]: [f64; 2]) -> Vector {
+        let u = self.primitive.side * u;
+        let [lu, lv] = self.lengths();
+        let [one, two] = self.primitive.sizes;
+        let round = |rho: f64, angle: f64, h: f64| [rho * angle.cos(), rho * angle.sin(), h];
+        let own = match self.primitive.kind {
+            PartKind::Plane | PartKind::Patch => [u, v, 0.0],
+            PartKind::Sphere => {
+                let (sin, cos) = (v / lv).sin_cos();
+                round(one * cos, u / lu, one * sin)
+            }
+            PartKind::Cylinder => round(one, u / lu, v),
+            PartKind::Cone => {
+                let (sin, cos) = two.sin_cos();
+                round(one + v * sin, u / lu, v * cos)
+            }
+            PartKind::Torus => {
+                let (sin, cos) = (v / lv).sin_cos();
+                round(one + two * cos, u / lu, two * sin)
+            }
+        };
+        along(self.primitive.origin, 1.0, self.primitive.out(own))
+    }
+
+    pub(crate) fn at(&self, u: f64, v: f64) -> (Vector, Vector) {
+        let place = self.place([u, v]);
+        let (_, normal) = self.primitive.nearest(place);
+        (self.frame.to_input(place), self.frame.rotate_back(normal))
+    }
+
+    pub(crate) fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
+        let both = self.primitive.curvatures(self.place([u, v])).map(|k| k / self.frame.scale);
+        both.iter().all(|k| k.is_finite()).then_some(both)
+    }
+
+    pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {
+        let near = self.contacts.nearest(self.place([u, v]), 1);
+        near.first().is_some_and(|(distance, _)| *distance <= self.reach)
+    }
+
+    pub(crate) fn chart_of(&self, place: Vector) -> [f64; 2] {
+        self.own_chart(self.frame.to_patch(place))
+    }
+
+    pub(crate) fn distance(&self, place: Vector) -> f64 {
+        self.frame.scale * self.primitive.nearest(self.frame.to_patch(place)).0
+    }
+
+    /// Standard uncertainties of height and of the normal's direction (radians) at a place of the input, and of S and R there.
+    pub(crate) fn sds_at(&self, place: Vector) -> [f64; 4] {
+        let local = self.frame.to_patch(place);
+        let (d, normal) = self.primitive.nearest(local);
+        let foot = along(local, -d, normal);
+        let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
+        for drawn in self.draws.iter() {
+            let side = self.primitive.side * drawn.primitive.side;
+            let (height, there) = drawn.primitive.nearest(foot);
+            let turned = norm(minus(there.map(|n| n * side), normal));
+            let [k1, k2] = drawn.primitive.curvatures(foot).map(|k| k * side);
+            let s = palpate_geometry::curvature::shape_index(k1 + k2, (k1 - k2).abs()).unwrap_or(0.0);
+            let r = palpate_geometry::curvature::curvedness(k1, k2);
+            for (k, value) in [height * side, turned, s, r].into_iter().enumerate() {
+                sums[k] += drawn.share * value;
+                squares[k] += drawn.share * value * value;
+            }
+        }
+        // the mean normal is the likeliest: its scatter is about zero
+        sums[1] = 0.0;
+        let sd = |k: usize| (squares[k] - sums[k] * sums[k]).max(0.0).sqrt();
+        [sd(0) * self.frame.scale, sd(1) / 2.0_f64.sqrt(), sd(2), sd(3) / self.frame.scale]
+    }
+}
+
+/// The poles of a ball's chart lie where it was touched least: across the contacts' mean direction, and of all ways across it where they
+/// reach least.
+fn pole(ball: &Primitive, contacts: &[Vector]) -> Vector {
+    let directions: Vec<Vector> = contacts.iter().map(|p| unit_or_zero(minus(*p, ball.origin))).collect();
+    let mean = directions.iter().fold([0.0; 3], |sum, d| along(sum, 1.0 / contacts.len() as f64, *d));
+    let spread_along = |axis: Vector| directions.iter().map(|d| dot(*d, axis).powi(2)).sum::<f64>();
+    let middle = if norm(mean) > 0.2 { unit_or_zero(mean) } else { [0.0, 0.0, 1.0] };
+    let [e1, e2, _] = axes_along(middle);
+    let ways = (0..36).map(|k| f64::from(k) * PI / 36.0).map(|a| along(e1.map(|e| e * a.cos()), a.sin(), e2));
+    let found = ways.min_by(|a, b| spread_along(*a).total_cmp(&spread_along(*b)));
+    if norm(mean) > 0.2 { found.unwrap_or(e1) } else { middle }
+}
+
+/// Angles of the contacts round the axis, and round the tube of a torus.
+fn angles(primitive: &Primitive, contacts: &[Vector]) -> [Vec<f64>; 1] {
+    [contacts.iter().map(|p| primitive.own(*p)).map(|q| q[1].atan2(q[0])).collect()]
+}
+
+/// The angle opposite to the middle of the widest gap.
+fn middle(angles: &[f64]) -> f64 {
+    let mut ordered = angles.to_vec();
+    ordered.sort_by(f64::total_cmp);
+    let count = ordered.len();
+    let gap = |k: usize| {
+        if k + 1 < count { ordered[k + 1] - ordered[k] } else { ordered[0] + 2.0 * PI - ordered[count - 1] }
+    };
+    let widest = (0..count).max_by(|a, b| gap(*a).total_cmp(&gap(*b)));
+    widest.map_or(0.0, |k| ordered[k] + 0.5 * gap(k) - PI)
+}

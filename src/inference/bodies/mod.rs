@@ -1,0 +1,37 @@
+//! What contacts show that go round a body or bend strongly: primitives in space, one posterior over all of them.
+//!
+//! ```text
+//! contact i: place p_i, perhaps a direction n_i                base B(theta): signed distance, normal, curvatures
+//! d(p_i; theta) = f(q_i) + e_i                                 f ~ GP(0, tau^2 exp(-|q - q'|^2 / 2 l^2)) over the feet q, or absent
+//! n_i = normal of the displaced base + error                   e ~ N(0, s^2), normals N(0, s_n^2) in each tangent direction
+//! a contact is false with probability eps                      then it lies anywhere within the reach, with any normal
+//! hypothesis = kind x length x size of the departure           evidence: exact in f, Laplace in theta, s integrated
+//! answer = one set of weighted draws of theta                  kind, S, R, radius, place, axis and map are all read from it
+//! ```
+//!
+//! The base needs no chart and no patch frame, so that 3 degrees of a ball and all of it are the same to it. A. O'Hagan and
+//! M. C. Kennedy, *J. R. Statist. Soc. B* 63 (2001) 425, on the departure; H. Rue, S. Martino and N. Chopin, *ibid.* 71 (2009) 319, on
+//! Laplace's method in what is not linear.
+
+mod candidates;
+mod chart;
+mod departure;
+mod evidence;
+mod inference;
+mod mode;
+mod other_things;
+mod posterior;
+mod prior;
+mod sample;
+#[cfg(test)]
+mod scratch;
+#[cfg(test)]
+mod scratch2;
+mod tuning;
+
+pub(crate) use chart::BodyChart;
+pub(crate) use inference::{BodyPosterior, Verdict, infer};
+pub(crate) use posterior::{DrawnBase, Spread, draws as drawn, spread};
+pub(crate) use other_things::Thing;
+pub(crate) use sample::Sample;
+pub use tuning::Tuning;

@@ -1,0 +1,299 @@
+//! The likeliest primitive of one kind with false contacts among the others: expectation and maximisation.
+//!
+//! ```text
+//! L = sum_i ln((1 - eps) N(d_i; s) N(t_i; s_n) + eps / (reach 4 pi))      t: offset of the normal
+//! w_i = share of the first term        theta: least squares weighted by w        s^2 = sum w d^2 / (sum w - unknowns told by distances)
+//! ```
+//!
+//! A. Dempster, N. Laird, D. Rubin, *J. R. Statist. Soc. B* 39 (1977) 1; the mixture is that of M. Aitkin and G. Wilson, *Technometrics*
+//! 22 (1980) 325.
+
+use std::f64::consts::PI;
+
+use super::sample::Sample;
+use super::tuning::Tuning;
+use crate::primitives::descent::rows;
+use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
+use palpate_numeric::linalg::small::{NotPositiveDefinite, Square, cholesky, solve};
+use palpate_numeric::statistics::{Rank, quantile};
+use palpate_numeric::vector::{Vector, dot, minus, scaled};
+
+/// Rounds of expectation and maximisation; from a start near the mode ten are enough.
+const ROUNDS: usize = 40;
+
+/// A round that raises L by less than this ends the search.
+const SETTLED: f64 = 1e-4;
+
+/// Steps of the descent within a round.
+const SETTINGS: Settings = Settings {
+    first: 1e-4,
+    most: 1e9,
+    fall: |damping| (0.2 * damping).max(1e-12),
+    rounding: 0.0,
+    steps: 4,
+    trials: 12,
+};
+
+/// A primitive where L is largest, with what goes with it.
+#[derive(Clone, Debug)]
+pub(super) struct Mode {
+    pub(super) primitive: Primitive,
+    /// Probability of every contact to belong to it.
+    pub(super) weights: Vec<f64>,
+    /// Sds of distances and of normals.
+    pub(super) sd: [f64; 2],
+    pub(super) likelihood: f64,
+    pub(super) strays: FalseContacts,
+}
+
+impl Mode {
+    /// Contacts that rather belong to it than not.
+    pub(super) fn members(&self) -> Vec<usize> {
+        (0..self.weights.len()).filter(|i| self.weights[*i] > 0.5).collect()
+    }
+}
+
+/// A given normal on the side of the base's: which side is free is asked at the end, of all normals together.
+pub(super) fn aligned(given: Vector, of_base: Vector) -> Vector {
+    if dot(given, of_base) < 0.0 { scaled(-1.0, given) } else { given }
+}
+
+/// Distance and offset of the normal of every contact, the latter squared.
+pub(super) fn offsets(primitive: &Primitive, sample: &Sample) -> Vec<(f64, Option<f64>)> {
+    let one = |i: usize| {
+        let (d, normal) = primitive.nearest(sample.points[i]);
+        let off = sample.normal(i).map(|n| minus(normal, aligned(n, normal))).map(|off| dot(off, off));
+        (d, off)
+    };
+    (0..sample.len()).map(one).collect()
+}
+
+/// Density of a false contact: anywhere within the reach, and with any normal.
+pub(super) fn log_false(tuning: &Tuning, has_normal: bool) -> f64 {
+    -tuning.reach.ln() - if has_normal { (4.0 * PI).ln() } else { 0.0 }
+}
+
+/// Whether so few contacts can tell false ones from others: half of them must still outnumber the unknowns.
+fn may_be_false(sample: &Sample, unknowns: usize) -> bool {
+    let rows = sample.len() + 2 * sample.known_normals();
+    sample.len() >= 8 && rows >= 3 * (unknowns + 1)
+}
+
+/// The share of contacts that surely belong to the surface, though half of all are false.
+const LOW: f64 = 0.3;
+
+/// The quantile at that share of a gaussian's magnitude, and of the length of two independent ones, in standard deviations.
+const LOW_OF_DISTANCES: f64 = 0.3853;
+const LOW_OF_OFFSETS: f64 = 0.8446;
+
+/// The sd by a low quantile of magnitudes; 0 of an empty list.
+fn scale_of(magnitudes: Vec<f64>, quantile_of_one: f64) -> f64 {
+    quantile(magnitudes, LOW, Rank::Reached).unwrap_or(0.0) / quantile_of_one
+}
+
+struct Scales {
+    sd: [f64; 2],
+    eps: f64,
+}
+
+fn expectation(offsets: &[(f64, Option<f64>)], scales: &Scales, tuning: &Tuning, weights: &mut Vec<f64>) -> f64 {
+    weights.clear();
+    let [s, sn] = scales.sd;
+    let of_place = -(s * (2.0 * PI).sqrt()).ln();
+    let of_normal = -(sn * sn * 2.0 * PI).ln();
+    let mut sum = 0.0;
+    for (d, off) in offsets {
+        let mut own = of_place - 0.5 * (d / s).powi(2) + (1.0 - scales.eps).ln();
+        own += off.map_or(0.0, |off| of_normal - 0.5 * off / (sn * sn));
+        if scales.eps <= 0.0 {
+            weights.push(1.0);
+            sum += own;
+            continue;
+        }
+        let other = log_false(tuning, off.is_some()) + scales.eps.ln();
+        let most = own.max(other);
+        let all = most + ((own - most).exp() + (other - most).exp()).ln();
+        weights.push((own - all).exp());
+        sum += all;
+    }
+    sum
+}
+
+fn scales_of(
+    offsets: &[(f64, Option<f64>)],
+    weights: &[f64],
+    sample: &Sample,
+    unknowns: f64,
+    eps: f64,
+    tuning: &Tuning,
+) -> Scales {
+    let (mut rows, mut sums) = ([0.0; 2], [0.0; 2]);
+    for ((d, off), w) in offsets.iter().zip(weights) {
+        rows[0] += w;
+        sums[0] += w * d * d;
+        if let Some(off) = off {
+            rows[1] += 2.0 * w;
+            sums[1] += w * off;
+        }
+    }
+    // each kind of rows pays for the unknowns by its share
+    let all = rows[0] + rows[1];
+    let sd = [0, 1].map(|k| {
+        let left = (rows[k] - unknowns * rows[k] / all).max(0.5);
+        (sums[k] / left).sqrt().max(sample.floor[k])
+    });
+    let count = weights.len() as f64;
+    let eps = if eps > 0.0 {
+        ((count - rows[0]) / (count + tuning.false_prior)).clamp(0.1 / (count + tuning.false_prior), tuning.false_most)
+    } else {
+        0.0
+    };
+    Scales { sd, eps }
+}
+
+/// Whether contacts may be false.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FalseContacts {
+    None,
+    Some,
+}
+
+/// The mode that is reached from a start; `None` where the contacts do not determine this kind.
+pub(super) fn mode(start: &Primitive, sample: &Sample, strays: FalseContacts, tuning: &Tuning) -> Option<Mode> {
+    let unknowns = start.kind.free().len();
+    let mut primitive = *start;
+    let first = offsets(&primitive, sample);
+    let sd = [
+        scale_of(first.iter().map(|(d, _)| d.abs()).collect(), LOW_OF_DISTANCES).max(sample.floor[0]),
+        scale_of(first.iter().filter_map(|(_, off)| off.map(f64::sqrt)).collect(), LOW_OF_OFFSETS)
+            .clamp(sample.floor[1], 1.0),
+    ];
+    let eps = match strays {
+        FalseContacts::None => 0.0,
+        FalseContacts::Some if !may_be_false(sample, unknowns) => return None,
+        FalseContacts::Some => 1.0 / tuning.false_prior,
+    };
+    let mut scales = Scales { sd, eps };
+    let mut weights = Vec::with_capacity(sample.len());
+    let mut before = f64::NEG_INFINITY;
+    let mut offset = first;
+    for _ in 0..ROUNDS {
+        let here = expectation(&offset, &scales, tuning, &mut weights);
+        if !here.is_finite() {
+            return None;
+        }
+        if (here - before).abs() < SETTLED {
+            before = here;
+            break;
+        }
+        before = here;
+        primitive = descended(&primitive, sample, &weights, scales.sd)?;
+        offset = offsets(&primitive, sample);
+        scales = scales_of(&offset, &weights, sample, unknowns as f64, scales.eps, tuning);
+    }
+    let found = Mode { primitive, weights, sd: scales.sd, likelihood: before, strays };
+    let most_are_its_own = found.members().len() as f64 >= (1.0 - tuning.false_most) * sample.len() as f64 - 1.0;
+    most_are_its_own.then_some(found)
+}
+
+/// Least squares over weighted contacts.
+struct WeightedRows<'a> {
+    sample: &'a Sample,
+    weights: &'a [f64],
+    /// One over the variances of distances and normals.
+    precision: [f64; 2],
+    matrix: Square<MOST_UNKNOWNS>,
+    gradient: [f64; MOST_UNKNOWNS],
+}
+
+impl WeightedRows<'_> {
+    fn sum(&self, primitive: &Primitive) -> f64 {
+        let each = offsets(primitive, self.sample);
+        let one = |((d, off), w): (&(f64, Option<f64>), &f64)| {
+            w * (self.precision[0] * d * d + self.precision[1] * off.unwrap_or(0.0))
+        };
+        each.iter().zip(self.weights).map(one).sum()
+    }
+}
+
+impl ResidualModel for WeightedRows<'_> {
+    type Point = Primitive;
+    type Step = [f64; MOST_UNKNOWNS];
+    type Error = NotPositiveDefinite;
+
+    fn linearise(&mut self, at: &Primitive) -> f64 {
+        (self.matrix, self.gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
+        let free = at.kind.free();
+        let mut sum = 0.0;
+        for (i, w) in self.weights.iter().enumerate() {
+            let place = self.sample.points[i];
+            let normal = self.sample.normal(i).map(|n| aligned(n, at.nearest(place).1));
+            let all = rows(at, place, normal.unwrap_or([0.0; 3]));
+            let count = if normal.is_some() { 4 } else { 1 };
+            for (number, (residual, row)) in all.iter().take(count).enumerate() {
+                let weight = w * self.precision[usize::from(number > 0)];
+                sum += weight * residual * residual;
+                for (k, &a) in free.iter().enumerate() {
+                    let heavy = weight * row[a];
+                    self.gradient[a] += heavy * residual;
+                    free[..=k].iter().for_each(|&b| self.matrix[a][b] += heavy * row[b]);
+                }
+            }
+        }
+        for a in 0..MOST_UNKNOWNS {
+            (0..a).for_each(|b| self.matrix[b][a] = self.matrix[a][b]);
+            if !free.contains(&a) {
+                self.matrix[a][a] = 1.0;
+            }
+        }
+        sum
+    }
+
+    fn solve(&mut self, damping: f64) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {
+        let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
+        let scaled: Square<MOST_UNKNOWNS> = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                self.matrix[i][j] / (scale[i] * scale[j]) * if i == j { 1.0 + damping } else { 1.0 }
+            })
+        });
+        let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
+        let step = solve(&lower, std::array::from_fn(|i| -self.gradient[i] / scale[i]));
+        Ok(std::array::from_fn(|i| step[i] / scale[i]))
+    }
+
+    fn moved(&mut self, from: &Primitive, step: &[f64; MOST_UNKNOWNS]) -> Option<(Primitive, f64)> {
+        let next = from.moved(step).about([0.0; 3]);
+        let sound = next.sizes.iter().all(|size| size.is_finite()) && is_possible(&next);
+        sound.then(|| (next, self.sum(&next))).filter(|(_, sum)| sum.is_finite())
+    }
+
+    fn gives_up(&self, _: &[f64; MOST_UNKNOWNS], before: f64, after: Option<f64>) -> bool {
+        after.is_some_and(|after| after <= before * (1.0 + 1e-12))
+    }
+
+    fn is_settled(&mut self, _: &[f64; MOST_UNKNOWNS], before: f64, after: f64) -> bool {
+        before - after <= 1e-10 * before
+    }
+}
+
+/// Sizes that a body can have.
+pub(super) fn is_possible(primitive: &Primitive) -> bool {
+    use crate::primitives::placed::PartKind;
+    let [one, two] = primitive.sizes;
+    match primitive.kind {
+        PartKind::Plane | PartKind::Patch => true,
+        PartKind::Sphere | PartKind::Cylinder => one > 0.0,
+        PartKind::Cone => two.abs() < 1.55,
+        PartKind::Torus => one > 0.0 && two > 0.0,
+    }
+}
+
+fn descended(start: &Primitive, sample: &Sample, weights: &[f64], sd: [f64; 2]) -> Option<Primitive> {
+    let precision = sd.map(|sd| 1.0 / (sd * sd));
+    let zero = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
+    let mut model = WeightedRows { sample, weights, precision, matrix: zero, gradient: [0.0; MOST_UNKNOWNS] };
+    let mut point = start.about([0.0; 3]);
+    let found = levenberg_marquardt::descend(&mut model, &mut point, &mut SETTINGS.first.clone(), &SETTINGS);
+    found.is_ok().then_some(point)
+}

@@ -1,0 +1,414 @@
+//! The posterior of a body as a recognition: every number is read from the same weighted draws.
+
+use palpate_geometry::contact::Frame;
+use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::bspline::linspace;
+use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
+
+use super::exchanged_axes::agreeing_order;
+use crate::bodies::{BodyChart, BodyPosterior, DrawnBase, Sample, Spread, drawn, spread};
+use crate::primitives::placed::{PartKind, Primitive};
+use crate::recognition::contacts::Observations;
+use crate::recognition::{
+    BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition,
+    RecognitionError, RecognitionOptions, RecognisedSurface, Remark, Tried,
+};
+
+/// Share of normals that must point to one side for it to be the free one.
+const AGREE: f64 = 0.75;
+
+/// Posterior probability of a departure from which on it is spoken of.
+const CERTAIN: f64 = 0.95;
+
+/// A posterior with what it was asked about.
+pub(super) struct Answer<'a> {
+    pub(super) posterior: &'a BodyPosterior,
+    pub(super) sample: &'a Sample,
+    pub(super) given: &'a Observations,
+    pub(super) options: &'a RecognitionOptions,
+}
+
+/// Which side is free: outside 1, inside -1.
+struct FreeSide {
+    side: f64,
+    known: bool,
+}
+
+impl Answer<'_> {
+    fn kind(&self) -> PartKind {
+        self.posterior.kind()
+    }
+
+    /// Share of the contacts that are none of the body's.
+    pub(super) fn false_share(&self) -> f64 {
+        1.0 - self.posterior.members_of(self.kind()).len() as f64 / self.sample.len() as f64
+    }
+
+    /// Share of the normals that stand more than 60 degrees off the surface of a patch's middle: a body has them all.
+    pub(super) fn normals_against(&self) -> f64 {
+        let known: Vec<Vector> = (0..self.sample.len()).filter_map(|i| self.sample.normal(i)).collect();
+        let middle = unit_or_zero(mean_of(&known));
+        let against = known.iter().filter(|n| dot(**n, middle) < 0.5).count();
+        against as f64 / known.len().max(1) as f64
+    }
+
+    /// # Errors
+    /// [`RecognitionError::NormalsExchanged`].
+    pub(super) fn check_axes_of_normals(&self) -> Result<(), RecognitionError> {
+        let Some(likeliest) = self.posterior.likeliest(self.kind()) else { return Ok(()) };
+        let pair = |i: &usize| Some((self.sample.normal(*i)?, likeliest.nearest(self.sample.points[*i]).1));
+        let pairs: Vec<(Vector, Vector)> = self.posterior.members_of(self.kind()).iter().filter_map(pair).collect();
+        agreeing_order(&pairs).map_or(Ok(()), |order| Err(RecognitionError::NormalsExchanged { order }))
+    }
+
+    /// What tells the free side: a viewpoint, most of the normals, or a direction.
+    fn free_side(&self, likeliest: &Primitive) -> FreeSide {
+        if let Some(viewpoint) = self.options.viewpoint {
+            let (distance, _) = likeliest.nearest(self.sample.frame.to_patch(viewpoint));
+            return FreeSide { side: distance.signum(), known: true };
+        }
+        let members = &self.posterior.members_of(self.kind());
+        let outwards = |i: &usize| likeliest.nearest(self.sample.points[*i]).1;
+        let votes: Vec<f64> =
+            members.iter().filter_map(|i| Some(dot(self.sample.normal(*i)?, outwards(i)))).collect();
+        if !votes.is_empty() {
+            let out = votes.iter().filter(|vote| **vote > 0.0).count() as f64 / votes.len() as f64;
+            let side = if out >= 0.5 { 1.0 } else { -1.0 };
+            return FreeSide { side, known: out.max(1.0 - out) >= AGREE };
+        }
+        if let Some(up) = self.options.up {
+            let sum: f64 = members.iter().map(|i| dot(outwards(i), up)).sum();
+            return FreeSide { side: sum.signum(), known: true };
+        }
+        FreeSide { side: 1.0, known: false }
+    }
+
+    /// The whole answer.
+    ///
+    /// # Errors
+    /// [`RecognitionError::Arithmetic`] where no draw has a shape.
+    pub(super) fn recognition(&self) -> Result<Recognition, RecognitionError> {
+        let kind = self.kind();
+        let failed = RecognitionError::Arithmetic { step: "averaging", what: "no drawn body has a shape" };
+        let likeliest = self.posterior.likeliest(kind).ok_or(failed.clone())?;
+        let side = self.free_side(&likeliest);
+        let turned = |primitive: Primitive| Primitive { side: side.side, ..primitive };
+        let mut draws = drawn(self.posterior, self.options.tuning.draws, self.options.seed);
+        draws.iter_mut().for_each(|d| d.primitive = turned(d.primitive));
+        let members: Vec<Vector> =
+            self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
+        let chart = BodyChart::new(self.sample.frame, &turned(likeliest), &members, draws.clone());
+        let (map, supported) = self.map(&chart);
+        let averaged: Vec<(Vector, Vector)> =
+            map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
+        let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
+        let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(&d.primitive, &places)).collect();
+        let plane = self.posterior.weight_of(PartKind::Plane);
+        let s = self.estimate(&draws, |d, i| (d.primitive.kind != PartKind::Plane).then_some(shapes[i]?[0]), kind);
+        let r = self.estimate(&draws, |_, i| Some(shapes[i]?[1]), kind).ok_or(failed)?;
+        let scale = self.sample.frame.scale;
+        let curvedness = over_scale(r, scale);
+        let shape = s.filter(|_| plane <= 0.5);
+        let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
+        let own = |d: &&DrawnBase| d.primitive.kind == kind;
+        let geometry = self.geometry(&turned(likeliest), &draws.iter().filter(own).cloned().collect::<Vec<_>>());
+        let [k1, k2] = mean_curvatures(&turned(likeliest), &places).map(|k| k / scale);
+        let frame = oriented(&chart, &self.sample.frame);
+        let axis = geometry.axis.filter(|_| class.has_axis());
+        // a cone or a ring has no one radius of the pipe or ball that its class is named after
+        let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
+        let radius = geometry.radius.filter(|_| is_round && class != ShapeClass::Plane);
+        let found = Recognition {
+            hypothesis: hypothesis_of(likeliest.kind),
+            class,
+            class_probability: classes(&draws, &shapes),
+            shape_index: shape,
+            curvedness,
+            k1,
+            k2,
+            radius: radius.map(|r| r.value),
+            radii: None,
+            radius_interval: radius.map(|r| r.interval),
+            direction: None,
+            axis,
+            axis_within_deg: axis.map(|axis| self.axis_within(axis, &draws, kind)),
+            plane_probability: plane,
+            frame,
+            support: (supported, map.len()),
+            map,
+            grid: self.options.grid,
+            over: None,
+            averaged,
+            surface: RecognisedSurface::of_body(frame, chart),
+            outliers: self.sample.len() - members.len(),
+            missing: self.given.missing,
+            normals_of_length_zero: self.given.normals.as_ref().map_or(0, |_| self.sample.len() - self.sample.known_normals()),
+            normals_against: 0,
+            normals_flipped: 0,
+            normals: match (&self.given.normals, self.given.ignored) {
+                (Some(_), _) => NormalsUse::Believed,
+                (None, true) => NormalsUse::Ignored,
+                (None, false) => NormalsUse::Absent,
+            },
+            noise: self.noise(kind),
+            tried: self.tried(&places),
+            misfit: self.misfit(kind),
+            effective_contacts: members.len() as f64,
+            contacts: members.len(),
+            notes: self.notes(&geometry, &side, likeliest.kind),
+            side_known: side.known,
+            body: Some(geometry),
+            predictive: Vec::new(),
+        };
+        Ok(if side.known { found } else { super::of_either_side(found) })
+    }
+
+    fn estimate(
+        &self,
+        draws: &[DrawnBase],
+        value: impl Fn(&DrawnBase, usize) -> Option<f64>,
+        kind: PartKind,
+    ) -> Option<Estimate> {
+        let of = |own: bool| {
+            let each = draws.iter().enumerate().filter(move |(_, d)| !own || d.primitive.kind == kind);
+            each.filter_map(|(i, d)| Some((value(d, i)?, d.share))).collect::<Vec<(f64, f64)>>()
+        };
+        let all = spread(&of(false), self.options.level)?;
+        // new noise of the same kind of body moves the answer by what one kind's draws scatter
+        let u_noise = spread(&of(true), self.options.level).map_or(0.0, |own: Spread| own.sd.min(all.sd));
+        let freedom = self.posterior.best_of(kind).map_or(1.0, |node| node.freedom());
+        Some(Estimate {
+            mean: all.mean,
+            sd: 0.0,
+            u_noise,
+            u_model: (all.sd * all.sd - u_noise * u_noise).max(0.0).sqrt(),
+            u: all.sd,
+            interval: all.interval,
+            level: self.options.level,
+            dof: freedom,
+        })
+    }
+
+    /// The map over the chart, and how many of its points contacts support.
+    fn map(&self, chart: &BodyChart) -> (Vec<MapPoint>, usize) {
+        let [n, m] = self.options.grid;
+        let [u, v] = [(chart.u, n), (chart.v, m)].map(|([lo, hi], count)| linspace(lo, hi, count));
+        let mut map: Vec<MapPoint> =
+            u.iter().flat_map(|u| v.iter().map(|v| (*u, *v))).map(|(u, v)| point_of(chart, u, v)).collect();
+        if !map.iter().any(|p| p.supported) {
+            map.iter_mut().for_each(|p| p.supported = true);
+        }
+        let supported = map.iter().filter(|p| p.supported).count();
+        (map, supported)
+    }
+
+    fn geometry(&self, likeliest: &Primitive, own: &[DrawnBase]) -> BodyGeometry {
+        let frame = &self.sample.frame;
+        let bounded = |value: f64, of: &dyn Fn(&Primitive) -> f64| {
+            let values: Vec<(f64, f64)> = own.iter().map(|d| (of(&d.primitive), 1.0)).collect();
+            let interval = spread(&values, self.options.level).map_or([value; 2], |s| s.interval);
+            Bounded { value: value.clamp(interval[0], interval[1]), interval }
+        };
+        let length = |k: usize| bounded(likeliest.sizes[k] * frame.scale, &|p| p.sizes[k] * frame.scale);
+        let degrees = || bounded(likeliest.sizes[1].abs().to_degrees(), &|p| p.sizes[1].abs().to_degrees());
+        let directed = likeliest.kind != PartKind::Sphere;
+        let apart = |p: &Primitive| {
+            let offset = minus(p.origin, likeliest.origin);
+            match likeliest.kind {
+                PartKind::Plane | PartKind::Patch => dot(offset, likeliest.axes[2]).abs(),
+                PartKind::Cylinder | PartKind::Cone => norm(reject(offset, likeliest.axes[2])),
+                PartKind::Sphere | PartKind::Torus => norm(offset),
+            }
+        };
+        let mut away: Vec<f64> = own.iter().map(|d| apart(&d.primitive) * frame.scale).collect();
+        away.sort_by(f64::total_cmp);
+        let number = ((self.options.level * away.len() as f64) as usize).min(away.len().saturating_sub(1));
+        let tip = || {
+            let along_axis = -likeliest.sizes[0] / likeliest.sizes[1].tan();
+            frame.to_input(along(likeliest.origin, along_axis, likeliest.axes[2]))
+        };
+        let (radius, minor_radius, half_angle_deg, apex) = match likeliest.kind {
+            PartKind::Plane | PartKind::Patch => (None, None, None, None),
+            PartKind::Sphere | PartKind::Cylinder => (Some(length(0)), None, None, None),
+            PartKind::Cone => (Some(length(0)), None, Some(degrees()), Some(tip())),
+            PartKind::Torus => (Some(length(0)), Some(length(1)), None, None),
+        };
+        BodyGeometry {
+            point: frame.to_input(likeliest.origin),
+            point_within: away.get(number).copied().unwrap_or(0.0),
+            axis: directed.then_some(likeliest.axes[2]),
+            radius,
+            minor_radius,
+            half_angle_deg,
+            apex,
+        }
+    }
+
+    /// Angle, degrees, that the axes of so large a share of the draws keep within.
+    fn axis_within(&self, axis: Vector, draws: &[DrawnBase], kind: PartKind) -> f64 {
+        let angle = |d: &DrawnBase| norm(cross(d.primitive.axes[2], axis)).atan2(dot(d.primitive.axes[2], axis).abs());
+        let mut angles: Vec<f64> = draws.iter().filter(|d| d.primitive.kind == kind).map(angle).collect();
+        angles.sort_by(f64::total_cmp);
+        let number = ((self.options.level * angles.len() as f64) as usize).min(angles.len().saturating_sub(1));
+        angles.get(number).map_or(90.0, |a| a.to_degrees())
+    }
+
+    fn noise(&self, kind: PartKind) -> NoiseFound {
+        let scale = self.sample.frame.scale;
+        let Some(best) = self.posterior.best_of(kind) else { return NoiseFound::default() };
+        NoiseFound {
+            sd_z: best.scatter() * scale,
+            sd_correlated: best.departure_size() * scale,
+            correlation_length: best.length().map(|l| l * scale),
+            sd_normal_deg: (self.sample.known_normals() > 0).then(|| best.sd_of_normals().to_degrees()),
+        }
+    }
+
+    fn tried(&self, places: &[Vector]) -> Vec<Tried> {
+        let scale = self.sample.frame.scale;
+        let one = |kind: PartKind| {
+            let primitive = self.posterior.likeliest(kind)?;
+            let [k1, k2] = mean_curvatures(&primitive, places).map(|k| k / scale);
+            let members = self.posterior.members_of(kind);
+            let square: f64 = members.iter().map(|&i| primitive.nearest(self.sample.points[i]).0.powi(2)).sum();
+            Some(Tried {
+                hypothesis: hypothesis_of(kind),
+                weight: self.posterior.weight_of(kind),
+                k1,
+                k2,
+                rms: scale * (square / members.len().max(1) as f64).sqrt(),
+            })
+        };
+        let mut tried: Vec<Tried> = PartKind::EXACT.into_iter().filter_map(one).collect();
+        tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        tried
+    }
+
+    fn misfit(&self, kind: PartKind) -> Misfit {
+        let exact: f64 = self.posterior.weight_without_departure();
+        let Some(best) = self.posterior.best_of(kind) else {
+            return Misfit { neighbour_correlation: 0.0, p: 1.0, percent_of_relief: 0.0, words: String::new() };
+        };
+        let departure = best.departure_size();
+        let total = best.scatter().hypot(departure);
+        let neighbour_correlation = if total > 0.0 { (departure / total).powi(2) } else { 0.0 };
+        let words = if 1.0 - exact > CERTAIN {
+            format!(
+                "neighbouring contacts depart together from {}, by {:.2} % of the size of what was touched",
+                hypothesis_of(kind).described(),
+                100.0 * departure
+            )
+        } else {
+            "the residuals hold no pattern".to_string()
+        };
+        Misfit { neighbour_correlation, p: exact, percent_of_relief: 100.0 * total, words }
+    }
+
+    fn notes(&self, geometry: &BodyGeometry, side: &FreeSide, kind: PartKind) -> Vec<Remark> {
+        let mut notes = Vec::new();
+        if !side.known {
+            notes.push(Remark::FreeSideAssumed);
+        }
+        let three = |b: Bounded| [b.value, b.interval[0], b.interval[1]];
+        if let Some(angle) = geometry.half_angle_deg {
+            notes.push(Remark::ConeIs { half_angle_deg: three(angle) });
+        }
+        if let (PartKind::Torus, Some(ring), Some(tube)) = (kind, geometry.radius, geometry.minor_radius) {
+            notes.push(Remark::RingIs { ring: three(ring), tube: three(tube) });
+        }
+        notes
+    }
+}
+
+/// The kind's word among all hypotheses.
+fn hypothesis_of(kind: PartKind) -> Hypothesis {
+    match kind {
+        PartKind::Plane | PartKind::Patch => Hypothesis::Plane,
+        PartKind::Sphere => Hypothesis::Sphere,
+        PartKind::Cylinder => Hypothesis::Cylinder,
+        PartKind::Cone => Hypothesis::Cone,
+        PartKind::Torus => Hypothesis::Torus,
+    }
+}
+
+/// A place on a primitive next to one beside it.
+fn foot(primitive: &Primitive, place: Vector) -> Vector {
+    let (d, normal) = primitive.nearest(place);
+    along(place, -d, normal)
+}
+
+/// Means of S (0 on a plane), R and 1 over places; `None` where one is not finite.
+fn mean_shape(primitive: &Primitive, places: &[Vector]) -> Option<[f64; 3]> {
+    let mut sums = [0.0; 3];
+    for place in places {
+        let [k1, k2] = primitive.curvatures(foot(primitive, *place));
+        sums[0] += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
+        sums[1] += curvedness(k1, k2);
+        sums[2] += 1.0;
+    }
+    let means = sums.map(|sum| sum / sums[2]);
+    means.iter().all(|v| v.is_finite()).then_some(means)
+}
+
+fn mean_curvatures(primitive: &Primitive, places: &[Vector]) -> [f64; 2] {
+    let count = places.len().max(1) as f64;
+    let each = places.iter().map(|place| primitive.curvatures(foot(primitive, *place)));
+    each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
+}
+
+/// Shares of the draws in every class.
+fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 3]>]) -> Vec<(ShapeClass, f64)> {
+    let mut found: Vec<(ShapeClass, f64)> = Vec::new();
+    for (drawn, shape) in draws.iter().zip(shapes) {
+        let Some([s, ..]) = shape else { continue };
+        let flat = drawn.primitive.kind == PartKind::Plane;
+        let class = if flat { ShapeClass::Plane } else { ShapeClass::of_shape_index(*s) };
+        match found.iter_mut().find(|(known, _)| *known == class) {
+            Some((_, sum)) => *sum += drawn.share,
+            None => found.push((class, drawn.share)),
+        }
+    }
+    let all: f64 = found.iter().map(|(_, p)| p).sum();
+    found.iter_mut().for_each(|(_, p)| *p /= all);
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    found
+}
+
+fn point_of(chart: &BodyChart, u: f64, v: f64) -> MapPoint {
+    let (position, normal) = chart.at(u, v);
+    let [k1, k2] = chart.curvatures_at(u, v).unwrap_or([f64::NAN; 2]);
+    let [_, _, u_shape_index, u_curvedness] = chart.sds_at(position);
+    MapPoint {
+        position,
+        normal,
+        shape_index: shape_index(k1 + k2, k1 - k2),
+        curvedness: curvedness(k1, k2),
+        k1,
+        k2,
+        supported: chart.supported_at(u, v),
+        u_shape_index,
+        u_curvedness,
+    }
+}
+
+/// The frame whose third axis is the normal in the middle of the chart.
+fn oriented(chart: &BodyChart, frame: &Frame) -> Frame {
+    let [u, v] = [chart.u, chart.v].map(|[lo, hi]| 0.5 * (lo + hi));
+    let (_, up) = chart.at(u, v);
+    let across = if up[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let side = unit_or_zero(reject(across, up));
+    Frame { axes: [side, cross(up, side), up], ..*frame }
+}
+
+fn over_scale(e: Estimate, scale: f64) -> Estimate {
+    Estimate {
+        mean: e.mean / scale,
+        sd: e.sd / scale,
+        u_noise: e.u_noise / scale,
+        u_model: e.u_model / scale,
+        u: e.u / scale,
+        interval: e.interval.map(|v| v / scale),
+        ..e
+    }
+}

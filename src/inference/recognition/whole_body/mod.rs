@@ -1,0 +1,168 @@
+//! When contacts are judged as a body in space and not as a patch, and what is then said.
+//!
+//! ```text
+//! patch refused, or bent too far, or with contacts that do not belong   ->   primitives in space (`bodies`)
+//! one primitive        the answer, read from its posterior
+//! two things           a refusal that names both
+//! none near enough     what the patch said
+//! ```
+
+mod answer;
+mod exchanged_axes;
+
+use palpate_geometry::curvature::ShapeClass;
+use palpate_numeric::vector::{along, dot, norm, unit_or_zero};
+
+use crate::bodies::{self, Sample, Thing, Tuning, Verdict};
+use crate::primitives::placed::PartKind;
+use crate::recognition::contacts::Observations;
+use crate::recognition::free_form::leaves_much_unsaid;
+use crate::recognition::{NormalsUse, Recognition, RecognitionError, RecognitionOptions};
+
+/// Share of contacts or normals set aside from which on a patch is doubted.
+const DOUBTFUL: f64 = 0.05;
+
+/// Share of false contacts, or of normals set aside, from which on a body is the better answer.
+const DECISIVE: f64 = 0.1;
+
+/// Contacts whose distances show two peaks.
+const FEWEST: usize = 12;
+
+/// Contacts needed without and with normals: a ball's four unknowns and one more row.
+pub(super) const NEEDED: [usize; 2] = [5, 3];
+
+/// The body's answer where the patch has none or a doubtful one.
+///
+/// # Errors
+/// Those of the patch; [`RecognitionError::SeveralThings`]; [`RecognitionError::NormalsExchanged`].
+pub(super) fn instead(
+    patch: Result<Recognition, RecognitionError>,
+    given: &Observations,
+    options: &RecognitionOptions,
+) -> Result<Recognition, RecognitionError> {
+    let doubt = match &patch {
+        Ok(found) => doubt(found, given, &options.tuning),
+        Err(error) if may_be_body(error, given) => Doubt::Refused,
+        Err(_) => Doubt::None,
+    };
+    if doubt == Doubt::None {
+        return patch;
+    }
+    let normals = given.normals.as_deref().unwrap_or_default();
+    let Some(sample) = Sample::new(&given.points, normals, given.step) else { return patch };
+    match bodies::infer(&sample, &options.tuning) {
+        Verdict::Several(things) => Err(several(&sample, &things)),
+        Verdict::One(posterior) => {
+            let body = answer::Answer { posterior: &posterior, sample: &sample, given, options };
+            body.check_axes_of_normals()?;
+            if doubt == Doubt::Slight && body.false_share() < DECISIVE && body.normals_against() < DECISIVE {
+                return patch;
+            }
+            body.recognition()
+        }
+        Verdict::None => patch,
+    }
+}
+
+/// Why a patch is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doubt {
+    None,
+    /// Some contacts do not belong, or lie on two sheets.
+    Slight,
+    /// It bends farther than a patch may.
+    Bent,
+    Refused,
+}
+
+fn may_be_body(error: &RecognitionError, given: &Observations) -> bool {
+    match error {
+        RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } | RecognitionError::OnConic => true,
+        RecognitionError::TooFew { .. } => given.points.len() >= NEEDED[usize::from(given.normals.is_some())],
+        // one finger's path with normals; places alone on a line tell no bend
+        RecognitionError::Collinear { .. } => false,
+        _ => false,
+    }
+}
+
+fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> Doubt {
+    let count = given.points.len() as f64;
+    let mean = found.averaged.iter().fold([0.0; 3], |sum, (_, normal)| along(sum, 1.0, *normal));
+    let middle = unit_or_zero(mean);
+    let least = tuning.patch_reach_deg.to_radians().cos();
+    if norm(mean) == 0.0 || found.averaged.iter().any(|(_, normal)| dot(*normal, middle) < least) {
+        return Doubt::Bent;
+    }
+    let set_aside = found.outliers.max(found.normals_against) as f64 > DOUBTFUL * count;
+    let contradicted = found.normals == NormalsUse::Contradicting;
+    if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
+        return Doubt::Slight;
+    }
+    Doubt::None
+}
+
+/// Whether the contacts lie on two sheets beside the surface.
+fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> bool {
+    if given.points.len() < FEWEST {
+        return false;
+    }
+    let (mut second, mut fourth) = (0.0, 0.0);
+    for p in &given.points {
+        let square = found.surface.distance(*p).powi(2);
+        second += square;
+        fourth += square * square;
+    }
+    fourth * (given.points.len() as f64) < tuning.two_peaks * second * second
+}
+
+/// Both things in words.
+fn several(sample: &Sample, things: &[Thing; 2]) -> RecognitionError {
+    let share = |thing: &Thing| 100.0 * thing.contacts as f64 / sample.len() as f64;
+    let name = |thing: &Thing| {
+        let radius = significant(thing.primitive.sizes[0] * sample.frame.scale);
+        match thing.primitive.kind {
+            PartKind::Plane | PartKind::Patch => "a plane".to_string(),
+            PartKind::Sphere => format!("a ball of radius {radius}"),
+            PartKind::Cylinder => format!("a pipe or bar of radius {radius}"),
+            PartKind::Cone => "a cone".to_string(),
+            PartKind::Torus => format!("a ring of radius {radius}"),
+        }
+    };
+    RecognitionError::SeveralThings {
+        things: things.each_ref().map(name),
+        percent: things.each_ref().map(share),
+    }
+}
+
+/// Four digits.
+fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}
+
+/// The answer where nothing tells the free side: S by its size, every class with its mirror image.
+pub(super) fn of_either_side(mut found: Recognition) -> Recognition {
+    found.class_probability = mirrored(&found.class_probability);
+    if let Some(s) = found.shape_index.as_mut() {
+        let [lo, hi] = s.interval;
+        let least = if lo > 0.0 { lo } else { (-hi).max(0.0) };
+        (s.mean, s.interval) = (s.mean.abs(), [least, lo.abs().max(hi.abs())]);
+    }
+    found
+}
+
+/// Half of every probability for the mirror image.
+fn mirrored(classes: &[(ShapeClass, f64)]) -> Vec<(ShapeClass, f64)> {
+    let mut out: Vec<(ShapeClass, f64)> = Vec::new();
+    for (class, p) in classes {
+        for class in [*class, class.mirrored()] {
+            match out.iter_mut().find(|(known, _)| *known == class) {
+                Some((_, sum)) => *sum += 0.5 * p,
+                None => out.push((class, 0.5 * p)),
+            }
+        }
+    }
+    // of two that are as probable the convex one first
+    out.sort_by(|a, b| b.1.total_cmp(&a.1).then((b.0 as u8).cmp(&(a.0 as u8))));
+    out
+}
