@@ -182,7 +182,9 @@ fn by_positions(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
     let (middle, axes) = principal(sample);
     match kind {
         PartKind::Plane => vec![made(middle, axes[0], [0.0; 2])],
-        PartKind::Sphere => sphere(&sample.points).map(|(c, r)| made(c, [0.0, 0.0, 1.0], [r, 0.0])).into_iter().collect(),
+        PartKind::Sphere => {
+            sphere(&sample.points).map(|(c, r)| made(c, [0.0, 0.0, 1.0], [r, 0.0])).into_iter().collect()
+        }
         PartKind::Cylinder | PartKind::Cone => {
             let across = |axis: Vector| {
                 let (centre, radius) = circle(sample, axis)?;

@@ -33,7 +33,9 @@ const SUPPORTED: f64 = 3.0;
 pub(crate) struct BodyChart {
     /// Units of the contacts' size about their middle, with the input's axes.
     pub(crate) frame: Frame,
-    pub(crate) primitive: Primitive,
+    primitive: Primitive,
+    /// The likeliest surface: the primitive, with its departure where that is shape.
+    surface: DrawnBase,
     /// Draws of the posterior, for the uncertainty point by point.
     pub(crate) draws: Arc<Vec<DrawnBase>>,
     contacts: Arc<Neighbours<'static>>,
@@ -44,8 +46,8 @@ pub(crate) struct BodyChart {
 
 impl BodyChart {
     /// Of contacts that belong to the body, in its units.
-    pub(crate) fn new(frame: Frame, likeliest: &Primitive, contacts: &[Vector], draws: Vec<DrawnBase>) -> BodyChart {
-        let mut primitive = *likeliest;
+    pub(crate) fn new(frame: Frame, likeliest: DrawnBase, contacts: &[Vector], draws: Vec<DrawnBase>) -> BodyChart {
+        let mut primitive = likeliest.primitive;
         if primitive.kind == PartKind::Sphere {
             primitive.axes = axes_along(pole(&primitive, contacts));
         }
@@ -69,6 +71,7 @@ impl BodyChart {
         let mut chart = BodyChart {
             frame,
             primitive,
+            surface: likeliest.with_primitive(primitive),
             draws: Arc::new(draws),
             contacts: Arc::new(tree),
             reach,
@@ -161,13 +164,12 @@ impl BodyChart {
     }
 
     pub(crate) fn at(&self, u: f64, v: f64) -> (Vector, Vector) {
-        let place = self.place([u, v]);
-        let (_, normal) = self.primitive.nearest(place);
+        let (place, normal) = self.surface.over(self.place([u, v]));
         (self.frame.to_input(place), self.frame.rotate_back(normal))
     }
 
     pub(crate) fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
-        let both = self.primitive.curvatures(self.place([u, v])).map(|k| k / self.frame.scale);
+        let both = self.surface.curvatures(self.place([u, v])).map(|k| k / self.frame.scale);
         both.iter().all(|k| k.is_finite()).then_some(both)
     }
 
@@ -181,7 +183,7 @@ impl BodyChart {
     }
 
     pub(crate) fn distance(&self, place: Vector) -> f64 {
-        self.frame.scale * self.primitive.nearest(self.frame.to_patch(place)).0
+        self.frame.scale * self.surface.distance(self.frame.to_patch(place))
     }
 
     /// Standard uncertainties of height and of the normal's direction (radians) at a place of the input, and of S and R there.
@@ -191,13 +193,12 @@ impl BodyChart {
         let foot = along(local, -d, normal);
         let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
         for drawn in self.draws.iter() {
-            let side = self.primitive.side * drawn.primitive.side;
-            let (height, there) = drawn.primitive.nearest(foot);
-            let turned = norm(minus(there.map(|n| n * side), normal));
-            let [k1, k2] = drawn.primitive.curvatures(foot).map(|k| k * side);
+            let height = drawn.distance(foot);
+            let turned = norm(minus(drawn.primitive.nearest(foot).1, normal));
+            let [k1, k2] = drawn.curvatures(foot);
             let s = palpate_geometry::curvature::shape_index(k1 + k2, (k1 - k2).abs()).unwrap_or(0.0);
             let r = palpate_geometry::curvature::curvedness(k1, k2);
-            for (k, value) in [height * side, turned, s, r].into_iter().enumerate() {
+            for (k, value) in [height, turned, s, r].into_iter().enumerate() {
                 sums[k] += drawn.share * value;
                 squares[k] += drawn.share * value * value;
             }

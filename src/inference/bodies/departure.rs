@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! f(q) = phi(q)' w,   phi(q)' = k(q, c) L^-T,   L L' = k(c, c),   w ~ N(0, tau^2)          k(q, c) = exp(-|q - c|^2 / 2 l^2)
+//! curvatures of the displaced base = those of the base and the second derivatives of f, in an orthonormal tangent frame
 //! normal of the displaced base = g - (grad f along the base)
 //! ```
 //!
@@ -58,6 +59,26 @@ impl Departure {
         let mut row: Vec<f64> = self.places.iter().map(slope).collect();
         dense::forward(&self.lower, &mut row);
         row
+    }
+}
+
+impl Departure {
+    /// Second derivatives of `phi(q)` along pairs of directions, weighted by w: those of the departure itself.
+    pub(super) fn bending(&self, weights: &[f64], q: Vector, [first, second]: [Vector; 2]) -> [f64; 3] {
+        let square = self.length * self.length;
+        // phi(q)' w = k(q, c) (L^-T w)
+        let mut of_places = weights.to_vec();
+        dense::backward(&self.lower, &mut of_places);
+        let mut sums = [0.0; 3];
+        for (c, weight) in self.places.iter().zip(&of_places) {
+            let from = minus(q, *c);
+            let along_both = [first, second].map(|t| dot(from, t) / square);
+            let value = weight * correlation(from, self.length);
+            sums[0] += value * (along_both[0] * along_both[0] - 1.0 / square);
+            sums[1] += value * along_both[0] * along_both[1];
+            sums[2] += value * (along_both[1] * along_both[1] - 1.0 / square);
+        }
+        sums
     }
 }
 

@@ -8,9 +8,10 @@
 //! ```
 //!
 //! ln v has a gaussian prior, and is integrated by Laplace's method about the v where ln p is largest: few distances could otherwise
-//! be followed exactly while the normals pay. The last block of A's factor holds the covariance of x with w integrated out.
+//! be followed exactly while the normals pay. w and x are drawn together from A.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use faer::Mat;
 use statrs::function::beta::ln_beta;
@@ -43,10 +44,12 @@ pub(crate) struct Node {
     /// Length of the departure and its size over the sd of a contact; `None` without one.
     pub(super) departure: Option<[f64; 2]>,
     pub(super) log_evidence: f64,
-    /// The move to the likeliest primitive, by the kind's free unknowns.
-    pub(super) step: Vec<f64>,
-    /// Lower factor of the moves' precision in units of one over the sd.
+    /// The departure's weights, then the move to the likeliest primitive by the kind's free unknowns.
+    pub(super) solution: Vec<f64>,
+    /// Lower factor of their precision in units of one over the sd.
     pub(super) lower: Mat<f64>,
+    /// What the weights are those of.
+    pub(super) process: Option<Arc<Departure>>,
     /// Sds of distances and normals.
     pub(super) sd: [f64; 2],
     /// Root mean square of the departure at the contacts.
@@ -56,6 +59,11 @@ pub(crate) struct Node {
 }
 
 impl Node {
+    /// The move to the likeliest primitive.
+    pub(super) fn step(&self) -> &[f64] {
+        &self.solution[self.process.as_ref().map_or(0, |process| process.len())..]
+    }
+
     /// Sd of a single contact.
     pub(crate) fn scatter(&self) -> f64 {
         self.sd[0]
@@ -135,7 +143,12 @@ impl<'a> Linearised<'a> {
         for length in tuning.lengths {
             let Some(process) = Departure::new(&feet, length, tuning.most_features) else { continue };
             let grams = self.grams(Some(&process));
-            found.extend(tuning.departures.iter().filter_map(|size| self.node(of, &grams, Some([length, *size]), each, tuning)));
+            let process = Arc::new(process);
+            let of_size = |size: &f64| {
+                let node = self.node(of, &grams, Some([length, *size]), each, tuning)?;
+                Some(Node { process: Some(process.clone()), ..node })
+            };
+            found.extend(tuning.departures.iter().filter_map(of_size));
         }
         found
     }
@@ -204,8 +217,9 @@ impl<'a> Linearised<'a> {
             of,
             departure,
             log_evidence: found.log + of_v + self.constant + log_prior,
-            step: found.step,
+            solution: found.solution,
             lower: found.lower,
+            process: None,
             sd: [found.sd, found.sd / (0.5 * best).exp()],
             departure_rms: found.departure_rms,
             freedom: (self.rows[0] + self.rows[1] - self.primitive.kind.free().len() as f64).max(1.0),
@@ -273,8 +287,7 @@ impl<'a> Linearised<'a> {
         let mut solution = reduced;
         dense::backward(&lower, &mut solution);
         let departure_rms = (self.departure_square(grams, &solution) / nd.max(1.0)).sqrt();
-        let block = Mat::from_fn(unknowns, unknowns, |i, j| lower[(places + i, places + j)]);
-        Some(Solved { log, step: solution[places..].to_vec(), lower: block, sd: variance.sqrt(), departure_rms })
+        Some(Solved { log, solution, lower, sd: variance.sqrt(), departure_rms })
     }
 
     /// Sum over the contacts of the squared departure.
@@ -287,7 +300,7 @@ impl<'a> Linearised<'a> {
 
 struct Solved {
     log: f64,
-    step: Vec<f64>,
+    solution: Vec<f64>,
     lower: Mat<f64>,
     sd: f64,
     departure_rms: f64,

@@ -2,7 +2,7 @@
 
 use super::candidates::{candidates, on_either_side};
 use super::evidence::{Linearised, Node, moved};
-use super::mode::{FalseContacts, Mode, mode};
+use super::mode::{FalseContacts, Mode, is_possible, mode};
 use super::other_things::{Thing, two_things};
 use super::sample::Sample;
 use super::tuning::Tuning;
@@ -68,7 +68,9 @@ impl BodyPosterior {
 
     /// The likeliest primitive of one kind.
     pub(crate) fn likeliest(&self, kind: PartKind) -> Option<Primitive> {
-        self.best_of(kind).map(|node| moved(&self.primitives[node.of], &node.step))
+        let base = |node: &Node| self.primitives[node.of];
+        let there = |node: &Node| Some(moved(&base(node), node.step())).filter(is_possible);
+        self.best_of(kind).map(|node| there(node).unwrap_or(base(node)))
     }
 
     /// Contacts that belong to the likeliest primitive of one kind.
@@ -136,19 +138,23 @@ const EXTENT: f64 = 3.0;
 fn posterior(modes: &[Mode], sample: &Sample, tuning: &Tuning) -> Option<BodyPosterior> {
     let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     // where no contact was found to be false both modes of a kind are one
-    let modes: Vec<&Mode> = modes.iter().filter(|m| !(m.strays == FalseContacts::Some && m.members().len() == sample.len())).collect();
+    let modes: Vec<&Mode> =
+        modes.iter().filter(|m| !(m.strays == FalseContacts::Some && m.members().len() == sample.len())).collect();
     let all: Vec<Linearised> = modes.iter().map(|found| Linearised::new(found, sample, tuning)).collect();
     let rough: Vec<f64> = all.iter().map(|linearised| linearised.rough(tuning)).collect();
     let likeliest = rough.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let worth = |(linearised, rough)| (rough > likeliest - HOPELESS_ROUGHLY).then_some(linearised);
-    for (found, mut linearised) in modes.iter().zip(all).zip(rough).filter_map(|((found, linearised), rough)| {
-        Some((found, worth((linearised, rough))?))
-    }) {
+    for (found, mut linearised) in modes
+        .iter()
+        .zip(all)
+        .zip(rough)
+        .filter_map(|((found, linearised), rough)| Some((found, worth((linearised, rough))?)))
+    {
         let prior = kind_prior(found.primitive.kind, tuning);
         let mut own = linearised.nodes(primitives.len(), tuning);
         // the departure takes its part of the distances, so that the likeliest primitive is another than the robust one
         if let Some(best) = own.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)) {
-            let step = best.step.clone();
+            let step = best.step().to_vec();
             if moved(&linearised.primitive, &step).is_sound(EXTENT) {
                 linearised = linearised.moved(&step);
                 own = linearised.nodes(primitives.len(), tuning);

@@ -31,7 +31,7 @@ mod tuning;
 
 pub(crate) use chart::BodyChart;
 pub(crate) use inference::{BodyPosterior, Verdict, infer};
-pub(crate) use posterior::{DrawnBase, Spread, draws as drawn, spread};
 pub(crate) use other_things::Thing;
+pub(crate) use posterior::{DrawnBase, Spread, draws as drawn, spread};
 pub(crate) use sample::Sample;
 pub use tuning::Tuning;

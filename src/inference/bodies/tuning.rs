@@ -24,6 +24,11 @@ pub struct Tuning {
     /// Mean and standard deviation of ln(sd of distances / sd of normals), lengths in the same unit: a sensor whose normals err by 3 degrees
     /// mostly errs by a fiftieth of what it touches, and a factor of five to either side is usual.
     pub log_ratio: [f64; 2],
+    /// Change of the mean S, and of the mean R relative to it, from which on a surface that departs is no longer of its kind: half a class, and
+    /// a tenth.
+    pub other_shape: [f64; 2],
+    /// Probability that a departure is an error of the sensor and not shape: even, since contacts of one sensor do not tell.
+    pub departure_is_error: f64,
     /// The prior of the share of false contacts is Beta(1, this): one in twenty is expected.
     pub false_prior: f64,
     /// Largest share of false contacts: beyond it the others are the body.
@@ -59,6 +64,8 @@ impl Default for Tuning {
             departures: [0.5, 2.0, 8.0, 32.0],
             exact: 0.5,
             log_ratio: [-1.0, 1.6],
+            other_shape: [0.06, 0.1],
+            departure_is_error: 0.5,
             false_prior: 20.0,
             false_most: 0.5,
             reach: 2.0,

@@ -9,9 +9,9 @@
 //! neighbourhoods reach over edges even in the middle of a box's face.
 
 use super::cloud::{Cloud, NEAREST};
-use crate::primitives::descent::Sample;
 use super::hypothesis::{Walk, best, sampled};
 use super::local::{LocalShape, Noise, ROUNDING};
+use crate::primitives::descent::Sample;
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{dot, minus};
 

@@ -17,11 +17,11 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::cloud::{Cloud, FEWEST_POINTS, LINKED};
-use crate::primitives::descent::{Descended, Sample, rows, share_of_distances};
 use super::evidence::Cells;
 use super::hypothesis::{CAP, cost, sampled};
 use super::local::{Noise, ROUNDING};
 use super::partition::exact;
+use crate::primitives::descent::{Descended, Sample, rows, share_of_distances};
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::VarianceComponent;

@@ -9,8 +9,8 @@
 //! R. C. Jain, *Segmentation through variable-order surface fitting*, IEEE PAMI 10 (1988) 167.
 
 use super::cloud::{Cloud, NEAREST};
-use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
 use super::local::Noise;
+use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
 use palpate_numeric::vector::{Vector, dot, minus};

@@ -49,6 +49,7 @@ mod result;
 mod scale_selection;
 mod unexplained_regions;
 
+pub use crate::primitives::placed::PartKind;
 pub use error::PartsError;
 pub use evaluation::boundary;
 #[doc(hidden)]
@@ -56,7 +57,6 @@ pub use evaluation::{Agreement, against};
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;
 pub use point_shapes::PointShapes;
-pub use crate::primitives::placed::PartKind;
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 
 use palpate_geometry::contact::Contacts;

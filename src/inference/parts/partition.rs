@@ -13,10 +13,10 @@
 use std::collections::HashSet;
 
 use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
-use crate::primitives::descent::Sample;
 use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
 use super::local::{LocalShape, Noise};
+use crate::primitives::descent::Sample;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;

@@ -76,7 +76,9 @@ pub enum RecognitionError {
         percent: [f64; 2],
     },
     /// The normals agree with the places once their columns are exchanged or reversed.
-    #[error("the normals contradict the places, and agree with them where nx, ny, nz are read as {order}: the columns seem to be exchanged")]
+    #[error(
+        "the normals contradict the places, and agree with them where nx, ny, nz are read as {order}: the columns seem to be exchanged"
+    )]
     NormalsExchanged {
         /// The order that agrees, as `nz, ny, nx`.
         order: String,

@@ -50,16 +50,16 @@ mod whole_body;
 
 pub use free_form::RecognisedSpline;
 // free-form parts are described by the same field as contacts that no simple shape explains
+pub use crate::bodies::Tuning;
 pub use contacts::NormalsUse;
 pub use error::RecognitionError;
 pub use free_form::{FieldRequest, Flexible, Pointwise, Shown, shown};
 pub use free_form::{flexible, own_axes};
-pub use crate::bodies::Tuning;
 pub use options::RecognitionOptions;
 pub use region::PredictiveDraw;
 pub use region::RecognisedSurface;
 pub use remark::Remark;
-pub use result::{Bounded, BodyGeometry, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
+pub use result::{BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
 pub(crate) use crate::dense;
 use palpate_geometry::contact::{Contacts, Grid};

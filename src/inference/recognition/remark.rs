@@ -114,16 +114,25 @@ impl std::fmt::Display for Remark {
                      counts that"
                 )
             }
-            Remark::FalseContacts { count } => write!(f, "{} lie off it by more than the others scatter, and do not count", counted(*count, "contact")),
+            Remark::FalseContacts { count } => {
+                write!(f, "{} lie off it by more than the others scatter, and do not count", counted(*count, "contact"))
+            }
             Remark::ConeIs { half_angle_deg: [value, lo, hi] } => write!(
                 f,
                 "the cone opens by {} degrees to each side of its axis, between {} and {}",
-                digits(*value), digits(*lo), digits(*hi)
+                digits(*value),
+                digits(*lo),
+                digits(*hi)
             ),
             Remark::RingIs { ring: [ring, a, b], tube: [tube, c, d] } => write!(
                 f,
                 "the ring has a radius of {} (between {} and {}), and its tube one of {} (between {} and {})",
-                digits(*ring), digits(*a), digits(*b), digits(*tube), digits(*c), digits(*d)
+                digits(*ring),
+                digits(*a),
+                digits(*b),
+                digits(*tube),
+                digits(*c),
+                digits(*d)
             ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")

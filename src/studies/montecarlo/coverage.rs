@@ -122,13 +122,12 @@ pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries:
     let both = [0, 1];
     let recognised = palpate_numeric::threads::map(replicates as usize, 1, |b| {
         let (contacts, truth) = simulator.simulate(seed, b as u64);
-        let options =
-            RecognitionOptions {
-                level: options.level,
-                sigma_xy: options.sigma_xy,
-                up: Some([0.0, 0.0, 1.0]),
-                ..RecognitionOptions::default()
-            };
+        let options = RecognitionOptions {
+            level: options.level,
+            sigma_xy: options.sigma_xy,
+            up: Some([0.0, 0.0, 1.0]),
+            ..RecognitionOptions::default()
+        };
         Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
     });
     let recognised: Vec<RecognitionOutcome> = recognised.into_iter().flatten().collect();

@@ -198,13 +198,7 @@ impl Findings<'_> {
         Ok(found)
     }
 
-    fn map(
-        &self,
-        surface: &PatchSurface,
-        points: &[ChartPoint],
-        supported: &[bool],
-        found: &Summary,
-    ) -> Vec<MapPoint> {
+    fn map(&self, surface: &PatchSurface, points: &[ChartPoint], supported: &[bool], found: &Summary) -> Vec<MapPoint> {
         let scale = self.patch.frame.scale;
         let mean_u = |k: usize| found.u.iter().map(|u| u[k]).sum::<f64>() / found.u.len().max(1) as f64;
         let typical = [mean_u(0), mean_u(1)];

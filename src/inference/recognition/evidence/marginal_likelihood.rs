@@ -14,8 +14,8 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
-use crate::recognition::contacts::{CellNormals, Cells};
 use crate::dense;
+use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::discrepancy::{Body, Displacement};
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
 use crate::recognition::kinds::{Kind, Model};

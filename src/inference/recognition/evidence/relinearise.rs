@@ -12,8 +12,8 @@
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
 use crate::dense;
+use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::{Body, Forms, State};
 use crate::recognition::equations::{Moved, Rows, slopes};
 use crate::recognition::kinds::Model;

@@ -14,8 +14,8 @@ use std::sync::OnceLock;
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
 use crate::dense;
+use crate::recognition::contacts::Cells;
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
 

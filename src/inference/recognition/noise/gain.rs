@@ -17,8 +17,8 @@
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
 use crate::dense;
+use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::linalg;
 use palpate_numeric::vector::{dot, minus, scaled, unit};

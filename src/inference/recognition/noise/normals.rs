@@ -6,8 +6,8 @@
 
 use faer::Mat;
 
-use crate::recognition::contacts::is_known;
 use crate::dense;
+use crate::recognition::contacts::is_known;
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
 use crate::recognition::kinds::Kind;
 

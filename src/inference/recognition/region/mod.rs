@@ -11,8 +11,8 @@
 mod map;
 mod predictive;
 mod projected_grid;
-mod support;
 mod recognised;
+mod support;
 mod surface;
 
 pub(crate) use map::Region;

@@ -7,12 +7,12 @@ use palpate_numeric::bspline::linspace;
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
 
 use super::exchanged_axes::agreeing_order;
-use crate::bodies::{BodyChart, BodyPosterior, DrawnBase, Sample, Spread, drawn, spread};
+use crate::bodies::{BodyChart, BodyPosterior, DrawnBase, Sample, Spread, Tuning, drawn, spread};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
-    BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, Recognition,
-    RecognitionError, RecognitionOptions, RecognisedSurface, Remark, Tried,
+    BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSurface,
+    Recognition, RecognitionError, RecognitionOptions, Remark, Tried,
 };
 
 /// Share of normals that must point to one side for it to be the free one.
@@ -70,8 +70,7 @@ impl Answer<'_> {
         }
         let members = &self.posterior.members_of(self.kind());
         let outwards = |i: &usize| likeliest.nearest(self.sample.points[*i]).1;
-        let votes: Vec<f64> =
-            members.iter().filter_map(|i| Some(dot(self.sample.normal(*i)?, outwards(i)))).collect();
+        let votes: Vec<f64> = members.iter().filter_map(|i| Some(dot(self.sample.normal(*i)?, outwards(i)))).collect();
         if !votes.is_empty() {
             let out = votes.iter().filter(|vote| **vote > 0.0).count() as f64 / votes.len() as f64;
             let side = if out >= 0.5 { 1.0 } else { -1.0 };
@@ -94,18 +93,24 @@ impl Answer<'_> {
         let likeliest = self.posterior.likeliest(kind).ok_or(failed.clone())?;
         let side = self.free_side(&likeliest);
         let turned = |primitive: Primitive| Primitive { side: side.side, ..primitive };
-        let mut draws = drawn(self.posterior, self.options.tuning.draws, self.options.seed);
+        let mut draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
         draws.iter_mut().for_each(|d| d.primitive = turned(d.primitive));
-        let members: Vec<Vector> =
-            self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
-        let chart = BodyChart::new(self.sample.frame, &turned(likeliest), &members, draws.clone());
+        let members: Vec<Vector> = self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
+        let free = free_form(&draws, &members, &self.options.tuning);
+        let is_free = free > 0.5 * draws.iter().filter(|d| d.primitive.kind == kind).map(|d| d.share).sum::<f64>();
+        let primitive = turned(likeliest);
+        let surface = match self.posterior.best_of(kind).filter(|_| is_free) {
+            Some(node) => DrawnBase::likeliest(primitive, node),
+            None => DrawnBase::of_primitive(primitive),
+        };
+        let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone());
         let (map, supported) = self.map(&chart);
         let averaged: Vec<(Vector, Vector)> =
             map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
         let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
-        let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(&d.primitive, &places)).collect();
-        let plane = self.posterior.weight_of(PartKind::Plane);
-        let s = self.estimate(&draws, |d, i| (d.primitive.kind != PartKind::Plane).then_some(shapes[i]?[0]), kind);
+        let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(d, &places)).collect();
+        let plane: f64 = draws.iter().filter(|d| is_flat(d)).map(|d| d.share).sum();
+        let s = self.estimate(&draws, |d, i| (!is_flat(d)).then_some(shapes[i]?[0]), kind);
         let r = self.estimate(&draws, |_, i| Some(shapes[i]?[1]), kind).ok_or(failed)?;
         let scale = self.sample.frame.scale;
         let curvedness = over_scale(r, scale);
@@ -118,9 +123,9 @@ impl Answer<'_> {
         let axis = geometry.axis.filter(|_| class.has_axis());
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
-        let radius = geometry.radius.filter(|_| is_round && class != ShapeClass::Plane);
+        let radius = geometry.radius.filter(|_| is_round && !is_free && class != ShapeClass::Plane);
         let found = Recognition {
-            hypothesis: hypothesis_of(likeliest.kind),
+            hypothesis: if is_free { Hypothesis::Displaced } else { hypothesis_of(likeliest.kind) },
             class,
             class_probability: classes(&draws, &shapes),
             shape_index: shape,
@@ -143,7 +148,11 @@ impl Answer<'_> {
             surface: RecognisedSurface::of_body(frame, chart),
             outliers: self.sample.len() - members.len(),
             missing: self.given.missing,
-            normals_of_length_zero: self.given.normals.as_ref().map_or(0, |_| self.sample.len() - self.sample.known_normals()),
+            normals_of_length_zero: self
+                .given
+                .normals
+                .as_ref()
+                .map_or(0, |_| self.sample.len() - self.sample.known_normals()),
             normals_against: 0,
             normals_flipped: 0,
             normals: match (&self.given.normals, self.given.ignored) {
@@ -152,13 +161,13 @@ impl Answer<'_> {
                 (None, false) => NormalsUse::Absent,
             },
             noise: self.noise(kind),
-            tried: self.tried(&places),
+            tried: self.tried(&places, free),
             misfit: self.misfit(kind),
             effective_contacts: members.len() as f64,
             contacts: members.len(),
-            notes: self.notes(&geometry, &side, likeliest.kind),
+            notes: self.notes(&geometry, &side, likeliest.kind, is_free),
             side_known: side.known,
-            body: Some(geometry),
+            body: Some(geometry).filter(|_| !is_free),
             predictive: Vec::new(),
         };
         Ok(if side.known { found } else { super::of_either_side(found) })
@@ -265,7 +274,8 @@ impl Answer<'_> {
         }
     }
 
-    fn tried(&self, places: &[Vector]) -> Vec<Tried> {
+    /// Every kind with its probability; what departs so far that it is none of them, `free` of all, stands for itself.
+    fn tried(&self, places: &[Vector], free: f64) -> Vec<Tried> {
         let scale = self.sample.frame.scale;
         let one = |kind: PartKind| {
             let primitive = self.posterior.likeliest(kind)?;
@@ -281,6 +291,10 @@ impl Answer<'_> {
             })
         };
         let mut tried: Vec<Tried> = PartKind::EXACT.into_iter().filter_map(one).collect();
+        if let Some(base) = tried.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).copied().filter(|_| free > 0.0) {
+            tried.iter_mut().for_each(|t| t.weight *= 1.0 - free);
+            tried.push(Tried { hypothesis: Hypothesis::Displaced, weight: free, ..base });
+        }
         tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         tried
     }
@@ -305,10 +319,13 @@ impl Answer<'_> {
         Misfit { neighbour_correlation, p: exact, percent_of_relief: 100.0 * total, words }
     }
 
-    fn notes(&self, geometry: &BodyGeometry, side: &FreeSide, kind: PartKind) -> Vec<Remark> {
+    fn notes(&self, geometry: &BodyGeometry, side: &FreeSide, kind: PartKind, is_free: bool) -> Vec<Remark> {
         let mut notes = Vec::new();
         if !side.known {
             notes.push(Remark::FreeSideAssumed);
+        }
+        if is_free {
+            return notes;
         }
         let three = |b: Bounded| [b.value, b.interval[0], b.interval[1]];
         if let Some(angle) = geometry.half_angle_deg {
@@ -332,17 +349,11 @@ fn hypothesis_of(kind: PartKind) -> Hypothesis {
     }
 }
 
-/// A place on a primitive next to one beside it.
-fn foot(primitive: &Primitive, place: Vector) -> Vector {
-    let (d, normal) = primitive.nearest(place);
-    along(place, -d, normal)
-}
-
 /// Means of S (0 on a plane), R and 1 over places; `None` where one is not finite.
-fn mean_shape(primitive: &Primitive, places: &[Vector]) -> Option<[f64; 3]> {
+fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 3]> {
     let mut sums = [0.0; 3];
     for place in places {
-        let [k1, k2] = primitive.curvatures(foot(primitive, *place));
+        let [k1, k2] = drawn.curvatures(*place);
         sums[0] += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
         sums[1] += curvedness(k1, k2);
         sums[2] += 1.0;
@@ -353,8 +364,34 @@ fn mean_shape(primitive: &Primitive, places: &[Vector]) -> Option<[f64; 3]> {
 
 fn mean_curvatures(primitive: &Primitive, places: &[Vector]) -> [f64; 2] {
     let count = places.len().max(1) as f64;
-    let each = places.iter().map(|place| primitive.curvatures(foot(primitive, *place)));
+    let drawn = DrawnBase::of_primitive(*primitive);
+    let each = places.iter().map(|place| drawn.curvatures(*place));
     each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
+}
+
+/// Contacts at which a drawn surface is compared with its primitive.
+const COMPARED: usize = 32;
+
+/// Share of the draws whose departure makes another shape of them.
+fn free_form(draws: &[DrawnBase], members: &[Vector], tuning: &Tuning) -> f64 {
+    let step = members.len().div_ceil(COMPARED).max(1);
+    let places: Vec<Vector> = members.iter().step_by(step).copied().collect();
+    let [of_s, of_r] = tuning.other_shape;
+    let is_other = |drawn: &&DrawnBase| {
+        let base = DrawnBase::of_primitive(drawn.primitive);
+        match (drawn.departs(), mean_shape(drawn, &places), mean_shape(&base, &places)) {
+            (true, Some(own), Some(base)) => {
+                (own[0] - base[0]).abs() > of_s || (own[1] - base[1]).abs() > of_r * base[1].max(own[1])
+            }
+            _ => false,
+        }
+    };
+    draws.iter().filter(is_other).map(|d| d.share).sum()
+}
+
+/// A plane that departs from nothing.
+fn is_flat(drawn: &DrawnBase) -> bool {
+    drawn.primitive.kind == PartKind::Plane && !drawn.departs()
 }
 
 /// Shares of the draws in every class.
@@ -362,7 +399,7 @@ fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 3]>]) -> Vec<(ShapeClass,
     let mut found: Vec<(ShapeClass, f64)> = Vec::new();
     for (drawn, shape) in draws.iter().zip(shapes) {
         let Some([s, ..]) = shape else { continue };
-        let flat = drawn.primitive.kind == PartKind::Plane;
+        let flat = is_flat(drawn);
         let class = if flat { ShapeClass::Plane } else { ShapeClass::of_shape_index(*s) };
         match found.iter_mut().find(|(known, _)| *known == class) {
             Some((_, sum)) => *sum += drawn.share,

@@ -128,10 +128,7 @@ fn several(sample: &Sample, things: &[Thing; 2]) -> RecognitionError {
             PartKind::Torus => format!("a ring of radius {radius}"),
         }
     };
-    RecognitionError::SeveralThings {
-        things: things.each_ref().map(name),
-        percent: things.each_ref().map(share),
-    }
+    RecognitionError::SeveralThings { things: things.each_ref().map(name), percent: things.each_ref().map(share) }
 }
 
 /// Four digits.
