@@ -28,8 +28,8 @@ impl Primitive for Cone {
         let (sin, cos) = self.half_angle.sin_cos();
         DistanceJet {
             hessian: square(|i, j| cos * around(radial, i, j) / rho),
-            by_size: [-cos, -(rho - self.radius) * sin - q[2] * cos],
-            gradient_by_size: [[0.0; 3], [-sin * radial[0], -sin * radial[1], -cos]],
+            by_size: [-cos, -(rho - self.radius) * sin - q[2] * cos, 0.0],
+            gradient_by_size: [[0.0; 3], [-sin * radial[0], -sin * radial[1], -cos], [0.0; 3]],
             ..DistanceJet::flat(self.distance(q))
         }
     }

@@ -23,7 +23,7 @@ impl Primitive for Cylinder {
         let radial = radial(q, rho);
         DistanceJet {
             hessian: square(|i, j| around(radial, i, j) / rho),
-            by_size: [-1.0, 0.0],
+            by_size: [-1.0, 0.0, 0.0],
             ..DistanceJet::flat(self.distance(q))
         }
     }

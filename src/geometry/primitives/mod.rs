@@ -12,6 +12,7 @@
 
 mod cone;
 mod cylinder;
+mod ellipsoid;
 mod plane;
 mod sphere;
 mod torus;
@@ -19,6 +20,7 @@ mod two_curvatures;
 
 pub use cone::Cone;
 pub use cylinder::Cylinder;
+pub use ellipsoid::Ellipsoid;
 pub use plane::Plane;
 pub use sphere::Sphere;
 pub use torus::Torus;
@@ -35,18 +37,18 @@ pub struct DistanceJet {
     pub gradient: Vector,
     /// Its Hessian.
     pub hessian: [Vector; 3],
-    /// Derivatives of the distance by the two sizes; 0 for a size that the primitive does not have.
-    pub by_size: [f64; 2],
-    /// Derivatives of the gradient by the two sizes.
-    pub gradient_by_size: [Vector; 2],
+    /// Derivatives of the distance by the sizes; 0 for a size that the primitive does not have.
+    pub by_size: [f64; 3],
+    /// Derivatives of the gradient by the sizes.
+    pub gradient_by_size: [Vector; 3],
 }
 
 impl DistanceJet {
     /// Of a distance whose other derivatives vanish.
     #[inline]
     fn flat((distance, gradient): (f64, Vector)) -> DistanceJet {
-        let (hessian, gradient_by_size) = ([[0.0; 3]; 3], [[0.0; 3]; 2]);
-        DistanceJet { distance, gradient, hessian, by_size: [0.0; 2], gradient_by_size }
+        let (hessian, gradient_by_size) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        DistanceJet { distance, gradient, hessian, by_size: [0.0; 3], gradient_by_size }
     }
 }
 

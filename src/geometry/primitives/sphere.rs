@@ -24,7 +24,7 @@ impl Primitive for Sphere {
         let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
         DistanceJet {
             hessian: square(|i, j| (identity(i, j) - gradient[i] * gradient[j]) / length),
-            by_size: [-1.0, 0.0],
+            by_size: [-1.0, 0.0, 0.0],
             ..DistanceJet::flat((distance, gradient))
         }
     }

@@ -35,8 +35,8 @@ impl Primitive for Torus {
         let tangent = [-s * radial[0], -s * radial[1], c];
         DistanceJet {
             hessian: square(|i, j| tangent[i] * tangent[j] / length + c * around(radial, i, j) / rho),
-            by_size: [-c, -1.0],
-            gradient_by_size: [tangent.map(|t| s / length * t), [0.0; 3]],
+            by_size: [-c, -1.0, 0.0],
+            gradient_by_size: [tangent.map(|t| s / length * t), [0.0; 3], [0.0; 3]],
             ..DistanceJet::flat((distance, gradient))
         }
     }

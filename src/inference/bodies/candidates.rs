@@ -20,7 +20,7 @@ use palpate_geometry::contact::Contacts;
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
 use palpate_numeric::statistics::median;
-use palpate_numeric::vector::{Vector, along, dot};
+use palpate_numeric::vector::{Vector, along, cross, dot};
 
 /// Contacts from which planes through neighbours tell normals.
 const NEIGHBOURLY: usize = 20;
@@ -46,6 +46,7 @@ fn members_of_a_set(kind: PartKind) -> usize {
         PartKind::Cylinder => 4,
         PartKind::Cone => 6,
         PartKind::Torus | PartKind::Patch => 8,
+        PartKind::Ellipsoid => 12,
     }
 }
 
@@ -55,7 +56,7 @@ pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Primitive> {
     let mut generator = Lcg::new(sample.len() as u64);
     let few = sample.at_most(COMPARED);
     let mut all = Vec::new();
-    for kind in PartKind::EXACT {
+    for kind in PartKind::BODIES {
         let mut of_kind = by_positions(kind, sample);
         if let Some(oriented) = &oriented {
             of_kind.extend(closed_forms(kind, oriented));
@@ -84,12 +85,13 @@ pub(super) fn on_either_side(found: &Primitive, sample: &Sample, tuning: &Tuning
 
 /// The parallel surface at a distance.
 fn beside(found: &Primitive, by: f64) -> Primitive {
-    let [one, two] = found.sizes;
+    let [one, two, three] = found.sizes;
     match found.kind {
         PartKind::Plane | PartKind::Patch => Primitive { origin: along(found.origin, by, found.axes[2]), ..*found },
-        PartKind::Sphere | PartKind::Cylinder => Primitive { sizes: [one + by, two], ..*found },
-        PartKind::Cone => Primitive { sizes: [one + by / two.cos(), two], ..*found },
-        PartKind::Torus => Primitive { sizes: [one, two + by], ..*found },
+        PartKind::Sphere | PartKind::Cylinder => Primitive { sizes: [one + by, two, three], ..*found },
+        PartKind::Cone => Primitive { sizes: [one + by / two.cos(), two, three], ..*found },
+        PartKind::Torus => Primitive { sizes: [one, two + by, three], ..*found },
+        PartKind::Ellipsoid => Primitive { sizes: found.sizes.map(|a| a + by), ..*found },
     }
 }
 
@@ -159,6 +161,9 @@ fn drawn(count: usize, among: usize, generator: &mut Lcg) -> Vec<usize> {
 
 fn of_small_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
     let count = members_of_a_set(kind);
+    if kind == PartKind::Ellipsoid {
+        return of_bare_sets(kind, sample, tuning, generator);
+    }
     if sample.len() <= count {
         return Vec::new();
     }
@@ -169,7 +174,7 @@ fn of_small_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &m
 /// Sets of positions alone: planes and spheres have a closed form.
 fn of_bare_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
     let count = members_of_a_set(kind);
-    if sample.len() <= count || !matches!(kind, PartKind::Plane | PartKind::Sphere) {
+    if sample.len() <= count || !matches!(kind, PartKind::Plane | PartKind::Sphere | PartKind::Ellipsoid) {
         return Vec::new();
     }
     let one = |_| by_positions(kind, &sample.only(&drawn(count, sample.len(), generator)));
@@ -181,14 +186,14 @@ fn by_positions(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
     let made = |origin, axis: Vector, sizes| Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 };
     let (middle, axes) = principal(sample);
     match kind {
-        PartKind::Plane => vec![made(middle, axes[0], [0.0; 2])],
+        PartKind::Plane => vec![made(middle, axes[0], [0.0; 3])],
         PartKind::Sphere => {
-            sphere(&sample.points).map(|(c, r)| made(c, [0.0, 0.0, 1.0], [r, 0.0])).into_iter().collect()
+            sphere(&sample.points).map(|(c, r)| made(c, [0.0, 0.0, 1.0], [r, 0.0, 0.0])).into_iter().collect()
         }
         PartKind::Cylinder | PartKind::Cone => {
             let across = |axis: Vector| {
                 let (centre, radius) = circle(sample, axis)?;
-                Some(made(centre, axis, [radius, 0.0]))
+                Some(made(centre, axis, [radius, 0.0, 0.0]))
             };
             axes.into_iter().chain(directions()).filter_map(across).collect()
         }
@@ -199,11 +204,43 @@ fn by_positions(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
                 let (centre, radius) = circle(sample, axis)?;
                 let rise = sample.points.iter().map(|p| dot(*p, axis).powi(2)).sum::<f64>() / sample.len() as f64;
                 let tube = (2.0 * rise).sqrt().min(0.9 * radius);
-                Some(made(centre, axis, [radius, tube]))
+                Some(made(centre, axis, [radius, tube, 0.0]))
             })
             .collect(),
+        // the ball, and the quadric through the contacts
+        PartKind::Ellipsoid => {
+            let ball = sphere(&sample.points).map(|(c, r)| Primitive { axes, ..made(c, axes[2], [r; 3]) });
+            ball.into_iter().chain(quadric(&sample.points)).collect()
+        }
         PartKind::Patch => Vec::new(),
     }
+}
+
+/// The ellipsoid of the quadric `p'A p + b'p = 1` by linear least squares; `None` where that is none.
+fn quadric(points: &[Vector]) -> Option<Primitive> {
+    let (mut matrix, mut right) = ([[0.0; 9]; 9], [0.0; 9]);
+    for [x, y, z] in points {
+        let row = [x * x, y * y, z * z, 2.0 * y * z, 2.0 * x * z, 2.0 * x * y, *x, *y, *z];
+        for i in 0..9 {
+            right[i] += row[i];
+            (0..9).for_each(|j| matrix[i][j] += row[i] * row[j]);
+        }
+    }
+    let [a, b, c, f, g, h, u, v, w] = solve(&cholesky(&ridged(matrix))?, right);
+    let form = [[a, h, g], [h, b, f], [g, f, c]];
+    let centre = solve(&cholesky(&form)?, [-0.5 * u, -0.5 * v, -0.5 * w]);
+    let value: f64 = 1.0 + (0..3).map(|i| centre[i] * dot(form[i], centre)).sum::<f64>();
+    let (values, axes) = eigen(&form);
+    let sizes = values.map(|lambda| (value / lambda).sqrt());
+    let [first, second, _] = axes;
+    let axes = [first, second, cross(first, second)];
+    sizes.iter().all(|a| a.is_finite()).then_some(Primitive {
+        kind: PartKind::Ellipsoid,
+        origin: centre,
+        axes,
+        sizes,
+        side: 1.0,
+    })
 }
 
 /// Middle and principal axes, the narrowest first.

@@ -53,7 +53,8 @@ impl BodyChart {
         }
         let seams = angles(&primitive, contacts);
         let axes = primitive.axes;
-        if !matches!(primitive.kind, PartKind::Plane) {
+        // the axes of an ellipsoid are its own
+        if !matches!(primitive.kind, PartKind::Plane | PartKind::Ellipsoid) {
             let (sin, cos) = middle(&seams[0]).sin_cos();
             let first = along(axes[0].map(|e| e * cos), sin, axes[1]);
             primitive.axes = [first, cross(axes[2], first), axes[2]];
@@ -101,12 +102,13 @@ impl BodyChart {
 
     /// Lengths of one radian in the two directions.
     fn lengths(&self) -> [f64; 2] {
-        let [one, two] = self.primitive.sizes;
+        let [one, two, three] = self.primitive.sizes;
         match self.primitive.kind {
             PartKind::Plane | PartKind::Patch => [1.0, 1.0],
             PartKind::Sphere => [one, one],
             PartKind::Cylinder | PartKind::Cone => [one.abs(), 1.0],
             PartKind::Torus => [one, two],
+            PartKind::Ellipsoid => [(one * two * three).cbrt(); 2],
         }
     }
 
@@ -114,7 +116,7 @@ impl BodyChart {
     fn is_round(&self, k: usize) -> bool {
         match self.primitive.kind {
             PartKind::Plane | PartKind::Patch => false,
-            PartKind::Sphere | PartKind::Cylinder | PartKind::Cone => k == 0,
+            PartKind::Sphere | PartKind::Cylinder | PartKind::Cone | PartKind::Ellipsoid => k == 0,
             PartKind::Torus => true,
         }
     }
@@ -134,6 +136,11 @@ impl BodyChart {
                 [lu * angle, (rho - self.primitive.sizes[0]) * sin + q[2] * cos]
             }
             PartKind::Torus => [lu * angle, lv * q[2].atan2(rho - self.primitive.sizes[0])],
+            PartKind::Ellipsoid => {
+                let (d, normal) = self.primitive.distance(q);
+                let x = [0, 1, 2].map(|k| (q[k] - d * normal[k]) / self.primitive.sizes[k]);
+                [lu * x[1].atan2(x[0]), lv * x[2].atan2(x[0].hypot(x[1])).clamp(-POLAR, POLAR)]
+            }
         };
         [self.primitive.side * u, v]
     }
@@ -142,7 +149,7 @@ impl BodyChart {
     fn place(&self, [u, v]: [f64; 2]) -> Vector {
         let u = self.primitive.side * u;
         let [lu, lv] = self.lengths();
-        let [one, two] = self.primitive.sizes;
+        let [one, two, three] = self.primitive.sizes;
         let round = |rho: f64, angle: f64, h: f64| [rho * angle.cos(), rho * angle.sin(), h];
         let own = match self.primitive.kind {
             PartKind::Plane | PartKind::Patch => [u, v, 0.0],
@@ -158,6 +165,10 @@ impl BodyChart {
             PartKind::Torus => {
                 let (sin, cos) = (v / lv).sin_cos();
                 round(one + two * cos, u / lu, two * sin)
+            }
+            PartKind::Ellipsoid => {
+                let ((sin, cos), angle) = ((v / lv).sin_cos(), u / lu);
+                [one * cos * angle.cos(), two * cos * angle.sin(), three * sin]
             }
         };
         along(self.primitive.origin, 1.0, self.primitive.out(own))

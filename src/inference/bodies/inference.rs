@@ -51,7 +51,7 @@ impl BodyPosterior {
     /// The likeliest kind, by the sum over all its hypotheses.
     pub(crate) fn kind(&self) -> PartKind {
         let weight = |kind: &PartKind| self.weight_of(*kind);
-        PartKind::EXACT.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(PartKind::Plane)
+        PartKind::BODIES.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(PartKind::Plane)
     }
 
     /// Probability of one kind.
@@ -178,6 +178,6 @@ fn posterior(modes: &[Mode], sample: &Sample, tuning: &Tuning) -> Option<BodyPos
 
 fn kind_prior(kind: PartKind, tuning: &Tuning) -> f64 {
     let all: f64 = tuning.kinds.iter().sum();
-    let own = PartKind::EXACT.iter().position(|known| *known == kind);
+    let own = PartKind::BODIES.iter().position(|known| *known == kind);
     own.map_or(f64::NEG_INFINITY, |k| (tuning.kinds[k] / all).ln())
 }

@@ -280,12 +280,13 @@ impl ResidualModel for WeightedRows<'_> {
 /// Sizes that a body can have.
 pub(super) fn is_possible(primitive: &Primitive) -> bool {
     use crate::primitives::placed::PartKind;
-    let [one, two] = primitive.sizes;
+    let [one, two, three] = primitive.sizes;
     match primitive.kind {
         PartKind::Plane | PartKind::Patch => true,
         PartKind::Sphere | PartKind::Cylinder => one > 0.0,
         PartKind::Cone => two.abs() < 1.55,
         PartKind::Torus => one > 0.0 && two > 0.0,
+        PartKind::Ellipsoid => one > 0.0 && two > 0.0 && three > 0.0,
     }
 }
 

@@ -6,6 +6,7 @@
 //! p(direction) = 1/(4 pi)            which of its places does; of an axis 1/(2 pi)
 //! p(k) = 2 / (pi (1 + k^2))          half Cauchy: half of all radii lie beyond the contacts' size
 //! p(angle of a cone) = 1/pi          -90 to 90 degrees
+//! p(ln a, ln b, ln c) about their mean: gaussian, 0.35 in two directions            half axes of an ellipsoid; its mean as a radius
 //! sphere    dh domega dk = dc dr / (|c|^2 r^2)        1 + |c|^2 in place of |c|^2 keeps it finite where c is the middle
 //! ```
 
@@ -14,7 +15,7 @@ use std::f64::consts::PI;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::vector::dot;
 
-/// Log density of a primitive by `tau omega size1 size2`, as far as its kind has them.
+/// Log density of a primitive by `tau omega sizes`, as far as its kind has them.
 pub(super) fn log_prior(primitive: &Primitive) -> f64 {
     let c = primitive.origin;
     let height = 0.5_f64.ln();
@@ -24,21 +25,46 @@ pub(super) fn log_prior(primitive: &Primitive) -> f64 {
     let around_point = -(4.0 * PI * (1.0 + dot(c, c))).ln();
     let across = primitive.own([0.0; 3]);
     let around_axis = -(2.0 * PI * (1.0 + across[0].hypot(across[1]))).ln();
-    let [one, two] = primitive.sizes;
+    let [one, two, three] = primitive.sizes;
     match primitive.kind {
         PartKind::Plane | PartKind::Patch => height + axis,
         PartKind::Sphere => height + around_point + radius(one),
         PartKind::Cylinder => height + axis + around_axis + radius(one),
         PartKind::Cone => height + axis + around_axis + radius(one) - PI.ln(),
         PartKind::Torus => height + around_point + axis + radius(one) + radius(two),
+        PartKind::Ellipsoid => height + around_point + orientation() + half_axes([one, two, three]) + radius_of(primitive),
     }
+}
+
+/// Density of a frame, 1 over 8 pi^2, times the 24 frames in which an ellipsoid is the same but for the order of its half axes.
+fn orientation() -> f64 {
+    (24.0 / (8.0 * PI * PI)).ln()
+}
+
+/// Standard deviation of the logarithms of an ellipsoid's half axes about their mean, in two directions across it.
+const SHAPES: f64 = 0.35;
+
+/// Log density of three half axes given their geometric mean r, by the half axes: gaussian in the two differences of the logarithms.
+fn half_axes(sizes: [f64; 3]) -> f64 {
+    let logs = sizes.map(f64::ln);
+    let mean = logs.iter().sum::<f64>() / 3.0;
+    let square: f64 = logs.iter().map(|l| (l - mean).powi(2)).sum();
+    // d(ln r) = d(sum of the logs)/3, which is 1/sqrt 3 of an orthonormal coordinate; r's own density is by r
+    let jacobian = mean - 0.5 * 3.0_f64.ln() - logs.iter().sum::<f64>();
+    -(2.0 * PI * SHAPES * SHAPES).ln() - 0.5 * square / (SHAPES * SHAPES) + jacobian
+}
+
+/// Log density of the geometric mean of an ellipsoid's half axes, as of a radius.
+fn radius_of(primitive: &Primitive) -> f64 {
+    let r = primitive.sizes.iter().map(|a| a.ln()).sum::<f64>() / 3.0;
+    (2.0 / (PI * (1.0 + (2.0 * r).exp()))).ln()
 }
 
 /// Standard deviations that bound each unknown where contacts leave it open.
 pub(super) fn widths(primitive: &Primitive) -> [f64; MOST_UNKNOWNS] {
     let c = primitive.origin;
     let place = 1.0 + dot(c, c).sqrt();
-    let [one, two] = primitive.sizes.map(|r| 1.0 + r * r);
+    let [one, two, three] = primitive.sizes.map(|r| 1.0 + r * r);
     let second = if primitive.kind == PartKind::Cone { 1.0 } else { two };
-    [place, place, place, 1.0, 1.0, one, second]
+    [place, place, place, 1.0, 1.0, one, second, three, 1.0]
 }

@@ -21,7 +21,7 @@ fn direction(g: &mut Lcg) -> [f64; 3] {
 fn study() {
     let count: usize = std::env::var("COUNT").ok().and_then(|c| c.parse().ok()).unwrap_or(40);
     let mut pooled = [[0.0f64; 4]; 10];
-    for kind in [PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus] {
+    for kind in [PartKind::Ellipsoid, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus] {
         for turn in [360.0f64, 160.0, 90.0] {
             for (n, normals) in [(8, true), (20, false), (20, true), (60, false), (60, true), (300, false)] {
                 if let Ok(only) = std::env::var("ONLY") {
@@ -49,22 +49,21 @@ fn study() {
                         let size = 1.0;
                         let second = match kind {
                             PartKind::Cone => 0.15 + 0.6 * g.uniform(),
-                            PartKind::Torus => 0.2 + 0.5 * g.uniform(),
+                            PartKind::Ellipsoid => 0.5 + 0.4 * g.uniform(), PartKind::Torus => 0.2 + 0.5 * g.uniform(),
                             _ => 0.0,
                         };
                         let base = Primitive {
                             kind,
                             origin: [5.0 * g.uniform(), 3.0, -2.0],
                             axes: axes_along(axis),
-                            sizes: [size, second],
+                            sizes: [size, second, if kind == PartKind::Ellipsoid { 0.5 + 0.45 * g.uniform() } else { 0.0 }],
                             side: 1.0,
                         };
                         let (mut p, mut nn) = (vec![], vec![]);
                         for _ in 0..n {
                             let (a, b) = ((g.uniform() - 0.5) * turn.to_radians(), g.uniform() - 0.5);
                             let own = match kind {
-                                PartKind::Sphere => {
-                                    let h = (turn / 360.0).max(0.3) * 2.0 * b;
+                                PartKind::Sphere | PartKind::Ellipsoid => { let h = (turn / 360.0).max(0.3) * 2.0 * b;
                                     let h = h.clamp(-1.0, 1.0);
                                     let r = (1.0 - h * h).sqrt();
                                     [r * a.cos(), r * a.sin(), h]
@@ -81,7 +80,8 @@ fn study() {
                                     [r * a.cos(), r * a.sin(), second * t.sin()]
                                 }
                             };
-                            let at = along(base.origin, 1.0, base.out(own));
+                            let own = if kind == PartKind::Ellipsoid { [own[0] * base.sizes[0], own[1] * base.sizes[1], own[2] * base.sizes[2]] } else { own };
+ let at = along(base.origin, 1.0, base.out(own));
                             let (d, normal) = base.nearest(at);
                             assert!(d.abs() < 1e-9);
                             let e = noise * gaussian(&mut g);
@@ -125,7 +125,8 @@ fn study() {
                                                 match kind {
                                                     PartKind::Cone => d.primitive.sizes[1].abs(),
                                                     PartKind::Torus => d.primitive.sizes[1] * sample.frame.scale,
-                                                    _ => d.primitive.sizes[0] * sample.frame.scale,
+                                                    PartKind::Ellipsoid => d.primitive.sizes.iter().copied().fold(0.0, f64::max) * sample.frame.scale,
+ _ => d.primitive.sizes[0] * sample.frame.scale,
                                                 },
                                                 1.0,
                                             )

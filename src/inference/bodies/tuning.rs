@@ -12,8 +12,8 @@
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Tuning {
-    /// Prior odds of plane, sphere, cylinder, cone and torus. Equal: nothing is known of what is touched.
-    pub kinds: [f64; 5],
+    /// Prior odds of plane, sphere, cylinder, cone, torus and ellipsoid. Equal: nothing is known of what is touched.
+    pub kinds: [f64; 6],
     /// Lengths of departures from a primitive, in root mean square distances of the contacts from their middle: from half the body
     /// to a tenth of it.
     pub lengths: [f64; 3],
@@ -59,7 +59,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Tuning {
         Tuning {
-            kinds: [1.0; 5],
+            kinds: [1.0; 6],
             lengths: [0.2, 0.45, 1.0],
             departures: [0.5, 2.0, 8.0, 32.0],
             exact: 0.5,

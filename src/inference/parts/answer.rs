@@ -185,7 +185,7 @@ fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {
 
 /// In the input's units, with directions made unique: the largest component of an axis is positive, a cone widens along its own.
 fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
-    let [one, two] = primitive.sizes;
+    let [one, two, _] = primitive.sizes;
     let axis = primitive.axes[2];
     let largest = (0..3).fold(0, |best, k| if axis[k].abs() > axis[best].abs() { k } else { best });
     let upward = if axis[largest] < 0.0 { scaled(-1.0, axis) } else { axis };
@@ -204,7 +204,7 @@ fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
             ..base
         },
         PartKind::Torus => PartGeometry { axis: Some(upward), radius: length(one), minor_radius: length(two), ..base },
-        PartKind::Patch => base,
+        PartKind::Patch | PartKind::Ellipsoid => base,
     }
 }
 

@@ -79,7 +79,7 @@ pub(super) fn simplest(
         return Some(found);
     }
     let cone = found.descended.primitive;
-    let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0], ..cone };
+    let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0, 0.0], ..cone };
     fitted(cloud, inner, &cylinder, coarse, cells).or(Some(found))
 }
 

@@ -86,6 +86,9 @@ pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; 
             entry.1[3 + j] = -s * dot(at.hessian[k], cross(e, q)) + cross(e, m)[k];
             entry.1[5 + j] = s * at.gradient_by_size[j][k];
         }
+        entry.1[7] = s * at.gradient_by_size[2][k];
+        let axis = [0.0, 0.0, 1.0];
+        entry.1[8] = -s * dot(at.hessian[k], cross(axis, q)) + cross(axis, m)[k];
     }
     all
 }
@@ -93,7 +96,7 @@ pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; 
 fn distance_row(at: &DistanceJet, q: Vector) -> [f64; MOST_UNKNOWNS] {
     let g = at.gradient;
     let turn = cross(q, g);
-    [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1]]
+    [-g[0], -g[1], -g[2], -turn[0], -turn[1], at.by_size[0], at.by_size[1], at.by_size[2], -turn[2]]
 }
 
 /// How many of the unknowns the distances determine; the normals determine the rest: the trace of the hat matrix over the rows
@@ -221,9 +224,10 @@ mod tests {
 
     fn primitive(kind: PartKind) -> Primitive {
         let sizes = match kind {
-            PartKind::Cone => [2.0, 0.4],
-            PartKind::Torus => [3.0, 0.8],
-            _ => [2.0, 0.0],
+            PartKind::Cone => [2.0, 0.4, 0.0],
+            PartKind::Torus => [3.0, 0.8, 0.0],
+            PartKind::Ellipsoid => [3.0, 2.0, 1.5],
+            _ => [2.0, 0.0, 0.0],
         };
         Primitive { kind, origin: [0.3, -0.2, 0.5], axes: axes_along(unit([1.0, 2.0, -0.5])), sizes, side: -1.0 }
     }
@@ -234,7 +238,7 @@ mod tests {
     #[test]
     fn every_derivative_is_that_of_finite_differences() {
         const STEP_OF_DIFFERENCES: f64 = 1e-6;
-        for kind in PartKind::EXACT {
+        for kind in PartKind::BODIES {
             let at = primitive(kind);
             let normal = unit([0.2, -0.7, 0.4]);
             for place in PLACES {
@@ -301,7 +305,7 @@ mod tests {
                 normals.push(truth.nearest(world).1);
             }
             let sample = Sample { points: &points, normals: &normals, u_distance: 0.01, u_normal: 0.01 };
-            let start = truth.moved(&[0.02, -0.03, 0.02, 0.01, -0.02, 0.03, 0.01]);
+            let start = truth.moved(&[0.02, -0.03, 0.02, 0.01, -0.02, 0.03, 0.01, 0.0, 0.0]);
             let found = descend(&start, &sample).unwrap();
             assert!(found.sum < 1e-12, "{kind:?}: {}", found.sum);
             if !matches!(kind, PartKind::Plane | PartKind::Cone) {

@@ -8,7 +8,7 @@
 //! What a size does to d and to its gradient is known in closed form, and so is the Hessian of d, which is all that the rows
 //! of positions and normals need.
 
-use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus};
+use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Ellipsoid, Plane, Sphere, Torus};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, reject, unit};
 
 /// What a part is made of.
@@ -28,12 +28,24 @@ pub enum PartKind {
     Torus,
     /// A smooth surface that is none of these.
     Patch,
+    /// An ellipsoid; parts have none.
+    Ellipsoid,
 }
 
 impl PartKind {
     /// The exact primitives, those with fewer unknowns first.
     pub const EXACT: [PartKind; 5] =
         [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus];
+
+    /// What a whole body is compared with.
+    pub(crate) const BODIES: [PartKind; 6] = [
+        PartKind::Plane,
+        PartKind::Sphere,
+        PartKind::Cylinder,
+        PartKind::Cone,
+        PartKind::Torus,
+        PartKind::Ellipsoid,
+    ];
 
     /// The word used in every output.
     pub fn name(self) -> &'static str {
@@ -44,10 +56,11 @@ impl PartKind {
             PartKind::Cone => "cone",
             PartKind::Torus => "torus",
             PartKind::Patch => "patch",
+            PartKind::Ellipsoid => "ellipsoid",
         }
     }
 
-    /// Which of `tau1 tau2 tau3 omega1 omega2 size1 size2` are unknown.
+    /// Which of `tau1 tau2 tau3 omega1 omega2 size1 size2 size3 omega3` are unknown.
     pub(crate) fn free(self) -> &'static [usize] {
         match self {
             PartKind::Plane => &[2, 3, 4],
@@ -56,12 +69,13 @@ impl PartKind {
             PartKind::Cone => &[0, 1, 3, 4, 5, 6],
             PartKind::Torus => &[0, 1, 2, 3, 4, 5, 6],
             PartKind::Patch => &[],
+            PartKind::Ellipsoid => &[0, 1, 2, 3, 4, 5, 6, 7, 8],
         }
     }
 }
 
 /// Most unknowns of a primitive.
-pub(crate) const MOST_UNKNOWNS: usize = 7;
+pub(crate) const MOST_UNKNOWNS: usize = 9;
 
 /// A primitive in the cloud's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,8 +85,8 @@ pub(crate) struct Primitive {
     pub(crate) origin: Vector,
     /// e1, e2 and the axis a (of a plane its normal).
     pub(crate) axes: [Vector; 3],
-    /// Radius (of the torus the ring's), and half angle of the cone or radius of the tube.
-    pub(crate) sizes: [f64; 2],
+    /// Radius (of the torus the ring's), and half angle of the cone or radius of the tube; three half axes of an ellipsoid.
+    pub(crate) sizes: [f64; 3],
     /// 1 where the free side is that of growing d, else -1.
     pub(crate) side: f64,
 }
@@ -108,13 +122,14 @@ impl Primitive {
 
     /// Asks the primitive in its own axes.
     fn own_form<A>(&self, ask: impl FnOnce(&dyn primitives::Primitive) -> A) -> A {
-        let [one, two] = self.sizes;
+        let [one, two, _] = self.sizes;
         match self.kind {
             PartKind::Plane | PartKind::Patch => ask(&Plane),
             PartKind::Sphere => ask(&Sphere { radius: one }),
             PartKind::Cylinder => ask(&Cylinder { radius: one }),
             PartKind::Cone => ask(&Cone { radius: one, half_angle: two }),
             PartKind::Torus => ask(&Torus { ring: one, tube: two }),
+            PartKind::Ellipsoid => ask(&Ellipsoid { half_axes: self.sizes }),
         }
     }
 
@@ -128,13 +143,14 @@ impl Primitive {
         self.own_form(|form| form.jet(q))
     }
 
-    /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2`.
+    /// The primitive after a step `tau1 tau2 tau3 omega1 omega2 size1 size2 size3 omega3`.
     pub(crate) fn moved(&self, step: &[f64; MOST_UNKNOWNS]) -> Primitive {
         let origin = (0..3).fold(self.origin, |o, k| along(o, step[k], self.axes[k]));
-        let omega = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
+        let level = along(self.axes[0].map(|e| e * step[3]), step[4], self.axes[1]);
+        let omega = if step[8] == 0.0 { level } else { along(level, step[8], self.axes[2]) };
         let axis = unit(along(self.axes[2], 1.0, cross(omega, self.axes[2])));
         let first = unit(reject(along(self.axes[0], 1.0, cross(omega, self.axes[0])), axis));
-        let sizes = [self.sizes[0] + step[5], self.sizes[1] + step[6]];
+        let sizes = [self.sizes[0] + step[5], self.sizes[1] + step[6], self.sizes[2] + step[7]];
         Primitive { origin, axes: [first, cross(axis, first), axis], sizes, ..*self }
     }
 
@@ -150,7 +166,7 @@ impl Primitive {
                 same.origin = along(self.origin, q[2], self.axes[2]);
                 same.sizes[0] += q[2] * self.sizes[1].tan();
             }
-            PartKind::Sphere | PartKind::Torus | PartKind::Patch => {}
+            PartKind::Sphere | PartKind::Torus | PartKind::Patch | PartKind::Ellipsoid => {}
         }
         same
     }
@@ -167,7 +183,7 @@ impl Primitive {
     pub(crate) fn is_sound(&self, extent: f64) -> bool {
         /// Sizes beyond this many extents bend the surface by less than a thousandth of its width.
         const FAR: f64 = 100.0;
-        let [one, two] = self.sizes;
+        let [one, two, three] = self.sizes;
         let size = |v: f64| v > 0.0 && v < FAR * extent;
         let finite = self.origin.iter().chain(self.axes.iter().flatten()).all(|v| v.is_finite());
         finite
@@ -177,6 +193,11 @@ impl Primitive {
                 PartKind::Cone => one.is_finite() && two.abs() < 1.55 && one.abs() < FAR * extent,
                 // a tube far wider than its ring is a ball in disguise
                 PartKind::Torus => size(one) && size(two) && one > 0.2 * two,
+                // a longer one is a bar, a flatter one a plate
+                PartKind::Ellipsoid => {
+                    let (least, most) = (one.min(two).min(three), one.max(two).max(three));
+                    least > 0.0 && most < 10.0 * least && most < FAR * extent
+                }
             }
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn starts(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
         PartKind::Cylinder => cylinder(sample, &means),
         PartKind::Cone => cone(sample, &means),
         PartKind::Torus => return torus(sample, &means),
-        PartKind::Patch => None,
+        PartKind::Patch | PartKind::Ellipsoid => None,
     };
     found.into_iter().collect()
 }
@@ -60,7 +60,8 @@ fn outer(vectors: impl Iterator<Item = Vector>) -> Square<3> {
 }
 
 /// Origin and axis with sizes; a negative radius is that of a body seen from inside.
-fn made(kind: PartKind, origin: Vector, axis: Vector, sizes: [f64; 2], side: f64) -> Option<Primitive> {
+fn made(kind: PartKind, origin: Vector, axis: Vector, [one, two]: [f64; 2], side: f64) -> Option<Primitive> {
+    let sizes = [one, two, 0.0];
     let axis = unit_or_zero(axis);
     let sound = origin.iter().chain(&axis).chain(&sizes).all(|v| v.is_finite()) && norm(axis) > 0.5;
     sound.then(|| Primitive { kind, origin, axes: axes_along(axis), sizes, side })

@@ -227,7 +227,7 @@ impl Answer<'_> {
             match likeliest.kind {
                 PartKind::Plane | PartKind::Patch => dot(offset, likeliest.axes[2]).abs(),
                 PartKind::Cylinder | PartKind::Cone => norm(reject(offset, likeliest.axes[2])),
-                PartKind::Sphere | PartKind::Torus => norm(offset),
+                PartKind::Sphere | PartKind::Torus | PartKind::Ellipsoid => norm(offset),
             }
         };
         let mut away: Vec<f64> = own.iter().map(|d| apart(&d.primitive) * frame.scale).collect();
@@ -238,7 +238,7 @@ impl Answer<'_> {
             frame.to_input(along(likeliest.origin, along_axis, likeliest.axes[2]))
         };
         let (radius, minor_radius, half_angle_deg, apex) = match likeliest.kind {
-            PartKind::Plane | PartKind::Patch => (None, None, None, None),
+            PartKind::Plane | PartKind::Patch | PartKind::Ellipsoid => (None, None, None, None),
             PartKind::Sphere | PartKind::Cylinder => (Some(length(0)), None, None, None),
             PartKind::Cone => (Some(length(0)), None, Some(degrees()), Some(tip())),
             PartKind::Torus => (Some(length(0)), Some(length(1)), None, None),
@@ -290,7 +290,7 @@ impl Answer<'_> {
                 rms: scale * (square / members.len().max(1) as f64).sqrt(),
             })
         };
-        let mut tried: Vec<Tried> = PartKind::EXACT.into_iter().filter_map(one).collect();
+        let mut tried: Vec<Tried> = PartKind::BODIES.into_iter().filter_map(one).collect();
         if let Some(base) = tried.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).copied().filter(|_| free > 0.0) {
             tried.iter_mut().for_each(|t| t.weight *= 1.0 - free);
             tried.push(Tried { hypothesis: Hypothesis::Displaced, weight: free, ..base });
@@ -346,6 +346,7 @@ fn hypothesis_of(kind: PartKind) -> Hypothesis {
         PartKind::Cylinder => Hypothesis::Cylinder,
         PartKind::Cone => Hypothesis::Cone,
         PartKind::Torus => Hypothesis::Torus,
+        PartKind::Ellipsoid => Hypothesis::Quadric,
     }
 }
 

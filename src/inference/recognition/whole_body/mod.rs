@@ -126,6 +126,7 @@ fn several(sample: &Sample, things: &[Thing; 2]) -> RecognitionError {
             PartKind::Cylinder => format!("a pipe or bar of radius {radius}"),
             PartKind::Cone => "a cone".to_string(),
             PartKind::Torus => format!("a ring of radius {radius}"),
+            PartKind::Ellipsoid => "an ellipsoid".to_string(),
         }
     };
     RecognitionError::SeveralThings { things: things.each_ref().map(name), percent: things.each_ref().map(share) }
