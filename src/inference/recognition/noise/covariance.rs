@@ -19,6 +19,8 @@ use crate::recognition::dense;
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
 
+use super::rounding::Floors;
+
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
 const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
 
@@ -76,15 +78,17 @@ impl Kernel {
 pub(crate) struct Factors<'a> {
     variance: &'a [f64],
     distances: &'a Mat<f64>,
+    /// Floors of the errors of a cell.
+    pub(super) floors: Floors,
     kernels: Vec<Kernel>,
     found: Vec<OnceLock<Option<Mat<f64>>>>,
 }
 
 impl<'a> Factors<'a> {
-    pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>) -> Factors<'a> {
+    pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>, floors: Floors) -> Factors<'a> {
         let kernels = Kernel::all();
         let found = kernels.iter().map(|_| OnceLock::new()).collect();
-        Factors { variance, distances, kernels, found }
+        Factors { variance, distances, floors, kernels, found }
     }
 
     /// Relative variances on the diagonal.
