@@ -1,14 +1,12 @@
 //! What the rounding of written numbers adds to the errors of contacts, as a floor of every scale and variance.
 //!
 //! ```text
-//! s^2 = q^2/12 along the patch's normal         v: variance found        copies: contacts that share one rounding
-//! variance = max(v, s^2) + s^2 (copies - 1) exp(-(pi^2/3) max(0, v/s^2 - 1))
+//! s^2 = q^2/12 along the patch's normal         copies: contacts that share one rounding         floor = s^2 (1 + 3 (copies - 1))
 //! ```
 //!
-//! Contacts that were rounded alike err alike, and no scatter of theirs tells it. Where a sensor's own errors move neighbours over
-//! several steps, roundings are as good as independent: the exponential is the square of a gaussian's characteristic function at 1/q
-//! (B. Widrow, I. Kollar, *Quantization Noise*, Cambridge 2008). Numbers that lie exactly on a plane or on a height quadric were not
-//! rounded, however round they are.
+//! Contacts that were rounded alike err alike, and no scatter of theirs tells it. The few heights of a bar on an even grid are no sample of
+//! roundings: each may be off by half a step, whose square is 3 s^2. Numbers that lie exactly on a plane or on a height quadric were
+//! not rounded, however round they are.
 
 use palpate_geometry::contact::{Frame, Rounding};
 use palpate_numeric::linalg::small::solve_leading;
@@ -20,8 +18,8 @@ const NOTHING: f64 = 1e-3;
 const FEWEST: [usize; 2] = [4, 7];
 /// Floors below this, in units of the patch, are below what the arithmetic holds.
 const ARITHMETIC: f64 = 1e-13;
-/// Exponents beyond which nothing is left of shared roundings.
-const NO_SHARE: f64 = 20.0;
+/// Square of half a step over the variance of roundings.
+const WORST: f64 = 3.0;
 
 /// Floors of the errors, in units of the patch and in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,15 +28,15 @@ pub(crate) struct Floors {
     pub(crate) position: f64,
     /// Of a normal, for either tangential part.
     pub(crate) normal: f64,
-    /// Contacts that share one rounding.
-    copies: f64,
+    /// Contacts, and normals, that share one rounding.
+    copies: [f64; 2],
     /// Contacts, and normals, of which an error is the mean.
     averaged: [f64; 2],
 }
 
 impl Default for Floors {
     fn default() -> Floors {
-        Floors { position: 0.0, normal: 0.0, copies: 1.0, averaged: [1.0; 2] }
+        Floors { position: 0.0, normal: 0.0, copies: [1.0; 2], averaged: [1.0; 2] }
     }
 }
 
@@ -57,13 +55,14 @@ impl Floors {
         if position > 0.0 && [&local, &own].iter().any(|points| is_exact(points, position)) {
             return Floors::default();
         }
-        let slopes_are_exact = normals.is_some_and(|normals| {
-            (0..2).all(|k| {
-                let of = |(p, n): (&Vector, &Vector)| [p[0], p[1], n[k] / n[2]];
-                let slopes: Vec<Vector> = own.iter().zip(normals).map(of).collect();
-                is_exact(&slopes, normal)
-            })
-        });
+        let slopes_are_exact = position == 0.0
+            && normals.is_some_and(|normals| {
+                (0..2).all(|k| {
+                    let of = |(p, n): (&Vector, &Vector)| [p[0], p[1], n[k] / n[2]];
+                    let slopes: Vec<Vector> = own.iter().zip(normals).map(of).collect();
+                    is_exact(&slopes, normal)
+                })
+            });
         let normal = if slopes_are_exact { 0.0 } else { normal };
         Floors { position, normal, copies: rounding.copies, ..Floors::default() }
     }
@@ -73,23 +72,14 @@ impl Floors {
         Floors { averaged: [contacts, normals], ..self }
     }
 
-    /// Variance of an error of place, where this one was found.
-    pub(crate) fn of_positions(&self, found: f64) -> f64 {
-        self.raised(found, self.position * self.position / self.averaged[0])
+    /// Least variance of an error of place.
+    pub(crate) fn of_positions(&self) -> f64 {
+        self.position * self.position / self.averaged[0] * (1.0 + WORST * (self.copies[0] - 1.0))
     }
 
-    /// The same of normals.
-    pub(crate) fn of_normals(&self, found: f64) -> f64 {
-        self.raised(found, self.normal * self.normal / self.averaged[1])
-    }
-
-    fn raised(&self, found: f64, floor: f64) -> f64 {
-        if floor == 0.0 {
-            return found;
-        }
-        let exponent = std::f64::consts::PI.powi(2) / 3.0 * (found / floor - 1.0).max(0.0);
-        let shared = if exponent < NO_SHARE { (-exponent).exp() * floor * (self.copies - 1.0) } else { 0.0 };
-        found.max(floor) + shared
+    /// Least variance of an error of a normal.
+    pub(crate) fn of_normals(&self) -> f64 {
+        self.normal * self.normal / self.averaged[1] * (1.0 + WORST * (self.copies[1] - 1.0))
     }
 }
 
@@ -138,7 +128,7 @@ mod tests {
 
     fn floors(points: &[Vector]) -> Floors {
         let sd = STEP / 12.0_f64.sqrt();
-        Floors::new(&Rounding { position: [sd; 3], normal: 0.0, copies: 7.0 }, points, None, &Frame::IDENTITY)
+        Floors::new(&Rounding { position: [sd; 3], normal: 0.0, copies: [7.0, 1.0] }, points, None, &Frame::IDENTITY)
     }
 
     #[test]
@@ -149,13 +139,10 @@ mod tests {
     }
 
     #[test]
-    fn shared_roundings_count_until_a_sensor_errs_by_more() {
+    fn roundings_that_are_shared_count_as_one_each_half_a_step_off() {
         let found = floors(&lattice(|x, _| (9.0 - x * x).sqrt()));
-        let floor = found.position * found.position;
-        assert!((found.of_positions(0.0) / floor - 7.0).abs() < 1e-9);
-        assert!(found.of_positions(1.5 * floor) < 3.0 * floor);
-        // to the bit
-        assert_eq!(found.of_positions(8.0 * floor), 8.0 * floor);
-        assert_eq!(Floors::default().of_positions(1e-40), 1e-40);
+        let times = |floors: Floors| floors.of_positions() / found.position.powi(2);
+        assert!((times(found) - 19.0).abs() < 1e-9 && (times(found.of_means(4.0, 1.0)) - 4.75).abs() < 1e-9);
+        assert_eq!(Floors::default().of_positions(), 0.0);
     }
 }
