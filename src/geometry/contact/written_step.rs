@@ -16,7 +16,7 @@ const FINEST: f64 = 1e-13;
 /// Digits at most that are those of a rounded number.
 const MOST_DIGITS: i32 = 9;
 /// Different numbers below which a column shows no step: a plane at z = 5 is not rounded to integers.
-const FEWEST: usize = 3;
+const FEWEST_NUMBERS: usize = 3;
 
 /// Standard deviations by which numbers were rounded where they were written, and how often the same rounding comes again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,13 +97,13 @@ fn finest(steps: impl IntoIterator<Item = Option<f64>>) -> f64 {
 
 /// The step of finite numbers; `None` where there are too few different ones to show any.
 fn step(values: &[f64]) -> Option<f64> {
-    let mut different: Vec<f64> = Vec::with_capacity(FEWEST);
+    let mut different: Vec<f64> = Vec::with_capacity(FEWEST_NUMBERS);
     for v in values {
-        if different.len() < FEWEST && !different.contains(v) {
+        if different.len() < FEWEST_NUMBERS && !different.contains(v) {
             different.push(*v);
         }
     }
-    if different.len() < FEWEST { None } else { common_step(values) }
+    if different.len() < FEWEST_NUMBERS { None } else { common_step(values) }
 }
 
 /// The step of finite numbers that are not all zero.

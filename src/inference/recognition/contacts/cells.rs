@@ -11,8 +11,8 @@
 
 use std::collections::HashMap;
 
+use super::rounding::Floors;
 use crate::recognition::kinds::Model;
-use crate::recognition::noise::Floors;
 use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
 

@@ -14,12 +14,10 @@ use std::sync::OnceLock;
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
+use crate::recognition::contacts::{Cells, Floors};
 use crate::recognition::dense;
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
-
-use super::rounding::Floors;
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
 const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];

@@ -6,14 +6,13 @@
 //!
 //! Errors of places come first: `places.rs` asks how large they are, `in_place.rs` weighs contacts on slopes by them, and `strayed.rs`
 //! sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
-//! `rounding.rs` is the floor of both, and `gain.rs` is for a sensor whose slopes are all too steep.
+//! and `gain.rs` for a sensor whose slopes are all too steep.
 
 mod covariance;
 mod gain;
 mod normals;
 mod position_covariance;
 mod regression_calibration;
-mod rounding;
 mod slope_dependent_variance;
 
 pub(crate) use covariance::{Factors, Kernel, Limit, distances_between};
@@ -21,5 +20,4 @@ pub(crate) use gain::{Gain, RARE as RARE_GAIN};
 pub(crate) use normals::NormalNoise;
 pub(crate) use position_covariance::PlaceErrors;
 pub(crate) use regression_calibration::set_back;
-pub(crate) use rounding::Floors;
 pub(crate) use slope_dependent_variance::weighed;

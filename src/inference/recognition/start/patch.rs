@@ -7,11 +7,10 @@
 //! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::recognition::contacts::{
-    AGAINST, CellNormals, Cells, Dropped, NormalsUse, Observations, cells, derived_from_positions, on_conic,
+    AGAINST, CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, cells, derived_from_positions, on_conic,
     patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::Floors;
 use crate::recognition::{RecognitionError, RecognitionOptions, Remark};
 use palpate_geometry::contact::Frame;
 

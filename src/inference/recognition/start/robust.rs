@@ -14,8 +14,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::recognition::contacts::Floors;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::Floors;
 use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::statistics::{mad, median};
 

@@ -15,7 +15,7 @@ use palpate_numeric::vector::{Vector, minus, scaled};
 /// Share of a rounding below which what is left of a quadric is none.
 const NOTHING: f64 = 1e-3;
 /// Different heights that a plane, and a quadric, need to leave something of.
-const FEWEST: [usize; 2] = [4, 7];
+const FEWEST_HEIGHTS: [usize; 2] = [4, 7];
 /// Floors below this, in units of the patch, are below what the arithmetic holds.
 const ARITHMETIC: f64 = 1e-13;
 /// Square of half a step over the variance of roundings.
@@ -89,7 +89,7 @@ fn is_exact(points: &[Vector], rounding: f64) -> bool {
     heights.sort_unstable_by(f64::total_cmp);
     let different = heights.chunk_by(|a, b| b - a < 0.5 * rounding).count();
     let limit = (NOTHING * rounding).max(ARITHMETIC);
-    [(3, FEWEST[0]), (6, FEWEST[1])].into_iter().any(|(terms, fewest)| {
+    [(3, FEWEST_HEIGHTS[0]), (6, FEWEST_HEIGHTS[1])].into_iter().any(|(terms, fewest)| {
         // a plane along its own axes has one height
         let has_rest = different >= fewest || (different == 1 && points.len() >= fewest);
         has_rest && left_of(points, terms) < limit
@@ -119,15 +119,15 @@ fn left_of(points: &[Vector], terms: usize) -> f64 {
 mod tests {
     use super::*;
 
-    const STEP: f64 = 1e-3;
+    const STEP_OF_HEIGHTS: f64 = 1e-3;
 
     fn lattice(z: impl Fn(f64, f64) -> f64) -> Vec<Vector> {
         let places = (0..49).map(|r| [f64::from(r % 7) / 3.0 - 1.0, f64::from(r / 7) / 3.0 - 1.0]);
-        places.map(|[x, y]| [x, y, (z(x, y) / STEP).round() * STEP]).collect()
+        places.map(|[x, y]| [x, y, (z(x, y) / STEP_OF_HEIGHTS).round() * STEP_OF_HEIGHTS]).collect()
     }
 
     fn floors(points: &[Vector]) -> Floors {
-        let sd = STEP / 12.0_f64.sqrt();
+        let sd = STEP_OF_HEIGHTS / 12.0_f64.sqrt();
         Floors::new(&Rounding { position: [sd; 3], normal: 0.0, copies: [7.0, 1.0] }, points, None, &Frame::IDENTITY)
     }
 
