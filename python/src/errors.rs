@@ -70,6 +70,7 @@ fn fit_fields<'py>(py: Python<'py>, error: &FitError) -> PyResult<Bound<'py, PyD
         FitError::Gap { coefficients, .. } => put!(dict, coefficients),
         FitError::HeightField { option } => put!(dict, option),
         FitError::NotSettled { steps, moved } => put!(dict, steps, moved),
+        FitError::StepsSpent { steps } => put!(dict, steps),
         FitError::Sheet { contacts, why } => put!(dict, contacts, why),
         FitError::Closed { why } => put!(dict, why),
         FitError::Runaway { bending, most } => put!(dict, bending, most),

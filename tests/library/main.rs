@@ -20,6 +20,7 @@ mod place_errors;
 mod properties;
 mod random_problems;
 mod robust;
+mod rounded_numbers;
 mod routes;
 mod scene_effects;
 #[cfg(feature = "cli")]

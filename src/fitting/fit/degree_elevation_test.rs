@@ -8,7 +8,7 @@
 //! degree is raised, twice at most: a degree of 8 follows the sensor's errors at the edges. The step is 2, because over a patch
 //! that is touched evenly an odd degree adds next to nothing to means.
 
-use crate::fit::{Fit, FitOptions, FrameChoice, NormalSigma, Objective, Reading, SlopeWeights, fit_contacts};
+use crate::fit::{Fit, FitOptions, FrameChoice, NormalSigma, Note, Objective, Reading, SlopeWeights, fit_contacts};
 use palpate_geometry::contact::{Contacts, Orientation};
 use palpate_geometry::shape::{Interval, f_upper_tail};
 
@@ -37,6 +37,7 @@ pub fn richer_reading(fit: &Fit) -> Option<Reading> {
         robust: options.robust,
         sigma_xy: options.sigma_xy / fit.frame().scale,
         level: options.level,
+        steps: options.steps,
         frame: Some(FrameChoice::Keep),
         ..FitOptions::default()
     };
@@ -57,8 +58,10 @@ fn called_for(contacts: &Contacts, base: &FitOptions, degree: [usize; 2]) -> Opt
         return None;
     }
     let richer = fit_contacts(contacts, &FitOptions { degree: raised, ..base.clone() }).ok()?;
+    // what had not settled says nothing of the poorer field
+    let settled = !richer.notes().iter().any(|note| matches!(note, Note::StepsSpent { .. }));
     let (rows, unknowns) = (richer.equations().count(), richer.equations().unknowns());
-    if richer.solution().rank < unknowns || rows < ROWS_PER_UNKNOWN * unknowns {
+    if !settled || richer.solution().rank < unknowns || rows < ROWS_PER_UNKNOWN * unknowns {
         return None;
     }
     let poorer = FitOptions { degree, objective: same_noise(&richer, contacts), ..base.clone() };

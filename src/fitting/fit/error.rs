@@ -166,6 +166,14 @@ pub enum FitError {
         /// Last relative move.
         moved: f64,
     },
+    /// The steps that all loops of a fit share were taken, and the surface still moved.
+    #[error(
+        "the surface had not settled when all {steps} steps of a fit were taken: check that heights, places and normals are in one unit, give sigma or weights as numbers, or lower degree or segments"
+    )]
+    StepsSpent {
+        /// The steps allowed.
+        steps: usize,
+    },
     /// The contacts do not lie on one sheet.
     #[error("no parametric surface comes of {}: {why}", counted(*contacts, "contact"))]
     Sheet {

@@ -45,6 +45,12 @@ pub enum Note {
         /// By how much it moves a coefficient, over the largest one.
         moved: f64,
     },
+    /// All loops together (places, smoothing, reweighting, noise, normals) took the steps that the options allow, and were cut
+    /// short.
+    StepsSpent {
+        /// The steps allowed.
+        steps: usize,
+    },
     /// Contacts that lost more than half their weight to the robust loss.
     Outliers {
         /// How many.
@@ -85,6 +91,12 @@ impl std::fmt::Display for Note {
                 f,
                 "Gauss-Newton on the normals did not come to rest: a full step still moves a coefficient by {moved:.1e} of the \
                  largest one, and two surfaces explain the normals nearly as well; lower degree or segments, or add contacts"
+            ),
+            Note::StepsSpent { steps } => write!(
+                f,
+                "the noise, weights or smoothing had not settled when all {steps} steps of a fit were taken: S, R and their \
+                 intervals depend on where that was; check that heights, places and normals are in one unit, give sigma or \
+                 weights as numbers, or lower degree or segments"
             ),
             Note::Outliers { sites, steps } => {
                 let [sites, steps] = [(*sites, "contact"), (*steps, "reweighting")].map(|(n, noun)| counted(n, noun));

@@ -145,6 +145,9 @@ pub struct FitOptions {
     pub frame: Option<FrameChoice>,
     /// Confidence level of the intervals. Default 0.95.
     pub level: f64,
+    /// Least squares problems that all loops of one fit may solve together: places, smoothing, reweighting, noise, normals. Default
+    /// 4,000; ordinary fits take 5 to 400, and factorisations of large rows count for several.
+    pub steps: usize,
 }
 
 impl Default for FitOptions {
@@ -166,6 +169,7 @@ impl Default for FitOptions {
             inset: 0.0,
             frame: None,
             level: 0.95,
+            steps: 4_000,
         }
     }
 }
@@ -284,6 +288,12 @@ impl FitOptions {
     /// With this as the confidence level of the intervals.
     pub fn with_level(mut self, level: f64) -> FitOptions {
         self.level = level;
+        self
+    }
+
+    /// With this as how many least squares problems all loops of one fit may solve together.
+    pub fn with_steps(mut self, steps: usize) -> FitOptions {
+        self.steps = steps;
         self
     }
 }

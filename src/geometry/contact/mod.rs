@@ -8,11 +8,13 @@ mod counted;
 mod frame;
 mod grid;
 mod scattered;
+mod written_step;
 
 pub use counted::counted;
 pub use frame::Frame;
 pub use grid::Grid;
 pub use scattered::{ContactWeights, Contacts, Orientation};
+pub use written_step::Rounding;
 
 /// What is wrong with data before any equation is formed from it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

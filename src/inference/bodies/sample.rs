@@ -23,8 +23,9 @@ pub(crate) struct Sample {
 const ROUNDING: f64 = 1e-12;
 
 impl Sample {
-    /// `None` where the contacts have no extent. `step` is that of the numbers, in the input's unit.
-    pub(crate) fn new(points: &[Vector], normals: &[Vector], step: [f64; 2]) -> Option<Sample> {
+    /// `None` where the contacts have no extent. `rounding` is the sd that written numbers leave, of a place in the input's unit and of a
+    /// normal.
+    pub(crate) fn new(points: &[Vector], normals: &[Vector], rounding: [f64; 2]) -> Option<Sample> {
         let count = points.len() as f64;
         let first = *points.first()?;
         let sum = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + (p[k] - first[k])));
@@ -37,8 +38,7 @@ impl Sample {
         let frame = Frame { origin, scale, ..Frame::IDENTITY };
         let points = points.iter().map(|p| minus(*p, origin).map(|v| v / scale)).collect();
         let far = origin.iter().fold(0.0_f64, |far, v| far.max(v.abs())) / scale;
-        let sd_of_step = |step: f64| step / 12.0_f64.sqrt();
-        let floor = [sd_of_step(step[0] / scale).max(ROUNDING * (1.0 + far)), sd_of_step(step[1]).max(ROUNDING)];
+        let floor = [(rounding[0] / scale).max(ROUNDING * (1.0 + far)), rounding[1].max(ROUNDING)];
         Some(Sample { frame, points, normals: normals.to_vec(), floor })
     }
 

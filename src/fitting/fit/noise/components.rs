@@ -17,6 +17,7 @@ use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::sds::RowSds;
 use crate::fit::noise::traces::hat_traces;
+use crate::fit::objective::budget::Budget;
 use crate::fit::{FitError, Note};
 use palpate_numeric::linalg::Sites;
 use palpate_numeric::statistics::VarianceComponent;
@@ -85,11 +86,12 @@ pub(crate) struct TrialRequest<'a> {
     pub tolerance: f64,
 }
 
-/// Estimates both sds; `solve_at` fits at given sds.
+/// Estimates both sds; `solve_at` fits at given sds. Where the budget is spent, the last trial stands.
 ///
 /// # Errors
 /// Those of `solve_at`.
 pub(crate) fn variance_components(
+    budget: &Budget,
     mut solve_at: impl FnMut(TrialRequest) -> Result<Trial, FitError>,
 ) -> Result<Estimate, FitError> {
     let mut steps = 0;
@@ -119,14 +121,14 @@ pub(crate) fn variance_components(
         dof = freedom;
         let moved = (next.z / sds.z - 1.0).abs().max((next.slope / sds.slope - 1.0).abs());
         let converged = moved < SDS_CONVERGED;
-        if converged && trial.moved <= CONVERGED {
+        if (converged && trial.moved <= CONVERGED) || budget.is_spent() {
             break;
         }
         sds = secant.after(sds, next);
         let tolerance = if converged { CONVERGED } else { (SHARE * moved).clamp(CONVERGED, ROUGHEST) };
         trial = try_at(sds, Some(&trial.solution.coefficients), tolerance)?;
     }
-    if trial.moved > CONVERGED {
+    if trial.moved > CONVERGED && !budget.is_spent() {
         trial = try_at(sds, Some(&trial.solution.coefficients), CONVERGED)?;
     }
     let vanished = sds.z <= VANISHED || sds.slope <= VANISHED || (0..2).any(|b| rows[b] > 0.0 && dof[b] < LEAST_DOF);
@@ -266,7 +268,7 @@ mod tests {
         let fit = fitted(&saddle(5, [0.01, 0.03], 1), SlopeWeights::Equal);
         for rough in [0.0, 0.9] {
             let mut asked = Vec::new();
-            let estimate = variance_components(|request| {
+            let estimate = variance_components(&Budget::new(usize::MAX), |request| {
                 asked.push(request.tolerance);
                 Ok(Trial { moved: rough * request.tolerance, steps: 2, ..solved(&fit, request.sds) })
             })
@@ -287,7 +289,7 @@ mod tests {
     fn sds_that_do_not_converge_end_with_a_fit_that_has() {
         let fit = fitted(&saddle(5, [0.01, 0.03], 1), SlopeWeights::Equal);
         let mut asked = Vec::new();
-        let estimate = variance_components(|request| {
+        let estimate = variance_components(&Budget::new(usize::MAX), |request| {
             asked.push(request.tolerance);
             let trial = solved(&fit, request.sds);
             let factor = if asked.len() % 2 == 0 { 4.0 } else { 1.0 };
@@ -302,7 +304,7 @@ mod tests {
     fn exact_data_have_sds_of_rounding() {
         let fit = fitted(&saddle(5, [0.0, 0.0], 1), SlopeWeights::Equal);
         let mut asked = Vec::new();
-        let estimate = variance_components(|request| {
+        let estimate = variance_components(&Budget::new(usize::MAX), |request| {
             asked.push((request.tolerance, request.start.is_some()));
             Ok(Trial { moved: 0.9 * request.tolerance, ..solved(&fit, request.sds) })
         });
@@ -313,7 +315,10 @@ mod tests {
         // what counts is the root of the mean square of a kind's rows
         for (rms, is_rounding) in [(0.5 * NO_NOISE, true), (1.5 * NO_NOISE, false)] {
             let squares = [25.0, 50.0].map(|rows| rows * rms * rms);
-            let estimate = variance_components(|request| Ok(Trial { squares, ..solved(&fit, request.sds) })).unwrap();
+            let estimate = variance_components(&Budget::new(usize::MAX), |request| {
+                Ok(Trial { squares, ..solved(&fit, request.sds) })
+            })
+            .unwrap();
             assert_eq!(estimate.note == Some(Note::NoNoise), is_rounding, "{rms:e}");
         }
     }

@@ -144,6 +144,7 @@ mod tests {
 
     use super::*;
     use crate::fit::noise::sds::RowSds;
+    use crate::fit::objective::budget::Budget;
     use crate::fit::{Fit, FitOptions, Method, NormalSigma, Objective, fit_contacts};
     use palpate_geometry::contact::Contacts;
     use palpate_numeric::draws::Lcg;
@@ -186,6 +187,7 @@ mod tests {
                 sds,
                 roughness: None,
                 method: Method::Auto,
+                budget: &Budget::new(usize::MAX),
                 spare: &spare,
             };
             let least = solved.fitted.solution.coefficients.clone();

@@ -18,6 +18,7 @@ use ndarray::Array2;
 use crate::fit::FitError;
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::notes::Note;
+use crate::fit::objective::budget::Budget;
 use crate::fit::objective::fitted::{Fitted, Moved};
 use crate::fit::placing::Patch;
 use crate::observation::Data;
@@ -53,6 +54,7 @@ pub(super) fn fit_located(
     patch: &Patch,
     data: &Data,
     sigma_xy: f64,
+    budget: &Budget,
     fit_at: impl Fn(&Data) -> Result<Fitted, FitError>,
 ) -> Result<Fitted, FitError> {
     let Data::Scattered { contacts, numbers } = data else {
@@ -80,7 +82,7 @@ pub(super) fn fit_located(
         let [z, slope] = [0, 1].map(|b| factors.iter().map(|f| f[b]).collect::<Vec<f64>>());
         let there = there.reweighted(&z, &slope);
         fitted = fit_at(&there)?;
-        if change < SETTLED || fits == MAX_FITS {
+        if change < SETTLED || fits == MAX_FITS || budget.is_spent() {
             fitted.notes.push(Note::Located { moved: scale * rms_of_moves(contacts, &places), fits });
             let covariances = covariances(contacts, &moved, &fitted, variances, sd);
             fitted.moved = Some(Moved { data: there, covariances });

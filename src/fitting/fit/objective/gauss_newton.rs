@@ -10,6 +10,7 @@ use crate::fit::linear;
 use crate::fit::linear::equations::{Equations, packed_cells};
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::sds::RowSds;
+use crate::fit::objective::budget::Budget;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
 use crate::observation::{Measured, angular_residual_squared, linearise_normals};
@@ -78,13 +79,15 @@ pub(super) struct NormalProblem<'a> {
     pub roughness: Option<(f64, StencilMatrix)>,
     /// Linear solver.
     pub method: Method,
+    /// Steps that are left to all loops of the fit.
+    pub budget: &'a Budget,
     /// Equations that are no longer needed, whose memory the next ones take.
     pub spare: &'a RefCell<Option<Equations>>,
 }
 
 impl NormalProblem<'_> {
     /// Minimises from `start`, or from heights alone, until a step moves by no more than `tolerance` of the largest
-    /// coefficient. The equations returned are those of that step, linearised about the coefficients before it;
+    /// coefficient, or the budget is spent. The equations returned are those of that step, linearised about the coefficients before it;
     /// [`NormalProblem::polish`] replaces them by equations about the answer.
     ///
     /// # Errors
@@ -109,7 +112,8 @@ impl NormalProblem<'_> {
                 (least, least_at) = (moved, steps);
             }
             let is_at_rest = steps - least_at >= AT_REST && least <= AT_ROUNDING;
-            if moved <= tolerance || is_at_rest {
+            self.budget.take(&equations, &solution);
+            if moved <= tolerance || is_at_rest || self.budget.is_spent() {
                 solution.coefficients = current;
                 return Ok(Minimum { equations, solution, steps, moved, step: Vec::new() });
             }

@@ -10,6 +10,7 @@
 //! Preset weights hold in patch units, where the height residual is in units of half the domain's larger side; explicit
 //! weights and sds are in input units, so their lengths are multiplied or divided by the patch's scale.
 
+pub(super) mod budget;
 mod contraction;
 mod errors_in_variables;
 pub(super) mod fitted;
@@ -24,34 +25,37 @@ use crate::fit::notes::Note;
 use crate::fit::placing::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights, Smooth};
 use crate::observation::Data;
+use budget::Budget;
 use fitted::Fitted;
 use normals::fit_normals;
 use setting::Setting;
 use slopes::fit_slopes;
 
 /// A plain least squares fit, as smoothing and losses repeat it.
-type PlainFit = fn(&Patch, &Data, &FitOptions) -> Result<Fitted, FitError>;
+type PlainFit = fn(&Patch, &Data, &FitOptions, &Budget) -> Result<Fitted, FitError>;
 
 /// Forms and solves the rows, with the smoothing and the loss that the options ask for.
 ///
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
 pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
-    let fit_at = |data: &Data| fit_in_place(patch, data, options);
-    if options.sigma_xy > 0.0 {
-        errors_in_variables::fit_located(patch, data, options.sigma_xy, fit_at)
+    let budget = Budget::new(options.steps);
+    let fit_at = |data: &Data| fit_in_place(patch, data, options, &budget);
+    let fitted = if options.sigma_xy > 0.0 {
+        errors_in_variables::fit_located(patch, data, options.sigma_xy, &budget, fit_at)?
     } else {
-        fit_at(data)
-    }
+        fit_at(data)?
+    };
+    budget.judged(fitted)
 }
 
 /// The same for contacts that lie where they are said to lie.
-fn fit_in_place(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
+fn fit_in_place(patch: &Patch, data: &Data, options: &FitOptions, budget: &Budget) -> Result<Fitted, FitError> {
     match (options.smooth, options.robust) {
-        (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options, fit_plain),
-        (Smooth::None | Smooth::Lambda(_), Robust::None) => fit_plain(patch, data, options),
+        (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options, (fit_plain, budget)),
+        (Smooth::None | Smooth::Lambda(_), Robust::None) => fit_plain(patch, data, options, budget),
         (Smooth::None | Smooth::Lambda(_), Robust::Huber | Robust::Tukey) => {
-            robust::fit_with_loss(patch, data, options, fit_plain)
+            robust::fit_with_loss(patch, data, options, (fit_plain, budget))
         }
     }
 }
@@ -66,8 +70,8 @@ enum Rows {
 ///
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
-fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions) -> Result<Fitted, FitError> {
-    let setting = Setting::new(patch, data, options)?;
+fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions, budget: &Budget) -> Result<Fitted, FitError> {
+    let setting = Setting::new(patch, data, options, budget)?;
     let mut fitted = match choose_rows(data, options)? {
         Rows::Normals(sigma) => fit_normals(&setting, sigma)?,
         Rows::Slopes(weights) => {

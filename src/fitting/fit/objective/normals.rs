@@ -31,6 +31,7 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
         sds,
         roughness: setting.roughness.clone(),
         method: setting.method,
+        budget: setting.budget,
     };
     let any_sds = RowSds { z: 1.0, slope: 1.0 };
     let first = at(any_sds).linearised(&vec![0.0; setting.sites.shape().unknowns()]);
@@ -44,7 +45,7 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
             let steps = trial.steps;
             (Estimate { sds, trial, steps, note: None, dof: [f64::INFINITY; 2] }, NoiseSource::Sigma)
         }
-        NormalSigma::Auto => (variance_components(trial_at)?, NoiseSource::Estimated),
+        NormalSigma::Auto => (variance_components(setting.budget, trial_at)?, NoiseSource::Estimated),
     };
     let Trial { equations, solution, .. } = trial;
     let problem = at(sds);

@@ -13,6 +13,7 @@ use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
 use crate::fit::objective::PlainFit;
+use crate::fit::objective::budget::Budget;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
@@ -50,16 +51,16 @@ pub(super) fn fit_with_loss(
     patch: &Patch,
     data: &Data,
     options: &FitOptions,
-    plain: PlainFit,
+    (plain, budget): (PlainFit, &Budget),
 ) -> Result<Fitted, FitError> {
-    let start = plain(patch, data, options)?;
+    let start = plain(patch, data, options, budget)?;
     if options.robust == Robust::None {
         return Ok(start);
     }
-    let mut found = reweight(patch, data, options, (Loss::Huber, plain), start)?;
+    let mut found = reweight(patch, data, options, (Loss::Huber, plain, budget), start)?;
     if options.robust == Robust::Tukey {
         let steps = found.steps;
-        found = reweight(patch, data, options, (Loss::Tukey, plain), found.fitted)?;
+        found = reweight(patch, data, options, (Loss::Tukey, plain, budget), found.fitted)?;
         found.steps += steps;
     }
     let Reweighted { mut fitted, weights, steps, moved } = found;
@@ -78,7 +79,7 @@ fn reweight(
     patch: &Patch,
     data: &Data,
     options: &FitOptions,
-    (loss, plain): (Loss, PlainFit),
+    (loss, plain, budget): (Loss, PlainFit, &Budget),
     start: Fitted,
 ) -> Result<Reweighted, FitError> {
     let sites = start.equations.sites.len();
@@ -90,9 +91,9 @@ fn reweight(
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
         let declared = with_scales(patch, data, options, scales);
-        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared);
+        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared, budget);
         let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
-        let is_last = moved < CONVERGED || step == MAX_STEPS;
+        let is_last = moved < CONVERGED || step == MAX_STEPS || budget.is_spent();
         if is_last {
             let estimated = declared.objective != options.objective;
             fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));

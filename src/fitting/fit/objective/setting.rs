@@ -1,6 +1,7 @@
 //! What every least squares fit of one call starts from.
 
 use crate::fit::linear::equations::Equations;
+use crate::fit::objective::budget::Budget;
 use crate::fit::placing::Patch;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
@@ -19,6 +20,8 @@ pub(super) struct Setting<'a> {
     pub roughness: Option<(f64, StencilMatrix)>,
     /// Linear solver.
     pub method: Method,
+    /// Steps that are left to all loops of the fit.
+    pub budget: &'a Budget,
 }
 
 impl Setting<'_> {
@@ -26,7 +29,12 @@ impl Setting<'_> {
     ///
     /// # Errors
     /// [`FitError::Method`].
-    pub(super) fn new<'a>(patch: &Patch, data: &'a Data, options: &FitOptions) -> Result<Setting<'a>, FitError> {
+    pub(super) fn new<'a>(
+        patch: &Patch,
+        data: &'a Data,
+        options: &FitOptions,
+        budget: &'a Budget,
+    ) -> Result<Setting<'a>, FitError> {
         match (options.method, data) {
             (Method::Kronecker, Data::Scattered { .. }) => {
                 return Err(FitError::Method { method: "kronecker", why: "needs a complete grid" });
@@ -42,7 +50,7 @@ impl Setting<'_> {
             Smooth::Lambda(lambda) if lambda > 0.0 => Some((lambda, roughness_matrix(&patch.knots))),
             _ => None,
         };
-        Ok(Setting { data, sites, scale: patch.frame.scale, roughness, method: options.method })
+        Ok(Setting { data, sites, scale: patch.frame.scale, roughness, method: options.method, budget })
     }
 }
 

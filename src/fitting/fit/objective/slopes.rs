@@ -50,7 +50,7 @@ fn fit_estimated(setting: &Setting) -> Result<(Trial, NoiseRecord, Option<Note>)
     let at = |TrialRequest { sds, .. }: TrialRequest| {
         trial(setting, [1.0 / sds.z, 1.0 / sds.slope, 1.0 / sds.slope]).map(|(trial, _)| trial)
     };
-    let Estimate { sds, trial, note, dof, .. } = variance_components(at)?;
+    let Estimate { sds, trial, note, dof, .. } = variance_components(setting.budget, at)?;
     let weights = [1.0 / (sds.z * setting.scale), 1.0 / sds.slope, 1.0 / sds.slope];
     let counts = trial.equations.row_weights.row_counts(setting.sites.len());
     let sds = sds_of_weights(SlopeWeights::Auto, weights, 1.0, [1.0, 1.0], counts);
@@ -78,6 +78,7 @@ fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError>
     let equations = Equations::new(setting.sites.clone(), row_weights, targets, roughness);
     check_count(&equations)?;
     let solution = linear::solve(&equations, setting.method)?;
+    setting.budget.take(&equations, &solution);
     let squares = equations.residual_squares(&solution.coefficients);
     Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0 }, unit))
 }

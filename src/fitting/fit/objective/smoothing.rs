@@ -12,6 +12,7 @@ use crate::fit::linear;
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
 use crate::fit::objective::PlainFit;
+use crate::fit::objective::budget::Budget;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::robust::fit_with_loss;
 use crate::fit::placing::Patch;
@@ -31,11 +32,11 @@ pub(super) fn fit_smoothed(
     patch: &Patch,
     data: &Data,
     options: &FitOptions,
-    plain: PlainFit,
+    (plain, budget): (PlainFit, &Budget),
 ) -> Result<Fitted, FitError> {
     let with = |lambda: f64| FitOptions { smooth: Smooth::Lambda(lambda), ..options.clone() };
     // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
-    let start = fit_with_loss(patch, data, &with(1e-9), plain)?;
+    let start = fit_with_loss(patch, data, &with(1e-9), (plain, budget))?;
     let Some((_, penalty)) = start.equations.roughness.clone() else { return Ok(start) };
     let bare = start.equations.with_roughness(None);
     let sum = |diagonal: Vec<f64>| diagonal.iter().sum::<f64>();
@@ -44,6 +45,7 @@ pub(super) fn fit_smoothed(
         let lambda = balance * 10_f64.powf(exponent);
         let equations = bare.with_roughness(Some((lambda, penalty.clone())));
         let Ok(solution) = linear::solve(&equations, Method::Cholesky) else { return f64::INFINITY };
+        budget.take(&equations, &solution);
         let squares: f64 = equations.residual_squares(&solution.coefficients).iter().sum();
         let rows = equations.count() as f64;
         let freedom = rows - hat_traces(&equations, &solution).iter().sum::<f64>();
@@ -52,18 +54,21 @@ pub(super) fn fit_smoothed(
     let best = (DECADES[0]..=DECADES[1])
         .map(|e| (f64::from(e), score(f64::from(e))))
         .fold((f64::from(DECADES[1]), f64::INFINITY), |best, now| if now.1 < best.1 { now } else { best });
-    let lambda = balance * 10_f64.powf(golden(best.0 - 1.0, best.0 + 1.0, score));
-    let mut fitted = fit_with_loss(patch, data, &with(lambda), plain)?;
+    let lambda = balance * 10_f64.powf(golden([best.0 - 1.0, best.0 + 1.0], score, budget));
+    let mut fitted = fit_with_loss(patch, data, &with(lambda), (plain, budget))?;
     fitted.notes.push(Note::Smoothed { lambda });
     Ok(fitted)
 }
 
-/// Minimum of a function with a single minimum in `[lo, hi]`, by golden section.
-fn golden(mut lo: f64, mut hi: f64, f: impl Fn(f64) -> f64) -> f64 {
+/// Minimum of a function with a single minimum in `[lo, hi]`, by golden section; where the budget is spent, the middle of what is left.
+fn golden([mut lo, mut hi]: [f64; 2], f: impl Fn(f64) -> f64, budget: &Budget) -> f64 {
     let ratio = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut left, mut right) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
     let (mut at_left, mut at_right) = (f(left), f(right));
     for _ in 0..GOLDEN_STEPS {
+        if budget.is_spent() {
+            break;
+        }
         if at_left <= at_right {
             (hi, right, at_right) = (right, left, at_left);
             left = hi - ratio * (hi - lo);

@@ -11,6 +11,7 @@
 
 use std::collections::HashMap;
 
+use super::rounding::Floors;
 use crate::recognition::kinds::Model;
 use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
@@ -71,6 +72,8 @@ pub(crate) struct Cells {
     pub(crate) normals: Option<CellNormals>,
     /// Cell of every contact.
     pub(crate) of: Vec<usize>,
+    /// Floors of the errors of a cell.
+    pub(crate) floors: Floors,
 }
 
 impl Cells {
@@ -121,6 +124,7 @@ pub(crate) fn cells(points: &[Vector], feet: &[Vector], surface: &Model, errors:
         points: centres,
         feet,
         of,
+        floors: Floors::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 //! Contacts are sorted by their coordinates first, so that the order in which they come changes no bit of the answer.
 
 use crate::recognition::{RecognitionError, RecognitionOptions};
-use palpate_geometry::contact::{ContactError, Contacts, Grid, Orientation};
+use palpate_geometry::contact::{ContactError, Contacts, Grid, Orientation, Rounding};
 use palpate_numeric::vector::{Vector, unit_rescaled};
 
 /// Contacts that a patch needs without and with normals: the general surface has six parameters, and three more tell the noise.
@@ -18,8 +18,8 @@ pub(crate) struct Observations {
     pub(crate) missing: usize,
     /// Whether there were normals that the caller asked to ignore.
     pub(crate) ignored: bool,
-    /// Step of the places' numbers, input units, and of the normals': 0 where none is found.
-    pub(crate) step: [f64; 2],
+    /// By how much the numbers were rounded where they were written.
+    pub(crate) rounding: Rounding,
 }
 
 pub(crate) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
@@ -68,7 +68,8 @@ impl Observations {
                 Some((0..zx.len()).map(|r| unit_where_known([-zx[r], -zy[r], 1.0])).collect())
             }
         };
-        Ok(Observations { points, normals, ..Observations::default() }.sorted())
+        let rounding = Rounding::of_contacts(contacts);
+        Ok(Observations { points, normals, rounding, ..Observations::default() }.sorted())
     }
 
     pub(crate) fn from_grid(grid: &Grid, options: &RecognitionOptions) -> Result<Observations, RecognitionError> {
@@ -93,6 +94,7 @@ impl Observations {
             }
         }
         given.normals = slopes.map(|_| normals);
+        given.rounding = Rounding::of_grid(grid);
         Ok(given.sorted())
     }
 

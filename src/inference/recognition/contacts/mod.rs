@@ -7,7 +7,8 @@
 //!
 //! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
 //! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
-//! `cells.rs` averages. `set_aside.rs` counts what was left out. `estimated_normals.rs` makes normals for contacts without any.
+//! `cells.rs` averages. `set_aside.rs` counts what was left out. `rounding.rs` says by how much
+//! they err at least.
 
 mod cells;
 mod conic;
@@ -15,6 +16,7 @@ mod derived_normals_test;
 mod excluded;
 mod frame;
 mod input;
+mod rounding;
 
 pub(crate) use cells::{CellNormals, Cells, cells, is_known};
 pub(crate) use conic::on_conic;
@@ -23,3 +25,4 @@ pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;
 pub(crate) use frame::patch_frame;
 pub(crate) use input::{Observations, check_options};
+pub(crate) use rounding::Floors;

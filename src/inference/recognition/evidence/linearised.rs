@@ -24,8 +24,8 @@ impl<'a> FactorPair<'a> {
     pub(crate) fn new(cells: &'a Cells, distances: &'a Mat<f64>) -> FactorPair<'a> {
         let own = cells.normals.as_ref().filter(|normals| normals.variance != cells.variance);
         FactorPair {
-            positions: Factors::new(&cells.variance, distances),
-            normals: own.map(|normals| Factors::new(&normals.variance, distances)),
+            positions: Factors::new(&cells.variance, distances, cells.floors),
+            normals: own.map(|normals| Factors::new(&normals.variance, distances, cells.floors)),
         }
     }
 

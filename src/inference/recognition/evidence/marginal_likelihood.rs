@@ -102,7 +102,7 @@ impl<'a> Evidence<'a> {
         if self.normals.is_none() && n < p + FREEDOM_OF_NOISE {
             return None;
         }
-        let variance = self.variance(kind, white, departure)?.max(1e-18);
+        let variance = self.variance(kind, white, departure)?.max(1e-18).max(self.cells.floors.of_positions());
         let tau = (variance * kernel.ratio).sqrt();
         let size = self.limit.log_prior(tau)?;
         let system = self.system(kind, white, variance, departure)?;

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use faer::Mat;
 
 use crate::dense;
-use crate::recognition::contacts::Cells;
+use crate::recognition::contacts::{Cells, Floors};
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
 use palpate_numeric::vector::{minus, norm};
 
@@ -76,15 +76,17 @@ impl Kernel {
 pub(crate) struct Factors<'a> {
     variance: &'a [f64],
     distances: &'a Mat<f64>,
+    /// Floors of the errors of a cell.
+    pub(super) floors: Floors,
     kernels: Vec<Kernel>,
     found: Vec<OnceLock<Option<Mat<f64>>>>,
 }
 
 impl<'a> Factors<'a> {
-    pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>) -> Factors<'a> {
+    pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>, floors: Floors) -> Factors<'a> {
         let kernels = Kernel::all();
         let found = kernels.iter().map(|_| OnceLock::new()).collect();
-        Factors { variance, distances, kernels, found }
+        Factors { variance, distances, floors, kernels, found }
     }
 
     /// Relative variances on the diagonal.

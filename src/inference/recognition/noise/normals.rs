@@ -61,7 +61,7 @@ impl NormalNoise {
         let pairs: Vec<[usize; 2]> = known.iter().filter_map(|&i| Some([i, nearest(i)?])).collect();
         let square = |half: &Mat<f64>, [i, j]: [usize; 2]| (half[(i, y)] - half[(j, y)]).powi(2) / (own[i] + own[j]);
         let sum: f64 = halves.iter().flat_map(|half| pairs.iter().map(|&pair| square(half, pair))).sum();
-        let variance = (sum / (2 * pairs.len()).max(1) as f64).max(1e-24);
+        let variance = (sum / (2 * pairs.len()).max(1) as f64).max(1e-24).max(factors.floors.of_normals());
         let log_det = 2.0 * dense::log_det(factors.of(0)?);
         Some(NormalNoise::new(0, variance, known.len(), log_det))
     }
@@ -90,8 +90,11 @@ impl NormalNoise {
         let rss = (gram[(0, 0)] - along.iter().map(|v| v * v).sum::<f64>()).max(1e-24);
         let dof = ((2 * n).saturating_sub(p) as f64 - spent).max(1.0);
         let prior = Kernel::all()[kernel].log_prior;
-        let likelihood = -0.5 * (log_det + dense::log_det(&jj) + dof * (rss / dof).ln()) + prior;
-        Some((likelihood, NormalNoise::new(kernel, rss / dof, n, log_det)))
+        let variance = (rss / dof).max(factors.floors.of_normals());
+        // 0 where no floor raises the variance
+        let raised = dof * ((rss / dof) / variance - 1.0);
+        let likelihood = -0.5 * (log_det + dense::log_det(&jj) + dof * variance.ln() + raised) + prior;
+        Some((likelihood, NormalNoise::new(kernel, variance, n, log_det)))
     }
 
     /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.

@@ -46,8 +46,14 @@ pub(super) struct Fitted {
     pub(super) scale: f64,
 }
 
-/// Robust fit from a start, to positions, or to positions and normals.
-pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: Kind, theta: [f64; 6]) -> Fitted {
+/// Robust fit from a start, to positions, or to positions and normals; no scale of distances is below `floor`.
+pub(super) fn robust(
+    points: &[Vector],
+    mut normals: Option<Directions>,
+    kind: Kind,
+    theta: [f64; 6],
+    floor: f64,
+) -> Fitted {
     let mut model = Model::new(kind, kind.restricted(theta));
     let (mut last, mut damping) = (f64::INFINITY, SETTINGS.first);
     let mut weights = vec![1.0; points.len()];
@@ -56,7 +62,7 @@ pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: K
         let between = Settings { steps: BETWEEN_WEIGHTS, ..SETTINGS };
         descend(&mut model, (points, normals.as_ref()), &weights, &mut damping, &between);
         distances = distances_of(&model, points);
-        let scale = scale_of(&distances);
+        let scale = scale_of(&distances, floor);
         if (scale - last).abs() < 1e-4 * scale {
             break;
         }
@@ -64,7 +70,7 @@ pub(super) fn robust(points: &[Vector], mut normals: Option<Directions>, kind: K
         weights.iter_mut().zip(&distances).for_each(|(w, d)| *w = huber_weight(*d, scale));
         normals.iter_mut().for_each(|normals| normals.weigh(&model, points));
     }
-    let scale = scale_of(&distances);
+    let scale = scale_of(&distances, floor);
     Fitted { model, distances, scale }
 }
 
@@ -89,9 +95,9 @@ pub(super) fn distances_of(model: &Model, points: &[Vector]) -> Vec<f64> {
     threads::map(points.len(), TASK, |k| model.distance(points[k]))
 }
 
-/// The standard deviation by the median distance from the median, never 0.
-pub(super) fn scale_of(distances: &[f64]) -> f64 {
-    mad_about_median(distances) + 1e-12
+/// The standard deviation by the median distance from the median, not below `floor` and never 0.
+pub(super) fn scale_of(distances: &[f64], floor: f64) -> f64 {
+    mad_about_median(distances).max(floor) + 1e-12
 }
 
 /// Positions, and normals where they take part.

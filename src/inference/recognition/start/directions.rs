@@ -24,11 +24,13 @@ pub(super) struct Directions {
     measured: Vec<Vector>,
     across: Vec<[Vector; 2]>,
     weights: Vec<f64>,
+    /// No scale of their errors is below this.
+    floor: f64,
 }
 
 impl Directions {
-    /// Of unit normals, zero where unknown.
-    pub(super) fn new(normals: &[Vector]) -> Directions {
+    /// Of unit normals, zero where unknown, that err by `floor` at least.
+    pub(super) fn new(normals: &[Vector], floor: f64) -> Directions {
         let across = |n: &Vector| {
             let axis = if n[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
             let first = cross(*n, axis);
@@ -36,7 +38,7 @@ impl Directions {
             [first, cross(*n, first)]
         };
         let weights = normals.iter().map(|n| if norm(*n) > 0.0 { 1.0 } else { 0.0 }).collect();
-        Directions { measured: normals.to_vec(), across: normals.iter().map(across).collect(), weights }
+        Directions { measured: normals.to_vec(), across: normals.iter().map(across).collect(), weights, floor }
     }
 
     fn parts(&self, i: usize, normal: Vector) -> [f64; 2] {
@@ -51,7 +53,7 @@ impl Directions {
 
     /// Weighs every normal by how far it is off.
     pub(super) fn weigh(&mut self, model: &Model, points: &[Vector]) {
-        let scale = mad(self.errors(model, points)) + 1e-12;
+        let scale = mad(self.errors(model, points)).max(self.floor) + 1e-12;
         for (i, point) in points.iter().enumerate().filter(|(i, _)| self.measured[*i] != [0.0; 3]) {
             let off = norm(minus(self.measured[i], model.distance_and_normal(*point).1));
             self.weights[i] = huber_weight(off, scale);

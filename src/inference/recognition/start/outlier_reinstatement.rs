@@ -36,13 +36,13 @@ const SHARE_EXPLAINED: f64 = 0.75;
 const FEWEST_CONTACTS: usize = 18;
 
 /// Marks as belonging what the departure explains; `sample` are the contacts that it is fitted to, and `distances` those of
-/// all contacts from `surface`.
+/// all contacts from `surface`; the scale of what it leaves is not below `floor`.
 pub(super) fn take_back(
     surface: &ConstantCurvature,
     points: &[Vector],
     distances: &[f64],
     sample: &[usize],
-    limit: f64,
+    (limit, floor): (f64, f64),
     belongs: &mut [bool],
 ) {
     let off: Vec<usize> = (0..points.len()).filter(|&i| !belongs[i]).collect();
@@ -54,7 +54,7 @@ pub(super) fn take_back(
         return;
     }
     let given: Vec<f64> = sample.iter().map(|&i| distances[i]).collect();
-    let Some(departure) = Departure::fitted(surface, &charts, &given) else { return };
+    let Some(departure) = Departure::fitted(surface, &charts, &given, floor) else { return };
     let explained = |i: &usize| (distances[*i] - departure.at(surface.chart(points[*i]))).abs() < limit;
     let back: Vec<usize> = off.iter().copied().filter(explained).collect();
     if back.len() as f64 >= SHARE_EXPLAINED * off.len() as f64 {
@@ -74,7 +74,7 @@ struct Departure {
 
 impl Departure {
     /// The departure that most contacts follow; `None` where they do not determine one.
-    fn fitted(surface: &ConstantCurvature, charts: &[[f64; 2]], distances: &[f64]) -> Option<Departure> {
+    fn fitted(surface: &ConstantCurvature, charts: &[[f64; 2]], distances: &[f64], floor: f64) -> Option<Departure> {
         let middle = [0, 1].map(|k| {
             let along = charts.iter().map(|c| c[k]);
             0.5 * (along.clone().fold(f64::INFINITY, f64::min) + along.fold(f64::NEG_INFINITY, f64::max))
@@ -87,7 +87,7 @@ impl Departure {
         let mut left = distances.to_vec();
         let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let scale = scale_of(&left);
+            let scale = scale_of(&left, floor);
             if (scale - last).abs() < 1e-4 * scale {
                 break;
             }
@@ -151,7 +151,7 @@ mod tests {
         let points: Vec<Vector> = flat.iter().map(|[u, v]| surface.point(*u, *v, 0.0)).collect();
         let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit).collect();
         let sample: Vec<usize> = (0..49).collect();
-        take_back(&surface, &points, &distances, &sample, limit, &mut belongs);
+        take_back(&surface, &points, &distances, &sample, (limit, 0.0), &mut belongs);
         belongs
     }
 

@@ -7,7 +7,7 @@
 //! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::recognition::contacts::{
-    AGAINST, CellNormals, Cells, Dropped, NormalsUse, Observations, cells, derived_from_positions, on_conic,
+    AGAINST, CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, cells, derived_from_positions, on_conic,
     patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
@@ -41,6 +41,7 @@ pub(crate) struct Patch {
     /// Measured minus model normals where they are used.
     errors: Option<Vec<Option<Vector>>>,
     start: Start,
+    floors: Floors,
     pub(crate) dropped: Dropped,
     pub(crate) normals: NormalsUse,
     pub(crate) notes: Vec<Remark>,
@@ -67,7 +68,8 @@ impl Patch {
             return Err(RecognitionError::OnConic);
         }
         let normals: Option<Vec<Vector>> = normals.map(|n| n.iter().map(|n| frame.rotate(*n)).collect());
-        let start = start(&points, normals.as_deref());
+        let floors = Floors::new(&given.rounding, &given.points, normals.as_deref(), &frame);
+        let start = start(&points, normals.as_deref(), &floors);
         dropped.outliers = start.belongs.iter().filter(|b| !**b).count();
         let outliers = dropped.outliers as f64 / points.len() as f64;
         if outliers > TOO_MANY_OUTLIERS {
@@ -95,6 +97,7 @@ impl Patch {
             errors: errors.map(|e| chosen.iter().map(|&i| e[i]).collect()),
             points: chosen.iter().map(|&i| points[i]).collect(),
             start,
+            floors,
             dropped,
             normals: state,
             notes,
@@ -116,7 +119,10 @@ impl Patch {
 
     /// Averaged contacts.
     pub(crate) fn cells(&self) -> Cells {
-        cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref())
+        let cells = cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref());
+        let contacts = self.points.len() as f64 / cells.points.len() as f64;
+        let floors = self.floors.of_means(contacts, self.normals_per_cell(&cells).max(1.0));
+        Cells { floors, ..cells }
     }
 
     /// All models refitted to the cells, each from its likeliest starts.
@@ -137,7 +143,7 @@ impl Patch {
             (Kind::Paraboloid, vec![[h, -b, a, xx, yy, xy]]),
         ];
         let told = cells.normals.as_ref().filter(|_| self.start.with_normals);
-        let normals = told.map(|normals| Directions::new(&normals.where_known()));
+        let normals = told.map(|normals| Directions::new(&normals.where_known(), self.floors.normal));
         let best = |(kind, starts): (Kind, Vec<[f64; 6]>)| {
             let fits =
                 starts.into_iter().map(|theta| plain(&cells.points, normals.as_ref(), &cells.weights, kind, theta));

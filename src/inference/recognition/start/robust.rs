@@ -14,6 +14,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::recognition::contacts::Floors;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::statistics::{mad, median};
@@ -74,22 +75,22 @@ pub(crate) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
 }
 
 /// Fits the start. `normals` are unit vectors, zero where unknown.
-pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>) -> Start {
+pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors) -> Start {
     let sample = thinned(points, SAMPLE);
     let of_sample = |all: &[Vector]| sample.iter().map(|&i| all[i]).collect::<Vec<Vector>>();
     let some = of_sample(points);
-    let alone = Fits::of(&some, None);
-    let told = normals.and_then(|normals| told_by_normals(&alone, &some, &of_sample(normals)));
+    let alone = Fits::of(&some, None, floors);
+    let told = normals.and_then(|normals| told_by_normals(&alone, &some, &of_sample(normals), floors));
     let with_normals = told.is_some();
     let Fits { sphere, cylinder, general } = told.unwrap_or(alone);
     let general = general.model;
     let distances = distances_of(&general, points);
     let n = points.len() as f64;
-    let scale = mad(distances.iter().copied());
+    let scale = mad(distances.iter().copied()).max(floors.position);
     let limit = (6.0 * scale * (n / (n - 6.0).max(1.0)).sqrt()).max(1e-9);
     let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || points.len() < FEWEST_CONTACTS).collect();
     if let Model::Constant(_, surface) = &general {
-        take_back(surface, points, &distances, &sample, limit, &mut belongs);
+        take_back(surface, points, &distances, &sample, (limit, floors.position), &mut belongs);
     }
     Start { general, sphere, cylinder, distances, belongs, sample, with_normals }
 }
@@ -103,9 +104,9 @@ struct Fits {
 
 impl Fits {
     /// To positions, or to positions and normals.
-    fn of(points: &[Vector], normals: Option<&[Vector]>) -> Fits {
-        let directions = normals.map(Directions::new);
-        let fitted = |kind, theta| robust(points, directions.clone(), kind, theta);
+    fn of(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors) -> Fits {
+        let directions = normals.map(|normals| Directions::new(normals, floors.normal));
+        let fitted = |kind, theta| robust(points, directions.clone(), kind, theta, floors.position);
         let [sphere, cylinder, along, across] = quadric_starts(quadric(points, normals));
         let sphere = fitted(Kind::Sphere, sphere).model;
         let cylinder = fitted(Kind::Cylinder, cylinder).model;
@@ -128,8 +129,8 @@ impl Fits {
 
 /// Fits to positions and normals, where positions alone have led to a surface that the normals contradict, and another one explains
 /// both: contacts in a ring or in two rows have no one surface. `None` elsewhere.
-fn told_by_normals(alone: &Fits, points: &[Vector], normals: &[Vector]) -> Option<Fits> {
-    let directions = Directions::new(normals);
+fn told_by_normals(alone: &Fits, points: &[Vector], normals: &[Vector], floors: &Floors) -> Option<Fits> {
+    let directions = Directions::new(normals, floors.normal);
     let off = |model: &Model| median(directions.errors(model, points)).unwrap_or(0.0);
     let of_alone = off(&alone.general.model);
     // a look at a height quadric is cheap, and most contacts need no more
@@ -137,7 +138,7 @@ fn told_by_normals(alone: &Fits, points: &[Vector], normals: &[Vector]) -> Optio
     if of_alone < LEANING || of_alone < CONTRADICTED * off(&Model::new(Kind::Paraboloid, [z0, gx, gy, a, c, b])) {
         return None;
     }
-    let told = Fits::of(points, Some(normals));
+    let told = Fits::of(points, Some(normals), floors);
     let of_told = off(&told.general.model);
     let near = told.general.scale <= (AS_NEAR * alone.general.scale).max(OF_NORMAL * of_told);
     (near && of_alone > CONTRADICTED * of_told).then_some(told)

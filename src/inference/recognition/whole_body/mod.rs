@@ -49,7 +49,10 @@ pub(super) fn instead(
         return patch;
     }
     let normals = given.normals.as_deref().unwrap_or_default();
-    let Some(sample) = Sample::new(&given.points, normals, given.step) else { return patch };
+    let [x, y, z] = given.rounding.position;
+    // a body has normals in all directions
+    let rounding = [((x * x + y * y + z * z) / 3.0).sqrt(), given.rounding.normal];
+    let Some(sample) = Sample::new(&given.points, normals, rounding) else { return patch };
     match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => Err(several(&sample, &things)),
         Verdict::One(posterior) => {
