@@ -127,7 +127,8 @@ impl Primitive for Ellipsoid {
         let by_size = [0, 1, 2].map(|k| -x[k] * x[k] / (self.half_axes[k].powi(3) * steepness));
         // h_k = x_k^2 / (a_k^3 w): its gradient along the surface, carried from the foot to the place
         let gradient_by_size = [0, 1, 2].map(|k| {
-            let mut slope = [0, 1, 2].map(|i| by_size[k] * half[i] / (self.half_axes[i].powi(2) * steepness * steepness));
+            let mut slope =
+                [0, 1, 2].map(|i| by_size[k] * half[i] / (self.half_axes[i].powi(2) * steepness * steepness));
             slope[k] += 2.0 * x[k] / (self.half_axes[k].powi(3) * steepness);
             let level = dot(slope, normal);
             let tangential = [0, 1, 2].map(|i| slope[i] - level * normal[i]);
@@ -159,7 +160,9 @@ mod tests {
     const EGG: Ellipsoid = Ellipsoid { half_axes: [3.0, 2.0, 1.2] };
 
     fn places() -> impl Iterator<Item = Vector> {
-        (0..40).map(|k| f64::from(k)).map(|k| [3.5 * (1.3 * k).sin(), 2.4 * (0.7 * k).cos(), 1.6 * (2.1 * k + 1.0).sin()])
+        (0..40)
+            .map(|k| f64::from(k))
+            .map(|k| [3.5 * (1.3 * k).sin(), 2.4 * (0.7 * k).cos(), 1.6 * (2.1 * k + 1.0).sin()])
     }
 
     #[test]
@@ -211,9 +214,8 @@ mod tests {
     fn curvatures_at_the_ends_of_the_axes_are_known() {
         let [a, b, c] = EGG.half_axes;
         let at = |q: Vector| EGG.curvatures(q).map(|k| -k);
-        let close = |found: [f64; 2], expected: [f64; 2]| {
-            found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12)
-        };
+        let close =
+            |found: [f64; 2], expected: [f64; 2]| found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12);
         assert!(close(at([a, 0.0, 0.0]), [a / (b * b), a / (c * c)]));
         assert!(close(at([0.0, 0.0, c]), [c / (a * a), c / (b * b)]));
     }

@@ -10,7 +10,7 @@
 //! Normals that are not given are those of planes through neighbours; they serve here and nowhere else. Sets of a few: M. Fischler and
 //! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
 
-use super::mode::is_possible;
+use super::mode::{FalseContacts, is_possible};
 use super::sample::Sample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
@@ -33,7 +33,8 @@ const COMPARED: usize = 200;
 
 /// Starts of a kind that are followed to their mode: by the distance that three tenths of the contacts have at most, so that one of two
 /// equal sheets is found, by the median, and by the mean square.
-const FOLLOWED: [usize; 3] = [2, 2, 2];
+const FOLLOWED: [(usize, FalseContacts); 3] =
+    [(2, FalseContacts::Some), (2, FalseContacts::Some), (2, FalseContacts::None)];
 
 /// The share of contacts that one of two sheets holds surely.
 const OF_ONE_SHEET: f64 = 0.3;
@@ -50,8 +51,15 @@ fn members_of_a_set(kind: PartKind) -> usize {
     }
 }
 
+/// Where a search begins, and whether it lets contacts be false.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    pub(super) start: Primitive,
+    pub(super) strays: FalseContacts,
+}
+
 /// The starts of every kind that are worth a search.
-pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Primitive> {
+pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Candidate> {
     let oriented = with_normals(sample);
     let mut generator = Lcg::new(sample.len() as u64);
     let few = sample.at_most(COMPARED);
@@ -95,9 +103,9 @@ fn beside(found: &Primitive, by: f64) -> Primitive {
     }
 }
 
-/// The starts whose distances are least, by every rate.
-fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Primitive> {
-    let mut rated: Vec<([f64; 3], Primitive)> = starts
+/// The starts whose distances are least: by quantiles where contacts may be false, by the mean square where none is.
+fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Candidate> {
+    let rated: Vec<([f64; 3], Primitive)> = starts
         .into_iter()
         .map(|start| {
             let mut distances: Vec<f64> = few.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
@@ -108,12 +116,14 @@ fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Primitive> {
         })
         .filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite()))
         .collect();
-    let mut taken: Vec<Primitive> = Vec::new();
-    for (by, count) in FOLLOWED.into_iter().enumerate() {
-        rated.sort_by(|a, b| a.0[by].total_cmp(&b.0[by]));
-        for (_, start) in rated.iter().take(count) {
-            if !taken.contains(start) {
-                taken.push(*start);
+    let mut taken: Vec<Candidate> = Vec::new();
+    for (by, (count, strays)) in FOLLOWED.into_iter().enumerate() {
+        let mut order: Vec<&([f64; 3], Primitive)> = rated.iter().collect();
+        order.sort_by(|a, b| a.0[by].total_cmp(&b.0[by]));
+        let found = order.into_iter().take(count).map(|(_, start)| Candidate { start: *start, strays });
+        for candidate in found {
+            if !taken.contains(&candidate) {
+                taken.push(candidate);
             }
         }
     }

@@ -3,11 +3,11 @@
 //! ```text
 //! d + J x - Phi w = e,  e ~ N(0, s^2 (1, 1/v)),  w ~ N(0, (rho s)^2)         x: moves of the primitive, v = s^2 / s_n^2
 //! A = G_d + v G_n + diag(1/rho^2, s^2 / width^2)                              G: Gram matrices of the rows of distances and normals
-//! ln p = -N/2 ln 2 pi s^2 + N_n/2 ln v - RSS / 2 s^2 - ln|A| / 2 - M ln rho + k/2 ln 2 pi s^2 + ln p(theta) + ln p(false)
-//! s^2 = max(RSS / (N - k), floor^2)
+//! ln p = N_n/2 ln v - nu/2 ln(pi RSS) + ln Gamma(nu/2) - ln|A| / 2 - M ln rho + ln p(theta) + ln p(false),   nu = N - k
+//! RSS >= nu floor^2
 //! ```
 //!
-//! ln v has a gaussian prior, and is integrated by Laplace's method about the v where ln p is largest: few distances could otherwise
+//! The prior of s is 1/s, and s is integrated. ln v has a gaussian prior, and is integrated by Laplace's method about the v where ln p is largest: few distances could otherwise
 //! be followed exactly while the normals pay. w and x are drawn together from A.
 
 use std::f64::consts::PI;
@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 use statrs::function::beta::ln_beta;
+use statrs::function::gamma::ln_gamma;
 
 use super::departure::Departure;
 use super::mode::{Mode, aligned, log_false};
@@ -62,6 +63,12 @@ impl Node {
     /// The move to the likeliest primitive.
     pub(super) fn step(&self) -> &[f64] {
         &self.solution[self.process.as_ref().map_or(0, |process| process.len())..]
+    }
+
+    /// ln of the factor's determinant.
+    #[cfg(test)]
+    pub(super) fn lower_determinant(&self) -> f64 {
+        0.5 * dense::log_det(&self.lower)
     }
 
     /// Sd of a single contact.
@@ -126,6 +133,21 @@ impl<'a> Linearised<'a> {
         let primitive = moved(&self.primitive, step).about([0.0; 3]);
         let constant = self.constant - log_prior(&self.primitive) + log_prior(&primitive);
         Linearised { primitive, constant, ..self }
+    }
+
+    /// ln p of what the contacts left out add; of none of them false, the prior of that alone.
+    #[cfg(test)]
+    pub(super) fn of_no_false(&self) -> f64 {
+        self.constant - log_prior(&self.primitive)
+    }
+
+    /// The primitive drawn by independent gaussians of one.
+    #[cfg(test)]
+    pub(super) fn drawn(&self, node: &Node, gaussians: &[f64]) -> Primitive {
+        let mut step = gaussians.to_vec();
+        dense::backward(&node.lower, &mut step);
+        step.iter_mut().zip(&node.solution).for_each(|(s, mean)| *s = mean + node.sd[0] * *s);
+        moved(&self.primitive, &step)
     }
 
     /// Log evidence where there is no departure.
@@ -277,13 +299,12 @@ impl<'a> Linearised<'a> {
         let count = nd + nn;
         let freedom = (count - unknowns as f64).max(1.0);
         let floor = self.sample.floor[0].max(self.sample.floor[1] * v.sqrt());
-        let variance = (sum / freedom).max(floor * floor);
-        let log = -0.5 * count * (2.0 * PI * variance).ln() + 0.5 * nn * v.ln()
-            - 0.5 * sum / variance
+        let sum = sum.max(freedom * floor * floor);
+        let log = 0.5 * nn * v.ln() - 0.5 * freedom * PI.ln() + ln_gamma(0.5 * freedom)
+            - 0.5 * freedom * sum.ln()
             - 0.5 * dense::log_det(&lower)
-            - if places > 0 { places as f64 * ratio.ln() } else { 0.0 }
-            + 0.5 * unknowns as f64 * (2.0 * PI * variance).ln()
-            - 0.5 * freedom.ln();
+            - if places > 0 { places as f64 * ratio.ln() } else { 0.0 };
+        let variance = sum / freedom;
         let mut solution = reduced;
         dense::backward(&lower, &mut solution);
         let departure_rms = (self.departure_square(grams, &solution) / nd.max(1.0)).sqrt();

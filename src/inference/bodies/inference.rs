@@ -1,6 +1,6 @@
 //! The steps from contacts to weighted hypotheses, top to bottom.
 
-use super::candidates::{candidates, on_either_side};
+use super::candidates::{Candidate, candidates, on_either_side};
 use super::evidence::{Linearised, Node, moved};
 use super::mode::{FalseContacts, Mode, is_possible, mode};
 use super::other_things::{Thing, two_things};
@@ -101,12 +101,12 @@ pub(crate) fn infer(sample: &Sample, tuning: &Tuning) -> Verdict {
 pub(super) fn modes(sample: &Sample, tuning: &Tuning) -> Vec<Mode> {
     let few = sample.at_most(SEARCHED);
     let mut best: Vec<Mode> = Vec::new();
-    for start in candidates(&few, tuning) {
-        keep_better(&mut best, start, &few, tuning);
+    for candidate in candidates(&few, tuning) {
+        keep_better(&mut best, candidate, &few, tuning);
     }
     for found in best.clone() {
         for start in on_either_side(&found.primitive, &few, tuning) {
-            keep_better(&mut best, start, &few, tuning);
+            keep_better(&mut best, Candidate { start, strays: FalseContacts::Some }, &few, tuning);
         }
     }
     if few.len() == sample.len() {
@@ -116,19 +116,17 @@ pub(super) fn modes(sample: &Sample, tuning: &Tuning) -> Vec<Mode> {
 }
 
 /// Follows a start, and keeps its mode where it is likelier than the one of its kind.
-fn keep_better(best: &mut Vec<Mode>, start: Primitive, few: &Sample, tuning: &Tuning) {
+fn keep_better(best: &mut Vec<Mode>, Candidate { start, strays }: Candidate, few: &Sample, tuning: &Tuning) {
     if few.len() + 2 * few.known_normals() <= start.kind.free().len() {
         return;
     }
-    for strays in [FalseContacts::None, FalseContacts::Some] {
-        let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(EXTENT));
-        let Some(found) = found else { continue };
-        let is_rival = |known: &&mut Mode| known.primitive.kind == found.primitive.kind && known.strays == strays;
-        match best.iter_mut().find(is_rival) {
-            Some(known) if known.likelihood >= found.likelihood => {}
-            Some(known) => *known = found,
-            None => best.push(found),
-        }
+    let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(EXTENT));
+    let Some(found) = found else { return };
+    let is_rival = |known: &&mut Mode| known.primitive.kind == found.primitive.kind && known.strays == strays;
+    match best.iter_mut().find(is_rival) {
+        Some(known) if known.likelihood >= found.likelihood => {}
+        Some(known) => *known = found,
+        None => best.push(found),
     }
 }
 

@@ -24,9 +24,7 @@ mod posterior;
 mod prior;
 mod sample;
 #[cfg(test)]
-mod scratch;
-#[cfg(test)]
-mod scratch2;
+mod tests;
 mod tuning;
 
 pub(crate) use chart::BodyChart;

@@ -32,7 +32,9 @@ pub(super) fn log_prior(primitive: &Primitive) -> f64 {
         PartKind::Cylinder => height + axis + around_axis + radius(one),
         PartKind::Cone => height + axis + around_axis + radius(one) - PI.ln(),
         PartKind::Torus => height + around_point + axis + radius(one) + radius(two),
-        PartKind::Ellipsoid => height + around_point + orientation() + half_axes([one, two, three]) + radius_of(primitive),
+        PartKind::Ellipsoid => {
+            height + around_point + orientation() + half_axes([one, two, three]) + radius_of(primitive)
+        }
     }
 }
 

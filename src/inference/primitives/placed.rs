@@ -38,14 +38,8 @@ impl PartKind {
         [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus];
 
     /// What a whole body is compared with.
-    pub(crate) const BODIES: [PartKind; 6] = [
-        PartKind::Plane,
-        PartKind::Sphere,
-        PartKind::Cylinder,
-        PartKind::Cone,
-        PartKind::Torus,
-        PartKind::Ellipsoid,
-    ];
+    pub(crate) const BODIES: [PartKind; 6] =
+        [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus, PartKind::Ellipsoid];
 
     /// The word used in every output.
     pub fn name(self) -> &'static str {

@@ -1,0 +1,178 @@
+//! The posterior against numbers that are known otherwise: evidence by integration, ranks of the truth, false contacts, two things.
+
+use super::evidence::Linearised;
+use super::inference::{Verdict, infer, modes};
+use super::mode::FalseContacts;
+use super::posterior::{draws, spread};
+use super::prior::log_prior;
+use super::sample::Sample;
+use super::tuning::Tuning;
+use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use palpate_numeric::draws::Lcg;
+use palpate_numeric::vector::{Vector, along, unit};
+use statrs::function::gamma::ln_gamma;
+
+fn gaussian(generator: &mut Lcg) -> f64 {
+    let angle = std::f64::consts::TAU * generator.uniform();
+    (-2.0 * (1.0 - generator.uniform()).ln()).sqrt() * angle.cos()
+}
+
+/// A primitive of some kind in some place, its sizes about 1.
+fn body(kind: PartKind, generator: &mut Lcg) -> Primitive {
+    let axis = unit([gaussian(generator), gaussian(generator), gaussian(generator)]);
+    let sizes = match kind {
+        PartKind::Cone => [1.0, 0.3, 0.0],
+        PartKind::Torus => [1.0, 0.4, 0.0],
+        PartKind::Ellipsoid => [1.0, 0.8, 0.6],
+        _ => [1.0, 0.0, 0.0],
+    };
+    let origin = [4.0 * generator.uniform(), 2.0, -3.0 * generator.uniform()];
+    Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 }
+}
+
+/// Places on a body, over so much of the way round, with noise along the normal, and the normals.
+fn touched(body: &Primitive, count: usize, turn: f64, noise: f64, generator: &mut Lcg) -> (Vec<Vector>, Vec<Vector>) {
+    let one = |_| {
+        let (angle, rise) = (turn * (generator.uniform() - 0.5), 2.0 * generator.uniform() - 1.0);
+        let own = match body.kind {
+            PartKind::Sphere | PartKind::Ellipsoid => {
+                let across = (1.0 - rise * rise).sqrt();
+                [across * angle.cos(), across * angle.sin(), rise]
+            }
+            _ => [1.2 * angle.cos(), 1.2 * angle.sin(), rise],
+        };
+        let place = along(body.origin, 1.0, body.out(own));
+        let (d, normal) = body.nearest(place);
+        let error = noise * gaussian(generator);
+        (along(place, error - d, normal), normal)
+    };
+    (0..count).map(one).unzip()
+}
+
+/// ln of the integral over theta of p(contacts | theta) p(theta), s integrated: importance sampling by the posterior's own draws, made
+/// twice as wide.
+fn by_integration(sample: &Sample, start: &Primitive, tuning: &Tuning, generator: &mut Lcg) -> f64 {
+    const DRAWS: usize = 20_000;
+    const WIDE: f64 = 1.3;
+    let found = modes(sample, tuning);
+    let mode = found.iter().find(|m| m.primitive.kind == start.kind && m.strays == FalseContacts::None).unwrap();
+    let linearised = Linearised::new(mode, sample, tuning);
+    let node = linearised.nodes(0, tuning).remove(0);
+    let unknowns = node.step().len();
+    let likelihood = |primitive: &Primitive| {
+        let sum: f64 = sample.points.iter().map(|p| primitive.nearest(*p).0.powi(2)).sum();
+        let half = 0.5 * sample.len() as f64;
+        ln_gamma(half) - half * (std::f64::consts::PI * sum).ln() + log_prior(primitive)
+    };
+    let root = node.lower_determinant();
+    let mut logs: Vec<f64> = Vec::new();
+    for _ in 0..DRAWS {
+        let z: Vec<f64> = (0..unknowns).map(|_| WIDE * gaussian(generator)).collect();
+        let density = -0.5 * z.iter().map(|z| (z / WIDE).powi(2)).sum::<f64>()
+            - unknowns as f64 * (WIDE * (2.0 * std::f64::consts::PI).sqrt() * node.scatter()).ln()
+            + root;
+        logs.push(likelihood(&linearised.drawn(&node, &z)) - density);
+    }
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most + (logs.iter().map(|l| (l - most).exp()).sum::<f64>() / DRAWS as f64).ln()
+}
+
+#[test]
+fn evidence_is_that_of_integration() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(11);
+    for case in 0..20 {
+        let kind = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone][case % 4];
+        let truth = body(kind, &mut generator);
+        let count = 16 + 4 * (case % 5);
+        let (points, _) = touched(&truth, count, 6.0, 0.01, &mut generator);
+        let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+        let found = modes(&sample, &tuning);
+        let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
+        let linearised = Linearised::new(mode, &sample, &tuning);
+        let laplace = linearised.without_departure(&tuning).unwrap() - tuning.exact.ln() - linearised.of_no_false();
+        let integral = by_integration(&sample, &truth, &tuning, &mut generator);
+        assert!((laplace - integral).abs() < 0.05, "{kind:?} of {count}: {laplace} for {integral}");
+    }
+}
+
+/// The rank of the true radius among the draws is even: over ten bins of 120 bodies.
+#[test]
+fn the_truth_is_a_draw_of_the_posterior() {
+    const BODIES: usize = 120;
+    let tuning = Tuning { draws: 200, ..Tuning::default() };
+    let mut generator = Lcg::new(23);
+    for kind in [PartKind::Sphere, PartKind::Cylinder] {
+        let mut bins = [0.0; 10];
+        for number in 0..BODIES {
+            let truth = body(kind, &mut generator);
+            let (points, _) = touched(&truth, 20, 4.0, 0.02, &mut generator);
+            let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+            let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?} {number}: no answer") };
+            let found = draws(&posterior, &tuning, number as u64);
+            let own: Vec<f64> = found
+                .iter()
+                .filter(|d| d.primitive.kind == kind)
+                .map(|d| d.primitive.sizes[0] * sample.frame.scale)
+                .collect();
+            assert!(own.len() > 100, "{kind:?} {number}: {}", own.len());
+            let below = own.iter().filter(|r| **r < 1.0).count() as f64 / own.len() as f64;
+            bins[((10.0 * below) as usize).min(9)] += 1.0;
+        }
+        let even = BODIES as f64 / 10.0;
+        let square: f64 = bins.iter().map(|n| (n - even).powi(2) / even).sum();
+        // chi-square of 9 exceeds 27.9 once in a thousand
+        assert!(square < 27.9, "{kind:?}: {bins:?}");
+    }
+}
+
+#[test]
+fn a_third_of_false_contacts_moves_a_ball_by_no_more_than_noise() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(5);
+    let truth = body(PartKind::Sphere, &mut generator);
+    let (mut points, _) = touched(&truth, 60, 6.0, 0.01, &mut generator);
+    points.extend((0..30).map(|_| [0, 1, 2].map(|k| truth.origin[k] + 4.0 * (generator.uniform() - 0.5))));
+    let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+    let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("no answer") };
+    assert_eq!(posterior.kind(), PartKind::Sphere);
+    let members = posterior.members_of(PartKind::Sphere);
+    assert!((55..=68).contains(&members.len()), "{}", members.len());
+    let radii: Vec<(f64, f64)> =
+        draws(&posterior, &tuning, 1).iter().map(|d| (d.primitive.sizes[0] * sample.frame.scale, d.share)).collect();
+    let [lo, hi] = spread(&radii, 0.999).unwrap().interval;
+    assert!(lo < 1.0 && 1.0 < hi && hi - lo < 0.04, "{lo} {hi}");
+}
+
+#[test]
+fn two_walls_about_one_axis_are_two_things() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(8);
+    let outer = body(PartKind::Cylinder, &mut generator);
+    let inner = Primitive { sizes: [0.9, 0.0, 0.0], ..outer };
+    let (mut points, _) = touched(&outer, 150, 6.0, 0.003, &mut generator);
+    points.extend(touched(&inner, 150, 6.0, 0.003, &mut generator).0);
+    let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+    let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
+    let mut radii = things.map(|thing| thing.primitive.sizes[0] * sample.frame.scale);
+    radii.sort_by(f64::total_cmp);
+    assert!((radii[0] - 0.9).abs() < 0.01 && (radii[1] - 1.0).abs() < 0.01, "{radii:?}");
+}
+
+#[test]
+fn the_order_of_contacts_and_the_unit_of_length_change_no_kind() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(17);
+    for kind in [PartKind::Sphere, PartKind::Cone, PartKind::Torus, PartKind::Ellipsoid] {
+        let truth = body(kind, &mut generator);
+        let (points, normals) = touched(&truth, 60, 6.0, 0.005, &mut generator);
+        let scaled: Vec<Vector> = points.iter().rev().map(|p| p.map(|v| 1e3 * v)).collect();
+        let reversed: Vec<Vector> = normals.iter().rev().copied().collect();
+        for (points, normals) in [(points, normals), (scaled, reversed)] {
+            let sample = Sample::new(&points, &normals, [0.0; 2]).unwrap();
+            let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?}: no answer") };
+            assert_eq!(posterior.kind(), kind);
+            assert!(posterior.weight_of(kind) > 0.9, "{kind:?}: {}", posterior.weight_of(kind));
+        }
+    }
+}
