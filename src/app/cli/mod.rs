@@ -34,6 +34,8 @@ mod merge;
 mod options;
 mod output;
 mod parts;
+mod parts_input;
+mod pixels;
 mod preparation;
 mod progress;
 mod provenance;
@@ -50,6 +52,7 @@ mod study_plan;
 mod sweep;
 mod until;
 mod values;
+mod viewpoint;
 mod zero_weights;
 
 use std::process::ExitCode;
