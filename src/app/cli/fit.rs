@@ -145,7 +145,7 @@ impl One {
         let Found { answer, chosen, lack_of_fit, notes: own } = found;
         notes.extend(own);
         let gridded = matches!(reading.input, Input::Grid(_));
-        notes.extend(args.fit.without_effect(answer.is_parametric(), gridded));
+        notes.extend(args.fit.without_effect(&answer, gridded));
         let taken = Taken { began, read, fitted };
         Ok(One { reading, answer, chosen, lack_of_fit, notes, taken })
     }

@@ -8,7 +8,7 @@ use palpate_fitting::fit::{FitOptions, FrameChoice, Method, Objective, Robust, S
 
 use super::failure::Failure;
 use super::gathered::Gathered;
-use crate::report::PictureFormat;
+use crate::report::{Answer, PictureFormat};
 
 use super::values;
 
@@ -106,7 +106,10 @@ impl FitFlags {
     }
 
     /// What was typed and means nothing for the kind of surface that was fitted.
-    pub(super) fn without_effect(&self, parametric: bool, gridded: bool) -> Vec<String> {
+    pub(super) fn without_effect(&self, answer: &Answer, gridded: bool) -> Vec<String> {
+        let parametric = answer.is_parametric();
+        let recognised = matches!(answer, Answer::Recognised(_));
+        let own_axes = "a recognised surface, which has axes of its own";
         let in_space = "a parametric surface";
         let on_grid = "a grid, which keeps its axes";
         let typed = [
@@ -116,6 +119,7 @@ impl FitFlags {
             (parametric && self.frame.is_some(), "--frame", in_space),
             (parametric && self.sigma_xy.is_some(), "--sigma-xy", in_space),
             (gridded && self.frame.is_some(), "--frame", on_grid),
+            (!gridded && recognised && self.frame.is_some(), "--frame", own_axes),
         ];
         let empty = typed.iter().filter(|(is, _, _)| *is);
         empty.map(|(_, option, what)| format!("{option} has no effect on {what}")).collect()
