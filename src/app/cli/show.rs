@@ -1,13 +1,14 @@
 //! `palpate show SURFACE [--at POINTS | --save FILE]`: a saved surface's shape, its values at given points, or the surface in
 //! another format.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use crate::io::{
-    FIT_SCHEMA, MOST_GRID_POINTS, Saved, exceeds, is_cad, page_content, read_bytes, read_points, read_surface_bytes,
-    schema_of,
+    AnySurface, FIT_SCHEMA, MOST_GRID_POINTS, Saved, exceeds, is_cad, page_content, read_bytes, read_points,
+    read_surface_bytes, schema_of,
 };
 use crate::report::{
     FitDocument, ShownGrid, TablePage, describe_saved, document_of_surface, points_at, write_table_page,
@@ -87,6 +88,12 @@ fn show_page(args: &ShowArgs, file: &str, schema: &str, document: &[u8], table: 
 
 fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure> {
     let points = points_at(saved, &read_points(at)?);
+    if let (AnySurface::Height(_), false) = (&saved.surface, saved.frame.keeps_axes()) {
+        let file = &saved.file;
+        let what = "the surface has axes of its own: x, y, z and slopes are along these, normals along the input's";
+        // standard output is the table
+        let _ = writeln!(std::io::stderr(), "palpate: {file}: {what}; --json tells the axes");
+    }
     args.output.file("points.csv", &mut |out| points.write_csv(out))?;
     let (mut json, mut table) = (Vec::new(), Vec::new());
     // a Vec takes every byte
