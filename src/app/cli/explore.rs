@@ -127,7 +127,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let input = Input::Contacts(found.contacts.clone());
     let answer = answer_of(args, &input, &options);
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
-    let document = document(args, &scene, (&options, &found), (&answer, &described));
+    let document = document(args, &scene, (&options, &found, &input), (&answer, &described));
     let surface = described.ok();
     let provenance = provenance(&args.scene, Some(text), Some(options.seed));
     args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_ref(), &provenance, out))?;
@@ -159,7 +159,7 @@ pub(super) fn explore_in_memory(
     let input = Input::Contacts(found.contacts.clone());
     let answer = answer_of(args, &input, &options);
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
-    Ok((document(args, scene, (&options, &found), (&answer, &described)), found.contacts))
+    Ok((document(args, scene, (&options, &found, &input), (&answer, &described)), found.contacts))
 }
 
 fn play(
@@ -176,7 +176,7 @@ fn play(
 fn document(
     args: &ExploreArgs,
     scene: &SceneFile,
-    (options, found): (&ExploreOptions, &Exploration),
+    (options, found, input): (&ExploreOptions, &Exploration, &Input),
     (answer, described): (&Answered, &Described<'_>),
 ) -> ExploreDocument {
     let mut notes: Vec<String> = args.without_effect().into_iter().collect();
@@ -185,7 +185,7 @@ fn document(
     match (answer, described) {
         (Ok((found, _)), Ok(_)) => {
             notes.extend(found.notes.iter().cloned());
-            notes.extend(args.fit.without_effect(&found.answer, false));
+            notes.extend(args.fit.without_effect(&found.answer, input));
         }
         (_, Err(refusal)) => notes.push(refusal.clone()),
         (Err(_), Ok(_)) => {}

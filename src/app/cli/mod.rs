@@ -57,7 +57,7 @@ mod zero_weights;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
@@ -118,6 +118,12 @@ enum Verb {
     Man,
     /// Print help on a command, or on scene files (palpate help scene)
     Help(help::HelpArgs),
+}
+
+/// The commands and their options, for a test that tries every one of them.
+#[doc(hidden)]
+pub fn command() -> clap::Command {
+    Line::command()
 }
 
 /// Runs the command line of this process.

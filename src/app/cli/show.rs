@@ -86,7 +86,19 @@ fn show_page(args: &ShowArgs, file: &str, schema: &str, document: &[u8], table: 
     print(&mut |out| out.write_all(table.as_bytes()))
 }
 
+/// Words and pictures tell of a whole surface, a table of points has neither.
+fn check_words(words: &WordsFlags) -> Result<(), Failure> {
+    let typed = [(words.verbose, "--verbose"), (words.unit.is_some(), "--unit"), (words.pictures.any(), "--pictures")];
+    match typed.iter().find(|(typed, _)| *typed) {
+        Some((_, option)) => {
+            Err(Failure::Input(format!("{option} changes nothing of the table of --at; leave it out")))
+        }
+        None => Ok(()),
+    }
+}
+
 fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure> {
+    check_words(&args.words)?;
     let points = points_at(saved, &read_points(at)?);
     if let (AnySurface::Height(_), false) = (&saved.surface, saved.frame.keeps_axes()) {
         let file = &saved.file;
