@@ -17,6 +17,8 @@ mod fuzz_seeds;
 mod hostile;
 mod newcomers_files;
 mod npz;
+mod options_matter;
+mod options_table;
 mod outputs;
 mod parts;
 mod readers;
