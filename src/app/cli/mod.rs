@@ -34,6 +34,7 @@ mod merge;
 mod options;
 mod output;
 mod parts;
+mod parts_args;
 mod parts_input;
 mod pixels;
 mod preparation;
@@ -98,7 +99,7 @@ enum Verb {
     Explore(Box<explore::ExploreArgs>),
     /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
     #[command(after_help = examples::PARTS)]
-    Parts(Box<parts::PartsArgs>),
+    Parts(Box<parts_args::PartsArgs>),
     /// Say what a word of the output means
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::ExplainArgs),

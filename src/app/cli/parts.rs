@@ -1,10 +1,8 @@
 //! `palpate parts INPUT|SCENE`: what a body is made of, how its parts adjoin, and its shape at every point.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
-
-use clap::Args;
 
 use crate::io::scene_file::builtin_text;
 use crate::io::write_atomically;
@@ -16,40 +14,11 @@ use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 
 use super::failure::Failure;
-use super::options::{OutputFlags, PictureFlags};
 use super::output::print;
+use super::parts_args::PartsArgs;
 use super::parts_input::{Taken, from_file, from_scene};
-use super::preparation::PreparationFlags;
 use super::provenance::provenance;
-use super::reading::ReadFlags;
 use super::scene;
-
-/// Arguments of `palpate parts`.
-#[derive(Args)]
-pub(super) struct PartsArgs {
-    /// A file of contacts, a mesh or a grid; or a built-in scene (palpate scenes) or a scene file ending in .toml
-    pub(super) input: String,
-    /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body]
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    tolerance: Option<f64>,
-    /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out and --json, nothing is cut into parts
-    #[arg(long, value_name = "FILE")]
-    points: Option<PathBuf>,
-    /// Seed in place of the scene's
-    #[arg(long)]
-    pub(super) seed: Option<u64>,
-    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file
-    #[arg(long)]
-    pub(super) skip_invalid: bool,
-    #[command(flatten)]
-    pub(super) preparation: PreparationFlags,
-    #[command(flatten)]
-    pub(super) reading: ReadFlags,
-    #[command(flatten)]
-    pictures: PictureFlags,
-    #[command(flatten)]
-    output: OutputFlags,
-}
 
 pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let is_scene =

@@ -6,7 +6,7 @@ use crate::io::{Input, ReadOptions, Reading, read_input};
 use palpate_geometry::contact::Contacts;
 
 use super::failure::Failure;
-use super::parts::PartsArgs;
+use super::parts_args::PartsArgs;
 use super::pixels::contacts_of;
 use super::reading::seen_from;
 use super::scene;

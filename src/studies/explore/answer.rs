@@ -5,14 +5,13 @@
 //! model named      that fit: u counts noise alone
 //! ```
 
-use palpate_fitting::fit::{Fit, Statistic, fit_contacts};
+use palpate_fitting::fit::{Fit, FitOptions, Statistic, fit_contacts};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::shape::compare_with_truth;
-use palpate_inference::recognition::{Estimate, Recognition};
+use palpate_inference::recognition::{Estimate, Recognition, RecognitionOptions};
 use palpate_world::scene::Truth;
 
 use super::curvature_departure_test::{Departure, departure};
-use super::exploration::ExploreOptions;
 use super::model::{fit_of, planning_fit};
 use super::predictive_planner::PredictivePlanner;
 use super::richer_spline_test::richer_p;
@@ -29,15 +28,17 @@ pub(super) enum Answer {
 
 impl Answer {
     /// Of contacts, under the model that was named or none. A recognition predicts what touches at these places would measure.
-    pub(super) fn new(contacts: &Contacts, options: &ExploreOptions, touches: &[[f64; 2]]) -> Answer {
-        let level = options.level;
-        match &options.model {
-            None => {
-                match Recognition::with_predictions(contacts, &options.recognition.clone().with_level(level), touches) {
-                    Ok(found) => Answer::Recognised(Box::new(found)),
-                    Err(error) => Answer::Refused(error.to_string()),
-                }
-            }
+    pub(super) fn new(
+        contacts: &Contacts,
+        (model, recognition): (Option<&FitOptions>, &RecognitionOptions),
+        touches: &[[f64; 2]],
+    ) -> Answer {
+        let level = recognition.level;
+        match model {
+            None => match Recognition::with_predictions(contacts, recognition, touches) {
+                Ok(found) => Answer::Recognised(Box::new(found)),
+                Err(error) => Answer::Refused(error.to_string()),
+            },
             Some(model) => match fit_contacts(contacts, &model.clone().with_level(level)) {
                 Ok(fit) => Answer::Fitted(Box::new(fit)),
                 Err(error) => Answer::Refused(error.to_string()),

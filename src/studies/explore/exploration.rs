@@ -79,10 +79,11 @@ pub fn explore(
     let mut looks: Vec<Look> = Vec::new();
     let mut touched = swept.clone();
     let mut direction = None;
+    let recognition = options.recognition.clone().with_level(options.level);
     loop {
         let (contacts, truth) = hand.feel()?;
         let touches = if options.strategy == Strategy::Shape { hand.candidates.as_slice() } else { &[] };
-        let answer = Answer::new(&contacts, options, touches);
+        let answer = Answer::new(&contacts, (options.model.as_ref(), &recognition), touches);
         check_planner(options, &answer)?;
         let mut look = Look::new(contacts.len(), touched, &answer, &truth);
         let direction = *direction.get_or_insert_with(|| answer.principal_direction());
