@@ -26,5 +26,6 @@ mod report_page;
 mod scene_file;
 mod schema;
 mod several;
+mod side_and_axes;
 mod unplaced;
 mod words;
