@@ -4,6 +4,7 @@ use palpate::explore::{ExploreError, TouchPlanner};
 use palpate::fit::{Fit, NormalSigma, Objective, SlopeWeights};
 use palpate::scene::{Effect, Surface, Sweep, World};
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_inference::recognition::RecognitionOptions;
 use palpate_studies::explore::{ExploreOptions, Goal, Stopped, Strategy, explore};
 
 /// Points and normals of a torus under a sweep that leaves its middle open, with a wobble that stands for noise.
@@ -123,6 +124,7 @@ fn options(strategy: Strategy) -> ExploreOptions {
         strategy,
         contacts: 21,
         model: None,
+        recognition: RecognitionOptions::default(),
         goal: None,
         per_round: 4,
         lines: false,

@@ -6,6 +6,7 @@
 
 use palpate::FitOptions;
 use palpate::scene::Sweep;
+use palpate_inference::recognition::RecognitionOptions;
 use palpate_studies::explore::{ExploreOptions, Look, Strategy, explore};
 use palpate_world::scene::linspace;
 use rayon::prelude::*;
@@ -36,6 +37,7 @@ pub(crate) fn options(strategy: Strategy, noise: u64, contacts: usize) -> Explor
         strategy,
         contacts,
         model: None,
+        recognition: RecognitionOptions::default(),
         goal: None,
         per_round: 3,
         lines: false,

@@ -96,8 +96,15 @@ impl ExploreArgs {
             seed: self.seed.unwrap_or(seed),
             reach: self.reach,
             level: self.level.unwrap_or(level),
+            recognition: self.recognition(),
             model,
         })
+    }
+
+    /// How contacts are recognised where no model is named.
+    fn recognition(&self) -> RecognitionOptions {
+        let typed = self.fit.over(FitOptions::default());
+        RecognitionOptions { grid: typed.grid, sigma_xy: typed.sigma_xy, ..RecognitionOptions::default() }
     }
 
     /// What changes nothing under this strategy.
@@ -118,9 +125,9 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     })?;
     drop(bar);
     let input = Input::Contacts(found.contacts.clone());
-    let answer = answer_of(&input, &options);
+    let answer = answer_of(args, &input, &options);
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
-    let document = document(args, &scene, (&options, &found), (&answer, &described));
+    let document = document(args, &scene, (&options, &found, &input), (&answer, &described));
     let surface = described.ok();
     let provenance = provenance(&args.scene, Some(text), Some(options.seed));
     args.output.file("report.html", &mut |out| write_explore_page(&document, surface.as_ref(), &provenance, out))?;
@@ -150,9 +157,9 @@ pub(super) fn explore_in_memory(
 ) -> Result<(ExploreDocument, Contacts), Failure> {
     let (options, found) = play(args, scene, seen)?;
     let input = Input::Contacts(found.contacts.clone());
-    let answer = answer_of(&input, &options);
+    let answer = answer_of(args, &input, &options);
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
-    Ok((document(args, scene, (&options, &found), (&answer, &described)), found.contacts))
+    Ok((document(args, scene, (&options, &found, &input), (&answer, &described)), found.contacts))
 }
 
 fn play(
@@ -169,14 +176,17 @@ fn play(
 fn document(
     args: &ExploreArgs,
     scene: &SceneFile,
-    (options, found): (&ExploreOptions, &Exploration),
+    (options, found, input): (&ExploreOptions, &Exploration, &Input),
     (answer, described): (&Answered, &Described<'_>),
 ) -> ExploreDocument {
     let mut notes: Vec<String> = args.without_effect().into_iter().collect();
     notes.extend(inverse_crime_remark(&found.truth));
     notes.extend(finger_note(&scene.world));
     match (answer, described) {
-        (Ok((answer, _)), Ok(_)) => notes.extend(answer.notes.iter().cloned()),
+        (Ok((found, _)), Ok(_)) => {
+            notes.extend(found.notes.iter().cloned());
+            notes.extend(args.fit.without_effect(&found.answer, input));
+        }
         (_, Err(refusal)) => notes.push(refusal.clone()),
         (Err(_), Ok(_)) => {}
     }
@@ -199,13 +209,13 @@ type Answered = Result<(Found, f64), String>;
 type Described<'a> = Result<Description<'a>, String>;
 
 /// What all contacts show, as `palpate fit` answers.
-fn answer_of(input: &Input, options: &ExploreOptions) -> Answered {
+fn answer_of(args: &ExploreArgs, input: &Input, options: &ExploreOptions) -> Answered {
     let level = options.level;
     let began = Instant::now();
     let found = match &options.model {
         None => {
-            let recognition = RecognitionOptions { level, up: Some([0.0, 0.0, 1.0]), ..RecognitionOptions::default() };
-            automatic(input, &recognition, &FitOptions { level, ..FitOptions::default() })
+            let recognition = options.recognition.clone().with_level(level).with_up([0.0, 0.0, 1.0]);
+            automatic(input, &recognition, &args.fit.over(FitOptions::default()).with_level(level))
         }
         Some(model) => fit_input(input, &model.clone().with_level(level))
             .map(|(fit, chosen)| (Answer::Fitted(counting_other_kinds(fit)), chosen))

@@ -117,6 +117,7 @@ mod tests {
             FitError::Inward { contacts: 9 },
             FitError::Rank { rank: 1, unknowns: 9 },
             FitError::Runaway { bending: 9.0, most: 2.5 },
+            FitError::HeightField { option: "closed direction" },
         ];
         for error in every {
             let (own, typed) = (error.to_string(), fit_message(&error));

@@ -69,11 +69,14 @@ pub(super) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let one_only = |option: &str| {
         Failure::Input(format!("{option} is for one file; with several, --table F.csv has a row of each"))
     };
-    if args.save.is_some() {
-        return Err(one_only("--save"));
-    }
-    if args.output.out.is_some() {
-        return Err(one_only("--out"));
+    let of_one = [
+        (args.save.is_some(), "--save"),
+        (args.output.out.is_some(), "--out"),
+        (args.words.verbose, "--verbose"),
+        (args.words.unit.is_some(), "--unit"),
+    ];
+    if let Some((_, option)) = of_one.iter().find(|(typed, _)| *typed) {
+        return Err(one_only(option));
     }
     batch::fit_several(&args.inputs, args.table.as_deref(), &args.output, |input| row_of(input, args))
 }
@@ -144,8 +147,7 @@ impl One {
         notes.extend(prepared);
         let Found { answer, chosen, lack_of_fit, notes: own } = found;
         notes.extend(own);
-        let gridded = matches!(reading.input, Input::Grid(_));
-        notes.extend(args.fit.without_effect(answer.is_parametric(), gridded));
+        notes.extend(args.fit.without_effect(&answer, &reading.input));
         let taken = Taken { began, read, fitted };
         Ok(One { reading, answer, chosen, lack_of_fit, notes, taken })
     }

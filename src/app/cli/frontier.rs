@@ -29,11 +29,28 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     let found = if is_scene(subject) {
         frontier_scene::measure(args, subject, &scene::source(subject)?, request.as_ref(), &|_, _| true)?
     } else {
+        check_file(args, subject)?;
         Some(frontier_input::measure(args, subject, request.as_ref(), &|_, _| true)?)
     };
     let Some(mut document) = found else { return Ok(()) };
     document.seconds = began.elapsed().as_secs_f64();
     publish(args, &document)
+}
+
+/// Nothing is typed that means something for scenes alone.
+fn check_file(args: &FrontierArgs, file: &str) -> Result<(), Failure> {
+    let typed = [
+        (args.keep_stations, "--keep-stations", "measured contacts stay as they are"),
+        (args.seed.is_some(), "--seed", "nothing is drawn"),
+        (args.bare, "--bare", "the ways of fitting are all that is timed"),
+        (args.uncounted, "--uncounted", "instructions are not counted"),
+    ];
+    match typed.iter().find(|(typed, _, _)| *typed) {
+        Some((_, option, why)) => {
+            Err(Failure::Input(format!("{option} is for scenes, and {file} is a file of contacts: {why}")))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Whether this names a scene; otherwise it is a file of contacts.
@@ -80,6 +97,9 @@ fn print_orders(args: &FrontierArgs) -> Result<(), Failure> {
     drop(spinner);
     if args.output.json {
         return print(&mut |out| write_json(&document, out));
+    }
+    if args.output.quiet {
+        return Ok(());
     }
     print(&mut |out| write_orders_table(&document, out))
 }

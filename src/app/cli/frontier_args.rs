@@ -47,7 +47,8 @@ pub(super) struct FrontierArgs {
     #[arg(long)]
     pub(super) uncounted: bool,
     /// Measure the order of accuracy of every degree instead, on surfaces that are known
-    #[arg(long, conflicts_with_all = ["subject", "error_s", "error_r", "budget", "emit"])]
+    #[arg(long, conflicts_with_all = ["subject", "error_s", "error_r", "budget",
+          "emit", "keep_stations", "seed", "seconds", "bare", "uncounted", "out"])]
     pub(super) orders: bool,
     /// Make every call once for whoever counts
     #[arg(long, hide = true)]

@@ -34,6 +34,9 @@ mod merge;
 mod options;
 mod output;
 mod parts;
+mod parts_args;
+mod parts_input;
+mod pixels;
 mod preparation;
 mod progress;
 mod provenance;
@@ -50,11 +53,12 @@ mod study_plan;
 mod sweep;
 mod until;
 mod values;
+mod viewpoint;
 mod zero_weights;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
@@ -95,7 +99,7 @@ enum Verb {
     Explore(Box<explore::ExploreArgs>),
     /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
     #[command(after_help = examples::PARTS)]
-    Parts(Box<parts::PartsArgs>),
+    Parts(Box<parts_args::PartsArgs>),
     /// Say what a word of the output means
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::ExplainArgs),
@@ -115,6 +119,12 @@ enum Verb {
     Man,
     /// Print help on a command, or on scene files (palpate help scene)
     Help(help::HelpArgs),
+}
+
+/// The commands and their options, for a test that tries every one of them.
+#[doc(hidden)]
+pub fn command() -> clap::Command {
+    Line::command()
 }
 
 /// Runs the command line of this process.

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use palpate_fitting::fit::{FitOptions, FrameChoice, Method, Objective, Robust, Smooth, SurfaceKind};
+use palpate_geometry::contact::Orientation;
 
 use super::failure::Failure;
 use super::gathered::Gathered;
-use crate::report::PictureFormat;
+use crate::io::Input;
+use crate::report::{Answer, PictureFormat};
 
 use super::values;
 
@@ -100,13 +102,24 @@ impl FitFlags {
             || self.frame == Some(FrameChoice::Keep)
     }
 
+    /// Axes of the patch's own were asked for.
+    pub(super) fn asks_own_axes(&self) -> bool {
+        self.frame == Some(FrameChoice::Auto)
+    }
+
     /// Points of the shape grid, where they were typed.
     pub(super) fn typed_grid(&self) -> Option<[usize; 2]> {
         self.grid.points()
     }
 
     /// What was typed and means nothing for the kind of surface that was fitted.
-    pub(super) fn without_effect(&self, parametric: bool, gridded: bool) -> Vec<String> {
+    pub(super) fn without_effect(&self, answer: &Answer, input: &Input) -> Vec<String> {
+        let gridded = matches!(input, Input::Grid(_));
+        let heights = "an input of heights alone, without a roughness penalty";
+        let unsmoothed = matches!(self.smooth, None | Some(Smooth::None));
+        let parametric = answer.is_parametric();
+        let recognised = matches!(answer, Answer::Recognised(_));
+        let own_axes = "a recognised surface, which has axes of its own";
         let in_space = "a parametric surface";
         let on_grid = "a grid, which keeps its axes";
         let typed = [
@@ -116,6 +129,8 @@ impl FitFlags {
             (parametric && self.frame.is_some(), "--frame", in_space),
             (parametric && self.sigma_xy.is_some(), "--sigma-xy", in_space),
             (gridded && self.frame.is_some(), "--frame", on_grid),
+            (unsmoothed && is_of_heights(input) && self.weights.is_some(), "--weights", heights),
+            (!gridded && recognised && self.frame.is_some(), "--frame", own_axes),
         ];
         let empty = typed.iter().filter(|(is, _, _)| *is);
         empty.map(|(_, option, what)| format!("{option} has no effect on {what}")).collect()
@@ -143,6 +158,14 @@ impl FitFlags {
         self.grid.apply(&mut options);
         options.frame = self.frame.or(options.frame);
         options
+    }
+}
+
+/// Neither normals nor slopes.
+fn is_of_heights(input: &Input) -> bool {
+    match input {
+        Input::Contacts(contacts) => contacts.orientation == Orientation::None,
+        Input::Grid(grid) => grid.zx.is_none() && grid.zy.is_none(),
     }
 }
 
@@ -200,6 +223,11 @@ pub(super) struct PictureFlags {
 }
 
 impl PictureFlags {
+    /// Kinds were typed.
+    pub(super) fn any(&self) -> bool {
+        !self.asked.is_empty()
+    }
+
     /// Writes the picture of this name in every kind that was asked for, SVG where none was.
     pub(super) fn write(
         &self,

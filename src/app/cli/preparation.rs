@@ -6,7 +6,9 @@ use crate::io::{Input, Reading};
 use palpate_geometry::contact::{Contacts, Orientation};
 
 use super::failure::Failure;
+use super::pixels::contacts_of;
 use super::values;
+use super::viewpoint::{sees_from_below, turned_towards};
 
 /// Which part of the input is used, and what becomes of its normals.
 #[derive(Args, Clone, Debug, Default)]
@@ -49,10 +51,17 @@ impl PreparationFlags {
         if self.near.is_some() || self.bounds.is_some() {
             notes.push(self.take_part(reading)?);
         }
+        self.prepare_normals(reading, &mut notes)?;
+        self.take_side_of_grid(reading, &mut notes);
+        Ok(notes)
+    }
+
+    /// Reverses, leaves out or estimates normals.
+    fn prepare_normals(&self, reading: &mut Reading, notes: &mut Vec<String>) -> Result<(), Failure> {
         let file = &reading.file;
         let wrong = |what: &str| Err(Failure::Input(format!("{file}: {what}")));
         if !(self.flip_normals || self.ignore_normals || self.normals.is_some()) {
-            return Ok(notes);
+            return Ok(());
         }
         match &mut reading.input {
             Input::Contacts(contacts) => {
@@ -91,7 +100,24 @@ impl PreparationFlags {
                 return wrong("this is a grid of heights, which has no normals to reverse or to estimate");
             }
         }
-        Ok(notes)
+        Ok(())
+    }
+
+    /// A grid has the side of +z; where the viewpoint is on the other, its pixels are contacts with the side that was seen.
+    fn take_side_of_grid(&self, reading: &mut Reading, notes: &mut Vec<String>) {
+        let (Input::Grid(grid), Some(eye)) = (&reading.input, self.viewpoint) else { return };
+        let pixels = contacts_of(grid);
+        if sees_from_below(&pixels, eye) {
+            notes.push("the viewpoint is below the grid, whose lower side is taken for the free one".into());
+            reading.input = Input::Contacts(turned_towards(pixels, eye, &mut Vec::new()));
+        }
+    }
+
+    /// Numbers of the contacts in the part that was asked for, where one was.
+    pub(super) fn kept(&self, contacts: &Contacts) -> Option<Vec<u32>> {
+        let at = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
+        let asked = self.near.is_some() || self.bounds.is_some();
+        asked.then(|| (0..contacts.len()).filter(|&r| self.holds(at(r))).map(|r| r as u32).collect())
     }
 
     fn holds(&self, [x, y, z]: [f64; 3]) -> bool {
@@ -106,9 +132,8 @@ impl PreparationFlags {
     fn take_part(&self, reading: &mut Reading) -> Result<String, Failure> {
         let (taken, all) = match &mut reading.input {
             Input::Contacts(contacts) => {
-                let at = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
-                let kept: Vec<u32> = (0..contacts.len()).filter(|&r| self.holds(at(r))).map(|r| r as u32).collect();
                 let all = contacts.len();
+                let kept = self.kept(contacts).unwrap_or_default();
                 *contacts = contacts.in_order(&kept);
                 // lines are those of the whole file, and would name the wrong rows
                 reading.places = None;

@@ -15,6 +15,11 @@ pub(super) struct ReadFlags {
 }
 
 impl ReadFlags {
+    /// A camera was typed.
+    pub(super) fn has_intrinsics(&self) -> bool {
+        self.intrinsics.is_some()
+    }
+
     pub(super) fn options(&self, skip_invalid: bool) -> ReadOptions {
         ReadOptions { skip_invalid, intrinsics: self.intrinsics, ..ReadOptions::default() }
     }

@@ -11,7 +11,7 @@
 
 use crate::io::Input;
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
-use palpate_fitting::fit::{FitError, FitOptions};
+use palpate_fitting::fit::{Fit, FitError, FitOptions};
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Grid, Orientation};
 use palpate_inference::recognition::{
@@ -19,6 +19,7 @@ use palpate_inference::recognition::{
 };
 
 use super::explicit_model::fit_input;
+use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
 /// What a user can do with contacts that are not one patch.
@@ -61,8 +62,30 @@ pub(super) enum Refusal {
     Shape(String),
 }
 
+/// Where the viewpoint is on the other side than the one that a height field takes for the free one.
+const OTHER_SIDE: &str = "the viewpoint is on the lower side of the height field that these contacts are fitted by, and S would have the \
+     wrong sign: leave --viewpoint out for the sign as seen from above, or turn the axes of the input";
+
 /// Recognises the input, or fits it where it cannot be recognised.
 pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
+    let found = answer_to(input, options, fit)?;
+    match (&found.answer, options.viewpoint) {
+        (Answer::Fitted(FittedSurface::Height(fit)), Some(eye)) if is_behind(fit, input, eye) => {
+            Err(Refusal::Shape(OTHER_SIDE.into()))
+        }
+        _ => Ok(found),
+    }
+}
+
+/// Whether `eye` is on the lower side of a height field.
+fn is_behind(fit: &Fit, input: &Input, eye: [f64; 3]) -> bool {
+    let contacts = contacts_of(input);
+    let at = |r: usize| fit.frame().to_patch([contacts.x[r], contacts.y[r], contacts.z[r]]);
+    let over_field: Vec<[f64; 3]> = (0..contacts.len()).map(at).collect();
+    sees_from_below(&Contacts::from_points(&over_field), fit.frame().to_patch(eye))
+}
+
+fn answer_to(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
     let Some((input, weighed)) = with_heights(input) else {
         let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
         let notes = vec![DIRECTIONS.to_string()];

@@ -64,7 +64,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     notes.extend(Some(several_faces(&scene, "")).filter(|words| !words.is_empty()));
     notes.extend(inverse_crime_remark(&truth));
-    notes.extend(args.fit.without_effect(found.is_parametric(), false));
+    notes.extend(args.fit.without_effect(&found, &input));
     let subject = Subject {
         chosen,
         lack_of_fit: None,

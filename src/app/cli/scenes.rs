@@ -58,6 +58,9 @@ pub(super) fn scenes(args: &ScenesArgs) -> Result<(), Failure> {
     if args.name.is_some() {
         return print(&mut |out| out.write_all(found[0].toml.as_bytes()));
     }
+    if args.output.quiet {
+        return Ok(());
+    }
     let width = found.iter().map(|scene| scene.name.len()).max().unwrap_or(0);
     print(&mut |out| found.iter().try_for_each(|scene| writeln!(out, "{:width$}  {}", scene.name, scene.line)))
 }

@@ -1,13 +1,14 @@
 //! `palpate show SURFACE [--at POINTS | --save FILE]`: a saved surface's shape, its values at given points, or the surface in
 //! another format.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use crate::io::{
-    FIT_SCHEMA, MOST_GRID_POINTS, Saved, exceeds, is_cad, page_content, read_bytes, read_points, read_surface_bytes,
-    schema_of,
+    AnySurface, FIT_SCHEMA, MOST_GRID_POINTS, Saved, exceeds, is_cad, page_content, read_bytes, read_points,
+    read_surface_bytes, schema_of,
 };
 use crate::report::{
     FitDocument, ShownGrid, TablePage, describe_saved, document_of_surface, points_at, write_table_page,
@@ -85,8 +86,26 @@ fn show_page(args: &ShowArgs, file: &str, schema: &str, document: &[u8], table: 
     print(&mut |out| out.write_all(table.as_bytes()))
 }
 
+/// Words and pictures tell of a whole surface, a table of points has neither.
+fn check_words(words: &WordsFlags) -> Result<(), Failure> {
+    let typed = [(words.verbose, "--verbose"), (words.unit.is_some(), "--unit"), (words.pictures.any(), "--pictures")];
+    match typed.iter().find(|(typed, _)| *typed) {
+        Some((_, option)) => {
+            Err(Failure::Input(format!("{option} changes nothing of the table of --at; leave it out")))
+        }
+        None => Ok(()),
+    }
+}
+
 fn show_points(args: &ShowArgs, saved: &Saved, at: &Path) -> Result<(), Failure> {
+    check_words(&args.words)?;
     let points = points_at(saved, &read_points(at)?);
+    if let (AnySurface::Height(_), false) = (&saved.surface, saved.frame.keeps_axes()) {
+        let file = &saved.file;
+        let what = "the surface has axes of its own: x, y, z and slopes are along these, normals along the input's";
+        // standard output is the table
+        let _ = writeln!(std::io::stderr(), "palpate: {file}: {what}; --json tells the axes");
+    }
     args.output.file("points.csv", &mut |out| points.write_csv(out))?;
     let (mut json, mut table) = (Vec::new(), Vec::new());
     // a Vec takes every byte

@@ -47,12 +47,15 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     if to_stdout && args.output.json {
         return Err(Failure::Input("-o - and --json both want standard output; give -o a file".into()));
     }
+    if to_stdout && args.explain {
+        return Err(Failure::Input("-o - and --explain both want standard output; give -o a file".into()));
+    }
     // the name is wrong before the work is done, not after
     let format = args.to.as_deref().map(ContactFormat::of).transpose()?;
     let scene = scene::load(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], args.to.as_slice())?;
     let simulator = scene.world.compile().map_err(|e| Failure::Input(format!("{}: {e}", scene.name)))?;
-    if args.explain && !args.output.quiet && !to_stdout {
+    if args.explain && !args.output.quiet {
         let text = explain::table(&simulator, &stage_times(&simulator, scene.seed));
         print(&mut |out| out.write_all(text.as_bytes()))?;
     }

@@ -77,11 +77,12 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "N")]
     pub(super) attribution: Option<usize>,
     /// Ask of each interval that a fit would print whether it holds the truth
-    #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records", "checkpoint", "budget"])]
+    #[arg(long, conflicts_with_all = ["tolerance", "range", "part", "records",
+          "checkpoint", "budget", "quantity", "quantile", "attribution", "asked"])]
     pub(super) coverage: bool,
     /// Repeat the study over a key of the scene: KEY=A:B:logN, KEY=A:B:linN or KEY=A,B,C; several make a grid
     #[arg(long, value_name = "KEY=A:B:logN", allow_hyphen_values = true,
-          conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint"])]
+          conflicts_with_all = ["coverage", "range", "part", "records", "checkpoint", "quantity", "quantile", "attribution"])]
     pub(super) sweep: Vec<String>,
     #[command(flatten)]
     pub(super) pictures: PictureFlags,
@@ -163,6 +164,11 @@ impl Plan {
     /// From the arguments and a scene that was read.
     pub(super) fn of_scene(args: &StudyArgs, scene: &SceneFile) -> Result<Plan, Failure> {
         let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", scene.name));
+        if args.fit.asks_own_axes() {
+            let what = "--frame auto: every replicate of a study is fitted over one domain, which lies along the input's axes; \
+                 palpate run takes the patch's own";
+            return Err(Failure::Input(what.into()));
+        }
         let options = args.options(scene);
         let fit = args.fit.over(scene.fit.clone());
         let seed = args.seed.unwrap_or(scene.seed);

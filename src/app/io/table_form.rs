@@ -9,6 +9,8 @@
 //!
 //! A first line `sep=;`, as spreadsheets write and want it, names the separator. Otherwise it is the one that makes the most sense of the line with the names: most columns that palpate knows, then
 //! the order comma, semicolon, tab, blank. Numbers may have a decimal comma wherever the comma does not separate.
+//!
+//! A count of rows, alone in its line, may stand before the names, after them, or before rows without names.
 
 use std::borrow::Cow;
 
@@ -39,12 +41,17 @@ pub(super) fn is_aside(line: &str) -> bool {
 /// [`IoError::Empty`] and [`IoError::NoHeader`].
 pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Result<TableForm, IoError> {
     let lines = || text.split('\n').map(str::trim).enumerate();
-    let mut said = lines().filter(|(_, line)| !is_aside(line));
-    let mut next = || said.next().ok_or_else(|| IoError::Empty { file: file.into() });
-    let (mut at, mut first) = next()?;
+    let mut said = lines().filter(|(_, line)| !is_aside(line)).peekable();
+    let empty = || IoError::Empty { file: file.into() };
+    let (mut at, mut first) = said.next().ok_or_else(empty)?;
     let declared = declared_separator(first);
     if declared.is_some() {
-        (at, first) = next()?;
+        (at, first) = said.next().ok_or_else(empty)?;
+    }
+    if is_count(first)
+        && let Some((next_at, next)) = said.next_if(|(_, line)| !is_count(line))
+    {
+        (at, first) = (next_at, next);
     }
     /// Longest line of names: room for a hundred thousand columns.
     const MOST_LINE: usize = 1 << 20;
@@ -52,25 +59,30 @@ pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Re
         return Err(no_header(file, at + 1, first));
     }
     if let Some(named) = names_in_line(file, first, declared.as_slice())? {
-        return Ok(TableForm { first_row: at + 1, note: None, ..named });
+        let counted = said.next_if(|(_, line)| named.names.len() > 1 && is_count(line));
+        return Ok(TableForm { first_row: counted.map_or(at, |(counted, _)| counted) + 1, note: None, ..named });
     }
     if declared.is_some() {
         return Err(no_header(file, at + 1, first));
     }
     // a number stands where names should be
-    let asides: Vec<&str> = lines().take(at).map(|(_, line)| line).filter(|line| !line.is_empty()).collect();
+    let asides: Vec<&str> =
+        lines().take(at).map(|(_, line)| line).filter(|line| is_aside(line) && !line.is_empty()).collect();
     /// Comments in which names are looked for, from the last one up.
     const MOST_ASIDES: usize = 9;
     if let Some(form) = asides.iter().rev().take(MOST_ASIDES).find_map(|aside| named_by_aside(file, aside, first)) {
         return Ok(TableForm { first_row: at, ..form });
     }
-    let is_pts = ending == "pts" && first.parse::<u64>().is_ok();
-    let row = if is_pts { lines().skip(at + 1).find(|(_, line)| !is_aside(line)) } else { Some((at, first)) };
     let may_be_bare = need == Need::Contacts && ["xyz", "xyzn", "pts", "txt", "asc"].contains(&ending);
-    match row.filter(|_| may_be_bare).and_then(|(at, row)| Some((at, without_names(row, ending)?))) {
-        Some((at, form)) => Ok(TableForm { first_row: at, ..form }),
+    match may_be_bare.then(|| without_names(first, ending)).flatten() {
+        Some(form) => Ok(TableForm { first_row: at, ..form }),
         None => Err(no_header(file, at + 1, first)),
     }
+}
+
+/// A whole number alone in its line.
+fn is_count(line: &str) -> bool {
+    line.parse::<u64>().is_ok()
 }
 
 fn no_header(file: &str, line: usize, header: &str) -> IoError {
@@ -192,6 +204,27 @@ mod tests {
         assert_eq!((pts.first_row, pts.names[3].as_str()), (1, "intensity"));
         for (text, ending) in [("1 2 3\n", "csv"), ("1 2 3 4\n", "xyz"), ("1 2 3 4 5.5 6\n", "xyz"), ("1 2\n", "xyz")] {
             assert!(matches!(table_form("f", text, ending, Need::Contacts), Err(IoError::NoHeader { .. })), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_count_of_rows_is_no_row() {
+        let cases = [
+            ("2\nx y z\n1 2 3\n4 5 6\n", "csv", 2),
+            ("x,y,z\n\n2\n1,2,3\n4,5,6\n", "csv", 3),
+            ("//X Y Z\n2\n1 2 3\n4 5 6\n", "asc", 2),
+            ("# made by a scanner\n2\n1 2 3\n4 5 6\n", "xyz", 2),
+            ("sep=;\n2\nx;y;z\n1;2;3\n", "csv", 3),
+        ];
+        for (text, ending, first_row) in cases {
+            let form = form(text, ending);
+            assert_eq!((form.first_row, form.names.join(",")), (first_row, "x,y,z".to_string()), "{text:?}");
+        }
+        // a line of one number is no count where the table has one column, nor is one followed by another
+        assert_eq!(form("x\n2\n1\n", "csv").first_row, 1);
+        for (text, wrong) in [("5\n6\n7\n", 1), ("2\n1 2 3\n4 5 6\n", 2)] {
+            let found = table_form("f", text, "csv", Need::Contacts);
+            assert!(matches!(found, Err(IoError::NoHeader { line, .. }) if line == wrong), "{text:?}: {found:?}");
         }
     }
 

@@ -16,7 +16,7 @@ use palpate_world::scene::Truth;
 use super::describe::{height, recognised};
 use super::document::{FitDocument, MeasurePart};
 use super::height_view::height_view;
-use super::maps::{write_maps_csv, write_maps_npz};
+use super::maps::{points_of, write_maps_csv, write_maps_npz};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::{contacts_on_feet, parametric_view};
 use super::recognised_view::recognised_view;
@@ -108,7 +108,7 @@ impl Description<'_> {
     /// What the system says.
     pub(crate) fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
         match self.maps() {
-            Maps::Height(maps) => write_maps_csv(&maps, out),
+            Maps::Height(maps) => write_maps_csv(&maps, &self.frame, out),
             Maps::Parametric(maps) => write_parametric_maps_csv(&maps, out),
         }
     }
@@ -118,7 +118,13 @@ impl Description<'_> {
     /// # Errors
     /// What the system says.
     pub(crate) fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        write_maps_npz(&self.maps().flat(), out)
+        let maps = self.maps();
+        let points = match &maps {
+            Maps::Height(_) if self.frame.keeps_axes() => None,
+            Maps::Height(maps) => Some(points_of(maps, &self.frame)),
+            Maps::Parametric(maps) => Some(maps.points.clone()),
+        };
+        write_maps_npz(&maps.flat(), points.as_ref(), out)
     }
 
     /// S and R over the grid in characters, where they differ from place to place.

@@ -7,19 +7,27 @@ use std::io::{Cursor, Write};
 use ndarray::Array2;
 
 use crate::io::NpzWriter;
+use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::ShapeMaps;
 
-/// `x,y,z,k1,k2,S,R`, x-major. Lengths and curvatures in the coordinates of the maps' grid.
+/// Points of a height field's map in the input's coordinates; it stands along the axes of `frame`.
+pub(super) fn points_of(maps: &ShapeMaps, frame: &Frame) -> Array2<[f64; 3]> {
+    let at = |(i, j)| frame.direction_to_input([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]);
+    Array2::from_shape_fn(maps.points.dim(), at)
+}
+
+/// `x,y,z,k1,k2,S,R`, by the first direction of the maps and then by the second; points in the input's coordinates.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_maps_csv(maps: &ShapeMaps, frame: &Frame, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::from("x,y,z,k1,k2,S,R\n");
-    for (i, x) in maps.grid.x.iter().enumerate() {
-        for (j, y) in maps.grid.y.iter().enumerate() {
+    let points = points_of(maps, frame);
+    for i in 0..maps.grid.x.len() {
+        for j in 0..maps.grid.y.len() {
+            let [x, y, z] = points[[i, j]];
             let supported = maps.supported[[i, j]];
             let entry = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
-            let z = maps.points[[i, j]].z;
             let k1 = entry(supported.then_some(maps.k1[[i, j]]));
             let k2 = entry(supported.then_some(maps.k2[[i, j]]));
             let (s, r) = (entry(maps.shape_index_at(i, j)), entry(maps.curvedness_at(i, j)));
@@ -29,11 +37,16 @@ pub(super) fn write_maps_csv(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::
     out.write_all(text.as_bytes())
 }
 
-/// 1-D `x`, `y` and 2-D `z`, `k1`, `k2`, `S`, `R`.
+/// 1-D `x`, `y` and 2-D `z`, `k1`, `k2`, `S`, `R`. Where x and y are directions of the surface's own, `points` are given, which
+/// become 2-D `X`, `Y`, `Z` in the input's coordinates.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write_maps_npz(
+    maps: &ShapeMaps,
+    points: Option<&Array2<[f64; 3]>>,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut npz = NpzWriter::compressed(Cursor::new(Vec::new()));
     let size = (maps.grid.x.len(), maps.grid.y.len());
     let map =
@@ -52,6 +65,11 @@ pub(super) fn write_maps_npz(maps: &ShapeMaps, out: &mut dyn Write) -> std::io::
     }
     for (name, array) in arrays {
         npz.add(name, array.shape(), array.iter().copied())?;
+    }
+    for (k, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+        if let Some(points) = points {
+            npz.add(name, points.shape(), points.iter().map(|p| p[k]))?;
+        }
     }
     out.write_all(npz.finish()?.get_ref())
 }

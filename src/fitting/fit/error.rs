@@ -149,9 +149,7 @@ pub enum FitError {
         source: SolveError,
     },
     /// The options ask for a parametric surface where a height field is fitted.
-    #[error(
-        "a height field has no {option}: leave it out, or fit a parametric surface (parametric::FittedSurface::of)"
-    )]
+    #[error("a height field has no {option}: leave it out, or fit a parametric surface (surface = parametric)")]
     HeightField {
         /// What was asked for: the surface kind, or a closed direction.
         option: &'static str,
@@ -225,6 +223,7 @@ impl FitError {
             FitError::Solve { .. } => &[("method", "auto")],
             FitError::Rank { .. } => &[("smooth", "auto")],
             FitError::Runaway { .. } => &[("smooth", "")],
+            FitError::HeightField { .. } => &[("surface", "parametric")],
             _ => &[],
         }
     }

@@ -28,11 +28,14 @@ pub(super) enum Answer {
 
 impl Answer {
     /// Of contacts, under the model that was named or none. A recognition predicts what touches at these places would measure.
-    pub(super) fn new(contacts: &Contacts, model: Option<&FitOptions>, level: f64, touches: &[[f64; 2]]) -> Answer {
-        // places without normals are touched from above
-        let options = RecognitionOptions::default().with_level(level).with_up([0.0, 0.0, 1.0]);
+    pub(super) fn new(
+        contacts: &Contacts,
+        (model, recognition): (Option<&FitOptions>, &RecognitionOptions),
+        touches: &[[f64; 2]],
+    ) -> Answer {
+        let level = recognition.level;
         match model {
-            None => match Recognition::with_predictions(contacts, &options, touches) {
+            None => match Recognition::with_predictions(contacts, recognition, touches) {
                 Ok(found) => Answer::Recognised(Box::new(found)),
                 Err(error) => Answer::Refused(error.to_string()),
             },

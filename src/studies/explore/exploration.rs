@@ -9,6 +9,7 @@
 
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
+use palpate_inference::recognition::RecognitionOptions;
 use palpate_world::scene::{Truth, World};
 
 use super::ExploreError;
@@ -29,6 +30,8 @@ pub struct ExploreOptions {
     pub contacts: usize,
     /// The model that answers; `None`: the contacts are recognised.
     pub model: Option<FitOptions>,
+    /// How contacts are recognised where no model is named; its level is `level`.
+    pub recognition: RecognitionOptions,
     /// Where to stop.
     pub goal: Option<Goal>,
     /// Touches between two looks.
@@ -76,10 +79,13 @@ pub fn explore(
     let mut looks: Vec<Look> = Vec::new();
     let mut touched = swept.clone();
     let mut direction = None;
+    // places without normals are touched from above
+    let up = options.recognition.up.unwrap_or([0.0, 0.0, 1.0]);
+    let recognition = options.recognition.clone().with_level(options.level).with_up(up);
     loop {
         let (contacts, truth) = hand.feel()?;
         let touches = if options.strategy == Strategy::Shape { hand.candidates.as_slice() } else { &[] };
-        let answer = Answer::new(&contacts, options.model.as_ref(), options.level, touches);
+        let answer = Answer::new(&contacts, (options.model.as_ref(), &recognition), touches);
         check_planner(options, &answer)?;
         let mut look = Look::new(contacts.len(), touched, &answer, &truth);
         let direction = *direction.get_or_insert_with(|| answer.principal_direction());

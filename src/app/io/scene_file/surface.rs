@@ -67,7 +67,7 @@ struct ParaboloidKeys {
     radii: [f64; 2],
 }
 
-/// Raised along one axis, hollow along the other: z = -x^2/(2 r1) + y^2/(2 r2).
+/// Rising along x and falling along y: z = x^2/(2 r1) - y^2/(2 r2).
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::Saddle")]
 struct SaddleKeys {
