@@ -20,6 +20,7 @@ const FLOORS: [(&str, u8); 30] = [
     ("statistics", 1),
     ("levenberg_marquardt", 1),
     ("convex_hull", 1),
+    ("dense", 1),
     ("contact", 1),
     ("bspline", 1),
     ("linalg", 1),
@@ -36,6 +37,7 @@ const FLOORS: [(&str, u8); 30] = [
     ("comparison", 4),
     ("parametric", 5),
     ("plans", 5),
+    ("bodies", 4),
     ("recognition", 5),
     ("montecarlo", 6),
     ("explore", 6),
@@ -51,7 +53,6 @@ const FLOORS: [(&str, u8); 30] = [
 const INNER: [(&str, &[(&str, u8)]); 1] = [(
     "recognition",
     &[
-        ("dense", 0),
         ("error", 0),
         ("options", 0),
         ("remark", 0),
@@ -67,8 +68,9 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("answer", 9),
         ("shape_report", 9),
         ("free_form", 10),
-        ("mod", 11),
-        ("tests", 12),
+        ("whole_body", 11),
+        ("mod", 12),
+        ("tests", 13),
     ],
 )];
 

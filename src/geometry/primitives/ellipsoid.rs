@@ -16,7 +16,7 @@ use palpate_numeric::vector::{Vector, dot, minus, norm};
 
 /// An ellipsoid by its half axes, the three sizes, along the first, second and third axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ellipsoid {
+pub struct TriaxialEllipsoid {
     /// Half axes.
     pub half_axes: [f64; 3],
 }
@@ -24,7 +24,7 @@ pub struct Ellipsoid {
 /// Steps to the root: each halves what is left at least.
 const STEPS: usize = 100;
 
-impl Ellipsoid {
+impl TriaxialEllipsoid {
     /// Nearest point of the surface and the root t.
     fn foot(&self, q: Vector) -> (Vector, f64) {
         let squares = self.half_axes.map(|a| a * a);
@@ -109,7 +109,7 @@ fn product(m: &[Vector; 3], v: Vector) -> Vector {
     [0, 1, 2].map(|i| dot(m[i], v))
 }
 
-impl Primitive for Ellipsoid {
+impl Primitive for TriaxialEllipsoid {
     fn distance(&self, q: Vector) -> (f64, Vector) {
         let (x, t) = self.foot(q);
         let (half, steepness) = self.slope(x);
@@ -157,7 +157,7 @@ impl Primitive for Ellipsoid {
 mod tests {
     use super::*;
 
-    const EGG: Ellipsoid = Ellipsoid { half_axes: [3.0, 2.0, 1.2] };
+    const EGG: TriaxialEllipsoid = TriaxialEllipsoid { half_axes: [3.0, 2.0, 1.2] };
 
     fn places() -> impl Iterator<Item = Vector> {
         (0..40)
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_finite_differences() {
-        const STEP: f64 = 1e-5;
+        const STEP_OF_DIFFERENCES: f64 = 1e-5;
         for q in places().filter(|q| EGG.distance(*q).0 > -0.4) {
             let jet = EGG.jet(q);
             for k in 0..3 {
@@ -190,20 +190,23 @@ mod tests {
                     q[k] += by;
                     EGG.distance(q)
                 };
-                let (ahead, behind) = (beside(STEP), beside(-STEP));
-                assert!(((ahead.0 - behind.0) / (2.0 * STEP) - jet.gradient[k]).abs() < 1e-7, "{q:?}");
+                let (ahead, behind) = (beside(STEP_OF_DIFFERENCES), beside(-STEP_OF_DIFFERENCES));
+                assert!(((ahead.0 - behind.0) / (2.0 * STEP_OF_DIFFERENCES) - jet.gradient[k]).abs() < 1e-7, "{q:?}");
                 for i in 0..3 {
-                    assert!(((ahead.1[i] - behind.1[i]) / (2.0 * STEP) - jet.hessian[i][k]).abs() < 1e-5, "{q:?}");
+                    assert!(
+                        ((ahead.1[i] - behind.1[i]) / (2.0 * STEP_OF_DIFFERENCES) - jet.hessian[i][k]).abs() < 1e-5,
+                        "{q:?}"
+                    );
                 }
                 let sized = |by: f64| {
                     let mut egg = EGG;
                     egg.half_axes[k] += by;
                     egg.distance(q)
                 };
-                let (ahead, behind) = (sized(STEP), sized(-STEP));
-                assert!(((ahead.0 - behind.0) / (2.0 * STEP) - jet.by_size[k]).abs() < 1e-7, "{q:?}");
+                let (ahead, behind) = (sized(STEP_OF_DIFFERENCES), sized(-STEP_OF_DIFFERENCES));
+                assert!(((ahead.0 - behind.0) / (2.0 * STEP_OF_DIFFERENCES) - jet.by_size[k]).abs() < 1e-7, "{q:?}");
                 for i in 0..3 {
-                    let difference = (ahead.1[i] - behind.1[i]) / (2.0 * STEP);
+                    let difference = (ahead.1[i] - behind.1[i]) / (2.0 * STEP_OF_DIFFERENCES);
                     assert!((difference - jet.gradient_by_size[k][i]).abs() < 1e-5, "{q:?}");
                 }
             }

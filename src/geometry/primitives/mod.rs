@@ -20,7 +20,7 @@ mod two_curvatures;
 
 pub use cone::Cone;
 pub use cylinder::Cylinder;
-pub use ellipsoid::Ellipsoid;
+pub use ellipsoid::TriaxialEllipsoid;
 pub use plane::Plane;
 pub use sphere::Sphere;
 pub use torus::Torus;

@@ -11,7 +11,7 @@
 //! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
 
 use super::mode::{FalseContacts, is_possible};
-use super::sample::Sample;
+use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
 use crate::primitives::placed::{PartKind, Primitive, axes_along};
@@ -59,7 +59,7 @@ pub(super) struct Candidate {
 }
 
 /// The starts of every kind that are worth a search.
-pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Candidate> {
+pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let oriented = with_normals(sample);
     let mut generator = Lcg::new(sample.len() as u64);
     let few = sample.at_most(COMPARED);
@@ -80,7 +80,7 @@ pub(super) fn candidates(sample: &Sample, tuning: &Tuning) -> Vec<Candidate> {
 
 /// The primitive moved out and in to the middles of the contacts on either side of it, where these lie on two sheets: their distances
 /// then have a kurtosis near 1.
-pub(super) fn on_either_side(found: &Primitive, sample: &Sample, tuning: &Tuning) -> Vec<Primitive> {
+pub(super) fn on_either_side(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Vec<Primitive> {
     let distances: Vec<f64> = sample.points.iter().map(|p| found.nearest(*p).0).collect();
     let moment = |power: i32| distances.iter().map(|d| d.powi(power)).sum::<f64>() / distances.len() as f64;
     let kurtosis = moment(4) / moment(2).powi(2);
@@ -104,7 +104,7 @@ fn beside(found: &Primitive, by: f64) -> Primitive {
 }
 
 /// The starts whose distances are least: by quantiles where contacts may be false, by the mean square where none is.
-fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Candidate> {
+fn nearest(starts: Vec<Primitive>, few: &BodySample) -> Vec<Candidate> {
     let rated: Vec<([f64; 3], Primitive)> = starts
         .into_iter()
         .map(|start| {
@@ -131,7 +131,7 @@ fn nearest(starts: Vec<Primitive>, few: &Sample) -> Vec<Candidate> {
 }
 
 /// The contacts with given normals, or with those of planes through neighbours; `None` where there are too few for either.
-fn with_normals(sample: &Sample) -> Option<Sample> {
+fn with_normals(sample: &BodySample) -> Option<BodySample> {
     if sample.known_normals() > 0 {
         let known: Vec<usize> = (0..sample.len()).filter(|i| sample.normal(*i).is_some()).collect();
         return Some(sample.only(&known));
@@ -141,10 +141,10 @@ fn with_normals(sample: &Sample) -> Option<Sample> {
     }
     let contacts = Contacts::from_points(&sample.points).with_estimated_normals(None).ok()?;
     let normals = (0..contacts.len()).map(|r| contacts.unit_normal(r).unwrap_or([0.0, 0.0, 1.0])).collect();
-    Some(Sample { normals, ..sample.clone() })
+    Some(BodySample { normals, ..sample.clone() })
 }
 
-fn closed_forms(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
+fn closed_forms(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
     let given = descent::Sample { points: &sample.points, normals: &sample.normals, u_distance: 1.0, u_normal: 1.0 };
     starts(kind, &given).into_iter().map(outside).collect()
 }
@@ -169,7 +169,7 @@ fn drawn(count: usize, among: usize, generator: &mut Lcg) -> Vec<usize> {
     set
 }
 
-fn of_small_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
+fn of_small_sets(kind: PartKind, sample: &BodySample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
     let count = members_of_a_set(kind);
     if kind == PartKind::Ellipsoid {
         return of_bare_sets(kind, sample, tuning, generator);
@@ -182,7 +182,7 @@ fn of_small_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &m
 }
 
 /// Sets of positions alone: planes and spheres have a closed form.
-fn of_bare_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
+fn of_bare_sets(kind: PartKind, sample: &BodySample, tuning: &Tuning, generator: &mut Lcg) -> Vec<Primitive> {
     let count = members_of_a_set(kind);
     if sample.len() <= count || !matches!(kind, PartKind::Plane | PartKind::Sphere | PartKind::Ellipsoid) {
         return Vec::new();
@@ -192,7 +192,7 @@ fn of_bare_sets(kind: PartKind, sample: &Sample, tuning: &Tuning, generator: &mu
 }
 
 /// Closed forms that need no normal.
-fn by_positions(kind: PartKind, sample: &Sample) -> Vec<Primitive> {
+fn by_positions(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
     let made = |origin, axis: Vector, sizes| Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 };
     let (middle, axes) = principal(sample);
     match kind {
@@ -254,7 +254,7 @@ fn quadric(points: &[Vector]) -> Option<Primitive> {
 }
 
 /// Middle and principal axes, the narrowest first.
-fn principal(sample: &Sample) -> (Vector, [Vector; 3]) {
+fn principal(sample: &BodySample) -> (Vector, [Vector; 3]) {
     let count = sample.len() as f64;
     let middle = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / count, *p));
     let mut spread = [[0.0; 3]; 3];
@@ -295,7 +295,7 @@ fn sphere(points: &[Vector]) -> Option<(Vector, f64)> {
 }
 
 /// Centre and radius of the circle through the contacts as they look along an axis.
-fn circle(sample: &Sample, axis: Vector) -> Option<(Vector, f64)> {
+fn circle(sample: &BodySample, axis: Vector) -> Option<(Vector, f64)> {
     let [e1, e2, _] = axes_along(axis);
     let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
     for p in &sample.points {

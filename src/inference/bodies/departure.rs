@@ -22,20 +22,20 @@ const JITTER: f64 = 1e-8;
 
 /// A process of one length.
 #[derive(Debug)]
-pub(super) struct Departure {
+pub(super) struct DepartureProcess {
     places: Vec<Vector>,
     lower: Mat<f64>,
     length: f64,
 }
 
-impl Departure {
-    pub(super) fn new(feet: &[Vector], length: f64, most: usize) -> Option<Departure> {
+impl DepartureProcess {
+    pub(super) fn new(feet: &[Vector], length: f64, most: usize) -> Option<DepartureProcess> {
         let places = spread(feet, APART * length, most);
         let count = places.len();
         let kernel = Mat::from_fn(count, count, |i, j| {
             correlation(minus(places[i], places[j]), length) + if i == j { JITTER } else { 0.0 }
         });
-        Some(Departure { lower: dense::cholesky(&kernel)?, places, length })
+        Some(DepartureProcess { lower: dense::cholesky(&kernel)?, places, length })
     }
 
     pub(super) fn len(&self) -> usize {
@@ -62,7 +62,7 @@ impl Departure {
     }
 }
 
-impl Departure {
+impl DepartureProcess {
     /// Second derivatives of `phi(q)` along pairs of directions, weighted by w: those of the departure itself.
     pub(super) fn bending(&self, weights: &[f64], q: Vector, [first, second]: [Vector; 2]) -> [f64; 3] {
         let square = self.length * self.length;

@@ -17,10 +17,10 @@ use faer::Mat;
 use statrs::function::beta::ln_beta;
 use statrs::function::gamma::ln_gamma;
 
-use super::departure::Departure;
+use super::departure::DepartureProcess;
 use super::mode::{Mode, aligned, log_false};
 use super::prior::{log_prior, widths};
-use super::sample::Sample;
+use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::dense;
 use crate::primitives::descent::rows;
@@ -39,7 +39,7 @@ const NONE: f64 = 0.0;
 
 /// What one hypothesis says.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
+pub(crate) struct BodyHypothesis {
     /// Number of the kind's linearisation.
     pub(super) of: usize,
     /// Length of the departure and its size over the sd of a contact; `None` without one.
@@ -50,7 +50,7 @@ pub(crate) struct Node {
     /// Lower factor of their precision in units of one over the sd.
     pub(super) lower: Mat<f64>,
     /// What the weights are those of.
-    pub(super) process: Option<Arc<Departure>>,
+    pub(super) process: Option<Arc<DepartureProcess>>,
     /// Sds of distances and normals.
     pub(super) sd: [f64; 2],
     /// Root mean square of the departure at the contacts.
@@ -59,7 +59,7 @@ pub(crate) struct Node {
     pub(super) freedom: f64,
 }
 
-impl Node {
+impl BodyHypothesis {
     /// The move to the likeliest primitive.
     pub(super) fn step(&self) -> &[f64] {
         &self.solution[self.process.as_ref().map_or(0, |process| process.len())..]
@@ -98,10 +98,10 @@ impl Node {
 }
 
 /// The rows of one kind about one primitive, with their Gram matrices for a length of the departure.
-pub(super) struct Linearised<'a> {
+pub(super) struct LinearisedBase<'a> {
     pub(super) primitive: Primitive,
     pub(super) members: Vec<usize>,
-    sample: &'a Sample,
+    sample: &'a BodySample,
     sd: [f64; 2],
     /// ln p of what does not depend on the departure.
     constant: f64,
@@ -109,14 +109,14 @@ pub(super) struct Linearised<'a> {
 }
 
 /// Gram matrices over columns `w, x, residual`.
-struct Grams {
+struct RowGrams {
     /// Of distances and of normals.
     of: [Mat<f64>; 2],
     places: usize,
 }
 
-impl<'a> Linearised<'a> {
-    pub(super) fn new(mode: &Mode, sample: &'a Sample, tuning: &Tuning) -> Linearised<'a> {
+impl<'a> LinearisedBase<'a> {
+    pub(super) fn new(mode: &Mode, sample: &'a BodySample, tuning: &Tuning) -> LinearisedBase<'a> {
         let members = mode.members();
         let away: Vec<usize> = (0..sample.len()).filter(|i| mode.weights[*i] <= 0.5).collect();
         let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count() as f64;
@@ -125,14 +125,14 @@ impl<'a> Linearised<'a> {
         let share = ln_beta(1.0 + strays, tuning.false_prior + count - strays) - ln_beta(1.0, tuning.false_prior);
         let constant = log_prior(&mode.primitive) + falsely + share;
         let rows = [members.len() as f64, 2.0 * normals];
-        Linearised { primitive: mode.primitive, members, sample, sd: mode.sd, constant, rows }
+        LinearisedBase { primitive: mode.primitive, members, sample, sd: mode.sd, constant, rows }
     }
 
     /// The same about a primitive moved by a node's step.
-    pub(super) fn moved(self, step: &[f64]) -> Linearised<'a> {
+    pub(super) fn moved(self, step: &[f64]) -> LinearisedBase<'a> {
         let primitive = moved(&self.primitive, step).about([0.0; 3]);
         let constant = self.constant - log_prior(&self.primitive) + log_prior(&primitive);
-        Linearised { primitive, constant, ..self }
+        LinearisedBase { primitive, constant, ..self }
     }
 
     /// ln p of what the contacts left out add; of none of them false, the prior of that alone.
@@ -143,7 +143,7 @@ impl<'a> Linearised<'a> {
 
     /// The primitive drawn by independent gaussians of one.
     #[cfg(test)]
-    pub(super) fn drawn(&self, node: &Node, gaussians: &[f64]) -> Primitive {
+    pub(super) fn drawn(&self, node: &BodyHypothesis, gaussians: &[f64]) -> Primitive {
         let mut step = gaussians.to_vec();
         dense::backward(&node.lower, &mut step);
         step.iter_mut().zip(&node.solution).for_each(|(s, mean)| *s = mean + node.sd[0] * *s);
@@ -156,19 +156,19 @@ impl<'a> Linearised<'a> {
     }
 
     /// Nodes without a departure and with departures of all lengths and sizes.
-    pub(super) fn nodes(&self, of: usize, tuning: &Tuning) -> Vec<Node> {
-        let mut found: Vec<Node> = Vec::new();
+    pub(super) fn nodes(&self, of: usize, tuning: &Tuning) -> Vec<BodyHypothesis> {
+        let mut found: Vec<BodyHypothesis> = Vec::new();
         let plain = self.grams(None);
         found.extend(self.node(of, &plain, None, tuning.exact.ln(), tuning));
         let each = ((1.0 - tuning.exact) / (tuning.lengths.len() * tuning.departures.len()) as f64).ln();
         let feet = self.feet();
         for length in tuning.lengths {
-            let Some(process) = Departure::new(&feet, length, tuning.most_features) else { continue };
+            let Some(process) = DepartureProcess::new(&feet, length, tuning.most_features) else { continue };
             let grams = self.grams(Some(&process));
             let process = Arc::new(process);
             let of_size = |size: &f64| {
                 let node = self.node(of, &grams, Some([length, *size]), each, tuning)?;
-                Some(Node { process: Some(process.clone()), ..node })
+                Some(BodyHypothesis { process: Some(process.clone()), ..node })
             };
             found.extend(tuning.departures.iter().filter_map(of_size));
         }
@@ -183,8 +183,8 @@ impl<'a> Linearised<'a> {
         self.members.iter().map(foot).collect()
     }
 
-    fn grams(&self, departure: Option<&Departure>) -> Grams {
-        let places = departure.map_or(0, Departure::len);
+    fn grams(&self, departure: Option<&DepartureProcess>) -> RowGrams {
+        let places = departure.map_or(0, DepartureProcess::len);
         let free = self.primitive.kind.free();
         let width = places + free.len() + 1;
         let known: Vec<bool> = self.members.iter().map(|i| self.sample.normal(*i).is_some()).collect();
@@ -222,20 +222,20 @@ impl<'a> Linearised<'a> {
                 next += 1;
             }
         }
-        Grams { of: [distances, tangential].map(|rows| rows.transpose() * &rows), places }
+        RowGrams { of: [distances, tangential].map(|rows| rows.transpose() * &rows), places }
     }
 
     fn node(
         &self,
         of: usize,
-        grams: &Grams,
+        grams: &RowGrams,
         departure: Option<[f64; 2]>,
         log_prior: f64,
         tuning: &Tuning,
-    ) -> Option<Node> {
+    ) -> Option<BodyHypothesis> {
         let (best, of_v) = if self.rows[1] > 0.0 { self.ratio(grams, departure, tuning) } else { (0.0, 0.0) };
         let found = self.at(grams, departure, best.exp())?;
-        Some(Node {
+        Some(BodyHypothesis {
             of,
             departure,
             log_evidence: found.log + of_v + self.constant + log_prior,
@@ -249,7 +249,7 @@ impl<'a> Linearised<'a> {
     }
 
     /// The likeliest ln v, and what its prior and its width add to ln p there.
-    fn ratio(&self, grams: &Grams, departure: Option<[f64; 2]>, tuning: &Tuning) -> (f64, f64) {
+    fn ratio(&self, grams: &RowGrams, departure: Option<[f64; 2]>, tuning: &Tuning) -> (f64, f64) {
         let [mean, sd] = tuning.log_ratio.map(|v| 2.0 * v);
         let prior = |log_v: f64| -0.5 * ((log_v - mean) / sd).powi(2);
         let value = |log_v: f64| Some(self.at(grams, departure, log_v.exp())?.log + prior(log_v));
@@ -267,19 +267,19 @@ impl<'a> Linearised<'a> {
     pub(super) fn rough(&self, tuning: &Tuning) -> f64 {
         let [s, sn] = self.sd;
         let v = (s / sn).powi(2);
-        let of = |departure: Option<&Departure>, size: Option<[f64; 2]>| {
+        let of = |departure: Option<&DepartureProcess>, size: Option<[f64; 2]>| {
             self.at(&self.grams(departure), size, v).map_or(f64::NEG_INFINITY, |found| found.log)
         };
         let feet = self.feet();
         let largest = tuning.departures.iter().copied().fold(0.0, f64::max);
         let departed = tuning.lengths.iter().filter_map(|length| {
-            let process = Departure::new(&feet, *length, tuning.most_features)?;
+            let process = DepartureProcess::new(&feet, *length, tuning.most_features)?;
             Some(of(Some(&process), Some([*length, largest])).max(of(Some(&process), Some([*length, 0.1 * largest]))))
         });
         self.constant + departed.fold(of(None, None), f64::max)
     }
 
-    fn at(&self, grams: &Grams, departure: Option<[f64; 2]>, v: f64) -> Option<Solved> {
+    fn at(&self, grams: &RowGrams, departure: Option<[f64; 2]>, v: f64) -> Option<HypothesisSolution> {
         let free = self.primitive.kind.free();
         let (places, unknowns) = (grams.places, free.len());
         let size = places + unknowns;
@@ -308,18 +308,18 @@ impl<'a> Linearised<'a> {
         let mut solution = reduced;
         dense::backward(&lower, &mut solution);
         let departure_rms = (self.departure_square(grams, &solution) / nd.max(1.0)).sqrt();
-        Some(Solved { log, solution, lower, sd: variance.sqrt(), departure_rms })
+        Some(HypothesisSolution { log, solution, lower, sd: variance.sqrt(), departure_rms })
     }
 
     /// Sum over the contacts of the squared departure.
-    fn departure_square(&self, grams: &Grams, solution: &[f64]) -> f64 {
+    fn departure_square(&self, grams: &RowGrams, solution: &[f64]) -> f64 {
         let count = grams.places;
         let product = |i: usize| (0..count).map(|j| grams.of[0][(i, j)] * solution[j]).sum::<f64>();
         (0..count).map(|i| solution[i] * product(i)).sum::<f64>().max(0.0)
     }
 }
 
-struct Solved {
+struct HypothesisSolution {
     log: f64,
     solution: Vec<f64>,
     lower: Mat<f64>,

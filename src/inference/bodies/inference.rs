@@ -1,15 +1,12 @@
 //! The steps from contacts to weighted hypotheses, top to bottom.
 
-use super::candidates::{Candidate, candidates, on_either_side};
-use super::evidence::{Linearised, Node, moved};
-use super::mode::{FalseContacts, Mode, is_possible, mode};
+use super::evidence::{BodyHypothesis, LinearisedBase, moved};
+use super::mode::{FalseContacts, Mode, is_possible};
 use super::other_things::{Thing, two_things};
-use super::sample::Sample;
+use super::sample::BodySample;
+use super::search::{EXTENT, modes};
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
-
-/// Contacts among which modes are searched; the best of every kind is then followed over all.
-const SEARCHED: usize = 400;
 
 /// Rough log evidence below the best at which a kind is not looked at: exact departures add less.
 const HOPELESS_ROUGHLY: f64 = 60.0;
@@ -24,7 +21,7 @@ pub(crate) struct BodyPosterior {
     pub(crate) primitives: Vec<Primitive>,
     /// Contacts that belong to each.
     pub(crate) members: Vec<Vec<usize>>,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<BodyHypothesis>,
     /// Weights of the nodes; they sum to 1.
     pub(crate) weights: Vec<f64>,
     /// Log evidence of the likeliest node.
@@ -61,15 +58,24 @@ impl BodyPosterior {
     }
 
     /// The likeliest hypothesis of one kind.
-    pub(crate) fn best_of(&self, kind: PartKind) -> Option<&Node> {
+    pub(crate) fn best_of(&self, kind: PartKind) -> Option<&BodyHypothesis> {
         let own = self.nodes.iter().zip(&self.weights).filter(|(n, _)| self.primitives[n.of].kind == kind);
         own.max_by(|a, b| a.1.total_cmp(b.1)).map(|(n, _)| n)
     }
 
+    /// Contacts that lie on one of the primitives, by its own scatter and departure.
+    fn belonging(&self, of: usize, all: &BodySample) -> Vec<usize> {
+        let own = self.nodes.iter().zip(&self.weights).filter(|(node, _)| node.of == of);
+        let Some((node, _)) = own.max_by(|a, b| a.1.total_cmp(b.1)) else { return Vec::new() };
+        let near = BELONGS * node.scatter().hypot(node.departure_size());
+        let primitive = moved(&self.primitives[of], node.step());
+        (0..all.len()).filter(|&i| primitive.nearest(all.points[i]).0.abs() <= near).collect()
+    }
+
     /// The likeliest primitive of one kind.
     pub(crate) fn likeliest(&self, kind: PartKind) -> Option<Primitive> {
-        let base = |node: &Node| self.primitives[node.of];
-        let there = |node: &Node| Some(moved(&base(node), node.step())).filter(is_possible);
+        let base = |node: &BodyHypothesis| self.primitives[node.of];
+        let there = |node: &BodyHypothesis| Some(moved(&base(node), node.step())).filter(is_possible);
         self.best_of(kind).map(|node| there(node).unwrap_or(base(node)))
     }
 
@@ -79,10 +85,14 @@ impl BodyPosterior {
     }
 }
 
-/// Judges contacts.
-pub(crate) fn infer(sample: &Sample, tuning: &Tuning) -> Verdict {
+/// Sds within which a contact belongs to a primitive that was fitted to others of the same cloud.
+const BELONGS: f64 = 4.0;
+
+/// Judges contacts. Of very many the evidence is taken from a part, evenly among all.
+pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
+    let sample = &all.at_most(tuning.most_contacts);
     let modes = modes(sample, tuning);
-    let Some(posterior) = posterior(&modes, sample, tuning) else { return Verdict::None };
+    let Some(mut posterior) = posterior(&modes, sample, tuning) else { return Verdict::None };
     let kind = posterior.kind();
     if let Some(things) = two_things(sample, &modes, posterior.log_evidence, tuning) {
         return Verdict::Several(things);
@@ -93,52 +103,18 @@ pub(crate) fn infer(sample: &Sample, tuning: &Tuning) -> Verdict {
     if slope > tuning.largest_slope || best.sd[0] > tuning.largest_scatter || false_share > tuning.false_most {
         return Verdict::None;
     }
+    if sample.len() < all.len() {
+        posterior.members = (0..posterior.primitives.len()).map(|of| posterior.belonging(of, all)).collect();
+    }
     Verdict::One(Box::new(posterior))
 }
 
-/// The likeliest modes of every kind over all contacts, without false contacts and with some: which of both the contacts are is a matter of
-/// the evidence.
-pub(super) fn modes(sample: &Sample, tuning: &Tuning) -> Vec<Mode> {
-    let few = sample.at_most(SEARCHED);
-    let mut best: Vec<Mode> = Vec::new();
-    for candidate in candidates(&few, tuning) {
-        keep_better(&mut best, candidate, &few, tuning);
-    }
-    for found in best.clone() {
-        for start in on_either_side(&found.primitive, &few, tuning) {
-            keep_better(&mut best, Candidate { start, strays: FalseContacts::Some }, &few, tuning);
-        }
-    }
-    if few.len() == sample.len() {
-        return best;
-    }
-    best.iter().filter_map(|found| mode(&found.primitive, sample, found.strays, tuning)).collect()
-}
-
-/// Follows a start, and keeps its mode where it is likelier than the one of its kind.
-fn keep_better(best: &mut Vec<Mode>, Candidate { start, strays }: Candidate, few: &Sample, tuning: &Tuning) {
-    if few.len() + 2 * few.known_normals() <= start.kind.free().len() {
-        return;
-    }
-    let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(EXTENT));
-    let Some(found) = found else { return };
-    let is_rival = |known: &&mut Mode| known.primitive.kind == found.primitive.kind && known.strays == strays;
-    match best.iter_mut().find(is_rival) {
-        Some(known) if known.likelihood >= found.likelihood => {}
-        Some(known) => *known = found,
-        None => best.push(found),
-    }
-}
-
-/// Extent of contacts in units of their own size, by which a primitive is told from a simpler one.
-const EXTENT: f64 = 3.0;
-
-fn posterior(modes: &[Mode], sample: &Sample, tuning: &Tuning) -> Option<BodyPosterior> {
+fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
     let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     // where no contact was found to be false both modes of a kind are one
     let modes: Vec<&Mode> =
         modes.iter().filter(|m| !(m.strays == FalseContacts::Some && m.members().len() == sample.len())).collect();
-    let all: Vec<Linearised> = modes.iter().map(|found| Linearised::new(found, sample, tuning)).collect();
+    let all: Vec<LinearisedBase> = modes.iter().map(|found| LinearisedBase::new(found, sample, tuning)).collect();
     let rough: Vec<f64> = all.iter().map(|linearised| linearised.rough(tuning)).collect();
     let likeliest = rough.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let worth = |(linearised, rough)| (rough > likeliest - HOPELESS_ROUGHLY).then_some(linearised);

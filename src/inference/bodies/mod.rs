@@ -23,6 +23,7 @@ mod other_things;
 mod posterior;
 mod prior;
 mod sample;
+mod search;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -30,6 +31,6 @@ mod tuning;
 pub(crate) use chart::BodyChart;
 pub(crate) use inference::{BodyPosterior, Verdict, infer};
 pub(crate) use other_things::Thing;
-pub(crate) use posterior::{DrawnBase, Spread, draws as drawn, spread};
-pub(crate) use sample::Sample;
+pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
+pub(crate) use sample::BodySample;
 pub use tuning::Tuning;

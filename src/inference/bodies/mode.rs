@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use super::sample::Sample;
+use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent::rows;
 use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
@@ -60,7 +60,7 @@ pub(super) fn aligned(given: Vector, of_base: Vector) -> Vector {
 }
 
 /// Distance and offset of the normal of every contact, the latter squared.
-pub(super) fn offsets(primitive: &Primitive, sample: &Sample) -> Vec<(f64, Option<f64>)> {
+pub(super) fn offsets(primitive: &Primitive, sample: &BodySample) -> Vec<(f64, Option<f64>)> {
     let one = |i: usize| {
         let (d, normal) = primitive.nearest(sample.points[i]);
         let off = sample.normal(i).map(|n| minus(normal, aligned(n, normal))).map(|off| dot(off, off));
@@ -75,7 +75,7 @@ pub(super) fn log_false(tuning: &Tuning, has_normal: bool) -> f64 {
 }
 
 /// Whether so few contacts can tell false ones from others: half of them must still outnumber the unknowns.
-fn may_be_false(sample: &Sample, unknowns: usize) -> bool {
+fn may_be_false(sample: &BodySample, unknowns: usize) -> bool {
     let rows = sample.len() + 2 * sample.known_normals();
     sample.len() >= 8 && rows >= 3 * (unknowns + 1)
 }
@@ -123,7 +123,7 @@ fn expectation(offsets: &[(f64, Option<f64>)], scales: &Scales, tuning: &Tuning,
 fn scales_of(
     offsets: &[(f64, Option<f64>)],
     weights: &[f64],
-    sample: &Sample,
+    sample: &BodySample,
     unknowns: f64,
     eps: f64,
     tuning: &Tuning,
@@ -160,7 +160,7 @@ pub(super) enum FalseContacts {
 }
 
 /// The mode that is reached from a start; `None` where the contacts do not determine this kind.
-pub(super) fn mode(start: &Primitive, sample: &Sample, strays: FalseContacts, tuning: &Tuning) -> Option<Mode> {
+pub(super) fn mode(start: &Primitive, sample: &BodySample, strays: FalseContacts, tuning: &Tuning) -> Option<Mode> {
     let unknowns = start.kind.free().len();
     let mut primitive = *start;
     let first = offsets(&primitive, sample);
@@ -199,7 +199,7 @@ pub(super) fn mode(start: &Primitive, sample: &Sample, strays: FalseContacts, tu
 
 /// Least squares over weighted contacts.
 struct WeightedRows<'a> {
-    sample: &'a Sample,
+    sample: &'a BodySample,
     weights: &'a [f64],
     /// One over the variances of distances and normals.
     precision: [f64; 2],
@@ -290,7 +290,7 @@ pub(super) fn is_possible(primitive: &Primitive) -> bool {
     }
 }
 
-fn descended(start: &Primitive, sample: &Sample, weights: &[f64], sd: [f64; 2]) -> Option<Primitive> {
+fn descended(start: &Primitive, sample: &BodySample, weights: &[f64], sd: [f64; 2]) -> Option<Primitive> {
     let precision = sd.map(|sd| 1.0 / (sd * sd));
     let zero = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
     let mut model = WeightedRows { sample, weights, precision, matrix: zero, gradient: [0.0; MOST_UNKNOWNS] };

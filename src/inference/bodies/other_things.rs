@@ -9,15 +9,15 @@
 //! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter.
 
 use super::candidates::on_either_side;
-use super::evidence::Linearised;
-use super::inference::modes;
+use super::evidence::LinearisedBase;
 use super::mode::{FalseContacts, Mode, log_false, mode};
-use super::sample::Sample;
+use super::sample::BodySample;
+use super::search::modes;
 use super::tuning::Tuning;
 use crate::primitives::placed::Primitive;
 
 /// Contacts that a thing has at least.
-const FEWEST: usize = 6;
+const FEWEST_OF_A_THING: usize = 6;
 
 /// Share of the contacts left out that lie on the second.
 const MOST_OF_THEM: f64 = 0.5;
@@ -30,10 +30,12 @@ const CLEARLY: f64 = 10.0;
 pub(crate) struct Thing {
     pub(crate) primitive: Primitive,
     pub(crate) contacts: usize,
+    /// Sd of their distances.
+    pub(crate) scatter: f64,
 }
 
 /// The two things that explain the contacts clearly better than one, whose log evidence is given.
-pub(super) fn two_things(sample: &Sample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<[Thing; 2]> {
+pub(super) fn two_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<[Thing; 2]> {
     let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
     let sheets: Vec<Mode> = parallel.filter_map(|start| mode(&start, sample, FalseContacts::Some, tuning)).collect();
     let rated = known.iter().chain(&sheets).filter_map(|first| split(sample, first, tuning));
@@ -42,23 +44,27 @@ pub(super) fn two_things(sample: &Sample, known: &[Mode], of_one: f64, tuning: &
 }
 
 /// The first thing with the likeliest second one, and the log evidence of both.
-fn split(sample: &Sample, first: &Mode, tuning: &Tuning) -> Option<(f64, [Thing; 2])> {
+fn split(sample: &BodySample, first: &Mode, tuning: &Tuning) -> Option<(f64, [Thing; 2])> {
     let rest: Vec<usize> = (0..sample.len()).filter(|i| first.weights[*i] <= 0.5).collect();
-    let enough = (tuning.other_things * sample.len() as f64).max(FEWEST as f64);
+    let enough = (tuning.other_things * sample.len() as f64).max(FEWEST_OF_A_THING as f64);
     let own = sample.len() - rest.len();
     if (rest.len() as f64) < enough || (own as f64) < enough {
         return None;
     }
     let others = sample.only(&rest);
-    let of_first = Linearised::new(first, sample, tuning).without_departure(tuning)?;
+    let of_first = LinearisedBase::new(first, sample, tuning).without_departure(tuning)?;
     let found = modes(&others, tuning);
-    let rated = found.iter().filter_map(|m| Some((Linearised::new(m, &others, tuning).without_departure(tuning)?, m)));
+    let rated =
+        found.iter().filter_map(|m| Some((LinearisedBase::new(m, &others, tuning).without_departure(tuning)?, m)));
     let (of_second, second) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let contacts = second.members().len();
     if (contacts as f64) < enough.max(MOST_OF_THEM * rest.len() as f64) {
         return None;
     }
     let by_chance: f64 = (0..others.len()).map(|i| log_false(tuning, others.normal(i).is_some())).sum();
-    let things = [Thing { primitive: first.primitive, contacts: own }, Thing { primitive: second.primitive, contacts }];
+    let things = [
+        Thing { primitive: first.primitive, contacts: own, scatter: first.sd[0] },
+        Thing { primitive: second.primitive, contacts, scatter: second.sd[0] },
+    ];
     Some((of_first - by_chance + of_second, things))
 }

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use super::departure::Departure;
-use super::evidence::{Node, moved};
+use super::departure::DepartureProcess;
+use super::evidence::{BodyHypothesis, moved};
 use super::inference::BodyPosterior;
 use super::mode::is_possible;
 use super::tuning::Tuning;
@@ -28,7 +28,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub(crate) struct DrawnBase {
     pub(crate) primitive: Primitive,
     /// Its departure with the weights that were drawn, where that is read as shape; as an error of the sensor it bends nothing.
-    departure: Option<(Arc<Departure>, Vec<f64>)>,
+    departure: Option<(Arc<DepartureProcess>, Vec<f64>)>,
     /// Its share of all; they sum to 1.
     pub(crate) share: f64,
 }
@@ -40,7 +40,7 @@ impl DrawnBase {
     }
 
     /// The likeliest primitive of a node with its departure.
-    pub(crate) fn likeliest(primitive: Primitive, node: &Node) -> DrawnBase {
+    pub(crate) fn likeliest(primitive: Primitive, node: &BodyHypothesis) -> DrawnBase {
         let departure = node.process.clone().map(|process| {
             let weights = node.solution[..process.len()].to_vec();
             (process, weights)
@@ -136,14 +136,14 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
 
 /// Mean, standard deviation and the two ends of an interval of a number over the draws.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spread {
+pub(crate) struct PosteriorSpread {
     pub(crate) mean: f64,
     pub(crate) sd: f64,
     pub(crate) interval: [f64; 2],
 }
 
 /// Of values with shares; `None` where there is none.
-pub(crate) fn spread(values: &[(f64, f64)], level: f64) -> Option<Spread> {
+pub(crate) fn spread(values: &[(f64, f64)], level: f64) -> Option<PosteriorSpread> {
     let all: f64 = values.iter().map(|(_, share)| share).sum();
     let about = values.first()?.0;
     let mean = about + values.iter().map(|(v, share)| share * (v - about)).sum::<f64>() / all;
@@ -152,5 +152,5 @@ pub(crate) fn spread(values: &[(f64, f64)], level: f64) -> Option<Spread> {
     ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
     let tail = 0.5 * (1.0 - level);
     let interval = [weighted_quantile(&ordered, tail)?, weighted_quantile(&ordered, 1.0 - tail)?];
-    Some(Spread { mean: mean.clamp(interval[0], interval[1]), sd: square.max(0.0).sqrt(), interval })
+    Some(PosteriorSpread { mean: mean.clamp(interval[0], interval[1]), sd: square.max(0.0).sqrt(), interval })
 }

@@ -9,7 +9,7 @@ use palpate_numeric::vector::{Vector, dot, minus};
 
 /// Contacts in units of their own size.
 #[derive(Clone, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct BodySample {
     /// The input's axes about the contacts' middle.
     pub(crate) frame: Frame,
     pub(crate) points: Vec<Vector>,
@@ -22,10 +22,10 @@ pub(crate) struct Sample {
 /// Scales below this share of the contacts' size are those of rounding.
 const ROUNDING: f64 = 1e-12;
 
-impl Sample {
+impl BodySample {
     /// `None` where the contacts have no extent. `rounding` is the sd that written numbers leave, of a place in the input's unit and of a
     /// normal.
-    pub(crate) fn new(points: &[Vector], normals: &[Vector], rounding: [f64; 2]) -> Option<Sample> {
+    pub(crate) fn new(points: &[Vector], normals: &[Vector], rounding: [f64; 2]) -> Option<BodySample> {
         let count = points.len() as f64;
         let first = *points.first()?;
         let sum = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + (p[k] - first[k])));
@@ -39,7 +39,7 @@ impl Sample {
         let points = points.iter().map(|p| minus(*p, origin).map(|v| v / scale)).collect();
         let far = origin.iter().fold(0.0_f64, |far, v| far.max(v.abs())) / scale;
         let floor = [(rounding[0] / scale).max(ROUNDING * (1.0 + far)), rounding[1].max(ROUNDING)];
-        Some(Sample { frame, points, normals: normals.to_vec(), floor })
+        Some(BodySample { frame, points, normals: normals.to_vec(), floor })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -56,13 +56,13 @@ impl Sample {
     }
 
     /// Some of the contacts.
-    pub(crate) fn only(&self, members: &[usize]) -> Sample {
+    pub(crate) fn only(&self, members: &[usize]) -> BodySample {
         let of = |values: &[Vector]| members.iter().filter_map(|&i| values.get(i).copied()).collect();
-        Sample { points: of(&self.points), normals: of(&self.normals), ..self.clone() }
+        BodySample { points: of(&self.points), normals: of(&self.normals), ..self.clone() }
     }
 
     /// At most so many contacts, evenly among all.
-    pub(crate) fn at_most(&self, most: usize) -> Sample {
+    pub(crate) fn at_most(&self, most: usize) -> BodySample {
         let count = self.len().min(most);
         self.only(&(0..count).map(|k| k * self.len() / count).collect::<Vec<usize>>())
     }

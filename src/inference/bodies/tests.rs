@@ -1,11 +1,12 @@
 //! The posterior against numbers that are known otherwise: evidence by integration, ranks of the truth, false contacts, two things.
 
-use super::evidence::Linearised;
-use super::inference::{Verdict, infer, modes};
+use super::evidence::LinearisedBase;
+use super::inference::{Verdict, infer};
 use super::mode::FalseContacts;
 use super::posterior::{draws, spread};
 use super::prior::log_prior;
-use super::sample::Sample;
+use super::sample::BodySample;
+use super::search::modes;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive, axes_along};
 use palpate_numeric::draws::Lcg;
@@ -51,12 +52,12 @@ fn touched(body: &Primitive, count: usize, turn: f64, noise: f64, generator: &mu
 
 /// ln of the integral over theta of p(contacts | theta) p(theta), s integrated: importance sampling by the posterior's own draws, made
 /// twice as wide.
-fn by_integration(sample: &Sample, start: &Primitive, tuning: &Tuning, generator: &mut Lcg) -> f64 {
+fn by_integration(sample: &BodySample, start: &Primitive, tuning: &Tuning, generator: &mut Lcg) -> f64 {
     const DRAWS: usize = 20_000;
     const WIDE: f64 = 1.3;
     let found = modes(sample, tuning);
     let mode = found.iter().find(|m| m.primitive.kind == start.kind && m.strays == FalseContacts::None).unwrap();
-    let linearised = Linearised::new(mode, sample, tuning);
+    let linearised = LinearisedBase::new(mode, sample, tuning);
     let node = linearised.nodes(0, tuning).remove(0);
     let unknowns = node.step().len();
     let likelihood = |primitive: &Primitive| {
@@ -86,10 +87,10 @@ fn evidence_is_that_of_integration() {
         let truth = body(kind, &mut generator);
         let count = 16 + 4 * (case % 5);
         let (points, _) = touched(&truth, count, 6.0, 0.01, &mut generator);
-        let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
         let found = modes(&sample, &tuning);
         let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
-        let linearised = Linearised::new(mode, &sample, &tuning);
+        let linearised = LinearisedBase::new(mode, &sample, &tuning);
         let laplace = linearised.without_departure(&tuning).unwrap() - tuning.exact.ln() - linearised.of_no_false();
         let integral = by_integration(&sample, &truth, &tuning, &mut generator);
         assert!((laplace - integral).abs() < 0.05, "{kind:?} of {count}: {laplace} for {integral}");
@@ -107,7 +108,7 @@ fn the_truth_is_a_draw_of_the_posterior() {
         for number in 0..BODIES {
             let truth = body(kind, &mut generator);
             let (points, _) = touched(&truth, 20, 4.0, 0.02, &mut generator);
-            let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+            let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
             let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?} {number}: no answer") };
             let found = draws(&posterior, &tuning, number as u64);
             let own: Vec<f64> = found
@@ -133,7 +134,7 @@ fn a_third_of_false_contacts_moves_a_ball_by_no_more_than_noise() {
     let truth = body(PartKind::Sphere, &mut generator);
     let (mut points, _) = touched(&truth, 60, 6.0, 0.01, &mut generator);
     points.extend((0..30).map(|_| [0, 1, 2].map(|k| truth.origin[k] + 4.0 * (generator.uniform() - 0.5))));
-    let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
     let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("no answer") };
     assert_eq!(posterior.kind(), PartKind::Sphere);
     let members = posterior.members_of(PartKind::Sphere);
@@ -152,7 +153,7 @@ fn two_walls_about_one_axis_are_two_things() {
     let inner = Primitive { sizes: [0.9, 0.0, 0.0], ..outer };
     let (mut points, _) = touched(&outer, 150, 6.0, 0.003, &mut generator);
     points.extend(touched(&inner, 150, 6.0, 0.003, &mut generator).0);
-    let sample = Sample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
     let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
     let mut radii = things.map(|thing| thing.primitive.sizes[0] * sample.frame.scale);
     radii.sort_by(f64::total_cmp);
@@ -169,7 +170,7 @@ fn the_order_of_contacts_and_the_unit_of_length_change_no_kind() {
         let scaled: Vec<Vector> = points.iter().rev().map(|p| p.map(|v| 1e3 * v)).collect();
         let reversed: Vec<Vector> = normals.iter().rev().copied().collect();
         for (points, normals) in [(points, normals), (scaled, reversed)] {
-            let sample = Sample::new(&points, &normals, [0.0; 2]).unwrap();
+            let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
             let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?}: no answer") };
             assert_eq!(posterior.kind(), kind);
             assert!(posterior.weight_of(kind) > 0.9, "{kind:?}: {}", posterior.weight_of(kind));

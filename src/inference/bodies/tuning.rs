@@ -75,7 +75,7 @@ impl Default for Tuning {
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
             starts: 120,
-            most_contacts: 3000,
+            most_contacts: 6000,
             most_features: 48,
             draws: 400,
         }

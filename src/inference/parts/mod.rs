@@ -48,6 +48,7 @@ mod recognition_fallback;
 mod result;
 mod scale_selection;
 mod unexplained_regions;
+mod whole;
 
 pub use crate::primitives::placed::PartKind;
 pub use error::PartsError;
@@ -108,6 +109,10 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
+    if let Some(found) = whole::whole(&cloud, !estimated) {
+        let cells = &field.cells;
+        return Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(found, notes));
+    }
     let mut partition = partition(&field);
     if correlated_noise_merge::absorb(&mut partition, &field) {
         partition.refit(&field);

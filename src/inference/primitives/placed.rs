@@ -8,7 +8,7 @@
 //! What a size does to d and to its gradient is known in closed form, and so is the Hessian of d, which is all that the rows
 //! of positions and normals need.
 
-use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Ellipsoid, Plane, Sphere, Torus};
+use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus, TriaxialEllipsoid};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, reject, unit};
 
 /// What a part is made of.
@@ -123,7 +123,7 @@ impl Primitive {
             PartKind::Cylinder => ask(&Cylinder { radius: one }),
             PartKind::Cone => ask(&Cone { radius: one, half_angle: two }),
             PartKind::Torus => ask(&Torus { ring: one, tube: two }),
-            PartKind::Ellipsoid => ask(&Ellipsoid { half_axes: self.sizes }),
+            PartKind::Ellipsoid => ask(&TriaxialEllipsoid { half_axes: self.sizes }),
         }
     }
 

@@ -61,7 +61,6 @@ pub use region::RecognisedSurface;
 pub use remark::Remark;
 pub use result::{BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
-pub(crate) use crate::dense;
 use palpate_geometry::contact::{Contacts, Grid};
 use palpate_numeric::vector::Vector;
 

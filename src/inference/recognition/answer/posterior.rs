@@ -25,11 +25,12 @@
 use faer::Mat;
 use statrs::function::erf;
 
+use crate::dense;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::{Evidence, Node};
 use crate::recognition::kinds::Kind;
 use crate::recognition::region::{PredictiveDraw, measured, predicted};
-use crate::recognition::{Estimate, RecognitionOptions, dense};
+use crate::recognition::{Estimate, RecognitionOptions};
 use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::statistics::standard_deviation;

@@ -1,5 +1,6 @@
 //! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
 
+use crate::dense;
 use crate::recognition::contacts::Dropped;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::Node;
@@ -7,7 +8,6 @@ use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::region::{PatchSurface, Region, places};
 use crate::recognition::{
     Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
-    dense,
 };
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;

@@ -10,7 +10,8 @@
 //! its own shape; a plane or a sphere would leave it less. N_eff contacts with independent errors would tell the mean height
 //! as well as all N do, so that shared errors count. Normals are not counted, which makes both larger than they need be.
 
-use crate::recognition::{MapPoint, Recognition, dense};
+use crate::dense;
+use crate::recognition::{MapPoint, Recognition};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::Derivatives;
 use palpate_geometry::shape::{ByJet, PointSds, Uncertain, point_sds};

@@ -14,12 +14,12 @@ pub struct RecognisedSurface {
     pub u: [f64; 2],
     /// Range of the second chart coordinate.
     pub v: [f64; 2],
-    form: Form,
+    form: SurfaceForm,
 }
 
 /// What answers for the surface.
 #[derive(Clone, Debug)]
-enum Form {
+enum SurfaceForm {
     Patch(Box<PatchSurface>),
     Body(Box<BodyChart>),
 }
@@ -27,61 +27,61 @@ enum Form {
 impl From<PatchSurface> for RecognisedSurface {
     fn from(patch: PatchSurface) -> RecognisedSurface {
         let PatchSurface { frame, u, v, .. } = patch;
-        RecognisedSurface { frame, u, v, form: Form::Patch(Box::new(patch)) }
+        RecognisedSurface { frame, u, v, form: SurfaceForm::Patch(Box::new(patch)) }
     }
 }
 
 impl RecognisedSurface {
     /// A body, under a frame of the same length.
     pub(crate) fn of_body(frame: Frame, body: BodyChart) -> RecognisedSurface {
-        RecognisedSurface { frame, u: body.u, v: body.v, form: Form::Body(Box::new(body)) }
+        RecognisedSurface { frame, u: body.u, v: body.v, form: SurfaceForm::Body(Box::new(body)) }
     }
 
     /// The body, where it is one.
     pub(crate) fn body(&self) -> Option<&BodyChart> {
         match &self.form {
-            Form::Patch(_) => None,
-            Form::Body(body) => Some(body),
+            SurfaceForm::Patch(_) => None,
+            SurfaceForm::Body(body) => Some(body),
         }
     }
 
     /// Point and unit normal at chart coordinates, in the input's coordinates.
     pub fn at(&self, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
         match &self.form {
-            Form::Patch(patch) => patch.at(u, v),
-            Form::Body(body) => body.at(u, v),
+            SurfaceForm::Patch(patch) => patch.at(u, v),
+            SurfaceForm::Body(body) => body.at(u, v),
         }
     }
 
     /// Principal curvatures k1 >= k2 at chart coordinates, 1/length of the input; `None` where the chart folds.
     pub fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
         match &self.form {
-            Form::Patch(patch) => patch.curvatures_at(u, v),
-            Form::Body(body) => body.curvatures_at(u, v),
+            SurfaceForm::Patch(patch) => patch.curvatures_at(u, v),
+            SurfaceForm::Body(body) => body.curvatures_at(u, v),
         }
     }
 
     /// Whether contacts surround the surface at chart coordinates.
     pub fn supported_at(&self, u: f64, v: f64) -> bool {
         match &self.form {
-            Form::Patch(patch) => patch.supported_at(u, v),
-            Form::Body(body) => body.supported_at(u, v),
+            SurfaceForm::Patch(patch) => patch.supported_at(u, v),
+            SurfaceForm::Body(body) => body.supported_at(u, v),
         }
     }
 
     /// Chart coordinates of the surface's point nearest to a place in the input's coordinates.
     pub fn chart_of(&self, place: [f64; 3]) -> [f64; 2] {
         match &self.form {
-            Form::Patch(patch) => patch.chart_of(place),
-            Form::Body(body) => body.chart_of(place),
+            SurfaceForm::Patch(patch) => patch.chart_of(place),
+            SurfaceForm::Body(body) => body.chart_of(place),
         }
     }
 
     /// Signed distance of a place from the surface, positive on the free side. Input units.
     pub fn distance(&self, place: [f64; 3]) -> f64 {
         match &self.form {
-            Form::Patch(patch) => patch.distance(place),
-            Form::Body(body) => body.distance(place),
+            SurfaceForm::Patch(patch) => patch.distance(place),
+            SurfaceForm::Body(body) => body.distance(place),
         }
     }
 }

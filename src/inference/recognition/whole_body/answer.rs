@@ -7,7 +7,7 @@ use palpate_numeric::bspline::linspace;
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
 
 use super::exchanged_axes::agreeing_order;
-use crate::bodies::{BodyChart, BodyPosterior, DrawnBase, Sample, Spread, Tuning, drawn, spread};
+use crate::bodies::{BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Tuning, drawn, spread};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
@@ -22,9 +22,9 @@ const AGREE: f64 = 0.75;
 const CERTAIN: f64 = 0.95;
 
 /// A posterior with what it was asked about.
-pub(super) struct Answer<'a> {
+pub(super) struct BodyAnswer<'a> {
     pub(super) posterior: &'a BodyPosterior,
-    pub(super) sample: &'a Sample,
+    pub(super) sample: &'a BodySample,
     pub(super) given: &'a Observations,
     pub(super) options: &'a RecognitionOptions,
 }
@@ -35,7 +35,7 @@ struct FreeSide {
     known: bool,
 }
 
-impl Answer<'_> {
+impl BodyAnswer<'_> {
     fn kind(&self) -> PartKind {
         self.posterior.kind()
     }
@@ -185,7 +185,7 @@ impl Answer<'_> {
         };
         let all = spread(&of(false), self.options.level)?;
         // new noise of the same kind of body moves the answer by what one kind's draws scatter
-        let u_noise = spread(&of(true), self.options.level).map_or(0.0, |own: Spread| own.sd.min(all.sd));
+        let u_noise = spread(&of(true), self.options.level).map_or(0.0, |own: PosteriorSpread| own.sd.min(all.sd));
         let freedom = self.posterior.best_of(kind).map_or(1.0, |node| node.freedom());
         Some(Estimate {
             mean: all.mean,

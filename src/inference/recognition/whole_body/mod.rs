@@ -13,7 +13,7 @@ mod exchanged_axes;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::vector::{along, dot, norm, unit_or_zero};
 
-use crate::bodies::{self, Sample, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::Observations;
 use crate::recognition::free_form::leaves_much_unsaid;
@@ -26,7 +26,7 @@ const DOUBTFUL: f64 = 0.05;
 const DECISIVE: f64 = 0.1;
 
 /// Contacts whose distances show two peaks.
-const FEWEST: usize = 12;
+const FEWEST_FOR_TWO_PEAKS: usize = 12;
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
@@ -42,23 +42,23 @@ pub(super) fn instead(
 ) -> Result<Recognition, RecognitionError> {
     let doubt = match &patch {
         Ok(found) => doubt(found, given, &options.tuning),
-        Err(error) if may_be_body(error, given) => Doubt::Refused,
-        Err(_) => Doubt::None,
+        Err(error) if may_be_body(error, given) => PatchDoubt::Refused,
+        Err(_) => PatchDoubt::None,
     };
-    if doubt == Doubt::None {
+    if doubt == PatchDoubt::None {
         return patch;
     }
     let normals = given.normals.as_deref().unwrap_or_default();
     let [x, y, z] = given.rounding.position;
     // a body has normals in all directions
     let rounding = [((x * x + y * y + z * z) / 3.0).sqrt(), given.rounding.normal];
-    let Some(sample) = Sample::new(&given.points, normals, rounding) else { return patch };
+    let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
     match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => Err(several(&sample, &things)),
         Verdict::One(posterior) => {
-            let body = answer::Answer { posterior: &posterior, sample: &sample, given, options };
+            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
             body.check_axes_of_normals()?;
-            if doubt == Doubt::Slight && body.false_share() < DECISIVE && body.normals_against() < DECISIVE {
+            if doubt == PatchDoubt::Slight && body.false_share() < DECISIVE && body.normals_against() < DECISIVE {
                 return patch;
             }
             body.recognition()
@@ -69,7 +69,7 @@ pub(super) fn instead(
 
 /// Why a patch is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Doubt {
+enum PatchDoubt {
     None,
     /// Some contacts do not belong, or lie on two sheets.
     Slight,
@@ -88,25 +88,25 @@ fn may_be_body(error: &RecognitionError, given: &Observations) -> bool {
     }
 }
 
-fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> Doubt {
+fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDoubt {
     let count = given.points.len() as f64;
     let mean = found.averaged.iter().fold([0.0; 3], |sum, (_, normal)| along(sum, 1.0, *normal));
     let middle = unit_or_zero(mean);
     let least = tuning.patch_reach_deg.to_radians().cos();
     if norm(mean) == 0.0 || found.averaged.iter().any(|(_, normal)| dot(*normal, middle) < least) {
-        return Doubt::Bent;
+        return PatchDoubt::Bent;
     }
     let set_aside = found.outliers.max(found.normals_against) as f64 > DOUBTFUL * count;
     let contradicted = found.normals == NormalsUse::Contradicting;
     if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
-        return Doubt::Slight;
+        return PatchDoubt::Slight;
     }
-    Doubt::None
+    PatchDoubt::None
 }
 
 /// Whether the contacts lie on two sheets beside the surface.
 fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> bool {
-    if given.points.len() < FEWEST {
+    if given.points.len() < FEWEST_FOR_TWO_PEAKS {
         return false;
     }
     let (mut second, mut fourth) = (0.0, 0.0);
@@ -119,7 +119,7 @@ fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> 
 }
 
 /// Both things in words.
-fn several(sample: &Sample, things: &[Thing; 2]) -> RecognitionError {
+fn several(sample: &BodySample, things: &[Thing; 2]) -> RecognitionError {
     let share = |thing: &Thing| 100.0 * thing.contacts as f64 / sample.len() as f64;
     let name = |thing: &Thing| {
         let radius = significant(thing.primitive.sizes[0] * sample.frame.scale);
