@@ -6,7 +6,8 @@
 //! too few to recognise           the height field of degree 2, with a note
 //! directions without heights     likewise, since what is recognised is a surface through points
 //! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
-//! a closed body, several sheets  an error that says what can be done
+//! several things                 an error that names two of them, and how to take them apart
+//! a body of no simple form       an error that says what can be done
 //! ```
 
 use crate::io::Input;
@@ -25,6 +26,9 @@ use super::zero_weights::with_heights;
 /// What a user can do with contacts that are not one patch.
 const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
+
+/// What a user can do with several things.
+const APART: &str = "palpate parts takes them apart; --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1 takes one of them";
 
 /// What a user can do about too few contacts.
 const MORE: &str = "touch a dozen places or more, spread over the patch, with surface normals if you can";
@@ -127,6 +131,7 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
             Err(Refusal::Shape(format!("{error}: {FORWARD}")))
         }
+        Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::Shape(format!("{error}. {APART}"))),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
 }

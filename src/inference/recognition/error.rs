@@ -66,7 +66,7 @@ pub enum RecognitionError {
     },
     /// Two surfaces explain the contacts clearly better than one.
     #[error(
-        "the contacts show several things: {} ({:.0} % of them) and {} ({:.0} %). Take one of them, or let `palpate parts` take them apart",
+        "the contacts show several things: {} ({:.0} % of them) and {} ({:.0} %)",
         things[0], percent[0], things[1], percent[1]
     )]
     SeveralThings {

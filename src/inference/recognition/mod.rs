@@ -120,19 +120,8 @@ fn recognise_given(
     if asked.means.is_some() || !asked.touches.is_empty() {
         return recognise_patch(given, asked, options);
     }
-    let patch = recognise_patch(given.clone(), asked, options).and_then(|found| {
-        let hollow = found.shape_index.is_some_and(|s| s.mean < 0.0);
-        if found.side_known || !hollow {
-            return Ok(found);
-        }
-        // the convex reading stands for both
-        let z = found.frame.axes[2];
-        let options = RecognitionOptions { up: Some(z.map(|v| -v)), viewpoint: None, ..options.clone() };
-        let mut other = recognise_patch(given.clone().reversed(), asked, &options)?;
-        (other.side_known, other.notes) = (false, found.notes);
-        Ok(other)
-    });
-    let patch = patch.map(|found| if found.side_known { found } else { whole_body::of_either_side(found) });
+    let either = |found: Recognition| if found.side_known { found } else { whole_body::of_either_side(found) };
+    let patch = recognise_patch(given.clone(), asked, options).map(either);
     whole_body::instead(patch, &given, options)
 }
 

@@ -308,8 +308,9 @@ pub struct Recognition {
     pub contacts: usize,
     /// What a user should know; printed, whole sentences.
     pub notes: Vec<Remark>,
-    /// Whether something tells which side is free: normals, a viewpoint or a direction. Where nothing does, `class` and the maps are those
-    /// of the side that `frame` takes, S and its interval are given by their size, and every class has the probability of its mirror image.
+    /// Whether something tells which side is free: normals, a viewpoint or a direction. Where nothing does, S and its
+    /// interval are given by their size, `class` is the convex one of the two, every class has the probability of its mirror image, and maps
+    /// show the side of +z, or of a body the outside.
     pub side_known: bool,
     /// Sizes and place of a body that was touched all round or far round; `None` of a patch.
     pub body: Option<BodyGeometry>,

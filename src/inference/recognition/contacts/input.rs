@@ -111,12 +111,6 @@ impl Observations {
         Ok(())
     }
 
-    /// The same with every normal reversed.
-    pub(crate) fn reversed(mut self) -> Observations {
-        self.normals.iter_mut().flatten().for_each(|n| *n = n.map(|v| -v));
-        self
-    }
-
     fn sorted(self) -> Observations {
         // x stands beside the number, so that contacts of different x are compared without a jump through memory
         let mut order: Vec<(f64, u32)> = self.points.iter().zip(0..).map(|(p, i)| (p[0], i)).collect();

@@ -80,7 +80,9 @@ enum PatchDoubt {
 
 fn may_be_body(error: &RecognitionError, given: &Observations) -> bool {
     match error {
-        RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } | RecognitionError::OnConic => true,
+        RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } => true,
+        // places on one ring or in two rows lie on many surfaces; normals decide
+        RecognitionError::OnConic => given.normals.is_some(),
         RecognitionError::TooFew { .. } => given.points.len() >= NEEDED[usize::from(given.normals.is_some())],
         // one finger's path with normals; places alone on a line tell no bend
         RecognitionError::Collinear { .. } => false,
@@ -148,6 +150,7 @@ pub(super) fn of_either_side(mut found: Recognition) -> Recognition {
         let [lo, hi] = s.interval;
         let least = if lo > 0.0 { lo } else { (-hi).max(0.0) };
         (s.mean, s.interval) = (s.mean.abs(), [least, lo.abs().max(hi.abs())]);
+        found.class = ShapeClass::of_shape_index(s.mean);
     }
     found
 }
