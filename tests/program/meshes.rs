@@ -61,6 +61,24 @@ impl Drawn {
         Drawn { places: (0..count).map(place).collect(), faces: (0..count).map(face).collect() }
     }
 
+    /// A cylinder from z = 0 to `height` between two half balls, each of `rows` rows.
+    fn capsule(sides: usize, rows: usize, radius: f64, height: f64) -> Drawn {
+        let angle = |row: usize| TAU / 4.0 * row as f64 / rows as f64;
+        let below = (1..=rows).map(|row| [radius * angle(row).sin(), -radius * angle(row).cos()]);
+        let above = (0..rows).map(|row| [radius * angle(row).cos(), height + radius * angle(row).sin()]);
+        let rings = below.chain(above).flat_map(|[r, z]| {
+            (0..sides).map(move |k| TAU * k as f64 / sides as f64).map(move |t| [r * t.cos(), r * t.sin(), z])
+        });
+        let mut places: Vec<Vector> = rings.collect();
+        let (last, pole) = (places.len() - sides, places.len());
+        places.extend([[0.0, 0.0, -radius], [0.0, 0.0, height + radius]]);
+        let next = |k: usize| k - k % sides + (k + 1) % sides;
+        let mut faces: Vec<Vec<usize>> = (0..last).map(|k| vec![k, next(k), next(k) + sides, k + sides]).collect();
+        faces.extend((0..sides).map(|k| vec![next(k), k, pole]));
+        faces.extend((last..pole).map(|k| vec![k, next(k), pole + 1]));
+        Drawn { places, faces }
+    }
+
     /// An octahedron whose triangles are cut in four, again and again.
     fn ball(times: usize, radius: f64) -> Drawn {
         let places = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
@@ -211,6 +229,9 @@ fn contacts_lie_on_what_was_drawn_with_its_normals() {
     );
     let (ball, _) = read("a.ply", Drawn::ball(3, 7.0).ply().as_bytes());
     assert!(worst(&ball, |p| p.map(|v| v / 7.0)) < 1e-12);
+    let (capsule, _) = read("a.off", Drawn::capsule(32, 8, 2.0, 6.0).off().as_bytes());
+    assert!(worst(&capsule, |p| [p[0] / 2.0, p[1] / 2.0, (p[2] - p[2].clamp(0.0, 6.0)) / 2.0]) < 1e-10);
+    assert!(capsule.z.iter().filter(|z| (0.0..6.0).contains(*z)).count() > 500);
     // three faces are turned over, and turned back
     let mut mixed = Drawn::cylinder(40, 5.0, 20.0, true);
     [3, 17, 41].into_iter().for_each(|face| mixed.faces[face].reverse());

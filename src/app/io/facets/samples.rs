@@ -18,6 +18,9 @@ use super::straight::{apart, leans};
 use super::winding;
 use super::{FacetContacts, Facets};
 
+/// Contacts along a seam for each width of the facets beside it: more would stand in lines, not on a surface.
+const ALONG: f64 = 4.0;
+
 /// Fractions whose multiples fill a square evenly.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
@@ -59,7 +62,7 @@ pub(super) fn of(mut facets: Facets) -> FacetContacts {
     let mut found = FacetContacts { samples: Vec::new(), vertices: 0, has_edges: false, open: 0.0 };
     found.has_edges = seams.all.iter().any(|seam| seam.kind == SeamKind::Joint && seam.facets[0] != seam.facets[1]);
     along_seams(&facets, &straight, &mut found);
-    at_ends(&facets, &sectors, &bent, &mut found);
+    at_ends(&facets, &sectors, [&bent, &straight], &mut found);
     within_faces(&facets, &flat, &mut found);
     found
 }
@@ -74,7 +77,8 @@ fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) {
         let [a, b] = seam.ends.map(|end| facets.places[end]);
         let length = length(seam);
         let area = seam.facets.iter().map(|&f| facets.areas[f] * length / lengths[f]).sum();
-        let count = shares.take(area, f64::INFINITY);
+        let width = seam.facets.iter().map(|&f| facets.areas[f]).sum::<f64>() / length;
+        let count = shares.take(area, ALONG * length / width);
         let [n, m] = seam.facets.map(|f| facets.normals[f]);
         let shift = (0.5 + number as f64 * R2[0]).fract();
         found.samples.extend((0..count).map(|k| FacetSample {
@@ -82,17 +86,20 @@ fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) {
             normal: unit_or_zero(along(n, 1.0, m)),
             facet: seam.facets[0],
         }));
-        let width = seam.facets.iter().map(|&f| facets.areas[f]).sum::<f64>() / length;
         found.open = found.open.max(width * angle(facets, seam.facets[0], seam.facets[1]) / 8.0);
     }
 }
 
-fn at_ends(facets: &Facets, sectors: &Sectors, bent: &[Seam], found: &mut FacetContacts) {
+fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], found: &mut FacetContacts) {
     let mut areas = vec![0.0; 3 * facets.len()];
     for (facet, corners) in facets.corners.iter().enumerate() {
         corners.iter().for_each(|&v| areas[sectors.at(facets, facet, v)] += facets.areas[facet] / 3.0);
     }
+    // where a straight surface goes over into a bent one, the normal is a mean of both
     let mut taken = vec![false; 3 * facets.len()];
+    for seam in straight {
+        seam.ends.iter().for_each(|&end| taken[sectors.at(facets, seam.facets[0], end)] = true);
+    }
     let mut shares = ByArea::new(facets);
     for seam in bent {
         let [from, to] = leans(facets, sectors, seam);
