@@ -16,7 +16,7 @@
 //! facet stands for as many contacts as its area holds at the spacing h. Where all facets are small each stands for less than one,
 //! the vertices say all there is to say, and are read as they always were. The share of a tenth, and not the largest facet, decides,
 //! so that a scan with a filled hole stays a scan; 2 h and not h, because triangles of one mesh differ by about that much.
-//! 2000 contacts leave an exact surface nothing to gain, and are judged in less than a second.
+//! More than 2000 contacts tell an exact surface nothing new and take longer; fewer leave small faces too few.
 //!
 //! Vertices lie on the surface and facets beside it. The points that are kept lie on the surface, too; how far the facets leave it
 //! between them, the sagitta `length^2 k / 8`, is said in a note.

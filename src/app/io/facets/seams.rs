@@ -5,8 +5,7 @@
 //!                                         < 40 degrees      one smooth surface
 //! ```
 //!
-//! An octagonal bar is the coarsest that is still drawn for a round one, at 45 degrees a side; a drawn cone or ball has 8 degrees and
-//! less. Sharp edges of machined parts begin at 45 degrees (chamfers).
+//! Chamfers have 45 degrees and are edges. A round bar drawn with nine sides has 40; one with fewer is taken for the prism that it is.
 
 use palpate_numeric::vector::{cross, dot, norm};
 
