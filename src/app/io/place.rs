@@ -9,6 +9,8 @@ pub enum Place {
     Entry(usize),
     /// Vertex of a mesh or a binary PLY, counted from 0.
     Vertex(usize),
+    /// Triangle of a coarse mesh that was sampled, counted from 0 without those that have no area.
+    Facet(usize),
     /// Point of a binary PCD, counted from 0.
     Point(usize),
     /// Pixel of an image, counted from 0 along its rows.
@@ -21,6 +23,7 @@ impl std::fmt::Display for Place {
             Place::Line(n) => write!(f, "line {n}"),
             Place::Entry(n) => write!(f, "entry {n}"),
             Place::Vertex(n) => write!(f, "vertex {n}"),
+            Place::Facet(n) => write!(f, "facet {n}"),
             Place::Point(n) => write!(f, "point {n}"),
             Place::Pixel(n) => write!(f, "pixel {n}"),
         }
@@ -82,6 +85,7 @@ pub(super) enum Unit {
     Line,
     Entry,
     Vertex,
+    Facet,
     Point,
     Pixel,
 }
@@ -92,6 +96,7 @@ impl Unit {
             Unit::Line => Place::Line(number),
             Unit::Entry => Place::Entry(number),
             Unit::Vertex => Place::Vertex(number),
+            Unit::Facet => Place::Facet(number),
             Unit::Point => Place::Point(number),
             Unit::Pixel => Place::Pixel(number),
         }

@@ -1,7 +1,7 @@
 //! PLY: the `vertex` element with `x y z` and, if present, `nx ny nz` and the other known names, ascii or binary.
 //!
 //! `ply-rs-bw` reads the header and binary payloads. Ascii rows are read here: its grammar knows neither `nan` nor
-//! `.5`, and a message should name the line.
+//! `.5`, and a message should name the line. Faces behind the vertices are [sampled](super::facets) where they are coarse.
 
 use std::io::Write;
 
@@ -15,8 +15,10 @@ use ply_rs_bw::writer::Writer;
 use palpate_geometry::contact::Contacts;
 
 use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
+use super::facets::{PolygonList, sampled_polygons};
 use super::names::in_our_words;
 use super::place::{Place, Runs, Unit};
+use super::ply_faces;
 use super::read_progress::{Counted, ReadPhase, tell_line};
 use super::{IoError, ReadOptions, Reading};
 
@@ -71,18 +73,21 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
     let count = vertex.count;
     let names: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
     let columns = Columns::named(file, &names, Need::Contacts)?;
-    let (columns, numbers, unit) = match header.encoding {
+    let (columns, faces, numbers, unit) = match header.encoding {
         Encoding::Ascii => {
             let first_line = header_lines.max(1);
-            let (columns, lines) = read_ascii(file, payload, first_line, &header, columns, options)?;
-            (columns, lines, Unit::Line)
+            let (columns, faces, lines) = read_ascii(file, payload, first_line, &header, columns, options)?;
+            (columns, faces, lines, Unit::Line)
         }
         _ => {
-            let columns = read_binary(&mut reader, &parser, &header, columns).map_err(wrong)?;
-            (columns, (0..count).collect::<Runs>(), Unit::Vertex)
+            let (columns, faces) = read_binary(&mut reader, &parser, &header, columns).map_err(wrong)?;
+            (columns, faces, (0..count).collect::<Runs>(), Unit::Vertex)
         }
     };
-    columns.into_reading(file, (numbers, unit), options)
+    match sampled_polygons(&columns, &faces) {
+        Some(contacts) => contacts.into_reading(file, "PLY", options),
+        None => columns.into_reading(file, (numbers, unit), options),
+    }
 }
 
 /// The parser takes seconds over tens of thousands of elements: such headers are refused by their length.
@@ -167,7 +172,7 @@ fn read_binary(
     parser: &Parser<Vertex>,
     header: &Header,
     mut columns: Columns,
-) -> Result<Columns, String> {
+) -> Result<(Columns, PolygonList), String> {
     for (name, element) in &header.elements {
         let rows = parser
             .read_payload_for_element(reader, element, header)
@@ -178,10 +183,11 @@ fn read_binary(
                     *values = rows.iter().map(|row| row.0[column as usize]).collect();
                 }
             }
-            break;
+            let faces = ply_faces::binary(reader, header);
+            return Ok((columns, faces));
         }
     }
-    Ok(columns)
+    Ok((columns, PolygonList::default()))
 }
 
 fn read_ascii(
@@ -191,7 +197,7 @@ fn read_ascii(
     header: &Header,
     mut columns: Columns,
     options: &ReadOptions,
-) -> Result<(Columns, Runs), IoError> {
+) -> Result<(Columns, PolygonList, Runs), IoError> {
     let wrong = |what: String| IoError::Ply { file: file.into(), what };
     let whole = std::str::from_utf8(payload).map_err(|_| wrong("its ascii body is not text".into()))?;
     let mut lines = whole.lines().enumerate().map(|(k, l)| (first_line + k, l.trim())).filter(|(_, l)| !l.is_empty());
@@ -212,7 +218,8 @@ fn read_ascii(
             break;
         }
     }
-    Ok((columns, numbers))
+    let faces = ply_faces::ascii(lines.map(|(_, text)| text), header);
+    Ok((columns, faces, numbers))
 }
 
 fn read_ascii_vertex(

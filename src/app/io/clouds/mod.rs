@@ -1,9 +1,10 @@
-//! Point clouds and meshes as other programs write them: every vertex is a contact.
+//! Point clouds and meshes as other programs write them: every vertex is a contact, and of coarse meshes every part of the
+//! [facets](crate::io::facets).
 //!
 //! ```text
 //! PCD    x y z [normal_x normal_y normal_z]     ascii, binary, compressed
-//! OFF    x y z [nx ny nz] in NOFF               faces are not used
-//! OBJ    v x y z, vn x y z                      faces only say which normal belongs to which vertex
+//! OFF    x y z [nx ny nz] in NOFF               faces, where coarse
+//! OBJ    v x y z, vn x y z                      faces, where coarse; else they say which normal belongs to which vertex
 //! STL    triangles                              vertices joined, normals from the triangles around each
 //! NPY    n x 3 or n x 6                         x, y, z [nx, ny, nz]
 //! ```

@@ -1,9 +1,11 @@
-//! OBJ: `v x y z`, `vn x y z`, and faces `f v/vt/vn ...`, which only say here which normal belongs to which vertex.
+//! OBJ: `v x y z`, `vn x y z`, and faces `f v/vt/vn ...`, which are [sampled](crate::io::facets) where they are coarse, and otherwise
+//! only say which normal belongs to which vertex.
 //!
 //! A vertex that several normals belong to gets their mean direction. Without faces the k-th normal belongs to the k-th
 //! vertex, where there are as many of both. Wavefront Technologies, "Object Files (.obj)".
 
 use crate::io::columns::{Column, Columns, Need};
+use crate::io::facets::{PolygonList, sampled};
 use crate::io::place::{Runs, Unit};
 use crate::io::read_progress::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
@@ -17,6 +19,7 @@ struct Model {
     /// (vertex, normal) of every corner that names both.
     pairs: Vec<(usize, usize)>,
     faces: usize,
+    polygons: PolygonList,
 }
 
 /// Contacts from the bytes of an OBJ file.
@@ -28,6 +31,10 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
         return Err(wrong("it has no line v x y z".into()));
     }
     let normals = model.vertex_normals();
+    let triangles = model.polygons.triangles(&model.places);
+    if let Some(contacts) = sampled(&model.places, &triangles, normals.is_some()) {
+        return contacts.into_reading(file, "OBJ", options);
+    }
     let names = ["x", "y", "z", "nx", "ny", "nz"];
     let fields = if normals.is_some() { 6 } else { 3 };
     let mut columns = Columns::named(file, &names[..fields], Need::Contacts)?;
@@ -72,9 +79,12 @@ fn parse(text: &str) -> Result<Model, String> {
             Some("vn") => model.normals.push(three()?),
             Some("f") => {
                 model.faces += 1;
+                let mut polygon = Vec::with_capacity(4);
                 for corner in words {
-                    model.corner(corner).ok_or_else(|| format!("line {}: there is no corner {corner:?}", k + 1))?;
+                    let vertex = model.corner(corner);
+                    polygon.push(vertex.ok_or_else(|| format!("line {}: there is no corner {corner:?}", k + 1))?);
                 }
+                model.polygons.push(polygon);
             }
             _ => {}
         }
@@ -90,15 +100,15 @@ fn index(text: &str, count: usize) -> Option<usize> {
 }
 
 impl Model {
-    /// Takes in `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&mut self, corner: &str) -> Option<()> {
+    /// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&mut self, corner: &str) -> Option<usize> {
         let mut parts = corner.split('/');
         let vertex = index(parts.next()?, self.places.len())?;
         if let Some(normal) = parts.nth(1).filter(|text| !text.is_empty()) {
             let normal = index(normal, self.normals.len())?;
             self.pairs.push((vertex, normal));
         }
-        Some(())
+        Some(vertex)
     }
 
     /// The normal of every vertex, zero where none belongs to it; `None` where the file pairs none.

@@ -1,9 +1,11 @@
 //! OFF: `[ST][C][N]OFF`, the counts of vertices, faces and edges, then a line a vertex: place, normal where the word has
-//! an N, colour where it has a C. Faces are not used.
+//! an N, colour where it has a C. Then a line a face: the number of its corners, their vertices, a colour. Coarse faces are
+//! [sampled](crate::io::facets), others not used.
 //!
 //! Geomview, "OFF Files".
 
 use crate::io::columns::{Column, Columns, Need};
+use crate::io::facets::{PolygonList, sampled_polygons};
 use crate::io::place::{Place, Runs, Unit};
 use crate::io::read_progress::tell_line;
 use crate::io::{IoError, ReadOptions, Reading};
@@ -32,7 +34,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     let fields = if kind.contains('N') { 6 } else { 3 };
     let mut columns = Columns::named(file, &WITH_NORMALS[..fields], Need::Contacts)?;
     let mut numbers = Runs::default();
-    for (line, row) in lines.take(count) {
+    for (line, row) in lines.by_ref().take(count) {
         tell_line(text, row);
         let mut words = row.split_whitespace();
         for name in &WITH_NORMALS[..fields] {
@@ -54,11 +56,26 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     if numbers.len() < count {
         return Err(wrong(format!("it ends after {} of {count} vertices; it may be cut short", numbers.len())));
     }
+    if let Some(contacts) = faces(lines.map(|(_, row)| row)).and_then(|faces| sampled_polygons(&columns, &faces)) {
+        return contacts.into_reading(file, "OFF", options);
+    }
     let mut reading = columns.into_reading(file, (numbers, Unit::Line), options)?;
     if fields == 3 {
         reading.notes.push("OFF without normals: its faces are not used".into());
     }
     Ok(reading)
+}
+
+/// The faces of the rows that follow the vertices; `None` where one of them is no face.
+fn faces<'a>(rows: impl Iterator<Item = &'a str>) -> Option<PolygonList> {
+    let mut faces = PolygonList::default();
+    for row in rows {
+        let mut numbers = row.split_whitespace().map(|word| word.parse::<usize>().ok());
+        let corners = numbers.next()??;
+        let face: Option<Vec<usize>> = numbers.take(corners).collect();
+        faces.push(face.filter(|face| face.len() == corners)?);
+    }
+    Some(faces)
 }
 
 #[cfg(test)]

@@ -9,12 +9,14 @@
 use std::collections::HashMap;
 
 use crate::io::columns::{Column, Columns};
+use crate::io::facets::{FacetContacts, sampled};
 
 /// Vertices with normals, in the order in which they first appear.
 #[derive(Debug, Default)]
 pub(super) struct Soup {
     places: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
+    triangles: Vec<[usize; 3]>,
     known: HashMap<[u64; 3], usize>,
 }
 
@@ -24,7 +26,7 @@ impl Soup {
         let [a, b, c] = corners;
         let [p, q] = [b, c].map(|v| [0, 1, 2].map(|k| v[k] - a[k]));
         let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-        for corner in corners {
+        let triangle = corners.map(|corner| {
             // -0 and 0 are one place
             let key = corner.map(|v| (v + 0.0).to_bits());
             let vertex = *self.known.entry(key).or_insert_with(|| {
@@ -34,7 +36,14 @@ impl Soup {
             });
             let normal = &mut self.normals[vertex];
             *normal = [0, 1, 2].map(|k| normal[k] + cross[k]);
-        }
+            vertex
+        });
+        self.triangles.push(triangle);
+    }
+
+    /// Contacts on the triangles, where these are coarse.
+    pub(super) fn sampled(&self) -> Option<FacetContacts> {
+        sampled(&self.places, &self.triangles, false)
     }
 
     /// The vertices as columns, without those that have no normal, and the number of these.

@@ -26,6 +26,9 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     } else {
         read_binary(bytes, &mut soup).map_err(wrong)?;
     }
+    if let Some(contacts) = soup.sampled() {
+        return contacts.into_reading(file, "STL", options);
+    }
     let (columns, bare) = soup.into_columns(file)?;
     let rows = columns.len();
     let mut reading = columns.into_reading(file, ((0..rows).collect(), Unit::Vertex), options)?;

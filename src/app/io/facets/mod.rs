@@ -1,0 +1,180 @@
+//! Coarse triangle meshes are surfaces: what they say of the surface stands between their vertices, and is sampled there.
+//!
+//! ```text
+//! h = sqrt(area / 2000)                        spacing of 2000 contacts over the whole
+//! coarse   a tenth of the area or more lies in facets with an edge longer than 2 h
+//! seam     where two facets meet:  flat < 0.1 degrees <= smooth < 40 degrees <= sharp
+//!
+//! seam smooth, straight on the surface (a generator of a cylinder or cone)    points along it, mean of both normals
+//! seam smooth, bent along itself (a ball, a ring)                             its ends only: the chord lies inside; not at rims
+//! face flat                                                                   points within, the face's normal
+//! seam sharp or open, corner, apex                                            none: there is no one normal
+//! ```
+//!
+//! A program that draws a cylinder needs vertices on its two rims only, and normals that are means around a vertex lean there
+//! over the edge. A scanner's mesh has a vertex wherever it measured. The rule looks at the facets and not at who wrote them: every
+//! facet stands for as many contacts as its area holds at the spacing h. Where all facets are small each stands for less than one,
+//! the vertices say all there is to say, and are read as they always were. The share of a tenth, and not the largest facet, decides,
+//! so that a scan with a filled hole stays a scan; 2 h and not h, because triangles of one mesh differ by about that much.
+//! More than 2000 contacts tell an exact surface nothing new and take longer; fewer leave small faces too few.
+//!
+//! Vertices lie on the surface and facets beside it. The points that are kept lie on the surface, too; how far the facets leave it
+//! between them, the sagitta `length^2 k / 8`, is said in a note.
+
+mod faces;
+mod joined;
+mod polygon;
+mod samples;
+mod seams;
+mod sectors;
+mod straight;
+mod winding;
+
+use palpate_numeric::vector::{Vector, cross, minus, norm, unit_or_zero};
+
+use super::columns::{COLUMNS, Column, Columns, Need};
+use super::place::Unit;
+use super::{IoError, ReadOptions, Reading};
+
+pub(super) use polygon::PolygonList;
+use samples::FacetSample;
+
+/// Contacts that the whole area holds: more cost time and tell an exact surface nothing new, fewer leave small faces without any.
+const PLACES: f64 = 2000.0;
+
+/// Edges in units of the spacing from which on a facet is coarse.
+const COARSE_EDGE: f64 = 2.0;
+
+/// Share of the area in coarse facets from which on a mesh is.
+const COARSE_SHARE: f64 = 0.1;
+
+/// Fewer triangles enclose nothing, and are no mesh.
+const FEWEST_TRIANGLES: usize = 4;
+
+/// Triangles with what is asked of them again and again.
+struct Facets {
+    places: Vec<Vector>,
+    /// Anticlockwise, seen from outside.
+    corners: Vec<[usize; 3]>,
+    /// Unit normals.
+    normals: Vec<Vector>,
+    areas: Vec<f64>,
+    /// Longest edge of each.
+    longest: Vec<f64>,
+    /// Size of the whole.
+    size: f64,
+}
+
+impl Facets {
+    /// Triangles without area are left out.
+    fn of(places: Vec<Vector>, triangles: &[[usize; 3]]) -> Facets {
+        let (low, high) = places.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
+            ([0, 1, 2].map(|k| p[k].min(low[k])), [0, 1, 2].map(|k| p[k].max(high[k])))
+        });
+        let size = norm(minus(high, low));
+        let (corners, normals, areas, longest) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut facets = Facets { places, corners, normals, areas, longest, size };
+        for &corners in triangles {
+            let [a, b, c] = corners.map(|v| facets.places[v]);
+            let across = cross(minus(b, a), minus(c, a));
+            let area = norm(across) / 2.0;
+            if area > 0.0 && area.is_finite() {
+                let edges = [minus(b, a), minus(c, b), minus(a, c)];
+                facets.corners.push(corners);
+                facets.normals.push(unit_or_zero(across));
+                facets.areas.push(area);
+                facets.longest.push(edges.into_iter().map(norm).fold(0.0, f64::max));
+            }
+        }
+        facets
+    }
+
+    fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+
+    /// Area that one contact stands for.
+    fn area_of_one(&self) -> f64 {
+        self.area() / PLACES
+    }
+
+    fn is_coarse(&self) -> bool {
+        let spacing = self.area_of_one().sqrt();
+        let coarse = self.areas.iter().zip(&self.longest).filter(|(_, l)| **l > COARSE_EDGE * spacing);
+        coarse.map(|(area, _)| area).sum::<f64>() >= COARSE_SHARE * self.area()
+    }
+}
+
+/// Contacts on the facets of a coarse mesh.
+pub(super) struct FacetContacts {
+    samples: Vec<FacetSample>,
+    /// How many of them are vertices.
+    vertices: usize,
+    /// Some facets meet in a sharp edge.
+    has_edges: bool,
+    /// How far the facets are from the surface between the contacts.
+    open: f64,
+}
+
+/// Contacts on the surface that `triangles` between `places` stand for. `None` where the vertices are to be read as they are: the mesh
+/// is fine, or what it has are no facets; it is bent everywhere, and most vertices stand at rims; the file has normals of its own,
+/// and no edges at which they are means of several faces.
+pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: bool) -> Option<FacetContacts> {
+    let sound = triangles.len() >= FEWEST_TRIANGLES
+        && places.iter().flatten().all(|v| v.is_finite())
+        && triangles.iter().flatten().all(|&v| v < places.len());
+    if !sound {
+        return None;
+    }
+    let facets = Facets::of(places.to_vec(), triangles);
+    if facets.len() < FEWEST_TRIANGLES || !facets.size.is_finite() || !facets.is_coarse() {
+        return None;
+    }
+    let facets = joined::joined(facets);
+    let vertices = facets.places.len();
+    let found = samples::of(facets);
+    let enough = found.vertices < found.samples.len() || 2 * found.vertices > vertices;
+    (enough && (found.has_edges || !has_normals)).then_some(found)
+}
+
+/// The same of the polygons of a file whose vertices `columns` holds. Vertices with fingers or weights were touched, and stay contacts.
+pub(super) fn sampled_polygons(columns: &Columns, polygons: &PolygonList) -> Option<FacetContacts> {
+    let touched = COLUMNS.into_iter().skip_while(|column| *column != Column::Zx).any(|column| columns.has(column));
+    let [x, y, z] = [Column::X, Column::Y, Column::Z].map(|column| columns.get(column));
+    let (x, y, z) = (x.filter(|_| !touched)?, y?, z?);
+    let places: Vec<Vector> = (0..x.len()).map(|row| [x[row], y[row], z[row]]).collect();
+    sampled(&places, &polygons.triangles(&places), columns.has(Column::Nx))
+}
+
+impl FacetContacts {
+    /// The contacts of a file in `form`, which a note tells of.
+    pub(super) fn into_reading(self, file: &str, form: &str, options: &ReadOptions) -> Result<Reading, IoError> {
+        let mut columns = Columns::named(file, &["x", "y", "z", "nx", "ny", "nz"], Need::Contacts)?;
+        let of = |value: &dyn Fn(&FacetSample) -> f64| self.samples.iter().map(value).collect::<Vec<f64>>();
+        for (k, column) in [Column::X, Column::Y, Column::Z].into_iter().enumerate() {
+            columns.set(column, of(&|s| s.place[k]));
+        }
+        for (k, column) in [Column::Nx, Column::Ny, Column::Nz].into_iter().enumerate() {
+            columns.set(column, of(&|s| s.normal[k]));
+        }
+        let facets = self.samples.iter().map(|s| s.facet).collect();
+        let mut reading = columns.into_reading(file, (facets, Unit::Facet), options)?;
+        reading.notes.push(self.note(form));
+        Ok(reading)
+    }
+
+    fn note(&self, form: &str) -> String {
+        let places = self.samples.len();
+        let start = format!("{form}: the mesh is coarse, and its facets are sampled at {places} places");
+        match self.open {
+            0.0 => format!("{start}; all its faces are flat"),
+            open => {
+                format!("{start}; between these the facets lie up to {open:.1e} beside the surface that they stand for")
+            }
+        }
+    }
+}

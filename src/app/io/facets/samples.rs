@@ -1,0 +1,135 @@
+//! Where a coarse mesh is sampled, evenly by area and the same every time.
+//!
+//! ```text
+//! along   p = a + (k + u) / m (b - a)         m by the share of the area, u another for every seam
+//! within  (u, v) = frac(k (0.7549, 0.5698)), folded into the triangle
+//! open    sagitta   |seam| |l_a + l_b| / 8 of bent seams, width angle / 8 across straight ones
+//! ```
+//!
+//! `l` is the lean of [`super::straight`], measured from each end into the seam. Places along seams are shifted from seam to seam, because
+//! rings at equal heights would look like a file written in coarse steps. The two numbers are M. Roberts' R2 sequence (2018).
+
+use palpate_numeric::vector::{Vector, along, minus, norm, unit_or_zero};
+
+use super::faces::judge;
+use super::seams::{Seam, SeamKind, Seams, angle};
+use super::sectors::Sectors;
+use super::straight::{apart, leans};
+use super::winding;
+use super::{FacetContacts, Facets};
+
+/// Contacts along a seam for each width of the facets beside it: more would stand in lines, not on a surface.
+const ALONG: f64 = 4.0;
+
+/// Fractions whose multiples fill a square evenly.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+
+/// One contact and the facet that it stands on.
+pub(super) struct FacetSample {
+    pub(super) place: Vector,
+    pub(super) normal: Vector,
+    pub(super) facet: usize,
+}
+
+/// Gives out contacts as the area that they stand for adds up.
+struct ByArea {
+    area_of_one: f64,
+    sum: f64,
+}
+
+impl ByArea {
+    fn new(facets: &Facets) -> ByArea {
+        ByArea { area_of_one: facets.area_of_one(), sum: 0.5 }
+    }
+
+    /// Contacts of the next piece, at most `most`.
+    fn take(&mut self, area: f64, most: f64) -> usize {
+        self.sum += (area / self.area_of_one).min(most);
+        let whole = self.sum.floor();
+        self.sum -= whole;
+        whole as usize
+    }
+}
+
+/// All contacts of a mesh: along straight seams, at the ends of bent ones, within flat faces.
+pub(super) fn of(mut facets: Facets) -> FacetContacts {
+    let mut seams = Seams::between(&facets);
+    winding::unify(&mut facets, &mut seams);
+    let flat = judge(&facets, &mut seams);
+    let sectors = Sectors::of(&facets, &seams);
+    let smooth: Vec<Seam> = seams.all.iter().filter(|seam| seam.kind == SeamKind::Smooth).copied().collect();
+    let (bent, straight) = apart(&facets, &sectors, smooth);
+    let mut found = FacetContacts { samples: Vec::new(), vertices: 0, has_edges: false, open: 0.0 };
+    found.has_edges = seams.all.iter().any(|seam| seam.kind == SeamKind::Joint && seam.facets[0] != seam.facets[1]);
+    along_seams(&facets, &straight, &mut found);
+    at_ends(&facets, &sectors, [&bent, &straight], &mut found);
+    within_faces(&facets, &flat, &mut found);
+    found
+}
+
+fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) {
+    let length = |seam: &Seam| norm(minus(facets.places[seam.ends[1]], facets.places[seam.ends[0]]));
+    // a facet's area is that of its straight seams, by their lengths
+    let mut lengths = vec![0.0; facets.len()];
+    straight.iter().for_each(|seam| seam.facets.iter().for_each(|&f| lengths[f] += length(seam)));
+    let mut shares = ByArea::new(facets);
+    for (number, seam) in straight.iter().enumerate() {
+        let [a, b] = seam.ends.map(|end| facets.places[end]);
+        let length = length(seam);
+        let area = seam.facets.iter().map(|&f| facets.areas[f] * length / lengths[f]).sum();
+        let width = seam.facets.iter().map(|&f| facets.areas[f]).sum::<f64>() / length;
+        let count = shares.take(area, ALONG * length / width);
+        let [n, m] = seam.facets.map(|f| facets.normals[f]);
+        let shift = (0.5 + number as f64 * R2[0]).fract();
+        found.samples.extend((0..count).map(|k| FacetSample {
+            place: along(a, (k as f64 + shift) / count as f64, minus(b, a)),
+            normal: unit_or_zero(along(n, 1.0, m)),
+            facet: seam.facets[0],
+        }));
+        found.open = found.open.max(width * angle(facets, seam.facets[0], seam.facets[1]) / 8.0);
+    }
+}
+
+fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], found: &mut FacetContacts) {
+    let mut areas = vec![0.0; 3 * facets.len()];
+    for (facet, corners) in facets.corners.iter().enumerate() {
+        corners.iter().for_each(|&v| areas[sectors.at(facets, facet, v)] += facets.areas[facet] / 3.0);
+    }
+    // where a straight surface goes over into a bent one, the normal is a mean of both
+    let mut taken = vec![false; 3 * facets.len()];
+    for seam in straight {
+        seam.ends.iter().for_each(|&end| taken[sectors.at(facets, seam.facets[0], end)] = true);
+    }
+    let mut shares = ByArea::new(facets);
+    for seam in bent {
+        let [from, to] = leans(facets, sectors, seam);
+        let length = norm(minus(facets.places[seam.ends[1]], facets.places[seam.ends[0]]));
+        found.open = found.open.max(length * (from + to).abs() / 8.0);
+        for end in seam.ends {
+            let facet = seam.facets[0];
+            let sector = sectors.at(facets, facet, end);
+            if sectors.is_broken(sector) || std::mem::replace(&mut taken[sector], true) {
+                continue;
+            }
+            if shares.take(areas[sector], 1.0) > 0 {
+                found.vertices += 1;
+                found.samples.push(FacetSample { place: facets.places[end], normal: sectors.normal(sector), facet });
+            }
+        }
+    }
+}
+
+fn within_faces(facets: &Facets, flat: &[bool], found: &mut FacetContacts) {
+    let mut shares = ByArea::new(facets);
+    let mut number = 0;
+    for facet in (0..facets.len()).filter(|&f| flat[f]) {
+        let [a, b, c] = facets.corners[facet].map(|v| facets.places[v]);
+        for _ in 0..shares.take(facets.areas[facet], f64::INFINITY) {
+            number += 1;
+            let [u, v] = R2.map(|r| (f64::from(number) * r).fract());
+            let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let place = along(along(a, u, minus(b, a)), v, minus(c, a));
+            found.samples.push(FacetSample { place, normal: facets.normals[facet], facet });
+        }
+    }
+}
