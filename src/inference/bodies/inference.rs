@@ -34,7 +34,7 @@ pub(crate) enum Verdict {
     /// One thing.
     One(Box<BodyPosterior>),
     /// Two primitives, in the sample's units.
-    Several([Thing; 2]),
+    Several(Box<[Thing; 2]>),
     /// No primitive comes near enough.
     None,
 }
@@ -95,7 +95,7 @@ pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
     let Some(mut posterior) = posterior(&modes, sample, tuning) else { return Verdict::None };
     let kind = posterior.kind();
     if let Some(things) = two_things(sample, &modes, posterior.log_evidence, tuning) {
-        return Verdict::Several(things);
+        return Verdict::Several(Box::new(things));
     }
     let Some(best) = posterior.best_of(kind) else { return Verdict::None };
     let slope = best.departure.map_or(0.0, |[length, _]| best.departure_rms / length);

@@ -49,6 +49,15 @@ pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], 
     Ok((centre, axes, sds))
 }
 
+/// Root mean square spread of points across their own longest direction, and along it.
+///
+/// # Errors
+/// Where all points are one, or overflow.
+pub(crate) fn spread_beside_a_line(points: &[Vector]) -> Result<[f64; 2], RecognitionError> {
+    let (_, _, sds) = principal_axes(points)?;
+    Ok([sds[1], sds[2]])
+}
+
 fn norm_of_largest(v: Vector) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }

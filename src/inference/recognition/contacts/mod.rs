@@ -23,6 +23,6 @@ pub(crate) use conic::on_conic;
 pub(crate) use derived_normals_test::{AGAINST, derived_from_positions};
 pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;
-pub(crate) use frame::patch_frame;
+pub(crate) use frame::{patch_frame, spread_beside_a_line};
 pub(crate) use input::{Observations, check_options};
 pub(crate) use rounding::Floors;

@@ -21,6 +21,9 @@ const AGREE: f64 = 0.75;
 /// Posterior probability of a departure from which on it is spoken of.
 const CERTAIN: f64 = 0.95;
 
+/// Places that means of S and R are taken over, evenly by area: a map over longitude and latitude is dense at the poles.
+const AVERAGED: usize = 100;
+
 /// A posterior with what it was asked about.
 pub(super) struct BodyAnswer<'a> {
     pub(super) posterior: &'a BodyPosterior,
@@ -105,8 +108,10 @@ impl BodyAnswer<'_> {
         };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone());
         let (map, supported) = self.map(&chart);
-        let averaged: Vec<(Vector, Vector)> =
-            map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
+        let mut averaged = chart.even_places(AVERAGED);
+        if averaged.is_empty() {
+            averaged = map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
+        }
         let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
         let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(d, &places)).collect();
         let plane: f64 = draws.iter().filter(|d| is_flat(d)).map(|d| d.share).sum();

@@ -15,7 +15,7 @@ use palpate_numeric::vector::{along, dot, norm, unit_or_zero};
 
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
-use crate::recognition::contacts::Observations;
+use crate::recognition::contacts::{Observations, spread_beside_a_line};
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::{NormalsUse, Recognition, RecognitionError, RecognitionOptions};
 
@@ -65,6 +65,21 @@ pub(super) fn instead(
         }
         Verdict::None => patch,
     }
+}
+
+/// Spread across a line, in sds of a contact, that errors may have made.
+const BY_ERRORS: f64 = 3.0;
+
+/// The patch, unless its places alone lie on one line but for their errors, and so tell nothing of the bend across it.
+///
+/// # Errors
+/// [`RecognitionError::Collinear`].
+pub(super) fn beside_a_line(found: Recognition, given: &Observations) -> Result<Recognition, RecognitionError> {
+    if given.normals.is_some() {
+        return Ok(found);
+    }
+    let [across, along] = spread_beside_a_line(&given.points)?;
+    if across <= BY_ERRORS * found.noise.sd_z { Err(RecognitionError::Collinear { across, along }) } else { Ok(found) }
 }
 
 /// Why a patch is no answer.
