@@ -105,8 +105,8 @@ pub mod recognition {
     #[doc(hidden)]
     pub use palpate_inference::recognition::Remark;
     pub use palpate_inference::recognition::{
-        Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
-        RecognitionError, RecognitionOptions, Tried,
+        BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline,
+        Recognition, RecognitionError, RecognitionOptions, Tried, Tuning,
     };
 }
 

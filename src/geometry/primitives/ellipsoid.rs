@@ -160,9 +160,7 @@ mod tests {
     const EGG: TriaxialEllipsoid = TriaxialEllipsoid { half_axes: [3.0, 2.0, 1.2] };
 
     fn places() -> impl Iterator<Item = Vector> {
-        (0..40)
-            .map(|k| f64::from(k))
-            .map(|k| [3.5 * (1.3 * k).sin(), 2.4 * (0.7 * k).cos(), 1.6 * (2.1 * k + 1.0).sin()])
+        (0..40).map(f64::from).map(|k| [3.5 * (1.3 * k).sin(), 2.4 * (0.7 * k).cos(), 1.6 * (2.1 * k + 1.0).sin()])
     }
 
     #[test]

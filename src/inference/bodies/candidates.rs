@@ -194,7 +194,7 @@ fn of_bare_sets(kind: PartKind, sample: &BodySample, tuning: &Tuning, generator:
 /// Closed forms that need no normal.
 fn by_positions(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
     let made = |origin, axis: Vector, sizes| Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 };
-    let (middle, axes) = principal(sample);
+    let (middle, axes, _) = principal(sample);
     match kind {
         PartKind::Plane => vec![made(middle, axes[0], [0.0; 3])],
         PartKind::Sphere => {
@@ -253,8 +253,8 @@ fn quadric(points: &[Vector]) -> Option<Primitive> {
     })
 }
 
-/// Middle and principal axes, the narrowest first.
-fn principal(sample: &BodySample) -> (Vector, [Vector; 3]) {
+/// Middle, principal axes, the narrowest first, and sums of squares along them.
+pub(super) fn principal(sample: &BodySample) -> (Vector, [Vector; 3], [f64; 3]) {
     let count = sample.len() as f64;
     let middle = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / count, *p));
     let mut spread = [[0.0; 3]; 3];
@@ -263,7 +263,8 @@ fn principal(sample: &BodySample) -> (Vector, [Vector; 3]) {
             (0..3).for_each(|j| spread[i][j] += (p[i] - middle[i]) * (p[j] - middle[j]));
         }
     }
-    (middle, eigen(&spread).1)
+    let (squares, axes) = eigen(&spread);
+    (middle, axes, squares)
 }
 
 /// An even set of directions on the upper half sphere, by the golden angle.

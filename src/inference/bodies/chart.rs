@@ -25,9 +25,6 @@ const NO_GAP: f64 = PI / 3.0;
 /// Latitudes beyond which meridians are too near to each other for a chart.
 const POLAR: f64 = 1.48;
 
-/// Cells each way from which places are taken evenly by area.
-const FINE: usize = 48;
-
 /// A place is supported where a contact is this many times as near as contacts are to each other, at the 90th percentile.
 const SUPPORTED: f64 = 3.0;
 
@@ -185,30 +182,6 @@ impl BodyChart {
     pub(crate) fn curvatures_at(&self, u: f64, v: f64) -> Option<[f64; 2]> {
         let both = self.surface.curvatures(self.place([u, v])).map(|k| k / self.frame.scale);
         both.iter().all(|k| k.is_finite()).then_some(both)
-    }
-
-    /// About so many places of the supported part, evenly by area, and their unit normals, in the input's coordinates; none where no place
-    /// is supported.
-    pub(crate) fn even_places(&self, count: usize) -> Vec<(Vector, Vector)> {
-        let step = |[lo, hi]: [f64; 2]| (hi - lo) / FINE as f64;
-        let at = |[lo, _]: [f64; 2], step: f64, k: usize| lo + (k as f64 + 0.5) * step;
-        let (du, dv) = (step(self.u), step(self.v));
-        let cells = (0..FINE * FINE).map(|k| [at(self.u, du, k / FINE), at(self.v, dv, k % FINE)]);
-        let held: Vec<[f64; 2]> = cells.filter(|[u, v]| self.supported_at(*u, *v)).collect();
-        let area = |[u, v]: &[f64; 2]| {
-            let beside = |a: f64, b: f64| minus(self.place([u + a, v + b]), self.place([u - a, v - b]));
-            norm(cross(beside(0.5 * du, 0.0), beside(0.0, 0.5 * dv)))
-        };
-        let areas: Vec<f64> = held.iter().map(area).collect();
-        let all: f64 = areas.iter().sum();
-        let (mut sum, mut places) = (0.0, Vec::with_capacity(count));
-        for ([u, v], area) in held.iter().zip(&areas) {
-            sum += area / all * count as f64;
-            while places.len() as f64 + 0.5 <= sum {
-                places.push(self.at(*u, *v));
-            }
-        }
-        places
     }
 
     pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {

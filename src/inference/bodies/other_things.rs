@@ -8,7 +8,7 @@
 //!
 //! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter.
 
-use super::candidates::on_either_side;
+use super::candidates::{on_either_side, principal};
 use super::evidence::LinearisedBase;
 use super::mode::{FalseContacts, Mode, log_false, mode};
 use super::sample::BodySample;
@@ -24,6 +24,15 @@ const MOST_OF_THEM: f64 = 0.5;
 
 /// Log evidence by which two things must be ahead of one.
 const CLEARLY: f64 = 10.0;
+
+/// Spread across a line over that along it, below which contacts are one row: a row lies on many surfaces and is no thing.
+const ROW: f64 = 0.05;
+
+/// Whether contacts lie beside a line.
+fn spans(sample: &BodySample) -> bool {
+    let [_, across, along] = principal(sample).2;
+    across > ROW * ROW * along
+}
 
 /// A primitive and how many contacts are its own.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +61,9 @@ fn split(sample: &BodySample, first: &Mode, tuning: &Tuning) -> Option<(f64, [Th
         return None;
     }
     let others = sample.only(&rest);
+    if !spans(&sample.only(&first.members())) || !spans(&others) {
+        return None;
+    }
     let of_first = LinearisedBase::new(first, sample, tuning).without_departure(tuning)?;
     let found = modes(&others, tuning);
     let rated =

@@ -109,7 +109,7 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    if let Some(found) = whole::whole(&cloud, !estimated) {
+    if let Some(found) = whole::whole(&cloud, !estimated, &coarse) {
         let cells = &field.cells;
         return Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(found, notes));
     }

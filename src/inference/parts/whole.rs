@@ -7,6 +7,7 @@
 //! A departure that would be shape is no primitive, and an ellipsoid is no part.
 
 use super::cloud::Cloud;
+use super::local::Noise;
 use super::partition::{NONE, Partition};
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
@@ -24,8 +25,12 @@ const LOOKED_AT: usize = 1000;
 /// Root mean square departure, in units of the cloud, beyond which the primitive is none.
 const DEPARTS: f64 = 0.02;
 
-/// A partition of one or two parts; `None` where these do not hold nearly all. `measured` are normals that were measured.
-pub(super) fn whole(cloud: &Cloud, measured: bool) -> Option<Partition> {
+/// Scatter about a primitive over what neighbourhoods show, beyond which it is none of the contacts' own.
+const LOOSE: f64 = 3.0;
+
+/// A partition of one or two parts; `None` where these do not hold nearly all. `measured` says whether the normals are, and `noise`
+/// what neighbourhoods show, with what is let pass.
+pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
     let things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &Tuning::default()) {
@@ -38,7 +43,8 @@ pub(super) fn whole(cloud: &Cloud, measured: bool) -> Option<Partition> {
         Verdict::Several(things) => things.to_vec(),
         Verdict::None => return None,
     };
-    if things.iter().any(|thing| thing.primitive.kind == PartKind::Ellipsoid) {
+    let is_loose = |thing: &Thing| thing.scatter > LOOSE * noise.distance;
+    if things.iter().any(|thing| thing.primitive.kind == PartKind::Ellipsoid || is_loose(thing)) {
         return None;
     }
     let label = |p: &Vector| {

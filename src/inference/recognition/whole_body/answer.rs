@@ -21,8 +21,8 @@ const AGREE: f64 = 0.75;
 /// Posterior probability of a departure from which on it is spoken of.
 const CERTAIN: f64 = 0.95;
 
-/// Places that means of S and R are taken over, evenly by area: a map over longitude and latitude is dense at the poles.
-const AVERAGED: usize = 100;
+/// Scatter of normals, radians, from which on they tell nothing.
+const RANDOM: f64 = 0.35;
 
 /// A posterior with what it was asked about.
 pub(super) struct BodyAnswer<'a> {
@@ -54,6 +54,12 @@ impl BodyAnswer<'_> {
         let middle = unit_or_zero(mean_of(&known));
         let against = known.iter().filter(|n| dot(**n, middle) < 0.5).count();
         against as f64 / known.len().max(1) as f64
+    }
+
+    /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
+    pub(super) fn explains_normals(&self) -> bool {
+        let sd = self.posterior.best_of(self.kind()).map_or(f64::INFINITY, |best| best.sd_of_normals());
+        self.sample.known_normals() == 0 || sd < RANDOM
     }
 
     /// # Errors
@@ -108,10 +114,8 @@ impl BodyAnswer<'_> {
         };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone());
         let (map, supported) = self.map(&chart);
-        let mut averaged = chart.even_places(AVERAGED);
-        if averaged.is_empty() {
-            averaged = map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
-        }
+        let averaged: Vec<(Vector, Vector)> =
+            map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
         let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
         let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(d, &places)).collect();
         let plane: f64 = draws.iter().filter(|d| is_flat(d)).map(|d| d.share).sum();

@@ -58,7 +58,8 @@ pub(super) fn instead(
         Verdict::One(posterior) => {
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
             body.check_axes_of_normals()?;
-            if doubt == PatchDoubt::Slight && body.false_share() < DECISIVE && body.normals_against() < DECISIVE {
+            let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= DECISIVE;
+            if doubt == PatchDoubt::Slight && !decisive {
                 return patch;
             }
             body.recognition()
@@ -70,6 +71,9 @@ pub(super) fn instead(
 /// Spread across a line, in sds of a contact, that errors may have made.
 const BY_ERRORS: f64 = 3.0;
 
+/// Spread across a line over that along it, above which places are no line whatever they err by.
+const NARROW: f64 = 0.2;
+
 /// The patch, unless its places alone lie on one line but for their errors, and so tell nothing of the bend across it.
 ///
 /// # Errors
@@ -79,7 +83,11 @@ pub(super) fn beside_a_line(found: Recognition, given: &Observations) -> Result<
         return Ok(found);
     }
     let [across, along] = spread_beside_a_line(&given.points)?;
-    if across <= BY_ERRORS * found.noise.sd_z { Err(RecognitionError::Collinear { across, along }) } else { Ok(found) }
+    if across < NARROW * along && across <= BY_ERRORS * found.noise.sd_z {
+        Err(RecognitionError::Collinear { across, along })
+    } else {
+        Ok(found)
+    }
 }
 
 /// Why a patch is no answer.
