@@ -24,7 +24,7 @@ use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
 /// What a user can do with contacts that are not one patch.
-const FORWARD: &str = "take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
+const FORWARD: &str = "palpate parts cuts it into its parts; take one part of it with --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1; \
      --surface parametric follows a sheet that bends far round, with --closed u one that closes on itself";
 
 /// What a user can do with several things.

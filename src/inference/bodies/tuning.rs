@@ -40,7 +40,7 @@ pub struct Tuning {
     pub largest_slope: f64,
     /// Scatter of single contacts, in the same unit as lengths, beyond which a primitive is no answer.
     pub largest_scatter: f64,
-    /// Share of all contacts that a second primitive must hold among those that the first leaves out, for the answer to be several things.
+    /// Share of all contacts that a second primitive must hold among those that the first leaves out, for the answer to be several things: a sixth is one face of a cube.
     pub other_things: f64,
     /// Angle from the mean normal, degrees, beyond which contacts are judged as a body and not as a patch.
     pub patch_reach_deg: f64,
@@ -71,7 +71,7 @@ impl Default for Tuning {
             reach: 2.0,
             largest_slope: 0.12,
             largest_scatter: 0.2,
-            other_things: 0.2,
+            other_things: 0.15,
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
             starts: 120,
