@@ -325,6 +325,7 @@ fn emptied() -> FitDocument {
     document.fit.lack_of_fit = Some(LackOfFitPart::default());
     document.fit.chosen = document.fit.chosen.map(|chosen| ChosenPart::new("height", chosen.why));
     (document.shape.radius_interval, document.shape.radii, document.shape.class_by_area) = (None, None, None);
+    document.shape.other_class = None;
     document.shape.intervals = Some(IntervalsPart::default());
     // a named fit has no probability of its own for the plane
     document.shape.class_probability.iter_mut().for_each(|shares| shares.0.retain(|(name, _)| name != "plane"));

@@ -56,6 +56,11 @@ impl BodyAnswer<'_> {
         against as f64 / known.len().max(1) as f64
     }
 
+    /// Probability of the likeliest kind.
+    pub(super) fn probability(&self) -> f64 {
+        self.posterior.weight_of(self.kind())
+    }
+
     /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
     pub(super) fn explains_normals(&self) -> bool {
         let sd = self.posterior.best_of(self.kind()).map_or(f64::INFINITY, |best| best.sd_of_normals());

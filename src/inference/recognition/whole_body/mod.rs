@@ -25,6 +25,9 @@ const DOUBTFUL: f64 = 0.05;
 /// Share of false contacts, or of normals set aside, from which on a body is the better answer.
 const DECISIVE: f64 = 0.1;
 
+/// Probability that the kind of a body has at least where there are too few contacts for a patch.
+const SURE: f64 = 0.8;
+
 /// Contacts whose distances show two peaks.
 const FEWEST_FOR_TWO_PEAKS: usize = 12;
 
@@ -59,6 +62,10 @@ pub(super) fn instead(
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
             body.check_axes_of_normals()?;
             let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= DECISIVE;
+            let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
+            if too_few && body.probability() < SURE {
+                return patch;
+            }
             if doubt == PatchDoubt::Slight && !decisive {
                 return patch;
             }
