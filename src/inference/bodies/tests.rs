@@ -142,10 +142,10 @@ fn a_third_of_false_contacts_moves_a_ball_by_no_more_than_noise() {
     let drawn = draws(&posterior, &tuning, 1);
     let balls = drawn.iter().filter(|d| d.primitive.kind == PartKind::Sphere);
     let radii: Vec<(f64, f64)> = balls.map(|d| (d.primitive.sizes[0] * sample.frame.scale, d.share)).collect();
-    let found = spread(&radii, 0.99).unwrap();
+    let found = spread(&radii, 0.95).unwrap();
     let [lo, hi] = found.interval;
     // 60 contacts that err by 0.01 leave the radius to some thousandths
-    assert!(lo < 1.0 && 1.0 < hi && found.sd < 0.01 && hi - lo < 0.05, "{found:?}");
+    assert!(lo < 1.0 && 1.0 < hi && found.sd < 0.01 && hi - lo < 0.03, "{found:?}");
 }
 
 #[test]
