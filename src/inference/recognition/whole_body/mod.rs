@@ -113,7 +113,10 @@ fn may_be_body(error: &RecognitionError, given: &Observations) -> bool {
         RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } => true,
         // places on one ring or in two rows lie on many surfaces; normals decide
         RecognitionError::OnConic => given.normals.is_some(),
-        RecognitionError::TooFew { .. } => given.points.len() >= NEEDED[usize::from(given.normals.is_some())],
+        RecognitionError::TooFew { .. } => {
+            let in_a_row = spread_beside_a_line(&given.points).is_ok_and(|[across, along]| across < NARROW * along);
+            given.points.len() >= NEEDED[usize::from(given.normals.is_some())] && !in_a_row
+        }
         // one finger's path with normals; places alone on a line tell no bend
         RecognitionError::Collinear { .. } => false,
         _ => false,
