@@ -47,7 +47,7 @@ pub use palpate_geometry::contact::{ContactError, ContactWeights, Contacts, Fram
 /// Splines: knots, height fields `z = S(x, y)` and parametric surfaces `Q(u, v)`, evaluated with their derivatives.
 pub mod spline {
     pub use palpate_geometry::surface::{CurvatureGrid, HeightField, Parametric, ParametricPoint, SurfacePoint};
-    pub use palpate_numeric::bspline::{Knots, SplineError, linspace};
+    pub use palpate_numeric::bspline::{Knots, SplineError};
 }
 
 /// Principal curvatures, shape index S, curvedness R and class, at a point and over a grid.
@@ -105,8 +105,8 @@ pub mod recognition {
     #[doc(hidden)]
     pub use palpate_inference::recognition::Remark;
     pub use palpate_inference::recognition::{
-        BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline,
-        Recognition, RecognitionError, RecognitionOptions, Tried, Tuning,
+        Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
+        RecognitionError, RecognitionOptions, Tried, Tuning,
     };
 }
 

@@ -13,8 +13,8 @@ use palpate::fit::{Objective, SlopeWeights};
 use palpate::parts::{PartsOptions, PointShapes};
 use palpate::plans::{ImagePlan, SlopePlan, TouchStream};
 use palpate::spline::CurvatureGrid;
-use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_numeric::bspline::linspace;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 

@@ -12,10 +12,11 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 
 use palpate::plans::TouchStream;
-use palpate::spline::{Knots, linspace};
+use palpate::spline::Knots;
 use palpate_app::io::scene_file::read_scene;
 use palpate_app::io::{ReadOptions, read_input_bytes, read_surface_bytes};
 use palpate_laboratory::hard_cases::Lcg;
+use palpate_numeric::bspline::linspace;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]

@@ -133,7 +133,7 @@ fn allocations(name: &str) -> Result<u64, Fault> {
 
 /// Conjugate gradients, preconditioned by fast diagonalisation, on a grid whose weights vary by a factor of four.
 fn weighted_grid_iterations() -> Result<u64, Fault> {
-    let axis = palpate::spline::linspace(0.0, 1.0, 60);
+    let axis = palpate_numeric::bspline::linspace(0.0, 1.0, 60);
     let map = |f: fn(f64, f64) -> f64| Array2::from_shape_fn((60, 60), |(i, j)| f(axis[i], axis[j]));
     let wave = map(|x, y| 0.3 * (6.0 * x).sin() * (5.0 * y).cos());
     let weights = map(|x, y| 2.0_f64.powf((3.0 * x).sin() * (4.0 * y).cos()));

@@ -6,8 +6,8 @@ use palpate::fit::{Fit, Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::spline::CurvatureGrid;
-use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_numeric::bspline::linspace;
 
 use crate::workloads::{Fault, bicubic, image, image_knots, paper, paper_knots, paper_points, scattered, square_knots};
 

@@ -11,8 +11,9 @@ use palpate::fit::{Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopeColumns, SlopePlan};
 use palpate::spline::CurvatureGrid;
-use palpate::spline::{Knots, linspace};
+use palpate::spline::Knots;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_numeric::bspline::linspace;
 
 type Outcome = Result<(), Box<dyn std::error::Error + Send + Sync>>;
 

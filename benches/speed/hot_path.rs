@@ -22,8 +22,8 @@ use palpate::fit::{Objective, SlopeWeights};
 use palpate::montecarlo::FixedSites;
 use palpate::plans::{ImagePlan, SlopePlan};
 use palpate::spline::CurvatureGrid;
-use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_numeric::bspline::linspace;
 use workloads::{Fault, image, image_knots, paper, paper_knots, paper_points, pool, scattered, square_knots};
 
 fn main() -> Result<(), Fault> {

@@ -7,7 +7,8 @@
 //! ```
 
 use palpate::plans::SlopeColumns;
-use palpate::spline::{Knots, linspace};
+use palpate::spline::Knots;
+use palpate_numeric::bspline::linspace;
 use palpate_numeric::draws::EffectDraws;
 
 /// Any error of a bench.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// The list may not grow beyond this.
-const MOST_NAMES: usize = 115;
+const MOST_NAMES: usize = 110;
 
 /// Names that do not count: the two crates whose types stand in signatures and are handed on whole.
 const APART: [&str; 2] = ["palpate::nalgebra_sparse", "palpate::ndarray"];

@@ -2,7 +2,7 @@
 
 use palpate::fit::{FitOptions, NormalSigma, Objective, SlopeWeights};
 use palpate::scene::{Effect, NoiseLaw, Simulator, Surface, Sweep, World};
-use palpate::spline::linspace;
+use palpate_numeric::bspline::linspace;
 use palpate_studies::montecarlo::{Engine, Path, Quantity, Stopped, Store, Study, StudyOptions, Tolerance};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

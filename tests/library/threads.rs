@@ -8,8 +8,8 @@ use palpate::montecarlo::FixedSites;
 use palpate::plans::SlopePlan;
 use palpate::recognition::{Recognition, RecognitionOptions};
 use palpate::spline::CurvatureGrid;
-use palpate::spline::linspace;
 use palpate::{Contacts, FitOptions, fit_contacts};
+use palpate_numeric::bspline::linspace;
 use workloads::{Fault, paper, paper_knots, paper_points, pool, scattered, square_knots};
 
 fn same(run: impl Fn() -> Result<Vec<f64>, Fault> + Sync) -> Result<(), Fault> {

@@ -14,12 +14,12 @@ use palpate_numeric::simd::{Isa, PATCH_POINTS, RowPieces, RowScratch, curvature_
 ///
 /// ```
 /// # use palpate_geometry::facade as palpate;
-/// use palpate::spline::{Knots, linspace};
+/// use palpate::spline::Knots;
 /// use palpate::spline::CurvatureGrid;
 ///
 /// // z = x^2 is a rut along y: S = -1/2
 /// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
-/// let points = linspace(-0.5, 0.5, 4);
+/// let points = [-0.5, -0.2, 0.2, 0.5];
 /// let mut grid = CurvatureGrid::new(&[axis.clone(), axis], &points, &points);
 /// let (mut s, mut r) = ([0.0; 16], [0.0; 16]);
 /// grid.maps(&[1.0, 1.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0], &mut s, &mut r);

@@ -7,8 +7,8 @@
 //! RSS >= nu floor^2
 //! ```
 //!
-//! The prior of s is 1/s, and s is integrated. ln v has a gaussian prior, and is integrated by Laplace's method about the v where ln p is largest: few distances could otherwise
-//! be followed exactly while the normals pay. w and x are drawn together from A.
+//! The prior of s is 1/s, and s is integrated. ln v has a gaussian prior, and is integrated by Laplace's method about the v where
+//! ln p is largest: few distances could otherwise be followed exactly while the normals pay. w and x are drawn together from A.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -33,9 +33,6 @@ const SPAN: f64 = 4.0;
 
 /// Step of ln v by which the curvature of ln p is taken.
 const STEP_OF_V: f64 = 0.2;
-
-/// A departure below this many standard deviations is none.
-const NONE: f64 = 0.0;
 
 /// What one hypothesis says.
 #[derive(Clone, Debug)]
@@ -283,7 +280,7 @@ impl<'a> LinearisedBase<'a> {
         let free = self.primitive.kind.free();
         let (places, unknowns) = (grams.places, free.len());
         let size = places + unknowns;
-        let ratio = departure.map_or(NONE, |[_, ratio]| ratio);
+        let ratio = departure.map_or(1.0, |[_, ratio]| ratio);
         let [distances, normals] = &grams.of;
         let full = |i: usize, j: usize| distances[(i, j)] + v * normals[(i, j)];
         let width = widths(&self.primitive);
@@ -303,7 +300,7 @@ impl<'a> LinearisedBase<'a> {
         let log = 0.5 * nn * v.ln() - 0.5 * freedom * PI.ln() + ln_gamma(0.5 * freedom)
             - 0.5 * freedom * sum.ln()
             - 0.5 * dense::log_det(&lower)
-            - if places > 0 { places as f64 * ratio.ln() } else { 0.0 };
+            - places as f64 * ratio.ln();
         let variance = sum / freedom;
         let mut solution = reduced;
         dense::backward(&lower, &mut solution);

@@ -86,7 +86,7 @@ impl BodyPosterior {
 }
 
 /// Sds within which a contact belongs to a primitive that was fitted to others of the same cloud.
-const BELONGS: f64 = 4.0;
+pub(crate) const BELONGS: f64 = 4.0;
 
 /// Judges contacts. Of very many the evidence is taken from a part, evenly among all.
 pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {

@@ -29,7 +29,7 @@ mod tests;
 mod tuning;
 
 pub(crate) use chart::BodyChart;
-pub(crate) use inference::{BodyPosterior, Verdict, infer};
+pub(crate) use inference::{BELONGS, BodyPosterior, Verdict, infer};
 pub(crate) use other_things::Thing;
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
 pub(crate) use sample::BodySample;

@@ -12,10 +12,10 @@ use std::f64::consts::PI;
 
 use super::sample::BodySample;
 use super::tuning::Tuning;
-use crate::primitives::descent::rows;
-use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use crate::primitives::descent::{complete, damped_step, rows};
+use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
-use palpate_numeric::linalg::small::{NotPositiveDefinite, Square, cholesky, solve};
+use palpate_numeric::linalg::small::{NotPositiveDefinite, Square};
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{Vector, dot, minus, scaled};
 
@@ -241,25 +241,12 @@ impl ResidualModel for WeightedRows<'_> {
                 }
             }
         }
-        for a in 0..MOST_UNKNOWNS {
-            (0..a).for_each(|b| self.matrix[b][a] = self.matrix[a][b]);
-            if !free.contains(&a) {
-                self.matrix[a][a] = 1.0;
-            }
-        }
+        complete(&mut self.matrix, free);
         sum
     }
 
     fn solve(&mut self, damping: f64) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {
-        let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| self.matrix[i][i].sqrt().max(f64::MIN_POSITIVE));
-        let scaled: Square<MOST_UNKNOWNS> = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                self.matrix[i][j] / (scale[i] * scale[j]) * if i == j { 1.0 + damping } else { 1.0 }
-            })
-        });
-        let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
-        let step = solve(&lower, std::array::from_fn(|i| -self.gradient[i] / scale[i]));
-        Ok(std::array::from_fn(|i| step[i] / scale[i]))
+        damped_step(self.matrix, &self.gradient, damping)
     }
 
     fn moved(&mut self, from: &Primitive, step: &[f64; MOST_UNKNOWNS]) -> Option<(Primitive, f64)> {
@@ -279,7 +266,6 @@ impl ResidualModel for WeightedRows<'_> {
 
 /// Sizes that a body can have.
 pub(super) fn is_possible(primitive: &Primitive) -> bool {
-    use crate::primitives::placed::PartKind;
     let [one, two, three] = primitive.sizes;
     match primitive.kind {
         PartKind::Plane | PartKind::Patch => true,

@@ -9,15 +9,12 @@
 use super::cloud::Cloud;
 use super::local::Noise;
 use super::partition::{NONE, Partition};
-use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
+use crate::bodies::{self, BELONGS, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::vector::Vector;
 
 /// Share of the contacts that the primitives must hold.
 const WHOLE: f64 = 0.97;
-
-/// Sds within which a contact belongs.
-const BELONGS: f64 = 4.0;
 
 /// Contacts that are looked at.
 const LOOKED_AT: usize = 1000;

@@ -144,13 +144,33 @@ fn reached(primitive: Primitive, sample: &Sample) -> ReachedPrimitive {
             }
         }
     }
+    complete(&mut matrix, free);
+    ReachedPrimitive { at: Descended { primitive, sum, matrix }, gradient }
+}
+
+/// Fills the upper triangle, and the diagonal of unknowns that are not free with ones.
+pub(crate) fn complete(matrix: &mut Square<MOST_UNKNOWNS>, free: &[usize]) {
     for i in 0..MOST_UNKNOWNS {
         (0..i).for_each(|j| matrix[j][i] = matrix[i][j]);
         if !free.contains(&i) {
             matrix[i][i] = 1.0;
         }
     }
-    ReachedPrimitive { at: Descended { primitive, sum, matrix }, gradient }
+}
+
+/// Marquardt's step: the diagonal raised by a share, the equations scaled to ones on it.
+pub(crate) fn damped_step(
+    mut damped: Square<MOST_UNKNOWNS>,
+    gradient: &[f64; MOST_UNKNOWNS],
+    damping: f64,
+) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {
+    (0..MOST_UNKNOWNS).for_each(|i| damped[i][i] *= 1.0 + damping);
+    let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
+    let scaled: Square<MOST_UNKNOWNS> =
+        std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
+    let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
+    let step = solve(&lower, std::array::from_fn(|i| -gradient[i] / scale[i]));
+    Ok(std::array::from_fn(|i| step[i] / scale[i]))
 }
 
 /// A primitive with its equations.
@@ -179,14 +199,7 @@ impl ResidualModel for PrimitiveRows<'_> {
     }
 
     fn solve(&mut self, damping: f64) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {
-        let mut damped = self.here.at.matrix;
-        (0..MOST_UNKNOWNS).for_each(|i| damped[i][i] *= 1.0 + damping);
-        let scale: [f64; MOST_UNKNOWNS] = std::array::from_fn(|i| damped[i][i].sqrt().max(f64::MIN_POSITIVE));
-        let scaled: Square<MOST_UNKNOWNS> =
-            std::array::from_fn(|i| std::array::from_fn(|j| damped[i][j] / (scale[i] * scale[j])));
-        let lower = cholesky(&scaled).ok_or(NotPositiveDefinite)?;
-        let step = solve(&lower, std::array::from_fn(|i| -self.here.gradient[i] / scale[i]));
-        Ok(std::array::from_fn(|i| step[i] / scale[i]))
+        damped_step(self.here.at.matrix, &self.here.gradient, damping)
     }
 
     fn moved(&mut self, from: &ReachedPrimitive, step: &[f64; MOST_UNKNOWNS]) -> Option<(ReachedPrimitive, f64)> {

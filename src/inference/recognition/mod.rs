@@ -59,7 +59,7 @@ pub use options::RecognitionOptions;
 pub use region::PredictiveDraw;
 pub use region::RecognisedSurface;
 pub use remark::Remark;
-pub use result::{BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
+pub use result::{Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 
 use palpate_geometry::contact::{Contacts, Grid};
 use palpate_numeric::vector::Vector;
@@ -118,10 +118,10 @@ fn recognise_given(
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
     if asked.means.is_some() || !asked.touches.is_empty() {
-        return recognise_patch(given, asked, options);
+        return recognise_patch(&given, asked, options);
     }
     let either = |found: Recognition| if found.side_known { found } else { whole_body::of_either_side(found) };
-    let patch = recognise_patch(given.clone(), asked, options).map(either);
+    let patch = recognise_patch(&given, asked, options).map(either);
     let patch = patch.and_then(|found| whole_body::beside_a_line(found, &given));
     whole_body::instead(patch, &given, options)
 }
@@ -130,7 +130,7 @@ fn recognise_given(
 /// together (`start`), how they err is told (`noise`), every kind of surface with its departures (`kinds`, `departures`) is asked how
 /// probable it is (`equations`, `evidence`), and the answer is told over the part that contacts support (`region`, `answer`).
 fn recognise_patch(
-    given: Observations,
+    given: &Observations,
     asked: &RequestedPlaces,
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {

@@ -4,8 +4,6 @@
 //! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a departure, places)
 //! ```
 
-use palpate_geometry::contact::counted;
-
 /// What belongs to the answer of a recognition; printed, it is a whole sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -41,12 +39,7 @@ pub enum Remark {
         /// Standard deviation along each of them, input units.
         sd: f64,
     },
-    /// Part of the contacts of a body belong to nothing that was recognised.
-    FalseContacts {
-        /// Their number.
-        count: usize,
-    },
-    /// A cone's half angle and tip.
+    /// A cone's half angle.
     ConeIs {
         /// Half angle with its interval, degrees.
         half_angle_deg: [f64; 3],
@@ -113,9 +106,6 @@ impl std::fmt::Display for Remark {
                     "contacts on slopes scatter more than on level ground: x and y err by about {rounded}, and the answer \
                      counts that"
                 )
-            }
-            Remark::FalseContacts { count } => {
-                write!(f, "{} lie off it by more than the others scatter, and do not count", counted(*count, "contact"))
             }
             Remark::ConeIs { half_angle_deg: [value, lo, hi] } => write!(
                 f,

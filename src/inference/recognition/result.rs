@@ -126,6 +126,19 @@ impl Estimate {
         (self.mean, self.interval) = (there(self.mean), self.interval.map(there));
     }
 
+    /// The same in units so many times as long, of a quantity that is one over a length.
+    pub(super) fn over(self, scale: f64) -> Estimate {
+        Estimate {
+            mean: self.mean / scale,
+            sd: self.sd / scale,
+            u_noise: self.u_noise / scale,
+            u_model: self.u_model / scale,
+            u: self.u / scale,
+            interval: self.interval.map(|v| v / scale),
+            ..self
+        }
+    }
+
     /// Adds an independent standard uncertainty of so large a share of the mean, of a quantity that is never negative.
     pub(super) fn doubted(&mut self, share: f64) {
         self.blurred(share * self.mean, [0.0, f64::INFINITY]);
@@ -152,36 +165,6 @@ pub struct NoiseFound {
     pub correlation_length: Option<f64>,
     /// Sd of a normal's two tangential components, degrees; `None` where normals are not used.
     pub sd_normal_deg: Option<f64>,
-}
-
-/// A number with the interval in which it lies, at the level of the estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Bounded {
-    /// The number.
-    pub value: f64,
-    /// Its interval.
-    pub interval: [f64; 2],
-}
-
-/// Sizes and place of a primitive in space, input units and axes; what its kind does not have is `None`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BodyGeometry {
-    /// Centre of a sphere or torus, or the point of the axis or plane next to the contacts' middle.
-    pub point: [f64; 3],
-    /// Within how far of `point` the true one lies: across the axis or plane only, since along it any point is as good.
-    pub point_within: f64,
-    /// Axis, or normal of a plane.
-    pub axis: Option<[f64; 3]>,
-    /// Radius of a sphere or cylinder, of a cone at `point`, of a torus' ring.
-    pub radius: Option<Bounded>,
-    /// Radius of a torus' tube.
-    pub minor_radius: Option<Bounded>,
-    /// Half angle of a cone, degrees.
-    pub half_angle_deg: Option<Bounded>,
-    /// Tip of a cone.
-    pub apex: Option<[f64; 3]>,
 }
 
 /// One hypothesis that was tried.
@@ -312,8 +295,6 @@ pub struct Recognition {
     /// interval are given by their size, `class` is the convex one of the two, every class has the probability of its mirror image, and maps
     /// show the side of +z, or of a body the outside.
     pub side_known: bool,
-    /// Sizes and place of a body that was touched all round or far round; `None` of a patch.
-    pub body: Option<BodyGeometry>,
     /// Drawn surfaces with what touches would measure on them; empty where none was asked for.
     pub predictive: Vec<PredictiveDraw>,
 }

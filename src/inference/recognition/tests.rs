@@ -244,7 +244,7 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let (points, normals) = bump(true, 1);
     let options = RecognitionOptions::default();
     let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-    let patch = Patch::new(Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
+    let patch = Patch::new(&Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
     let cells = patch.cells();
     let distances = noise::distances_between(&cells);
     let factors = FactorPair::new(&cells, &distances);
@@ -334,7 +334,7 @@ fn smooth_surfaces_are_told_from_creased_ones() {
     let lead = |height: &dyn Fn(f64, f64) -> f64, seed: u64| {
         let options = RecognitionOptions::default();
         let contacts = Contacts::from_points(&patch(height, 200, 0.01, seed));
-        let patch = Patch::new(Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
+        let patch = Patch::new(&Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
         let cells = patch.cells();
         let models = patch.fitted(&cells);
         let distances = noise::distances_between(&cells);

@@ -23,7 +23,7 @@ pub const ROW_NOISE: &str = "row_noise";
 ///
 /// ```
 /// # use palpate_studies::facade as palpate;
-/// use palpate::spline::{Knots, linspace};
+/// use palpate::spline::Knots;
 /// use palpate::montecarlo::FixedSites;
 /// use palpate::plans::SlopeColumns;
 ///
@@ -33,7 +33,7 @@ pub const ROW_NOISE: &str = "row_noise";
 /// let y: Vec<f64> = (0..9).map(|r| (r % 3) as f64 - 1.0).collect();
 /// let z: Vec<f64> = x.iter().map(|x| 0.5 * x * x).collect();
 /// let contacts = SlopeColumns { x: &x, y: &y, z: &z, zx: &x, zy: &[0.0; 9] };
-/// let points = linspace(-0.5, 0.5, 4);
+/// let points = [-0.5, -0.2, 0.2, 0.5];
 /// let knots = [axis.clone(), axis];
 /// let sites = FixedSites::new(&knots, &contacts, [1.0; 3], [0.01, 0.02, 0.02], [&points, &points])?;
 /// let (mut s, mut r) = ([0.0; 100], [0.0; 100]);

@@ -7,7 +7,7 @@ use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::region::{PatchSurface, Region, places};
 use crate::recognition::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
+    Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
 };
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;
@@ -87,7 +87,7 @@ impl Findings<'_> {
         let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
         let place_of = |p: &ChartPoint| surface.at(p.chart[0], p.chart[1]);
-        let curvedness = scaled_estimate(found.curvedness, scale);
+        let curvedness = found.curvedness.over(scale);
         let [k1, k2] = [found.k1 / scale, found.k2 / scale];
         let bounds = [1, 0].map(|i| radius_of(class, curvedness.interval[i]));
         let directed = !matches!(hypothesis, Hypothesis::Plane | Hypothesis::Sphere) && class != ShapeClass::Plane;
@@ -135,7 +135,6 @@ impl Findings<'_> {
             contacts: self.patch.points.len(),
             side_known: !notes.iter().any(Remark::leaves_side_open),
             notes,
-            body: None,
             predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
             misfit,
         })
@@ -275,18 +274,6 @@ impl Findings<'_> {
             notes.push(if class == ShapeClass::Plane { Remark::MisfitOfPlane } else { Remark::MisfitOfShape });
         }
         notes
-    }
-}
-
-fn scaled_estimate(e: Estimate, scale: f64) -> Estimate {
-    Estimate {
-        mean: e.mean / scale,
-        sd: e.sd / scale,
-        u_noise: e.u_noise / scale,
-        u_model: e.u_model / scale,
-        u: e.u / scale,
-        interval: e.interval.map(|v| v / scale),
-        ..e
     }
 }
 

@@ -48,13 +48,13 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    pub(crate) fn new(given: Observations, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
+    pub(crate) fn new(given: &Observations, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
         given.check_number()?;
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };
         let mut normals = None;
-        if let Some(raw) = given.normals {
+        if let Some(raw) = given.normals.clone() {
             let found = oriented(&given.points, raw, options.viewpoint);
             dropped.normals_of_length_zero = found.of_length_zero;
             (state, normals) = accepted(found, &mut dropped, &mut notes)?;

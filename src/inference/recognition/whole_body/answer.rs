@@ -4,15 +4,15 @@ use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::bspline::linspace;
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
+use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
 use super::exchanged_axes::agreeing_order;
 use crate::bodies::{BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Tuning, drawn, spread};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
-    BodyGeometry, Bounded, Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSurface,
-    Recognition, RecognitionError, RecognitionOptions, Remark, Tried,
+    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSurface, Recognition, RecognitionError,
+    RecognitionOptions, Remark, Tried,
 };
 
 /// Share of normals that must point to one side for it to be the free one.
@@ -127,17 +127,17 @@ impl BodyAnswer<'_> {
         let s = self.estimate(&draws, |d, i| (!is_flat(d)).then_some(shapes[i]?[0]), kind);
         let r = self.estimate(&draws, |_, i| Some(shapes[i]?[1]), kind).ok_or(failed)?;
         let scale = self.sample.frame.scale;
-        let curvedness = over_scale(r, scale);
+        let curvedness = r.over(scale);
         let shape = s.filter(|_| plane <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
-        let own = |d: &&DrawnBase| d.primitive.kind == kind;
-        let geometry = self.geometry(&turned(likeliest), &draws.iter().filter(own).cloned().collect::<Vec<_>>());
-        let [k1, k2] = mean_curvatures(&turned(likeliest), &places).map(|k| k / scale);
+        let [k1, k2] = mean_curvatures(&primitive, &places).map(|k| k / scale);
         let frame = oriented(&chart, &self.sample.frame);
-        let axis = geometry.axis.filter(|_| class.has_axis());
+        let directed = primitive.kind != PartKind::Sphere && class.has_axis();
+        let axis = directed.then_some(primitive.axes[2]);
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
-        let radius = geometry.radius.filter(|_| is_round && !is_free && class != ShapeClass::Plane);
+        let has_radius = is_round && !is_free && class != ShapeClass::Plane;
+        let radius = has_radius.then(|| self.length(&primitive, &draws, 0));
         let found = Recognition {
             hypothesis: if is_free { Hypothesis::Displaced } else { hypothesis_of(likeliest.kind) },
             class,
@@ -146,9 +146,9 @@ impl BodyAnswer<'_> {
             curvedness,
             k1,
             k2,
-            radius: radius.map(|r| r.value),
+            radius: radius.map(|[value, ..]| value),
             radii: None,
-            radius_interval: radius.map(|r| r.interval),
+            radius_interval: radius.map(|[_, lo, hi]| [lo, hi]),
             direction: None,
             axis,
             axis_within_deg: axis.map(|axis| self.axis_within(axis, &draws, kind)),
@@ -179,9 +179,8 @@ impl BodyAnswer<'_> {
             misfit: self.misfit(kind),
             effective_contacts: members.len() as f64,
             contacts: members.len(),
-            notes: self.notes(&geometry, &side, likeliest.kind, is_free),
+            notes: self.notes(&primitive, &draws, &side, is_free),
             side_known: side.known,
-            body: Some(geometry).filter(|_| !is_free),
             predictive: Vec::new(),
         };
         Ok(if side.known { found } else { super::of_either_side(found) })
@@ -226,46 +225,18 @@ impl BodyAnswer<'_> {
         (map, supported)
     }
 
-    fn geometry(&self, likeliest: &Primitive, own: &[DrawnBase]) -> BodyGeometry {
-        let frame = &self.sample.frame;
-        let bounded = |value: f64, of: &dyn Fn(&Primitive) -> f64| {
-            let values: Vec<(f64, f64)> = own.iter().map(|d| (of(&d.primitive), 1.0)).collect();
-            let interval = spread(&values, self.options.level).map_or([value; 2], |s| s.interval);
-            Bounded { value: value.clamp(interval[0], interval[1]), interval }
-        };
-        let length = |k: usize| bounded(likeliest.sizes[k] * frame.scale, &|p| p.sizes[k] * frame.scale);
-        let degrees = || bounded(likeliest.sizes[1].abs().to_degrees(), &|p| p.sizes[1].abs().to_degrees());
-        let directed = likeliest.kind != PartKind::Sphere;
-        let apart = |p: &Primitive| {
-            let offset = minus(p.origin, likeliest.origin);
-            match likeliest.kind {
-                PartKind::Plane | PartKind::Patch => dot(offset, likeliest.axes[2]).abs(),
-                PartKind::Cylinder | PartKind::Cone => norm(reject(offset, likeliest.axes[2])),
-                PartKind::Sphere | PartKind::Torus | PartKind::Ellipsoid => norm(offset),
-            }
-        };
-        let mut away: Vec<f64> = own.iter().map(|d| apart(&d.primitive) * frame.scale).collect();
-        away.sort_by(f64::total_cmp);
-        let number = ((self.options.level * away.len() as f64) as usize).min(away.len().saturating_sub(1));
-        let tip = || {
-            let along_axis = -likeliest.sizes[0] / likeliest.sizes[1].tan();
-            frame.to_input(along(likeliest.origin, along_axis, likeliest.axes[2]))
-        };
-        let (radius, minor_radius, half_angle_deg, apex) = match likeliest.kind {
-            PartKind::Plane | PartKind::Patch | PartKind::Ellipsoid => (None, None, None, None),
-            PartKind::Sphere | PartKind::Cylinder => (Some(length(0)), None, None, None),
-            PartKind::Cone => (Some(length(0)), None, Some(degrees()), Some(tip())),
-            PartKind::Torus => (Some(length(0)), Some(length(1)), None, None),
-        };
-        BodyGeometry {
-            point: frame.to_input(likeliest.origin),
-            point_within: away.get(number).copied().unwrap_or(0.0),
-            axis: directed.then_some(likeliest.axes[2]),
-            radius,
-            minor_radius,
-            half_angle_deg,
-            apex,
-        }
+    /// A number of the likeliest primitive, with its interval over the draws of that kind.
+    fn bounded(&self, likeliest: &Primitive, draws: &[DrawnBase], of: impl Fn(&Primitive) -> f64) -> [f64; 3] {
+        let own = draws.iter().filter(|d| d.primitive.kind == likeliest.kind);
+        let values: Vec<(f64, f64)> = own.map(|d| (of(&d.primitive), d.share)).collect();
+        let value = of(likeliest);
+        let [lo, hi] = spread(&values, self.options.level).map_or([value; 2], |s| s.interval);
+        [value.clamp(lo, hi), lo, hi]
+    }
+
+    /// Radius, or another of the lengths that fix the likeliest primitive, with its interval.
+    fn length(&self, likeliest: &Primitive, draws: &[DrawnBase], number: usize) -> [f64; 3] {
+        self.bounded(likeliest, draws, |p| p.sizes[number] * self.sample.frame.scale)
     }
 
     /// Angle, degrees, that the axes of so large a share of the draws keep within.
@@ -333,20 +304,19 @@ impl BodyAnswer<'_> {
         Misfit { neighbour_correlation, p: exact, percent_of_relief: 100.0 * total, words }
     }
 
-    fn notes(&self, geometry: &BodyGeometry, side: &FreeSide, kind: PartKind, is_free: bool) -> Vec<Remark> {
+    fn notes(&self, likeliest: &Primitive, draws: &[DrawnBase], side: &FreeSide, is_free: bool) -> Vec<Remark> {
         let mut notes = Vec::new();
-        if !side.known {
-            notes.push(Remark::FreeSideAssumed);
-        }
-        if is_free {
-            return notes;
-        }
-        let three = |b: Bounded| [b.value, b.interval[0], b.interval[1]];
-        if let Some(angle) = geometry.half_angle_deg {
-            notes.push(Remark::ConeIs { half_angle_deg: three(angle) });
-        }
-        if let (PartKind::Torus, Some(ring), Some(tube)) = (kind, geometry.radius, geometry.minor_radius) {
-            notes.push(Remark::RingIs { ring: three(ring), tube: three(tube) });
+        notes.extend((!side.known).then_some(Remark::FreeSideAssumed));
+        match likeliest.kind {
+            PartKind::Cone if !is_free => {
+                let half_angle_deg = self.bounded(likeliest, draws, |p| p.sizes[1].abs().to_degrees());
+                notes.push(Remark::ConeIs { half_angle_deg });
+            }
+            PartKind::Torus if !is_free => {
+                let [ring, tube] = [0, 1].map(|k| self.length(likeliest, draws, k));
+                notes.push(Remark::RingIs { ring, tube });
+            }
+            _ => {}
         }
         notes
     }
@@ -451,16 +421,4 @@ fn oriented(chart: &BodyChart, frame: &Frame) -> Frame {
     let across = if up[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let side = unit_or_zero(reject(across, up));
     Frame { axes: [side, cross(up, side), up], ..*frame }
-}
-
-fn over_scale(e: Estimate, scale: f64) -> Estimate {
-    Estimate {
-        mean: e.mean / scale,
-        sd: e.sd / scale,
-        u_noise: e.u_noise / scale,
-        u_model: e.u_model / scale,
-        u: e.u / scale,
-        interval: e.interval.map(|v| v / scale),
-        ..e
-    }
 }

@@ -91,7 +91,6 @@ pub fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3], radi
 /// ```
 /// # use palpate_world::facade as palpate;
 /// use palpate::scene::{ContactBatch, EffectDraws, Stage, Surface, Sweep, World};
-/// use palpate::spline::linspace;
 /// use rand_distr::{Distribution, Gumbel};
 ///
 /// /// Readings that come out too high, now and then by much.
@@ -130,7 +129,7 @@ pub fn swing(point: &mut [f64; 3], normal: &mut [f64; 3], sensed: [f64; 3], radi
 ///     }
 /// }
 ///
-/// let sweep = Sweep::new(vec![-1.0, 0.0, 1.0], linspace(-1.0, 1.0, 9));
+/// let sweep = Sweep::new(vec![-1.0, 0.0, 1.0], (-4..=4).map(|k| 0.25 * f64::from(k)).collect());
 /// let world = World::new(Surface::sphere(5.0), sweep);
 /// let simulator = world.compile()?.with_stage(Drops(Gumbel::new(0.0, 0.01).unwrap()));
 /// let (contacts, _) = simulator.simulate(1997, 0);
@@ -264,9 +263,8 @@ effects! {
 /// ```
 /// # use palpate_world::facade as palpate;
 /// use palpate::scene::{Effect, SceneError, Surface, Sweep, World};
-/// use palpate::spline::linspace;
 ///
-/// let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], linspace(-4.0, 4.0, 9));
+/// let sweep = Sweep::new(vec![-4.0, 0.0, 4.0], (-4..=4).map(f64::from).collect());
 /// let world = World::new(Surface::sphere(10.0), sweep)
 ///     .with(Effect::position_noise([0.02; 3]))
 ///     .with(Effect::normal_noise(2.0))
