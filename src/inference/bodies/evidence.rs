@@ -115,7 +115,7 @@ struct RowGrams {
 impl<'a> LinearisedBase<'a> {
     pub(super) fn new(mode: &Mode, sample: &'a BodySample, tuning: &Tuning) -> LinearisedBase<'a> {
         let members = mode.members();
-        let away: Vec<usize> = (0..sample.len()).filter(|i| mode.weights[*i] <= 0.5).collect();
+        let away = mode.others();
         let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count() as f64;
         let falsely: f64 = away.iter().map(|i| log_false(tuning, sample.normal(*i).is_some())).sum();
         let (count, strays) = (sample.len() as f64, away.len() as f64);

@@ -112,8 +112,8 @@ pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
 fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
     let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     // where no contact was found to be false both modes of a kind are one
-    let modes: Vec<&Mode> =
-        modes.iter().filter(|m| !(m.strays == FalseContacts::Some && m.members().len() == sample.len())).collect();
+    let is_own = |m: &&Mode| m.strays == FalseContacts::None || m.members().len() < sample.len();
+    let modes: Vec<&Mode> = modes.iter().filter(is_own).filter(|m| m.holds_most(tuning)).collect();
     let all: Vec<LinearisedBase> = modes.iter().map(|found| LinearisedBase::new(found, sample, tuning)).collect();
     let rough: Vec<f64> = all.iter().map(|linearised| linearised.rough(tuning)).collect();
     let likeliest = rough.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -48,9 +48,19 @@ pub(super) struct Mode {
 }
 
 impl Mode {
+    /// Whether so many contacts belong to it that the others may be false. One face of a cube has a sixth: it is a thing among others.
+    pub(super) fn holds_most(&self, tuning: &Tuning) -> bool {
+        self.members().len() as f64 >= (1.0 - tuning.false_most) * self.weights.len() as f64 - 1.0
+    }
+
     /// Contacts that rather belong to it than not.
     pub(super) fn members(&self) -> Vec<usize> {
         (0..self.weights.len()).filter(|i| self.weights[*i] > 0.5).collect()
+    }
+
+    /// Contacts that rather do not.
+    pub(super) fn others(&self) -> Vec<usize> {
+        (0..self.weights.len()).filter(|i| self.weights[*i] <= 0.5).collect()
     }
 }
 
@@ -192,9 +202,7 @@ pub(super) fn mode(start: &Primitive, sample: &BodySample, strays: FalseContacts
         offset = offsets(&primitive, sample);
         scales = scales_of(&offset, &weights, sample, unknowns as f64, scales.eps, tuning);
     }
-    let found = Mode { primitive, weights, sd: scales.sd, likelihood: before, strays };
-    let most_are_its_own = found.members().len() as f64 >= (1.0 - tuning.false_most) * sample.len() as f64 - 1.0;
-    most_are_its_own.then_some(found)
+    Some(Mode { primitive, weights, sd: scales.sd, likelihood: before, strays })
 }
 
 /// Least squares over weighted contacts.

@@ -19,8 +19,11 @@ use crate::primitives::placed::Primitive;
 /// Contacts that a thing has at least.
 const FEWEST_OF_A_THING: usize = 6;
 
-/// Share of the contacts left out that lie on the second.
-const MOST_OF_THEM: f64 = 0.5;
+/// Share of the contacts left out that the second holds: one more face of a cube has a fifth of them.
+const OF_THE_REST: f64 = 0.15;
+
+/// First things, the likeliest, of which the second is looked for.
+const FIRSTS: usize = 4;
 
 /// Log evidence by which two things must be ahead of one.
 const CLEARLY: f64 = 10.0;
@@ -47,35 +50,37 @@ pub(crate) struct Thing {
 pub(super) fn two_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<[Thing; 2]> {
     let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
     let sheets: Vec<Mode> = parallel.filter_map(|start| mode(&start, sample, FalseContacts::Some, tuning)).collect();
-    let rated = known.iter().chain(&sheets).filter_map(|first| split(sample, first, tuning));
+    let with_evidence = |first| Some((LinearisedBase::new(first, sample, tuning).without_departure(tuning)?, first));
+    let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).filter_map(with_evidence).collect();
+    firsts.retain(|(_, first)| leaves_enough(sample, first, tuning));
+    firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let rated = firsts.into_iter().take(FIRSTS).filter_map(|(log, first)| split(sample, first, log, tuning));
     let (log, things) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (log > of_one + CLEARLY).then_some(things)
 }
 
+/// Whether the first thing has contacts enough, leaves enough, and neither are one row.
+fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
+    let own = first.members();
+    let least = ((tuning.other_things * sample.len() as f64).ceil() as usize).max(FEWEST_OF_A_THING);
+    let counts = own.len() >= least && sample.len() - own.len() >= least;
+    counts && spans(&sample.only(&own)) && spans(&sample.only(&first.others()))
+}
+
 /// The first thing with the likeliest second one, and the log evidence of both.
-fn split(sample: &BodySample, first: &Mode, tuning: &Tuning) -> Option<(f64, [Thing; 2])> {
-    let rest: Vec<usize> = (0..sample.len()).filter(|i| first.weights[*i] <= 0.5).collect();
-    let enough = (tuning.other_things * sample.len() as f64).max(FEWEST_OF_A_THING as f64);
-    let own = sample.len() - rest.len();
-    if (rest.len() as f64) < enough || (own as f64) < enough {
-        return None;
-    }
-    let others = sample.only(&rest);
-    if !spans(&sample.only(&first.members())) || !spans(&others) {
-        return None;
-    }
-    let of_first = LinearisedBase::new(first, sample, tuning).without_departure(tuning)?;
+fn split(sample: &BodySample, first: &Mode, of_first: f64, tuning: &Tuning) -> Option<(f64, [Thing; 2])> {
+    let others = sample.only(&first.others());
     let found = modes(&others, tuning);
     let rated =
         found.iter().filter_map(|m| Some((LinearisedBase::new(m, &others, tuning).without_departure(tuning)?, m)));
     let (of_second, second) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let contacts = second.members().len();
-    if (contacts as f64) < enough.max(MOST_OF_THEM * rest.len() as f64) {
+    if contacts < FEWEST_OF_A_THING || (contacts as f64) < OF_THE_REST * others.len() as f64 {
         return None;
     }
     let by_chance: f64 = (0..others.len()).map(|i| log_false(tuning, others.normal(i).is_some())).sum();
     let things = [
-        Thing { primitive: first.primitive, contacts: own, scatter: first.sd[0] },
+        Thing { primitive: first.primitive, contacts: first.members().len(), scatter: first.sd[0] },
         Thing { primitive: second.primitive, contacts, scatter: second.sd[0] },
     ];
     Some((of_first - by_chance + of_second, things))

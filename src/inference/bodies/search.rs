@@ -11,8 +11,8 @@ const SEARCHED: usize = 400;
 /// Extent of contacts in units of their own size, by which a primitive is told from a simpler one.
 pub(super) const EXTENT: f64 = 3.0;
 
-/// The likeliest modes of every kind over all contacts, without false contacts and with some: which of both the contacts are is a matter of
-/// the evidence.
+/// The likeliest modes of every kind over all contacts, without false contacts, with some, and where most contacts are left
+/// out: which of these the contacts are is a matter of the evidence.
 pub(super) fn modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
     let few = sample.at_most(SEARCHED);
     let mut best: Vec<Mode> = Vec::new();
@@ -37,7 +37,10 @@ fn keep_better(best: &mut Vec<Mode>, Candidate { start, strays }: Candidate, few
     }
     let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(EXTENT));
     let Some(found) = found else { return };
-    let is_rival = |known: &&mut Mode| known.primitive.kind == found.primitive.kind && known.strays == strays;
+    let most = found.holds_most(tuning);
+    let is_rival = |known: &&mut Mode| {
+        known.primitive.kind == found.primitive.kind && known.strays == strays && known.holds_most(tuning) == most
+    };
     match best.iter_mut().find(is_rival) {
         Some(known) if known.likelihood >= found.likelihood => {}
         Some(known) => *known = found,

@@ -40,7 +40,8 @@ pub struct Tuning {
     pub largest_slope: f64,
     /// Scatter of single contacts, in the same unit as lengths, beyond which a primitive is no answer.
     pub largest_scatter: f64,
-    /// Share of all contacts that a second primitive must hold among those that the first leaves out, for the answer to be several things: a sixth is one face of a cube.
+    /// Share of all contacts that each of two things has at least, counting with the second what both leave out: one face of a cube has
+    /// a sixth.
     pub other_things: f64,
     /// Angle from the mean normal, degrees, beyond which contacts are judged as a body and not as a patch.
     pub patch_reach_deg: f64,

@@ -52,9 +52,8 @@ pub(super) fn instead(
         return patch;
     }
     let normals = given.normals.as_deref().unwrap_or_default();
-    let [x, y, z] = given.rounding.position;
-    // a body has normals in all directions
-    let rounding = [((x * x + y * y + z * z) / 3.0).sqrt(), given.rounding.normal];
+    // a body has normals in all directions, the coarsest coordinate's among them
+    let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
     match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => Err(several(&sample, &things)),
@@ -90,7 +89,7 @@ pub(super) fn beside_a_line(found: Recognition, given: &Observations) -> Result<
         return Ok(found);
     }
     let [across, along] = spread_beside_a_line(&given.points)?;
-    if across < NARROW * along && across <= BY_ERRORS * found.noise.sd_z {
+    if across < NARROW * along && across <= BY_ERRORS * found.noise.sd_z.hypot(found.noise.sd_correlated) {
         Err(RecognitionError::Collinear { across, along })
     } else {
         Ok(found)
