@@ -90,9 +90,11 @@ fn found_as(document: &FitDocument) -> Option<String> {
     let said =
         |name: &str| format!("{}{}", in_words(name), sure(name).map_or(String::new(), |p| format!(" ({})", chance(p))));
     let count = chosen.tried.len();
-    let next = chosen.tried.iter().find(|tried| tried.name != hypothesis);
-    let next = next.map_or(String::new(), |tried| format!("; next {}", said(&tried.name)));
-    Some(format!("of {count} kinds of surface {} explains the contacts best{next}", said(hypothesis)))
+    let Some(next) = chosen.tried.iter().find(|tried| tried.name != hypothesis) else {
+        return Some(format!("{} explains the contacts, and no other kind of surface comes near", said(hypothesis)));
+    };
+    let (best, next) = (said(hypothesis), said(&next.name));
+    Some(format!("of {count} kinds of surface {best} explains the contacts best; next {next}"))
 }
 
 /// What a kind of surface is.
