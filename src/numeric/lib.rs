@@ -4,12 +4,13 @@
 //! simd       kernels with their safe twins         draws     random streams addressed by (seed, replicate, effect, contact)
 //! threads    work in pieces, the same bits         bspline   N_i(x), its derivatives and their Gram matrices
 //! linalg     E'WE in its structures                solve     Cholesky, QR, fast diagonalisation of those structures
-//! levenberg_marquardt  damped steps over any residual model
+//! levenberg_marquardt  damped steps over any residual model          brent     the peak of a function of one number
 //! statistics medians, quantiles, robust scales and losses
 //! ```
 //!
 //! It is a part of `palpate`, which people add and install; its names may change with every release.
 
+pub mod brent;
 pub mod bspline;
 pub mod draws;
 pub mod levenberg_marquardt;

@@ -1,6 +1,6 @@
 //! The cone `(rho - r) cos(alpha) = h sin(alpha)`.
 
-use super::{DistanceJet, Primitive, around, from_axis, radial, square};
+use super::{DistanceJet, Primitive, around, from_axis, length, radial, square};
 use palpate_numeric::vector::Vector;
 
 /// A cone about the axis, which opens upwards.
@@ -15,7 +15,7 @@ pub struct Cone {
 impl Primitive for Cone {
     #[inline]
     fn distance(&self, q: Vector) -> (f64, Vector) {
-        let rho = q[0].hypot(q[1]);
+        let rho = length(q[0], q[1]);
         let radial = radial(q, rho);
         let (sin, cos) = self.half_angle.sin_cos();
         ((rho - self.radius) * cos - q[2] * sin, [cos * radial[0], cos * radial[1], -sin])

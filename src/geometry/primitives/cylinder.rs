@@ -1,6 +1,6 @@
 //! The cylinder `rho = r`.
 
-use super::{DistanceJet, Primitive, around, from_axis, radial, square};
+use super::{DistanceJet, Primitive, around, from_axis, length, radial, square};
 use palpate_numeric::vector::Vector;
 
 /// A cylinder about the axis; its radius is the first size.
@@ -13,7 +13,7 @@ pub struct Cylinder {
 impl Primitive for Cylinder {
     #[inline]
     fn distance(&self, q: Vector) -> (f64, Vector) {
-        let rho = q[0].hypot(q[1]);
+        let rho = length(q[0], q[1]);
         (rho - self.radius, radial(q, rho))
     }
 

@@ -64,10 +64,16 @@ pub trait Primitive {
     fn curvatures(&self, q: Vector) -> [f64; 2];
 }
 
+/// Length by two legs. The plain formula: sizes are those of things, whose squares neither overflow nor vanish, and it is a fourth of the time.
+#[inline]
+fn length(across: f64, up: f64) -> f64 {
+    (across * across + up * up).sqrt()
+}
+
 /// Distance from the axis, which is never 0.
 #[inline]
 fn from_axis(q: Vector) -> f64 {
-    q[0].hypot(q[1]).max(f64::MIN_POSITIVE)
+    length(q[0], q[1]).max(f64::MIN_POSITIVE)
 }
 
 /// Unit vector away from the axis; along the first axis where there is none.

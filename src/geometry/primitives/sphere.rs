@@ -1,7 +1,7 @@
 //! The sphere `|q| = r`.
 
 use super::{DistanceJet, Primitive, square};
-use palpate_numeric::vector::Vector;
+use palpate_numeric::vector::{Vector, norm};
 
 /// A sphere about the origin; its radius is the first size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Sphere {
 impl Primitive for Sphere {
     #[inline]
     fn distance(&self, q: Vector) -> (f64, Vector) {
-        let length = q[0].hypot(q[1]).hypot(q[2]);
+        let length = norm(q);
         (length - self.radius, if length > 0.0 { q.map(|v| v / length) } else { [0.0, 0.0, 1.0] })
     }
 

@@ -1,6 +1,6 @@
 //! The torus `hypot(rho - R, h) = r`.
 
-use super::{DistanceJet, Primitive, around, from_axis, radial, square};
+use super::{DistanceJet, Primitive, around, from_axis, length, radial, square};
 use palpate_numeric::vector::{Vector, dot};
 
 /// A torus about the axis.
@@ -15,10 +15,10 @@ pub struct Torus {
 impl Primitive for Torus {
     #[inline]
     fn distance(&self, q: Vector) -> (f64, Vector) {
-        let rho = q[0].hypot(q[1]);
+        let rho = length(q[0], q[1]);
         let radial = radial(q, rho);
         let (across, up) = (rho - self.ring, q[2]);
-        let length = across.hypot(up);
+        let length = length(across, up);
         let [c, s] = if length > 0.0 { [across / length, up / length] } else { [1.0, 0.0] };
         (length - self.tube, [c * radial[0], c * radial[1], s])
     }

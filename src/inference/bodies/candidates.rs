@@ -22,22 +22,8 @@ use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
 use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot};
 
-/// Contacts from which planes through neighbours tell normals.
-const NEIGHBOURLY: usize = 20;
-
-/// Directions of an axis on a half sphere, about 10 degrees apart.
-const DIRECTIONS: usize = 160;
-
-/// Contacts by whose distances starts are ordered.
-const COMPARED: usize = 200;
-
-/// Starts of a kind that are followed to their mode: by the distance that three tenths of the contacts have at most, so that one of two
-/// equal sheets is found, by the median, and by the mean square.
-const FOLLOWED: [(usize, FalseContacts); 3] =
-    [(2, FalseContacts::Some), (2, FalseContacts::Some), (2, FalseContacts::None)];
-
-/// The share of contacts that one of two sheets holds surely.
-const OF_ONE_SHEET: f64 = 0.3;
+/// Whether contacts may be false in the starts that are nearest by each of the three ratings.
+const RATED: [FalseContacts; 3] = [FalseContacts::Some, FalseContacts::Some, FalseContacts::None];
 
 /// Members of a small set: as many as a closed form needs, and one or two more.
 fn members_of_a_set(kind: PartKind) -> usize {
@@ -60,12 +46,11 @@ pub(super) struct Candidate {
 
 /// The starts of every kind that are worth a search.
 pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
-    let oriented = with_normals(sample);
+    let oriented = with_normals(sample, tuning);
     let mut generator = Lcg::new(sample.len() as u64);
-    let few = sample.at_most(COMPARED);
     let mut all = Vec::new();
     for kind in PartKind::BODIES {
-        let mut of_kind = by_positions(kind, sample);
+        let mut of_kind = by_positions(kind, sample, tuning);
         if let Some(oriented) = &oriented {
             of_kind.extend(closed_forms(kind, oriented));
             of_kind.extend(of_small_sets(kind, oriented, tuning, &mut generator));
@@ -73,7 +58,7 @@ pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate>
             of_kind.extend(of_bare_sets(kind, sample, tuning, &mut generator));
         }
         of_kind.retain(is_possible);
-        all.extend(nearest(of_kind, &few));
+        all.extend(nearest(of_kind, sample, tuning));
     }
     all
 }
@@ -104,20 +89,20 @@ fn beside(found: &Primitive, by: f64) -> Primitive {
 }
 
 /// The starts whose distances are least: by quantiles where contacts may be false, by the mean square where none is.
-fn nearest(starts: Vec<Primitive>, few: &BodySample) -> Vec<Candidate> {
+fn nearest(starts: Vec<Primitive>, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let rated: Vec<([f64; 3], Primitive)> = starts
         .into_iter()
         .map(|start| {
-            let mut distances: Vec<f64> = few.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
+            let mut distances: Vec<f64> = sample.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
             distances.sort_unstable_by(f64::total_cmp);
             let at = |share: f64| distances[((share * distances.len() as f64) as usize).min(distances.len() - 1)];
             let square = distances.iter().map(|d| d * d).sum::<f64>();
-            ([at(OF_ONE_SHEET), at(0.5), square], start)
+            ([at(tuning.surely_own), at(0.5), square], start)
         })
         .filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite()))
         .collect();
     let mut taken: Vec<Candidate> = Vec::new();
-    for (by, (count, strays)) in FOLLOWED.into_iter().enumerate() {
+    for (by, (count, strays)) in tuning.followed.into_iter().zip(RATED).enumerate() {
         let mut order: Vec<&([f64; 3], Primitive)> = rated.iter().collect();
         order.sort_by(|a, b| a.0[by].total_cmp(&b.0[by]));
         let found = order.into_iter().take(count).map(|(_, start)| Candidate { start: *start, strays });
@@ -131,12 +116,12 @@ fn nearest(starts: Vec<Primitive>, few: &BodySample) -> Vec<Candidate> {
 }
 
 /// The contacts with given normals, or with those of planes through neighbours; `None` where there are too few for either.
-fn with_normals(sample: &BodySample) -> Option<BodySample> {
+fn with_normals(sample: &BodySample, tuning: &Tuning) -> Option<BodySample> {
     if sample.known_normals() > 0 {
         let known: Vec<usize> = (0..sample.len()).filter(|i| sample.normal(*i).is_some()).collect();
         return Some(sample.only(&known));
     }
-    if sample.len() < NEIGHBOURLY {
+    if sample.len() < tuning.neighbourly {
         return None;
     }
     let contacts = Contacts::from_points(&sample.points).with_estimated_normals(None).ok()?;
@@ -187,12 +172,12 @@ fn of_bare_sets(kind: PartKind, sample: &BodySample, tuning: &Tuning, generator:
     if sample.len() <= count || !matches!(kind, PartKind::Plane | PartKind::Sphere | PartKind::Ellipsoid) {
         return Vec::new();
     }
-    let one = |_| by_positions(kind, &sample.only(&drawn(count, sample.len(), generator)));
+    let one = |_| by_positions(kind, &sample.only(&drawn(count, sample.len(), generator)), tuning);
     (0..tuning.starts).flat_map(one).collect()
 }
 
 /// Closed forms that need no normal.
-fn by_positions(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
+fn by_positions(kind: PartKind, sample: &BodySample, tuning: &Tuning) -> Vec<Primitive> {
     let made = |origin, axis: Vector, sizes| Primitive { kind, origin, axes: axes_along(axis), sizes, side: 1.0 };
     let (middle, axes, _) = principal(sample);
     match kind {
@@ -205,7 +190,7 @@ fn by_positions(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
                 let (centre, radius) = circle(sample, axis)?;
                 Some(made(centre, axis, [radius, 0.0, 0.0]))
             };
-            axes.into_iter().chain(directions()).filter_map(across).collect()
+            axes.into_iter().chain(directions(tuning.directions)).filter_map(across).collect()
         }
         // a ring that lies about the contacts, its tube as wide as they scatter along its axis
         PartKind::Torus => axes
@@ -268,10 +253,10 @@ pub(super) fn principal(sample: &BodySample) -> (Vector, [Vector; 3], [f64; 3]) 
 }
 
 /// An even set of directions on the upper half sphere, by the golden angle.
-fn directions() -> impl Iterator<Item = Vector> {
+fn directions(count: usize) -> impl Iterator<Item = Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    (0..DIRECTIONS).map(move |k| {
-        let z = (k as f64 + 0.5) / DIRECTIONS as f64;
+    (0..count).map(move |k| {
+        let z = (k as f64 + 0.5) / count as f64;
         let (sin, cos) = (golden * k as f64).sin_cos();
         let across = (1.0 - z * z).sqrt();
         [across * cos, across * sin, z]

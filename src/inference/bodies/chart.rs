@@ -13,20 +13,16 @@ use std::sync::Arc;
 
 use crate::primitives::placed::{PartKind, Primitive, axes_along};
 use palpate_geometry::contact::Frame;
+use palpate_geometry::curvature::{curvedness, shape_index};
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, unit_or_zero};
 
 use super::posterior::DrawnBase;
-
-/// A gap between contacts round a body that is no gap.
-const NO_GAP: f64 = PI / 3.0;
+use super::tuning::Tuning;
 
 /// Latitudes beyond which meridians are too near to each other for a chart.
 const POLAR: f64 = 1.48;
-
-/// A place is supported where a contact is this many times as near as contacts are to each other, at the 90th percentile.
-const SUPPORTED: f64 = 3.0;
 
 /// A body over a rectangle of its chart.
 #[derive(Clone, Debug)]
@@ -46,7 +42,13 @@ pub(crate) struct BodyChart {
 
 impl BodyChart {
     /// Of contacts that belong to the body, in its units.
-    pub(crate) fn new(frame: Frame, likeliest: DrawnBase, contacts: &[Vector], draws: Vec<DrawnBase>) -> BodyChart {
+    pub(crate) fn new(
+        frame: Frame,
+        likeliest: DrawnBase,
+        contacts: &[Vector],
+        draws: Vec<DrawnBase>,
+        tuning: &Tuning,
+    ) -> BodyChart {
         let mut primitive = likeliest.primitive;
         if primitive.kind == PartKind::Sphere {
             primitive.axes = axes_along(pole(&primitive, contacts));
@@ -68,7 +70,7 @@ impl BodyChart {
             .collect();
         let tree = Neighbours::new(&feet).into_owned();
         let beside: Vec<f64> = (0..feet.len()).filter_map(|i| tree.nearest_other(i)).map(|(d, _)| d).collect();
-        let reach = SUPPORTED * quantile(beside, 0.9, Rank::NearestStep).unwrap_or(f64::INFINITY);
+        let reach = tuning.supported * quantile(beside, 0.9, Rank::NearestStep).unwrap_or(f64::INFINITY);
         let mut chart = BodyChart {
             frame,
             primitive,
@@ -79,11 +81,11 @@ impl BodyChart {
             u: [0.0; 2],
             v: [0.0; 2],
         };
-        [chart.u, chart.v] = chart.ranges(&feet);
+        [chart.u, chart.v] = chart.ranges(&feet, tuning.no_gap_deg.to_radians());
         chart
     }
 
-    fn ranges(&self, feet: &[Vector]) -> [[f64; 2]; 2] {
+    fn ranges(&self, feet: &[Vector], no_gap: f64) -> [[f64; 2]; 2] {
         let places: Vec<[f64; 2]> = feet.iter().map(|q| self.own_chart(*q)).collect();
         let lengths = self.lengths();
         let range = |k: usize| {
@@ -91,7 +93,7 @@ impl BodyChart {
             let [lo, hi] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
             let round = self.is_round(k).then(|| PI * lengths[k]);
             match round {
-                Some(half) if 2.0 * half - (hi - lo) < NO_GAP * lengths[k] => [-half, half],
+                Some(half) if 2.0 * half - (hi - lo) < no_gap * lengths[k] => [-half, half],
                 _ if hi > lo => [lo, hi],
                 // all contacts on one line of the chart
                 _ => [lo - 0.5 * lengths[k].min(1.0), hi + 0.5 * lengths[k].min(1.0)],
@@ -199,17 +201,28 @@ impl BodyChart {
 
     /// Standard uncertainties of height and of the normal's direction (radians) at a place of the input, and of S and R there.
     pub(crate) fn sds_at(&self, place: Vector) -> [f64; 4] {
+        self.sds_of(&self.readings_at(place))
+    }
+
+    /// Height, turn of the normal (radians), S and R of every draw at a place of the input, in the sample's units.
+    pub(crate) fn readings_at(&self, place: Vector) -> Vec<[f64; 4]> {
         let local = self.frame.to_patch(place);
         let (d, normal) = self.primitive.nearest(local);
         let foot = along(local, -d, normal);
+        let of = |drawn: &DrawnBase| {
+            let reading = drawn.reading(foot);
+            let [k1, k2] = reading.curvatures;
+            let s = shape_index(k1 + k2, (k1 - k2).abs()).unwrap_or(0.0);
+            [reading.distance, norm(minus(reading.normal, normal)), s, curvedness(k1, k2)]
+        };
+        self.draws.iter().map(of).collect()
+    }
+
+    /// Standard uncertainties of such readings, in the input's units.
+    pub(crate) fn sds_of(&self, readings: &[[f64; 4]]) -> [f64; 4] {
         let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
-        for drawn in self.draws.iter() {
-            let height = drawn.distance(foot);
-            let turned = norm(minus(drawn.primitive.nearest(foot).1, normal));
-            let [k1, k2] = drawn.curvatures(foot);
-            let s = palpate_geometry::curvature::shape_index(k1 + k2, (k1 - k2).abs()).unwrap_or(0.0);
-            let r = palpate_geometry::curvature::curvedness(k1, k2);
-            for (k, value) in [height, turned, s, r].into_iter().enumerate() {
+        for (drawn, reading) in self.draws.iter().zip(readings) {
+            for (k, value) in reading.iter().enumerate() {
                 sums[k] += drawn.share * value;
                 squares[k] += drawn.share * value * value;
             }

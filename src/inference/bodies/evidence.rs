@@ -17,19 +17,23 @@ use faer::Mat;
 use statrs::function::beta::ln_beta;
 use statrs::function::gamma::ln_gamma;
 
-use super::departure::DepartureProcess;
-use super::mode::{Mode, aligned, log_false};
+use super::departure::{DepartureOver, DepartureProcess};
+use super::mode::{Mode, log_false};
 use super::prior::{log_prior, widths};
+use super::rows::{BaseRows, RowGrams};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::dense;
-use crate::primitives::descent::rows;
-use crate::primitives::placed::{MOST_UNKNOWNS, Primitive, axes_along};
-use palpate_numeric::vector::{along, dot};
+use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use palpate_numeric::brent;
 
-/// Steps of the golden section over ln v, and how far to both sides of the mode's v it looks.
-const SECTIONS: usize = 11;
+/// How far to both sides of the mode's ln v its peak is looked for, how exactly, and values that are asked for at most.
 const SPAN: f64 = 4.0;
+const EXACTLY: f64 = 0.03;
+const VALUES: usize = 14;
+
+/// Sd of a move that is none.
+const HELD: f64 = 1e-6;
 
 /// Step of ln v by which the curvature of ln p is taken.
 const STEP_OF_V: f64 = 0.2;
@@ -94,7 +98,7 @@ impl BodyHypothesis {
     }
 }
 
-/// The rows of one kind about one primitive, with their Gram matrices for a length of the departure.
+/// The rows of one kind about one primitive, with their Gram matrices for every length of the departure.
 pub(super) struct LinearisedBase<'a> {
     pub(super) primitive: Primitive,
     pub(super) members: Vec<usize>,
@@ -102,14 +106,14 @@ pub(super) struct LinearisedBase<'a> {
     sd: [f64; 2],
     /// ln p of what does not depend on the departure.
     constant: f64,
+    /// Numbers of rows of distances and of normals.
     rows: [f64; 2],
-}
-
-/// Gram matrices over columns `w, x, residual`.
-struct RowGrams {
-    /// Of distances and of normals.
-    of: [Mat<f64>; 2],
-    places: usize,
+    over: DepartureOver,
+    /// Sds of the prior of the unknowns' moves.
+    widths: [f64; MOST_UNKNOWNS],
+    plain: RowGrams,
+    /// By length.
+    departed: Vec<(f64, RowGrams)>,
 }
 
 impl<'a> LinearisedBase<'a> {
@@ -122,14 +126,38 @@ impl<'a> LinearisedBase<'a> {
         let share = ln_beta(1.0 + strays, tuning.false_prior + count - strays) - ln_beta(1.0, tuning.false_prior);
         let constant = log_prior(&mode.primitive) + falsely + share;
         let rows = [members.len() as f64, 2.0 * normals];
-        LinearisedBase { primitive: mode.primitive, members, sample, sd: mode.sd, constant, rows }
+        let base = BaseRows::new(&mode.primitive, &members, sample, DepartureOver::Feet);
+        let (plain, departed, primitive) = (base.grams(), Vec::new(), mode.primitive);
+        let widths = widths(&primitive);
+        let over = DepartureOver::Feet;
+        LinearisedBase { primitive, members, sample, sd: mode.sd, constant, rows, over, widths, plain, departed }
+    }
+
+    /// The same with a primitive that does not move and departures in space, which carry all.
+    pub(super) fn in_space(self) -> LinearisedBase<'a> {
+        LinearisedBase { widths: [HELD; MOST_UNKNOWNS], over: DepartureOver::Space, ..self }
+    }
+
+    /// With departures of all lengths.
+    pub(super) fn departing(self, tuning: &Tuning) -> LinearisedBase<'a> {
+        self.with_lengths(&tuning.lengths, tuning.most_features)
+    }
+
+    /// With departures of these lengths, each carried by so many places at most.
+    pub(super) fn with_lengths(mut self, lengths: &[f64], most: usize) -> LinearisedBase<'a> {
+        let base = BaseRows::new(&self.primitive, &self.members, self.sample, self.over);
+        let of_length = |length: &f64| Some((*length, base.grams_with(*length, most)?));
+        self.departed = lengths.iter().filter_map(of_length).collect();
+        self
     }
 
     /// The same about a primitive moved by a node's step.
-    pub(super) fn moved(self, step: &[f64]) -> LinearisedBase<'a> {
+    pub(super) fn moved(self, step: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
         let primitive = moved(&self.primitive, step).about([0.0; 3]);
         let constant = self.constant - log_prior(&self.primitive) + log_prior(&primitive);
-        LinearisedBase { primitive, constant, ..self }
+        let plain = BaseRows::new(&primitive, &self.members, self.sample, self.over).grams();
+        let widths = widths(&primitive);
+        LinearisedBase { primitive, constant, plain, widths, ..self }.departing(tuning)
     }
 
     /// ln p of what the contacts left out add; of none of them false, the prior of that alone.
@@ -149,77 +177,29 @@ impl<'a> LinearisedBase<'a> {
 
     /// Log evidence where there is no departure.
     pub(super) fn without_departure(&self, tuning: &Tuning) -> Option<f64> {
-        Some(self.node(0, &self.grams(None), None, tuning.exact.ln(), tuning)?.log_evidence)
+        Some(self.node(0, &self.plain, None, tuning.exact.ln(), tuning)?.log_evidence)
     }
 
     /// Nodes without a departure and with departures of all lengths and sizes.
     pub(super) fn nodes(&self, of: usize, tuning: &Tuning) -> Vec<BodyHypothesis> {
         let mut found: Vec<BodyHypothesis> = Vec::new();
-        let plain = self.grams(None);
-        found.extend(self.node(of, &plain, None, tuning.exact.ln(), tuning));
+        found.extend(self.node(of, &self.plain, None, tuning.exact.ln(), tuning));
         let each = ((1.0 - tuning.exact) / (tuning.lengths.len() * tuning.departures.len()) as f64).ln();
-        let feet = self.feet();
-        for length in tuning.lengths {
-            let Some(process) = DepartureProcess::new(&feet, length, tuning.most_features) else { continue };
-            let grams = self.grams(Some(&process));
-            let process = Arc::new(process);
-            let of_size = |size: &f64| {
-                let node = self.node(of, &grams, Some([length, *size]), each, tuning)?;
-                Some(BodyHypothesis { process: Some(process.clone()), ..node })
-            };
-            found.extend(tuning.departures.iter().filter_map(of_size));
-        }
+        found.extend(self.departed_nodes(of, &tuning.departures, each, tuning));
         found
     }
 
-    fn feet(&self) -> Vec<[f64; 3]> {
-        let foot = |i: &usize| {
-            let (d, normal) = self.primitive.nearest(self.sample.points[*i]);
-            along(self.sample.points[*i], -d, normal)
-        };
-        self.members.iter().map(foot).collect()
-    }
-
-    fn grams(&self, departure: Option<&DepartureProcess>) -> RowGrams {
-        let places = departure.map_or(0, DepartureProcess::len);
-        let free = self.primitive.kind.free();
-        let width = places + free.len() + 1;
-        let known: Vec<bool> = self.members.iter().map(|i| self.sample.normal(*i).is_some()).collect();
-        let normals = known.iter().filter(|k| **k).count();
-        let mut distances = Mat::<f64>::zeros(self.members.len(), width);
-        let mut tangential = Mat::<f64>::zeros(2 * normals, width);
-        let mut next = 0;
-        for (r, &i) in self.members.iter().enumerate() {
-            let place = self.sample.points[i];
-            let (d, normal) = self.primitive.nearest(place);
-            let foot = along(place, -d, normal);
-            let given = self.sample.normal(i).map(|n| aligned(n, normal));
-            let all = rows(&self.primitive, place, given.unwrap_or([0.0; 3]));
-            if let Some(departure) = departure {
-                departure.values(foot).iter().enumerate().for_each(|(c, v)| distances[(r, c)] = -v);
-            }
-            free.iter().enumerate().for_each(|(c, &a)| distances[(r, places + c)] = all[0].1[a]);
-            distances[(r, width - 1)] = d;
-            if given.is_none() {
-                continue;
-            }
-            // the rows of a normal are in the primitive's own axes
-            let [first, second, _] = axes_along(normal);
-            for tangent in [first, second] {
-                let own = self.primitive.axes.map(|axis| dot(axis, tangent));
-                let project = |of: &dyn Fn(usize) -> f64| (0..3).map(|k| own[k] * of(k)).sum::<f64>();
-                if let Some(departure) = departure {
-                    let slopes = departure.slopes(foot, tangent);
-                    slopes.iter().enumerate().for_each(|(c, v)| tangential[(next, c)] = -v);
-                }
-                for (c, &a) in free.iter().enumerate() {
-                    tangential[(next, places + c)] = project(&|k| all[1 + k].1[a]);
-                }
-                tangential[(next, width - 1)] = project(&|k| all[1 + k].0);
-                next += 1;
-            }
-        }
-        RowGrams { of: [distances, tangential].map(|rows| rows.transpose() * &rows), places }
+    /// Nodes with departures of these sizes and of all lengths, each with a log prior.
+    pub(super) fn departed_nodes<'b>(
+        &'b self,
+        of: usize,
+        sizes: &'b [f64],
+        log_prior: f64,
+        tuning: &'b Tuning,
+    ) -> impl Iterator<Item = BodyHypothesis> + 'b {
+        self.departed.iter().flat_map(move |(length, grams)| {
+            sizes.iter().filter_map(move |size| self.node(of, grams, Some([*length, *size]), log_prior, tuning))
+        })
     }
 
     fn node(
@@ -230,31 +210,41 @@ impl<'a> LinearisedBase<'a> {
         log_prior: f64,
         tuning: &Tuning,
     ) -> Option<BodyHypothesis> {
-        let (best, of_v) = if self.rows[1] > 0.0 { self.ratio(grams, departure, tuning) } else { (0.0, 0.0) };
-        let found = self.at(grams, departure, best.exp())?;
+        let size = departure.map(|[_, size]| size);
+        let (best, of_v) = if self.rows[1] > 0.0 { self.ratio(grams, size, tuning) } else { (0.0, 0.0) };
+        let found = self.factored(grams, size, best.exp())?;
+        let sd = (found.sum / self.freedom()).sqrt();
+        let mut solution = found.reduced;
+        dense::backward(&found.lower, &mut solution);
+        let departure_rms = (departure_square(grams, &solution) / self.rows[0].max(1.0)).sqrt();
         Some(BodyHypothesis {
             of,
             departure,
             log_evidence: found.log + of_v + self.constant + log_prior,
-            solution: found.solution,
+            solution,
             lower: found.lower,
-            process: None,
-            sd: [found.sd, found.sd / (0.5 * best).exp()],
-            departure_rms: found.departure_rms,
-            freedom: (self.rows[0] + self.rows[1] - self.primitive.kind.free().len() as f64).max(1.0),
+            process: grams.process.clone(),
+            sd: [sd, sd / (0.5 * best).exp()],
+            departure_rms,
+            freedom: self.freedom(),
         })
     }
 
+    fn freedom(&self) -> f64 {
+        (self.rows[0] + self.rows[1] - self.primitive.kind.free().len() as f64).max(1.0)
+    }
+
     /// The likeliest ln v, and what its prior and its width add to ln p there.
-    fn ratio(&self, grams: &RowGrams, departure: Option<[f64; 2]>, tuning: &Tuning) -> (f64, f64) {
+    fn ratio(&self, grams: &RowGrams, size: Option<f64>, tuning: &Tuning) -> (f64, f64) {
         let [mean, sd] = tuning.log_ratio.map(|v| 2.0 * v);
         let prior = |log_v: f64| -0.5 * ((log_v - mean) / sd).powi(2);
-        let value = |log_v: f64| Some(self.at(grams, departure, log_v.exp())?.log + prior(log_v));
+        let value = |log_v: f64| {
+            self.factored(grams, size, log_v.exp()).map_or(f64::NEG_INFINITY, |found| found.log + prior(log_v))
+        };
         let [s, sn] = self.sd;
         let middle = (2.0 * (s / sn).ln()).clamp(mean - 3.0 * sd, mean + 3.0 * sd);
-        let best = golden(middle, value);
-        let beside = [best - STEP_OF_V, best, best + STEP_OF_V].map(|log_v| value(log_v).unwrap_or(f64::NEG_INFINITY));
-        let curvature = (2.0 * beside[1] - beside[0] - beside[2]) / (STEP_OF_V * STEP_OF_V);
+        let (best, most) = brent::maximum([middle - SPAN, middle + SPAN], middle, EXACTLY, VALUES, value);
+        let curvature = (2.0 * most - value(best - STEP_OF_V) - value(best + STEP_OF_V)) / (STEP_OF_V * STEP_OF_V);
         let least = 1.0 / (sd * sd);
         let width = if curvature > least { 1.0 / curvature } else { 1.0 / least };
         (best, prior(best) + 0.5 * width.ln() - sd.ln())
@@ -264,64 +254,57 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn rough(&self, tuning: &Tuning) -> f64 {
         let [s, sn] = self.sd;
         let v = (s / sn).powi(2);
-        let of = |departure: Option<&DepartureProcess>, size: Option<[f64; 2]>| {
-            self.at(&self.grams(departure), size, v).map_or(f64::NEG_INFINITY, |found| found.log)
+        let of = |grams: &RowGrams, size: Option<f64>| {
+            self.factored(grams, size, v).map_or(f64::NEG_INFINITY, |found| found.log)
         };
-        let feet = self.feet();
         let largest = tuning.departures.iter().copied().fold(0.0, f64::max);
-        let departed = tuning.lengths.iter().filter_map(|length| {
-            let process = DepartureProcess::new(&feet, *length, tuning.most_features)?;
-            Some(of(Some(&process), Some([*length, largest])).max(of(Some(&process), Some([*length, 0.1 * largest]))))
-        });
-        self.constant + departed.fold(of(None, None), f64::max)
+        let departed = self.departed.iter().map(|(_, g)| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
+        self.constant + departed.fold(of(&self.plain, None), f64::max)
     }
 
-    fn at(&self, grams: &RowGrams, departure: Option<[f64; 2]>, v: f64) -> Option<HypothesisSolution> {
+    /// ln p and the equations that it is taken from, for a departure of some size and a ratio v.
+    fn factored(&self, grams: &RowGrams, size: Option<f64>, v: f64) -> Option<FactoredEquations> {
         let free = self.primitive.kind.free();
         let (places, unknowns) = (grams.places, free.len());
-        let size = places + unknowns;
-        let ratio = departure.map_or(1.0, |[_, ratio]| ratio);
+        let ratio = size.unwrap_or(1.0);
         let [distances, normals] = &grams.of;
+        let all = places + unknowns;
         let full = |i: usize, j: usize| distances[(i, j)] + v * normals[(i, j)];
-        let width = widths(&self.primitive);
-        let mut matrix = Mat::from_fn(size, size, full);
+        let mut matrix = Mat::from_fn(all, all, full);
         (0..places).for_each(|i| matrix[(i, i)] += 1.0 / (ratio * ratio));
-        (0..unknowns).for_each(|i| matrix[(places + i, places + i)] += (self.sd[0] / width[free[i]]).powi(2));
+        (0..unknowns).for_each(|i| matrix[(places + i, places + i)] += (self.sd[0] / self.widths[free[i]]).powi(2));
         let lower = dense::cholesky(&matrix)?;
-        let mut reduced: Vec<f64> = (0..size).map(|i| -full(i, size)).collect();
-        dense::forward(&lower, &mut reduced);
-        let square = full(size, size);
-        let sum = (square - reduced.iter().map(|b| b * b).sum::<f64>()).max(0.0);
-        let [nd, nn] = self.rows;
-        let count = nd + nn;
-        let freedom = (count - unknowns as f64).max(1.0);
+        let mut reduced: Vec<f64> = (0..all).map(|i| -full(i, all)).collect();
+        dense::forward_in_columns(&lower, &mut reduced);
+        let sum = (full(all, all) - reduced.iter().map(|b| b * b).sum::<f64>()).max(0.0);
+        let [_, nn] = self.rows;
+        let freedom = self.freedom();
         let floor = self.sample.floor[0].max(self.sample.floor[1] * v.sqrt());
         let sum = sum.max(freedom * floor * floor);
         let log = 0.5 * nn * v.ln() - 0.5 * freedom * PI.ln() + ln_gamma(0.5 * freedom)
             - 0.5 * freedom * sum.ln()
             - 0.5 * dense::log_det(&lower)
             - places as f64 * ratio.ln();
-        let variance = sum / freedom;
-        let mut solution = reduced;
-        dense::backward(&lower, &mut solution);
-        let departure_rms = (self.departure_square(grams, &solution) / nd.max(1.0)).sqrt();
-        Some(HypothesisSolution { log, solution, lower, sd: variance.sqrt(), departure_rms })
-    }
-
-    /// Sum over the contacts of the squared departure.
-    fn departure_square(&self, grams: &RowGrams, solution: &[f64]) -> f64 {
-        let count = grams.places;
-        let product = |i: usize| (0..count).map(|j| grams.of[0][(i, j)] * solution[j]).sum::<f64>();
-        (0..count).map(|i| solution[i] * product(i)).sum::<f64>().max(0.0)
+        Some(FactoredEquations { log, lower, reduced, sum })
     }
 }
 
-struct HypothesisSolution {
+/// Sum over the contacts of the squared departure.
+fn departure_square(grams: &RowGrams, solution: &[f64]) -> f64 {
+    let weights = &solution[..grams.places];
+    let product = |i: usize| grams.of[0].col_as_slice(i).iter().zip(weights).map(|(g, w)| g * w).sum::<f64>();
+    weights.iter().enumerate().map(|(i, w)| w * product(i)).sum::<f64>().max(0.0)
+}
+
+/// Equations of one hypothesis.
+struct FactoredEquations {
     log: f64,
-    solution: Vec<f64>,
+    /// Lower factor of A.
     lower: Mat<f64>,
-    sd: f64,
-    departure_rms: f64,
+    /// The right hand side solved by it.
+    reduced: Vec<f64>,
+    /// Sum of squares that is left.
+    sum: f64,
 }
 
 /// A primitive moved by its free unknowns.
@@ -329,25 +312,4 @@ pub(super) fn moved(primitive: &Primitive, step: &[f64]) -> Primitive {
     let mut all = [0.0; MOST_UNKNOWNS];
     primitive.kind.free().iter().zip(step).for_each(|(i, s)| all[*i] = *s);
     primitive.moved(&all)
-}
-
-/// Where a function of one number is largest about `middle`; values that are not known count as the least.
-fn golden(middle: f64, value: impl Fn(f64) -> Option<f64>) -> f64 {
-    let section = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let at = |x: f64| value(x).unwrap_or(f64::NEG_INFINITY);
-    let (mut lo, mut hi) = (middle - SPAN, middle + SPAN);
-    let (mut a, mut b) = (hi - section * (hi - lo), lo + section * (hi - lo));
-    let (mut of_a, mut of_b) = (at(a), at(b));
-    for _ in 0..SECTIONS {
-        if of_a >= of_b {
-            (hi, b, of_b) = (b, a, of_a);
-            a = hi - section * (hi - lo);
-            of_a = at(a);
-        } else {
-            (lo, a, of_a) = (a, b, of_b);
-            b = lo + section * (hi - lo);
-            of_b = at(b);
-        }
-    }
-    if of_a >= of_b { a } else { b }
 }

@@ -4,15 +4,9 @@ use super::evidence::{BodyHypothesis, LinearisedBase, moved};
 use super::mode::{FalseContacts, Mode, is_possible};
 use super::other_things::{Thing, two_things};
 use super::sample::BodySample;
-use super::search::{EXTENT, modes};
+use super::search::modes;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
-
-/// Rough log evidence below the best at which a kind is not looked at: exact departures add less.
-const HOPELESS_ROUGHLY: f64 = 60.0;
-
-/// Log evidence below the best at which a hypothesis has no weight that would show.
-const HOPELESS: f64 = 40.0;
 
 /// Weighted hypotheses about one thing.
 #[derive(Clone, Debug)]
@@ -26,6 +20,8 @@ pub(crate) struct BodyPosterior {
     pub(crate) weights: Vec<f64>,
     /// Log evidence of the likeliest node.
     pub(crate) log_evidence: f64,
+    /// Whether the body is of no simple kind: its departures are shape, and its primitive is only where they are counted from.
+    pub(crate) is_free: bool,
 }
 
 /// What the contacts are.
@@ -64,10 +60,10 @@ impl BodyPosterior {
     }
 
     /// Contacts that lie on one of the primitives, by its own scatter and departure.
-    fn belonging(&self, of: usize, all: &BodySample) -> Vec<usize> {
+    fn belonging(&self, of: usize, all: &BodySample, tuning: &Tuning) -> Vec<usize> {
         let own = self.nodes.iter().zip(&self.weights).filter(|(node, _)| node.of == of);
         let Some((node, _)) = own.max_by(|a, b| a.1.total_cmp(b.1)) else { return Vec::new() };
-        let near = BELONGS * node.scatter().hypot(node.departure_size());
+        let near = tuning.belongs * node.scatter().hypot(node.departure_size());
         let primitive = moved(&self.primitives[of], node.step());
         (0..all.len()).filter(|&i| primitive.nearest(all.points[i]).0.abs() <= near).collect()
     }
@@ -85,69 +81,101 @@ impl BodyPosterior {
     }
 }
 
-/// Sds within which a contact belongs to a primitive that was fitted to others of the same cloud.
-pub(crate) const BELONGS: f64 = 4.0;
-
 /// Judges contacts. Of very many the evidence is taken from a part, evenly among all.
 pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
     let sample = &all.at_most(tuning.most_contacts);
     let modes = modes(sample, tuning);
     let Some(mut posterior) = posterior(&modes, sample, tuning) else { return Verdict::None };
-    let kind = posterior.kind();
     if let Some(things) = two_things(sample, &modes, posterior.log_evidence, tuning) {
         return Verdict::Several(Box::new(things));
     }
-    let Some(best) = posterior.best_of(kind) else { return Verdict::None };
-    let slope = best.departure.map_or(0.0, |[length, _]| best.departure_rms / length);
-    let false_share = 1.0 - posterior.members_of(kind).len() as f64 / sample.len() as f64;
-    if slope > tuning.largest_slope || best.sd[0] > tuning.largest_scatter || false_share > tuning.false_most {
+    if !is_answer(&posterior, sample, tuning) {
         return Verdict::None;
     }
     if sample.len() < all.len() {
-        posterior.members = (0..posterior.primitives.len()).map(|of| posterior.belonging(of, all)).collect();
+        let belonging = |of| posterior.belonging(of, all, tuning);
+        posterior.members = (0..posterior.primitives.len()).map(belonging).collect();
     }
     Verdict::One(Box::new(posterior))
 }
 
+/// Whether the likeliest kind comes near enough.
+fn is_answer(one: &BodyPosterior, sample: &BodySample, tuning: &Tuning) -> bool {
+    let kind = one.kind();
+    let Some(best) = one.best_of(kind) else { return false };
+    let slope = best.departure.map_or(0.0, |[length, _]| best.departure_rms / length);
+    let false_share = 1.0 - one.members_of(kind).len() as f64 / sample.len() as f64;
+    slope <= tuning.largest_slope && best.sd[0] <= tuning.largest_scatter && false_share <= tuning.false_most
+}
+
 fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
-    let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     // where no contact was found to be false both modes of a kind are one
     let is_own = |m: &&Mode| m.strays == FalseContacts::None || m.members().len() < sample.len();
-    let modes: Vec<&Mode> = modes.iter().filter(is_own).filter(|m| m.holds_most(tuning)).collect();
-    let all: Vec<LinearisedBase> = modes.iter().map(|found| LinearisedBase::new(found, sample, tuning)).collect();
-    let rough: Vec<f64> = all.iter().map(|linearised| linearised.rough(tuning)).collect();
-    let likeliest = rough.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let worth = |(linearised, rough)| (rough > likeliest - HOPELESS_ROUGHLY).then_some(linearised);
-    for (found, mut linearised) in modes
-        .iter()
-        .zip(all)
-        .zip(rough)
-        .filter_map(|((found, linearised), rough)| Some((found, worth((linearised, rough))?)))
-    {
-        let prior = kind_prior(found.primitive.kind, tuning);
-        let mut own = linearised.nodes(primitives.len(), tuning);
-        // the departure takes its part of the distances, so that the likeliest primitive is another than the robust one
-        if let Some(best) = own.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)) {
-            let step = best.step().to_vec();
-            if moved(&linearised.primitive, &step).is_sound(EXTENT) {
-                linearised = linearised.moved(&step);
-                own = linearised.nodes(primitives.len(), tuning);
-            }
-        }
-        own.iter_mut().for_each(|node| node.log_evidence += prior);
-        nodes.extend(own);
-        primitives.push(linearised.primitive);
-        members.push(linearised.members);
+    let own = modes.iter().filter(is_own).filter(|m| m.holds_most(tuning));
+    let bases: Vec<LinearisedBase> = own.map(|m| LinearisedBase::new(m, sample, tuning).departing(tuning)).collect();
+    let rough: Vec<f64> = bases.iter().map(|base| base.rough(tuning)).collect();
+    let likeliest = most(&rough);
+    let is_worth = |rough: f64| rough > likeliest - tuning.hopeless[0];
+    let worth = bases.into_iter().zip(rough).filter(|(_, rough)| is_worth(*rough));
+    let judged: Vec<(LinearisedBase, Vec<BodyHypothesis>)> = worth
+        .map(|(base, _)| {
+            let nodes = base.nodes(0, tuning);
+            (base, nodes)
+        })
+        .collect();
+    let best = most(&judged.iter().flat_map(|(_, nodes)| nodes.iter().map(|n| n.log_evidence)).collect::<Vec<f64>>());
+    let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+    for (base, found) in judged {
+        let (base, mut found) = about_its_best(base, found, best, tuning);
+        let prior = kind_prior(base.primitive.kind, tuning);
+        found.iter_mut().for_each(|node| (node.of, node.log_evidence) = (primitives.len(), node.log_evidence + prior));
+        nodes.extend(found);
+        primitives.push(base.primitive);
+        members.push(base.members);
     }
-    let most = nodes.iter().map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
+    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: false })
+}
+
+/// The nodes that have a weight, their weights, and the log evidence of the likeliest.
+pub(super) fn normalised(
+    mut nodes: Vec<BodyHypothesis>,
+    tuning: &Tuning,
+) -> Option<(Vec<BodyHypothesis>, Vec<f64>, f64)> {
+    let most = most(&nodes.iter().map(|n| n.log_evidence).collect::<Vec<f64>>());
     if !most.is_finite() {
         return None;
     }
-    nodes.retain(|node| node.log_evidence > most - HOPELESS);
+    nodes.retain(|node| node.log_evidence > most - tuning.hopeless[1]);
     let mut weights: Vec<f64> = nodes.iter().map(|node| (node.log_evidence - most).exp()).collect();
     let all: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|w| *w /= all);
-    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence: most })
+    Some((nodes, weights, most))
+}
+
+/// The same about the likeliest node's primitive, where that has a chance: the departure takes its part of the distances, so that the
+/// likeliest primitive is another than the robust one.
+fn about_its_best<'a>(
+    base: LinearisedBase<'a>,
+    nodes: Vec<BodyHypothesis>,
+    best: f64,
+    tuning: &Tuning,
+) -> (LinearisedBase<'a>, Vec<BodyHypothesis>) {
+    let likeliest = nodes.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence));
+    let Some(likeliest) = likeliest.filter(|node| node.log_evidence > best - tuning.hopeless[1]) else {
+        return (base, nodes);
+    };
+    let step = likeliest.step().to_vec();
+    if !moved(&base.primitive, &step).is_sound(tuning.extent) {
+        return (base, nodes);
+    }
+    let base = base.moved(&step, tuning);
+    let nodes = base.nodes(0, tuning);
+    (base, nodes)
+}
+
+fn most(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn kind_prior(kind: PartKind, tuning: &Tuning) -> f64 {

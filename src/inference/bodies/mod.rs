@@ -17,11 +17,13 @@ mod candidates;
 mod chart;
 mod departure;
 mod evidence;
+mod free_surface;
 mod inference;
 mod mode;
 mod other_things;
 mod posterior;
 mod prior;
+mod rows;
 mod sample;
 mod search;
 #[cfg(test)]
@@ -29,7 +31,8 @@ mod tests;
 mod tuning;
 
 pub(crate) use chart::BodyChart;
-pub(crate) use inference::{BELONGS, BodyPosterior, Verdict, infer};
+pub(crate) use free_surface::free_surface;
+pub(crate) use inference::{BodyPosterior, Verdict, infer};
 pub(crate) use other_things::Thing;
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
 pub(crate) use sample::BodySample;

@@ -10,9 +10,11 @@
 
 use std::f64::consts::PI;
 
+use statrs::function::erf::erf_inv;
+
 use super::sample::BodySample;
 use super::tuning::Tuning;
-use crate::primitives::descent::{complete, damped_step, rows};
+use crate::primitives::descent::{PrimitiveRow, complete, damped_step, row_of_distance, rows_of_normal};
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::linalg::small::{NotPositiveDefinite, Square};
@@ -84,22 +86,22 @@ pub(super) fn log_false(tuning: &Tuning, has_normal: bool) -> f64 {
     -tuning.reach.ln() - if has_normal { (4.0 * PI).ln() } else { 0.0 }
 }
 
-/// Whether so few contacts can tell false ones from others: half of them must still outnumber the unknowns.
-fn may_be_false(sample: &BodySample, unknowns: usize) -> bool {
+/// Whether so few contacts can tell false ones from others.
+fn may_be_false(sample: &BodySample, unknowns: usize, tuning: &Tuning) -> bool {
     let rows = sample.len() + 2 * sample.known_normals();
-    sample.len() >= 8 && rows >= 3 * (unknowns + 1)
+    sample.len() >= tuning.false_from && rows >= 3 * (unknowns + 1)
 }
 
-/// The share of contacts that surely belong to the surface, though half of all are false.
-const LOW: f64 = 0.3;
-
-/// The quantile at that share of a gaussian's magnitude, and of the length of two independent ones, in standard deviations.
-const LOW_OF_DISTANCES: f64 = 0.3853;
-const LOW_OF_OFFSETS: f64 = 0.8446;
-
-/// The sd by a low quantile of magnitudes; 0 of an empty list.
-fn scale_of(magnitudes: Vec<f64>, quantile_of_one: f64) -> f64 {
-    quantile(magnitudes, LOW, Rank::Reached).unwrap_or(0.0) / quantile_of_one
+/// Sds of distances and of normals in each tangent direction, by a low quantile of their magnitudes over that of a gaussian and of the
+/// length of two independent ones; 0 of an empty list.
+fn low_scales(offsets: &[(f64, Option<f64>)], share: f64) -> [f64; 2] {
+    let of = |magnitudes: Vec<f64>| quantile(magnitudes, share, Rank::Reached).unwrap_or(0.0);
+    let of_distances = 2.0_f64.sqrt() * erf_inv(share);
+    let of_lengths = (-2.0 * (1.0 - share).ln()).sqrt();
+    [
+        of(offsets.iter().map(|(d, _)| d.abs()).collect()) / of_distances,
+        of(offsets.iter().filter_map(|(_, off)| off.map(f64::sqrt)).collect()) / of_lengths,
+    ]
 }
 
 struct Scales {
@@ -174,14 +176,11 @@ pub(super) fn mode(start: &Primitive, sample: &BodySample, strays: FalseContacts
     let unknowns = start.kind.free().len();
     let mut primitive = *start;
     let first = offsets(&primitive, sample);
-    let sd = [
-        scale_of(first.iter().map(|(d, _)| d.abs()).collect(), LOW_OF_DISTANCES).max(sample.floor[0]),
-        scale_of(first.iter().filter_map(|(_, off)| off.map(f64::sqrt)).collect(), LOW_OF_OFFSETS)
-            .clamp(sample.floor[1], 1.0),
-    ];
+    let [of_distances, of_normals] = low_scales(&first, tuning.surely_own);
+    let sd = [of_distances.max(sample.floor[0]), of_normals.clamp(sample.floor[1], 1.0)];
     let eps = match strays {
         FalseContacts::None => 0.0,
-        FalseContacts::Some if !may_be_false(sample, unknowns) => return None,
+        FalseContacts::Some if !may_be_false(sample, unknowns, tuning) => return None,
         FalseContacts::Some => 1.0 / tuning.false_prior,
     };
     let mut scales = Scales { sd, eps };
@@ -216,6 +215,16 @@ struct WeightedRows<'a> {
 }
 
 impl WeightedRows<'_> {
+    /// Adds a row to the equations, and returns its square.
+    fn add(&mut self, (residual, row): &PrimitiveRow, weight: f64, free: &[usize]) -> f64 {
+        for (k, &a) in free.iter().enumerate() {
+            let heavy = weight * row[a];
+            self.gradient[a] += heavy * residual;
+            free[..=k].iter().for_each(|&b| self.matrix[a][b] += heavy * row[b]);
+        }
+        weight * residual * residual
+    }
+
     fn sum(&self, primitive: &Primitive) -> f64 {
         let each = offsets(primitive, self.sample);
         let one = |((d, off), w): (&(f64, Option<f64>), &f64)| {
@@ -235,18 +244,14 @@ impl ResidualModel for WeightedRows<'_> {
         let free = at.kind.free();
         let mut sum = 0.0;
         for (i, w) in self.weights.iter().enumerate() {
-            let place = self.sample.points[i];
-            let normal = self.sample.normal(i).map(|n| aligned(n, at.nearest(place).1));
-            let all = rows(at, place, normal.unwrap_or([0.0; 3]));
-            let count = if normal.is_some() { 4 } else { 1 };
-            for (number, (residual, row)) in all.iter().take(count).enumerate() {
-                let weight = w * self.precision[usize::from(number > 0)];
-                sum += weight * residual * residual;
-                for (k, &a) in free.iter().enumerate() {
-                    let heavy = weight * row[a];
-                    self.gradient[a] += heavy * residual;
-                    free[..=k].iter().for_each(|&b| self.matrix[a][b] += heavy * row[b]);
-                }
+            let q = at.own(self.sample.points[i]);
+            let jet = at.at(q);
+            sum += self.add(&row_of_distance(&jet, q), w * self.precision[0], free);
+            if let Some(normal) = self.sample.normal(i) {
+                let given = at.axes.map(|axis| dot(axis, normal));
+                let outwards = jet.gradient.map(|g| at.side * g);
+                let each = rows_of_normal(at, &jet, q, aligned(given, outwards));
+                sum += each.iter().map(|row| self.add(row, w * self.precision[1], free)).sum::<f64>();
             }
         }
         complete(&mut self.matrix, free);

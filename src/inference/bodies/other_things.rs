@@ -16,25 +16,10 @@ use super::search::modes;
 use super::tuning::Tuning;
 use crate::primitives::placed::Primitive;
 
-/// Contacts that a thing has at least.
-const FEWEST_OF_A_THING: usize = 6;
-
-/// Share of the contacts left out that the second holds: one more face of a cube has a fifth of them.
-const OF_THE_REST: f64 = 0.15;
-
-/// First things, the likeliest, of which the second is looked for.
-const FIRSTS: usize = 4;
-
-/// Log evidence by which two things must be ahead of one.
-const CLEARLY: f64 = 10.0;
-
-/// Spread across a line over that along it, below which contacts are one row: a row lies on many surfaces and is no thing.
-const ROW: f64 = 0.05;
-
 /// Whether contacts lie beside a line.
-fn spans(sample: &BodySample) -> bool {
+fn spans(sample: &BodySample, tuning: &Tuning) -> bool {
     let [_, across, along] = principal(sample).2;
-    across > ROW * ROW * along
+    across > tuning.row * tuning.row * along
 }
 
 /// A primitive and how many contacts are its own.
@@ -54,17 +39,17 @@ pub(super) fn two_things(sample: &BodySample, known: &[Mode], of_one: f64, tunin
     let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).filter_map(with_evidence).collect();
     firsts.retain(|(_, first)| leaves_enough(sample, first, tuning));
     firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let rated = firsts.into_iter().take(FIRSTS).filter_map(|(log, first)| split(sample, first, log, tuning));
+    let rated = firsts.into_iter().take(tuning.firsts).filter_map(|(log, first)| split(sample, first, log, tuning));
     let (log, things) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (log > of_one + CLEARLY).then_some(things)
+    (log > of_one + tuning.clearly).then_some(things)
 }
 
 /// Whether the first thing has contacts enough, leaves enough, and neither are one row.
 fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
     let own = first.members();
-    let least = ((tuning.other_things * sample.len() as f64).ceil() as usize).max(FEWEST_OF_A_THING);
+    let least = ((tuning.other_things * sample.len() as f64).ceil() as usize).max(tuning.thing_contacts);
     let counts = own.len() >= least && sample.len() - own.len() >= least;
-    counts && spans(&sample.only(&own)) && spans(&sample.only(&first.others()))
+    counts && spans(&sample.only(&own), tuning) && spans(&sample.only(&first.others()), tuning)
 }
 
 /// The first thing with the likeliest second one, and the log evidence of both.
@@ -75,7 +60,7 @@ fn split(sample: &BodySample, first: &Mode, of_first: f64, tuning: &Tuning) -> O
         found.iter().filter_map(|m| Some((LinearisedBase::new(m, &others, tuning).without_departure(tuning)?, m)));
     let (of_second, second) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let contacts = second.members().len();
-    if contacts < FEWEST_OF_A_THING || (contacts as f64) < OF_THE_REST * others.len() as f64 {
+    if contacts < tuning.thing_contacts || (contacts as f64) < tuning.second_share * others.len() as f64 {
         return None;
     }
     let by_chance: f64 = (0..others.len()).map(|i| log_false(tuning, others.normal(i).is_some())).sum();

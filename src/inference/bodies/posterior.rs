@@ -5,11 +5,12 @@
 //! theta = likeliest + s sqrt(nu / chi^2_nu) L^-T z         z gaussian, L the factor of the precision: Student's law of s unknown
 //! ```
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use super::departure::DepartureProcess;
+use super::departure::{DepartureJet, DepartureOver, DepartureProcess};
 use super::evidence::{BodyHypothesis, moved};
 use super::inference::BodyPosterior;
 use super::mode::is_possible;
@@ -18,16 +19,22 @@ use crate::dense;
 use crate::primitives::placed::{Primitive, axes_along};
 use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::statistics::weighted_quantile;
-use palpate_numeric::vector::{Vector, along, dot, unit};
+use palpate_numeric::vector::{Vector, along, dot, minus, unit};
 
 /// The golden section less one: its multiples fall evenly into 0 to 1, so that draws of every node are read both ways.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Steps onto a surface: each squares what is left.
+const ONTO: usize = 4;
+
+/// Squared slope of F below which it has no direction.
+const FLAT: f64 = 1e-6;
 
 /// One drawn surface, in units of the sample.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnBase {
     pub(crate) primitive: Primitive,
-    /// Its departure with the weights that were drawn, where that is read as shape; as an error of the sensor it bends nothing.
+    /// Its departure with the coefficients that were drawn, where that is read as shape; as an error of the sensor it bends nothing.
     departure: Option<(Arc<DepartureProcess>, Vec<f64>)>,
     /// Its share of all; they sum to 1.
     pub(crate) share: f64,
@@ -42,8 +49,8 @@ impl DrawnBase {
     /// The likeliest primitive of a node with its departure.
     pub(crate) fn likeliest(primitive: Primitive, node: &BodyHypothesis) -> DrawnBase {
         let departure = node.process.clone().map(|process| {
-            let weights = node.solution[..process.len()].to_vec();
-            (process, weights)
+            let coefficients = process.coefficients(&node.solution[..process.len()]);
+            (process, coefficients)
         });
         DrawnBase { primitive, departure, share: 1.0 }
     }
@@ -53,29 +60,53 @@ impl DrawnBase {
         DrawnBase { primitive, ..self }
     }
 
-    /// Height of the departure over a place of the primitive, outwards, and its slope there.
-    fn height(&self, foot: Vector, outwards: Vector) -> (f64, Vector) {
-        let Some((process, weights)) = &self.departure else { return (0.0, [0.0; 3]) };
-        let sum = |row: Vec<f64>| row.iter().zip(weights).map(|(phi, w)| phi * w).sum::<f64>();
-        let [first, second, _] = axes_along(outwards);
-        let [a, b] = [first, second].map(|tangent| sum(process.slopes(foot, tangent)));
-        (sum(process.values(foot)), along(first.map(|t| t * a), b, second))
+    /// F, its gradient and its Hessian at a place; F is positive outside.
+    fn jet(&self, place: Vector) -> DepartureJet {
+        let q = self.primitive.own(place);
+        let base = self.primitive.at(q);
+        let axes = self.primitive.axes;
+        let gradient = self.primitive.out(base.gradient);
+        let rotated = base.hessian.map(|row| self.primitive.out(row));
+        let hessian = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| axes[k][i] * rotated[k][j]).sum::<f64>()));
+        let mut jet = DepartureJet { value: base.distance, gradient, hessian };
+        if let Some((process, coefficients)) = &self.departure {
+            let by = match process.over {
+                DepartureOver::Space => process.jet(coefficients, place),
+                DepartureOver::Feet => {
+                    process.jet(coefficients, along(place, -base.distance, gradient)).across(gradient)
+                }
+            };
+            jet.value -= by.value;
+            jet.gradient = minus(jet.gradient, by.gradient);
+            (0..3).for_each(|i| jet.hessian[i] = minus(jet.hessian[i], by.hessian[i]));
+        }
+        jet
+    }
+
+    /// The point of the surface next to a place: steps of Newton's along the gradient.
+    fn onto(&self, place: Vector) -> Vector {
+        if self.departure.is_none() {
+            let (d, normal) = self.primitive.nearest(place);
+            return along(place, -d, normal);
+        }
+        (0..ONTO).fold(place, |p, _| {
+            let jet = self.jet(p);
+            let square = dot(jet.gradient, jet.gradient).max(FLAT);
+            along(p, -jet.value / square, jet.gradient)
+        })
     }
 
     /// Place and unit normal of the surface over a place of the primitive.
     pub(crate) fn over(&self, foot: Vector) -> (Vector, Vector) {
-        let (_, normal) = self.primitive.nearest(foot);
-        let outwards = normal.map(|n| n * self.primitive.side);
-        let (height, slope) = self.height(foot, outwards);
-        let leaning = unit(along(outwards, -1.0, slope));
-        (along(foot, height, outwards), leaning.map(|n| n * self.primitive.side))
+        let place = self.onto(foot);
+        let outwards = unit(self.jet(place).gradient);
+        (place, outwards.map(|n| n * self.primitive.side))
     }
 
     /// Signed distance of a place, positive on the free side.
     pub(crate) fn distance(&self, place: Vector) -> f64 {
-        let (d, normal) = self.primitive.nearest(place);
-        let outwards = normal.map(|n| n * self.primitive.side);
-        d - self.primitive.side * self.height(along(place, -d, normal), outwards).0
+        let jet = self.jet(place);
+        self.primitive.side * jet.value / dot(jet.gradient, jet.gradient).max(FLAT).sqrt()
     }
 
     /// Whether it departs from its primitive.
@@ -85,25 +116,63 @@ impl DrawnBase {
 
     /// Principal curvatures `k1 >= k2` at the foot of a place, the normal towards the free side.
     pub(crate) fn curvatures(&self, place: Vector) -> [f64; 2] {
-        let (d, normal) = self.primitive.nearest(place);
-        let foot = along(place, -d, normal);
-        let Some((process, weights)) = &self.departure else { return self.primitive.curvatures(foot) };
-        let outwards = normal.map(|n| n * self.primitive.side);
-        let [first, second, _] = axes_along(outwards);
-        let hessian = self.primitive.at(self.primitive.own(foot)).hessian;
-        let own = [first, second].map(|t| self.primitive.axes.map(|axis| dot(axis, t)));
-        let of_base = |a: usize, b: usize| -(0..3).map(|i| own[a][i] * dot(hessian[i], own[b])).sum::<f64>();
-        let bent = process.bending(weights, foot, [first, second]);
-        let [a, b, c] = [of_base(0, 0) + bent[0], of_base(0, 1) + bent[1], of_base(1, 1) + bent[2]];
-        let (mean, half) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
-        let [k, l] = [mean + half, mean - half].map(|k| k * self.primitive.side);
-        [k.max(l), k.min(l)]
+        self.reading(place).curvatures
     }
+
+    /// All that is asked about a place.
+    pub(crate) fn reading(&self, place: Vector) -> SurfaceReading {
+        if self.departure.is_none() {
+            let (distance, normal) = self.primitive.nearest(place);
+            let curvatures = self.primitive.curvatures(along(place, -distance, normal));
+            return SurfaceReading { distance, normal, curvatures };
+        }
+        let side = self.primitive.side;
+        let first = self.jet(place);
+        let square = dot(first.gradient, first.gradient).max(FLAT);
+        let there = self.jet(along(place, -first.value / square, first.gradient));
+        let steepness = dot(there.gradient, there.gradient).max(FLAT).sqrt();
+        let outwards = there.gradient.map(|g| g / steepness);
+        let [s, t, _] = axes_along(outwards);
+        let bend = |a: Vector, b: Vector| -(0..3).map(|i| a[i] * dot(there.hessian[i], b)).sum::<f64>() / steepness;
+        let [a, b, c] = [bend(s, s), bend(s, t), bend(t, t)];
+        let (mean, half) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+        let [k, l] = [mean + half, mean - half].map(|k| k * side);
+        SurfaceReading {
+            distance: side * first.value / square.sqrt(),
+            normal: outwards.map(|n| n * side),
+            curvatures: [k.max(l), k.min(l)],
+        }
+    }
+}
+
+/// What a drawn surface says about a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceReading {
+    /// Signed distance, positive on the free side.
+    pub(crate) distance: f64,
+    /// Normal at its foot, towards the free side.
+    pub(crate) normal: Vector,
+    /// Principal curvatures there, `k1 >= k2`.
+    pub(crate) curvatures: [f64; 2],
+}
+
+/// Probability that a departure is an error of the sensor and not shape, by its size r in standard deviations of a contact.
+///
+/// ```text
+/// error  p(r) = 2 / (pi (1 + r^2))      shared errors are as large as a contact's own, seldom far larger
+/// shape  p(r) = 1 / (r ln(most / least))     of any size
+/// ```
+fn is_sensor_error(node: &BodyHypothesis, tuning: &Tuning) -> f64 {
+    let Some([_, r]) = node.departure else { return 0.0 };
+    let ends = tuning.departures.iter().fold([f64::INFINITY, 0.0_f64], |[lo, hi], r| [lo.min(*r), hi.max(*r)]);
+    let of_error = tuning.departure_is_error * 2.0 / (PI * (1.0 + r * r));
+    let of_shape = (1.0 - tuning.departure_is_error) / (r * (ends[1] / ends[0]).ln().max(1.0));
+    of_error / (of_error + of_shape)
 }
 
 /// Draws of all kinds by their weights.
 pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Vec<DrawnBase> {
-    let (count, as_error) = (tuning.draws, tuning.departure_is_error);
+    let count = tuning.draws;
     let source = EffectDraws::new(seed, "bodies");
     let mut found = Vec::with_capacity(count);
     let (mut cumulated, mut taken) = (0.0, 0);
@@ -122,9 +191,13 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             let drawn = moved(&base, &step[weights..]);
             // a radius below zero is no body: the likeliest stands for it
             let primitive = if is_possible(&drawn) { drawn } else { moved(&base, node.step()) };
+            let as_error = if posterior.is_free { 0.0 } else { is_sensor_error(node, tuning) };
             let is_error = found.len() as f64 * GOLDEN % 1.0 < as_error;
             let process = node.process.clone().filter(|_| !is_error);
-            let departure = process.map(|process| (process, step[..weights].to_vec()));
+            let departure = process.map(|process| {
+                let coefficients = process.coefficients(&step[..weights]);
+                (process, coefficients)
+            });
             found.push(DrawnBase { primitive, departure, share: 0.0 });
         }
         taken = until.min(count).max(taken);

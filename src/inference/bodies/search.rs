@@ -1,20 +1,15 @@
 //! The likeliest mode of every kind of primitive, from all starts.
 
 use super::candidates::{Candidate, candidates, on_either_side};
+use super::evidence::LinearisedBase;
 use super::mode::{FalseContacts, Mode, mode};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 
-/// Contacts among which modes are searched; the best of every kind is then followed over all.
-const SEARCHED: usize = 400;
-
-/// Extent of contacts in units of their own size, by which a primitive is told from a simpler one.
-pub(super) const EXTENT: f64 = 3.0;
-
 /// The likeliest modes of every kind over all contacts, without false contacts, with some, and where most contacts are left
 /// out: which of these the contacts are is a matter of the evidence.
 pub(super) fn modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
-    let few = sample.at_most(SEARCHED);
+    let few = sample.at_most(tuning.searched);
     let mut best: Vec<Mode> = Vec::new();
     for candidate in candidates(&few, tuning) {
         keep_better(&mut best, candidate, &few, tuning);
@@ -27,7 +22,21 @@ pub(super) fn modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
     if few.len() == sample.len() {
         return best;
     }
-    best.iter().filter_map(|found| mode(&found.primitive, sample, found.strays, tuning)).collect()
+    with_a_chance(&best, &few, tuning)
+        .filter_map(|found| mode(&found.primitive, sample, found.strays, tuning))
+        .filter(|found| found.primitive.is_sound(tuning.extent))
+        .collect()
+}
+
+/// Those whose rough evidence over a part of the contacts is not hopeless, and those that leave contacts out: they may be one thing of
+/// several.
+fn with_a_chance<'a>(modes: &'a [Mode], few: &BodySample, tuning: &Tuning) -> impl Iterator<Item = &'a Mode> {
+    let rough = |found: &Mode| LinearisedBase::new(found, few, tuning).departing(tuning).rough(tuning);
+    let rated: Vec<(f64, &Mode)> = modes.iter().map(|found| (rough(found), found)).collect();
+    let likeliest = rated.iter().map(|(rough, _)| *rough).fold(f64::NEG_INFINITY, f64::max);
+    let has_chance =
+        move |(rough, found): &(f64, &Mode)| *rough > likeliest - tuning.hopeless[0] || !found.others().is_empty();
+    rated.into_iter().filter(has_chance).map(|(_, found)| found).collect::<Vec<&Mode>>().into_iter()
 }
 
 /// Follows a start, and keeps its mode where it is likelier than the one of its kind.
@@ -35,7 +44,7 @@ fn keep_better(best: &mut Vec<Mode>, Candidate { start, strays }: Candidate, few
     if few.len() + 2 * few.known_normals() <= start.kind.free().len() {
         return;
     }
-    let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(EXTENT));
+    let found = mode(&start, few, strays, tuning).filter(|found| found.primitive.is_sound(tuning.extent));
     let Some(found) = found else { return };
     let most = found.holds_most(tuning);
     let is_rival = |known: &&mut Mode| {

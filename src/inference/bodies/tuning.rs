@@ -27,7 +27,10 @@ pub struct Tuning {
     /// Change of the mean S, and of the mean R relative to it, from which on a surface that departs is no longer of its kind: half a class, and
     /// a tenth.
     pub other_shape: [f64; 2],
-    /// Probability that a departure is an error of the sensor and not shape: even, since contacts of one sensor do not tell.
+    /// Root mean square of a departure, in the same unit as lengths, from which on the surface is no longer of its kind either.
+    pub other_body: f64,
+    /// Probability that a departure is an error of the sensor and not shape, before its size is looked at: even, since contacts of one
+    /// sensor do not tell.
     pub departure_is_error: f64,
     /// The prior of the share of false contacts is Beta(1, this): one in twenty is expected.
     pub false_prior: f64,
@@ -40,6 +43,20 @@ pub struct Tuning {
     pub largest_slope: f64,
     /// Scatter of single contacts, in the same unit as lengths, beyond which a primitive is no answer.
     pub largest_scatter: f64,
+    /// Contacts from which on a body of no simple kind is a free surface, with and without normals.
+    pub free_from: [usize; 2],
+    /// Length of the mean normal below which contacts go all round a body: half a ball has a half.
+    pub all_round: f64,
+    /// Lengths of a free surface's departure from its base.
+    pub free_lengths: [f64; 4],
+    /// Sizes of that departure, in standard deviations of a single contact: up to a third of the body for the most exact sensor.
+    pub free_sizes: [f64; 6],
+    /// Contacts from which a free surface is computed at most.
+    pub free_contacts: usize,
+    /// Places that carry a free surface at most.
+    pub free_features: usize,
+    /// Root mean square error at contacts left out, over that of the best primitive, up to which a free surface is an answer.
+    pub free_predicts: f64,
     /// Share of all contacts that each of two things has at least, counting with the second what both leave out: one face of a cube has
     /// a sixth.
     pub other_things: f64,
@@ -55,6 +72,61 @@ pub struct Tuning {
     pub most_features: usize,
     /// Surfaces that are drawn from the posterior.
     pub draws: usize,
+    /// Contacts among which modes are searched; the best of every kind is then followed over all.
+    pub searched: usize,
+    /// Directions of an axis that are tried on a half sphere: of 160 the next is 6 degrees away.
+    pub directions: usize,
+    /// Starts of a kind that are followed to their mode: the nearest by the distance that a sure share of the contacts has at most, by the
+    /// median, and by the mean square.
+    pub followed: [usize; 3],
+    /// Share of the contacts that surely belong to the surface, or to one of two sheets, though half of all are false.
+    pub surely_own: f64,
+    /// Contacts from which planes through neighbours tell normals for a start.
+    pub neighbourly: usize,
+    /// Contacts from which on false ones are told from others: half of them must still outnumber the unknowns.
+    pub false_from: usize,
+    /// Extent, in the same unit as lengths, by which sizes are judged: beyond a hundred of it a simpler kind is as good.
+    pub extent: f64,
+    /// Log evidence below the best at which a hypothesis is left out: by its rough value, to which exact departures add less, and by the whole.
+    pub hopeless: [f64; 2],
+    /// Standard deviations within which a contact belongs to a primitive that was fitted to others of the same cloud.
+    pub belongs: f64,
+    /// Contacts that each of several things has at least.
+    pub thing_contacts: usize,
+    /// Share of the contacts left out that the second thing holds: one more face of a cube has a fifth of them.
+    pub second_share: f64,
+    /// First things, the likeliest, of which the second is looked for.
+    pub firsts: usize,
+    /// Log evidence by which two things must be ahead of one.
+    pub clearly: f64,
+    /// Spread across a line over that along it, below which contacts are one row: a row lies on many surfaces and is no thing.
+    pub row: f64,
+    /// Share of contacts or normals set aside from which on a patch is doubted.
+    pub doubtful: f64,
+    /// Share of the given normals that turn away from a patch's middle by more than a patch may, from which on it is judged as a body.
+    pub farther_round: f64,
+    /// Share of false contacts, or of normals against a patch, from which on a body is the better answer.
+    pub decisive: f64,
+    /// Probability that the kind of a body has at least where there are too few contacts for a patch.
+    pub sure_of_few: f64,
+    /// Contacts from which on two peaks of their distances are looked for.
+    pub peaks_from: usize,
+    /// Spread across a line over that along it, above which places are no line whatever they err by.
+    pub narrow: f64,
+    /// Spread across a line, in standard deviations of a contact, that errors may have made.
+    pub line_errors: f64,
+    /// Places without normals from which on a plane through them is asked whether they are one bent path.
+    pub path_from: usize,
+    /// Share of normals that must point to one side for it to be the free one.
+    pub normals_agree: f64,
+    /// Scatter of normals, radians, from which on they tell nothing.
+    pub random_normals: f64,
+    /// Posterior probability of a departure from which on it is spoken of.
+    pub certain: f64,
+    /// A gap between contacts round a body, degrees, that is no gap of its map.
+    pub no_gap_deg: f64,
+    /// A place of the map is supported where a contact is so many times as near as contacts are to each other, at the 90th percentile.
+    pub supported: f64,
 }
 
 impl Default for Tuning {
@@ -66,12 +138,20 @@ impl Default for Tuning {
             exact: 0.5,
             log_ratio: [-1.0, 1.6],
             other_shape: [0.06, 0.1],
+            other_body: 0.05,
             departure_is_error: 0.5,
             false_prior: 20.0,
             false_most: 0.5,
             reach: 2.0,
             largest_slope: 0.12,
             largest_scatter: 0.2,
+            free_from: [20, 40],
+            all_round: 0.5,
+            free_lengths: [0.15, 0.3, 0.6, 1.2],
+            free_sizes: [8.0, 32.0, 128.0, 512.0, 2048.0, 8192.0],
+            free_contacts: 600,
+            free_features: 240,
+            free_predicts: 0.5,
             other_things: 0.15,
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
@@ -79,6 +159,33 @@ impl Default for Tuning {
             most_contacts: 6000,
             most_features: 48,
             draws: 400,
+            searched: 120,
+            directions: 160,
+            followed: [2, 2, 2],
+            surely_own: 0.3,
+            neighbourly: 20,
+            false_from: 8,
+            extent: 3.0,
+            hopeless: [60.0, 40.0],
+            belongs: 4.0,
+            thing_contacts: 6,
+            second_share: 0.15,
+            firsts: 4,
+            clearly: 10.0,
+            row: 0.05,
+            doubtful: 0.05,
+            farther_round: 0.2,
+            decisive: 0.1,
+            sure_of_few: 0.8,
+            peaks_from: 12,
+            narrow: 0.2,
+            line_errors: 3.0,
+            path_from: 9,
+            normals_agree: 0.75,
+            random_normals: 0.35,
+            certain: 0.95,
+            no_gap_deg: 60.0,
+            supported: 3.0,
         }
     }
 }

@@ -9,7 +9,7 @@
 use super::cloud::Cloud;
 use super::local::Noise;
 use super::partition::{NONE, Partition};
-use crate::bodies::{self, BELONGS, BodySample, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::vector::Vector;
 
@@ -30,7 +30,8 @@ const LOOSE: f64 = 3.0;
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
-    let things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &Tuning::default()) {
+    let tuning = Tuning::default();
+    let things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
             let node = posterior.best_of(kind).filter(|node| node.departure_size() < DEPARTS)?;
@@ -47,7 +48,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let label = |p: &Vector| {
         let away = |thing: &Thing| thing.primitive.nearest(*p).0.abs() / thing.scatter;
         let nearest = (0..things.len()).min_by(|a, b| away(&things[*a]).total_cmp(&away(&things[*b])));
-        nearest.filter(|k| away(&things[*k]) <= BELONGS).map_or(NONE, |k| k as u32)
+        nearest.filter(|k| away(&things[*k]) <= tuning.belongs).map_or(NONE, |k| k as u32)
     };
     let labels: Vec<u32> = sample.points.iter().map(label).collect();
     let held = labels.iter().filter(|label| **label != NONE).count() as f64;

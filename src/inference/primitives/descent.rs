@@ -69,15 +69,26 @@ impl Descended {
 }
 
 /// The rows of one point: residual and derivatives by all unknowns, the distance's first, then the normal's three.
-pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [(f64, [f64; MOST_UNKNOWNS]); 4] {
+pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [PrimitiveRow; 4] {
     let q = primitive.own(p);
-    let m = primitive.axes.map(|axis| dot(axis, n));
     let at = primitive.at(q);
+    let [first, second, third] = rows_of_normal(primitive, &at, q, primitive.axes.map(|axis| dot(axis, n)));
+    [row_of_distance(&at, q), first, second, third]
+}
+
+/// A residual and its derivatives by all unknowns.
+pub(crate) type PrimitiveRow = (f64, [f64; MOST_UNKNOWNS]);
+
+/// The row of a distance, at a place in the primitive's own axes.
+pub(crate) fn row_of_distance(at: &DistanceJet, q: Vector) -> PrimitiveRow {
+    (at.distance, distance_row(at, q))
+}
+
+/// The rows of a normal, at a place and with the normal in the primitive's own axes.
+pub(crate) fn rows_of_normal(primitive: &Primitive, at: &DistanceJet, q: Vector, m: Vector) -> [PrimitiveRow; 3] {
     let s = primitive.side;
-    let mut all = [(0.0, [0.0; MOST_UNKNOWNS]); 4];
-    all[0] = (at.distance, distance_row(&at, q));
-    for (row, entry) in all.iter_mut().enumerate().skip(1) {
-        let k = row - 1;
+    let mut all = [(0.0, [0.0; MOST_UNKNOWNS]); 3];
+    for (k, entry) in all.iter_mut().enumerate() {
         entry.0 = s * at.gradient[k] - m[k];
         (0..3).for_each(|j| entry.1[j] = -s * at.hessian[k][j]);
         for j in 0..2 {

@@ -19,7 +19,7 @@ mod input;
 mod rounding;
 
 pub(crate) use cells::{CellNormals, Cells, cells, is_known};
-pub(crate) use conic::on_conic;
+pub(crate) use conic::{distance_from_conic, on_conic};
 pub(crate) use derived_normals_test::{AGAINST, derived_from_positions};
 pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;

@@ -13,7 +13,8 @@
 //!
 //! Whole blocks are left out, because errors of neighbouring contacts are alike. A single contact left out would be
 //! predicted the better, the more closely the field follows its neighbours' errors. (D. R. Roberts et al., *Ecography*
-//! 40 (2017) 913.)
+//! 40 (2017) 913.) Where waves are shorter than blocks no field predicts these; then single contacts are left out, of which a field that
+//! follows errors alone predicts none.
 
 use crate::recognition::start::thinned;
 use palpate_fitting::fit::{Fit, FitError, FitOptions, fit_contacts, fit_contacts_over};
@@ -39,8 +40,15 @@ const AS_GOOD: f64 = 1.05;
 const RISEN: f64 = 1.5;
 const UNPREDICTED: f64 = 0.5;
 
-/// Contacts for every unknown at least.
-const PER_UNKNOWN: usize = 3;
+/// The same where single contacts are left out: as fine as the waves ask for.
+const FINE_SEGMENTS: [usize; 9] = [2, 4, 6, 8, 10, 12, 16, 24, 32];
+
+/// Contacts for every unknown at least, where blocks and where single contacts are left out.
+const PER_UNKNOWN: f64 = 3.0;
+const PER_FINE_UNKNOWN: f64 = 1.3;
+
+/// The golden section, less one.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Contacts among which blocks are left out; more would take longer and choose the same.
 const MOST_CONTACTS: usize = 10_000;
@@ -69,19 +77,12 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
     let few = Contacts { x, y, z, orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
     let relief = relief(&points);
     let box_of = [extent(&few.x), extent(&few.y)];
-    let mut tried: Vec<([usize; 2], f64)> = Vec::new();
-    for segments in SEGMENTS {
-        let segments = alike(segments, box_of);
-        if PER_UNKNOWN * (segments[0] + DEGREE) * (segments[1] + DEGREE) > few.len() * (GROUPS - 1) / GROUPS {
-            break;
-        }
-        match left_out(&few, segments, box_of) {
-            Ok(error) if error.is_finite() => tried.push((segments, error)),
-            _ => break,
-        }
-        let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
-        if least < UNPREDICTED * relief && tried.last().is_some_and(|t| t.1 > RISEN * least) {
-            break;
+    let predicted = |tried: &Vec<([usize; 2], f64)>| tried.iter().any(|t| t.1 < UNPREDICTED * relief);
+    let mut tried = each_left_out(&few, box_of, relief, LeftOut::Blocks);
+    if !predicted(&tried) {
+        let fine = each_left_out(&few, box_of, relief, LeftOut::Contacts);
+        if predicted(&fine) {
+            tried = fine;
         }
     }
     let least = tried.iter().map(|t| t.1).min_by(f64::total_cmp)?;
@@ -93,6 +94,38 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
         fit_contacts_over(&Contacts { orientation: Orientation::None, ..contacts.clone() }, axes, &options)
     });
     Some(fit.map(|fit| Flexible { fit, tried, error, relief }))
+}
+
+/// What is left out at a time.
+#[derive(Clone, Copy)]
+enum LeftOut {
+    Blocks,
+    Contacts,
+}
+
+/// Segments with the error of contacts left out, up to where finer fields follow noise.
+fn each_left_out(few: &Contacts, box_of: [[f64; 2]; 2], relief: f64, out: LeftOut) -> Vec<([usize; 2], f64)> {
+    let mut tried: Vec<([usize; 2], f64)> = Vec::new();
+    let (all, per_unknown) = match out {
+        LeftOut::Blocks => (&SEGMENTS[..], PER_UNKNOWN),
+        LeftOut::Contacts => (&FINE_SEGMENTS[..], PER_FINE_UNKNOWN),
+    };
+    for segments in all {
+        let segments = alike(*segments, box_of);
+        let unknowns = ((segments[0] + DEGREE) * (segments[1] + DEGREE)) as f64;
+        if per_unknown * unknowns > (few.len() * (GROUPS - 1) / GROUPS) as f64 {
+            break;
+        }
+        match left_out(few, segments, box_of, out) {
+            Ok(error) if error.is_finite() => tried.push((segments, error)),
+            _ => break,
+        }
+        let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+        if least < UNPREDICTED * relief && tried.last().is_some_and(|t| t.1 > RISEN * least) {
+            break;
+        }
+    }
+    tried
 }
 
 /// This many segments along the longer side, and as many of that length as the shorter side takes.
@@ -107,18 +140,22 @@ fn extent(values: &[f64]) -> [f64; 2] {
     [lo, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Root mean square error over all blocks left out.
-fn left_out(contacts: &Contacts, segments: [usize; 2], [x, y]: [[f64; 2]; 2]) -> Result<f64, FitError> {
+/// Root mean square error over all that is left out.
+fn left_out(contacts: &Contacts, segments: [usize; 2], [x, y]: [[f64; 2]; 2], out: LeftOut) -> Result<f64, FitError> {
     let block = |v: f64, [lo, hi]: [f64; 2]| ((BLOCKS as f64 * (v - lo) / (hi - lo)) as usize).min(BLOCKS - 1);
-    let group = |r: usize| (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % GROUPS;
+    let group = |r: usize| match out {
+        LeftOut::Blocks => (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % GROUPS,
+        // by the golden section, so that no rows of a lattice are left out together
+        LeftOut::Contacts => (GROUPS as f64 * (r as f64 * GOLDEN).fract()) as usize,
+    };
     let mut options = FitOptions::default();
     (options.degree, options.segments) = ([DEGREE; 2], segments);
     options.domain = Some([x[0], x[1], y[0], y[1]]);
     let (mut sum, mut count) = (0.0, 0_usize);
-    for out in 0..GROUPS {
-        let kept: Vec<u32> = (0..contacts.len() as u32).filter(|&r| group(r as usize) != out).collect();
+    for number in 0..GROUPS {
+        let kept: Vec<u32> = (0..contacts.len() as u32).filter(|&r| group(r as usize) != number).collect();
         let surface = fit_contacts(&contacts.in_order(&kept), &options)?.input_surface()?;
-        for r in (0..contacts.len()).filter(|&r| group(r) == out) {
+        for r in (0..contacts.len()).filter(|&r| group(r) == number) {
             sum += (contacts.z[r] - surface.at(contacts.x[r], contacts.y[r]).z).powi(2);
             count += 1;
         }
@@ -146,6 +183,17 @@ mod tests {
             flexible(&Contacts::from_points(&points), Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
         assert!(found.tried.len() > 3 && found.error < 0.2 * found.relief, "{:?} of {}", found.tried, found.relief);
         assert!(found.fit.options().segments[0] >= 8);
+    }
+
+    #[test]
+    fn waves_shorter_than_blocks_are_predicted_from_their_neighbours() {
+        let points: Vec<Vector> = (0..400)
+            .map(|i| [(i % 20) as f64 * 0.5, (i / 20) as f64 * 0.5])
+            .map(|[x, y]| [x, y, x.sin() + (1.3 * y).cos().powi(2)])
+            .collect();
+        let found =
+            flexible(&Contacts::from_points(&points), Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
+        assert!(found.error < 0.25 * found.relief, "{:?} of {}", found.tried, found.relief);
     }
 
     #[test]

@@ -15,21 +15,19 @@ use crate::recognition::{
     RecognitionOptions, Remark, Tried,
 };
 
-/// Share of normals that must point to one side for it to be the free one.
-const AGREE: f64 = 0.75;
-
-/// Posterior probability of a departure from which on it is spoken of.
-const CERTAIN: f64 = 0.95;
-
-/// Scatter of normals, radians, from which on they tell nothing.
-const RANDOM: f64 = 0.35;
-
 /// A posterior with what it was asked about.
 pub(super) struct BodyAnswer<'a> {
     pub(super) posterior: &'a BodyPosterior,
     pub(super) sample: &'a BodySample,
     pub(super) given: &'a Observations,
     pub(super) options: &'a RecognitionOptions,
+}
+
+/// The map, how many of its points are supported, and the means of S and R of every draw over these.
+struct DrawnMap {
+    map: Vec<MapPoint>,
+    supported: usize,
+    shapes: Vec<Option<[f64; 2]>>,
 }
 
 /// Which side is free: outside 1, inside -1.
@@ -64,7 +62,7 @@ impl BodyAnswer<'_> {
     /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
     pub(super) fn explains_normals(&self) -> bool {
         let sd = self.posterior.best_of(self.kind()).map_or(f64::INFINITY, |best| best.sd_of_normals());
-        self.sample.known_normals() == 0 || sd < RANDOM
+        self.sample.known_normals() == 0 || sd < self.options.tuning.random_normals
     }
 
     /// # Errors
@@ -88,7 +86,7 @@ impl BodyAnswer<'_> {
         if !votes.is_empty() {
             let out = votes.iter().filter(|vote| **vote > 0.0).count() as f64 / votes.len() as f64;
             let side = if out >= 0.5 { 1.0 } else { -1.0 };
-            return FreeSide { side, known: out.max(1.0 - out) >= AGREE };
+            return FreeSide { side, known: out.max(1.0 - out) >= self.options.tuning.normals_agree };
         }
         if let Some(up) = self.options.up {
             let sum: f64 = members.iter().map(|i| dot(outwards(i), up)).sum();
@@ -110,29 +108,30 @@ impl BodyAnswer<'_> {
         let mut draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
         draws.iter_mut().for_each(|d| d.primitive = turned(d.primitive));
         let members: Vec<Vector> = self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
-        let free = free_form(&draws, &members, &self.options.tuning);
+        let free = if self.posterior.is_free { 1.0 } else { free_form(&draws, &members, &self.options.tuning) };
         let is_free = free > 0.5 * draws.iter().filter(|d| d.primitive.kind == kind).map(|d| d.share).sum::<f64>();
         let primitive = turned(likeliest);
         let surface = match self.posterior.best_of(kind).filter(|_| is_free) {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
-        let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone());
-        let (map, supported) = self.map(&chart);
+        let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
+        let DrawnMap { map, supported, shapes } = self.map(&chart);
         let averaged: Vec<(Vector, Vector)> =
             map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
         let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
-        let shapes: Vec<Option<[f64; 3]>> = draws.iter().map(|d| mean_shape(d, &places)).collect();
         let plane: f64 = draws.iter().filter(|d| is_flat(d)).map(|d| d.share).sum();
+        let [s_over_map, r_over_map] = variation(&map);
         let s = self.estimate(&draws, |d, i| (!is_flat(d)).then_some(shapes[i]?[0]), kind);
+        let s = s.map(|s| Estimate { sd: s_over_map, ..s });
         let r = self.estimate(&draws, |_, i| Some(shapes[i]?[1]), kind).ok_or(failed)?;
         let scale = self.sample.frame.scale;
-        let curvedness = r.over(scale);
+        let curvedness = Estimate { sd: r_over_map, ..r.over(scale) };
         let shape = s.filter(|_| plane <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
         let [k1, k2] = mean_curvatures(&primitive, &places).map(|k| k / scale);
         let frame = oriented(&chart, &self.sample.frame);
-        let directed = primitive.kind != PartKind::Sphere && class.has_axis();
+        let directed = primitive.kind != PartKind::Sphere && class.has_axis() && !self.posterior.is_free;
         let axis = directed.then_some(primitive.axes[2]);
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
@@ -212,17 +211,28 @@ impl BodyAnswer<'_> {
         })
     }
 
-    /// The map over the chart, and how many of its points contacts support.
-    fn map(&self, chart: &BodyChart) -> (Vec<MapPoint>, usize) {
+    /// The map over the chart, and what every draw says over those of its points that contacts support: all of them where they
+    /// support none.
+    fn map(&self, chart: &BodyChart) -> DrawnMap {
         let [n, m] = self.options.grid;
         let [u, v] = [(chart.u, n), (chart.v, m)].map(|([lo, hi], count)| linspace(lo, hi, count));
-        let mut map: Vec<MapPoint> =
-            u.iter().flat_map(|u| v.iter().map(|v| (*u, *v))).map(|(u, v)| point_of(chart, u, v)).collect();
-        if !map.iter().any(|p| p.supported) {
-            map.iter_mut().for_each(|p| p.supported = true);
+        let over: Vec<[f64; 2]> = u.iter().flat_map(|u| v.iter().map(|v| [*u, *v])).collect();
+        let mut is_supported: Vec<bool> = over.iter().map(|[u, v]| chart.supported_at(*u, *v)).collect();
+        if !is_supported.contains(&true) {
+            is_supported.fill(true);
         }
+        let mut sums = vec![[0.0; 2]; chart.draws.len()];
+        let one = |([u, v], supported): (&[f64; 2], &bool)| {
+            let (point, readings) = point_of(chart, *u, *v, *supported);
+            if *supported {
+                sums.iter_mut().zip(&readings).for_each(|(sum, [.., s, r])| *sum = [sum[0] + s, sum[1] + r]);
+            }
+            point
+        };
+        let map: Vec<MapPoint> = over.iter().zip(&is_supported).map(one).collect();
         let supported = map.iter().filter(|p| p.supported).count();
-        (map, supported)
+        let mean = |sum: [f64; 2]| Some(sum.map(|v| v / supported as f64)).filter(|m| m.iter().all(|v| v.is_finite()));
+        DrawnMap { map, supported, shapes: sums.into_iter().map(mean).collect() }
     }
 
     /// A number of the likeliest primitive, with its interval over the draws of that kind.
@@ -253,8 +263,8 @@ impl BodyAnswer<'_> {
         let Some(best) = self.posterior.best_of(kind) else { return NoiseFound::default() };
         NoiseFound {
             sd_z: best.scatter() * scale,
-            sd_correlated: best.departure_size() * scale,
-            correlation_length: best.length().map(|l| l * scale),
+            sd_correlated: if self.posterior.is_free { 0.0 } else { best.departure_size() * scale },
+            correlation_length: best.length().filter(|_| !self.posterior.is_free).map(|l| l * scale),
             sd_normal_deg: (self.sample.known_normals() > 0).then(|| best.sd_of_normals().to_degrees()),
         }
     }
@@ -289,10 +299,11 @@ impl BodyAnswer<'_> {
         let Some(best) = self.posterior.best_of(kind) else {
             return Misfit { neighbour_correlation: 0.0, p: 1.0, percent_of_relief: 0.0, words: String::new() };
         };
-        let departure = best.departure_size();
+        // what a free surface follows is shape
+        let (exact, departure) = if self.posterior.is_free { (1.0, 0.0) } else { (exact, best.departure_size()) };
         let total = best.scatter().hypot(departure);
         let neighbour_correlation = if total > 0.0 { (departure / total).powi(2) } else { 0.0 };
-        let words = if 1.0 - exact > CERTAIN {
+        let words = if 1.0 - exact > self.options.tuning.certain {
             format!(
                 "neighbouring contacts depart together from {}, by {:.2} % of the size of what was touched",
                 hypothesis_of(kind).described(),
@@ -334,16 +345,15 @@ fn hypothesis_of(kind: PartKind) -> Hypothesis {
     }
 }
 
-/// Means of S (0 on a plane), R and 1 over places; `None` where one is not finite.
-fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 3]> {
-    let mut sums = [0.0; 3];
+/// Means of S (0 on a plane) and R over places; `None` where one is not finite.
+fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 2]> {
+    let mut sums = [0.0; 2];
     for place in places {
         let [k1, k2] = drawn.curvatures(*place);
         sums[0] += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
         sums[1] += curvedness(k1, k2);
-        sums[2] += 1.0;
     }
-    let means = sums.map(|sum| sum / sums[2]);
+    let means = sums.map(|sum| sum / places.len() as f64);
     means.iter().all(|v| v.is_finite()).then_some(means)
 }
 
@@ -352,6 +362,17 @@ fn mean_curvatures(primitive: &Primitive, places: &[Vector]) -> [f64; 2] {
     let drawn = DrawnBase::of_primitive(*primitive);
     let each = places.iter().map(|place| drawn.curvatures(*place));
     each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
+}
+
+/// Standard deviations of S and R over the supported points of a map: 0 where they differ by rounding alone.
+fn variation(map: &[MapPoint]) -> [f64; 2] {
+    let over = |value: fn(&MapPoint) -> f64| {
+        let values: Vec<f64> = map.iter().filter(|p| p.supported).map(value).filter(|v| v.is_finite()).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+        if sd > 1e-9 * mean.abs() { sd } else { 0.0 }
+    };
+    [over(|p| p.shape_index.unwrap_or(f64::NAN)), over(|p| p.curvedness)]
 }
 
 /// Contacts at which a drawn surface is compared with its primitive.
@@ -365,8 +386,11 @@ fn free_form(draws: &[DrawnBase], members: &[Vector], tuning: &Tuning) -> f64 {
     let is_other = |drawn: &&DrawnBase| {
         let base = DrawnBase::of_primitive(drawn.primitive);
         match (drawn.departs(), mean_shape(drawn, &places), mean_shape(&base, &places)) {
-            (true, Some(own), Some(base)) => {
-                (own[0] - base[0]).abs() > of_s || (own[1] - base[1]).abs() > of_r * base[1].max(own[1])
+            (true, Some(own), Some(mean)) => {
+                let away = places.iter().map(|p| (drawn.distance(*p) - base.distance(*p)).powi(2)).sum::<f64>();
+                (own[0] - mean[0]).abs() > of_s
+                    || (own[1] - mean[1]).abs() > of_r * mean[1].max(own[1])
+                    || away > tuning.other_body.powi(2) * places.len() as f64
             }
             _ => false,
         }
@@ -380,7 +404,7 @@ fn is_flat(drawn: &DrawnBase) -> bool {
 }
 
 /// Shares of the draws in every class.
-fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 3]>]) -> Vec<(ShapeClass, f64)> {
+fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 2]>]) -> Vec<(ShapeClass, f64)> {
     let mut found: Vec<(ShapeClass, f64)> = Vec::new();
     for (drawn, shape) in draws.iter().zip(shapes) {
         let Some([s, ..]) = shape else { continue };
@@ -397,21 +421,24 @@ fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 3]>]) -> Vec<(ShapeClass,
     found
 }
 
-fn point_of(chart: &BodyChart, u: f64, v: f64) -> MapPoint {
+/// A point of the map, and what the draws say there.
+fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Vec<[f64; 4]>) {
     let (position, normal) = chart.at(u, v);
     let [k1, k2] = chart.curvatures_at(u, v).unwrap_or([f64::NAN; 2]);
-    let [_, _, u_shape_index, u_curvedness] = chart.sds_at(position);
-    MapPoint {
+    let readings = chart.readings_at(position);
+    let [_, _, u_shape_index, u_curvedness] = chart.sds_of(&readings);
+    let point = MapPoint {
         position,
         normal,
         shape_index: shape_index(k1 + k2, k1 - k2),
         curvedness: curvedness(k1, k2),
         k1,
         k2,
-        supported: chart.supported_at(u, v),
+        supported,
         u_shape_index,
         u_curvedness,
-    }
+    };
+    (point, readings)
 }
 
 /// The frame whose third axis is the normal in the middle of the chart.

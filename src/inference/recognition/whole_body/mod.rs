@@ -4,32 +4,21 @@
 //! patch refused, or bent too far, or with contacts that do not belong   ->   primitives in space (`bodies`)
 //! one primitive        the answer, read from its posterior
 //! two things           a refusal that names both
-//! none near enough     what the patch said
+//! none near enough     a free surface where contacts go all round (`bodies::free_surface`), else what the patch said
 //! ```
 
 mod answer;
 mod exchanged_axes;
 
 use palpate_geometry::curvature::ShapeClass;
-use palpate_numeric::vector::{along, dot, norm, unit_or_zero};
+use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
-use crate::recognition::contacts::{Observations, spread_beside_a_line};
+use crate::recognition::contacts::{Observations, distance_from_conic, spread_beside_a_line};
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::{NormalsUse, Recognition, RecognitionError, RecognitionOptions};
-
-/// Share of contacts or normals set aside from which on a patch is doubted.
-const DOUBTFUL: f64 = 0.05;
-
-/// Share of false contacts, or of normals set aside, from which on a body is the better answer.
-const DECISIVE: f64 = 0.1;
-
-/// Probability that the kind of a body has at least where there are too few contacts for a patch.
-const SURE: f64 = 0.8;
-
-/// Contacts whose distances show two peaks.
-const FEWEST_FOR_TWO_PEAKS: usize = 12;
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
@@ -45,7 +34,7 @@ pub(super) fn instead(
 ) -> Result<Recognition, RecognitionError> {
     let doubt = match &patch {
         Ok(found) => doubt(found, given, &options.tuning),
-        Err(error) if may_be_body(error, given) => PatchDoubt::Refused,
+        Err(error) if may_be_body(error, given, &options.tuning) => PatchDoubt::Refused,
         Err(_) => PatchDoubt::None,
     };
     if doubt == PatchDoubt::None {
@@ -60,9 +49,10 @@ pub(super) fn instead(
         Verdict::One(posterior) => {
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
             body.check_axes_of_normals()?;
-            let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= DECISIVE;
+            let decisive =
+                body.explains_normals() && body.false_share().max(body.normals_against()) >= options.tuning.decisive;
             let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
-            if too_few && body.probability() < SURE {
+            if too_few && body.probability() < options.tuning.sure_of_few {
                 return patch;
             }
             if doubt == PatchDoubt::Slight && !decisive {
@@ -70,26 +60,40 @@ pub(super) fn instead(
             }
             body.recognition()
         }
-        Verdict::None => patch,
+        Verdict::None => {
+            let Some(posterior) = bodies::free_surface(&sample, &options.tuning) else {
+                return if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch };
+            };
+            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
+            body.check_axes_of_normals()?;
+            body.recognition()
+        }
     }
 }
 
-/// Spread across a line, in sds of a contact, that errors may have made.
-const BY_ERRORS: f64 = 3.0;
-
-/// Spread across a line over that along it, above which places are no line whatever they err by.
-const NARROW: f64 = 0.2;
-
-/// The patch, unless its places alone lie on one line but for their errors, and so tell nothing of the bend across it.
+/// The patch, unless its places alone lie on one line or on one bent path but for their errors, and so tell nothing of the bend across it.
 ///
 /// # Errors
-/// [`RecognitionError::Collinear`].
-pub(super) fn beside_a_line(found: Recognition, given: &Observations) -> Result<Recognition, RecognitionError> {
+/// [`RecognitionError::Collinear`]; [`RecognitionError::OnConic`].
+pub(super) fn beside_a_line(
+    found: Recognition,
+    given: &Observations,
+    tuning: &Tuning,
+) -> Result<Recognition, RecognitionError> {
     if given.normals.is_some() {
         return Ok(found);
     }
+    let err = found.noise.sd_z.hypot(found.noise.sd_correlated);
+    if found.class == ShapeClass::Plane && given.points.len() >= tuning.path_from {
+        let scale = found.frame.scale;
+        let local = given.points.iter().map(|p| found.frame.to_patch(*p));
+        let places: Vec<[f64; 2]> = local.map(|[x, y, _]| [x * scale, y * scale]).collect();
+        if distance_from_conic(&places).is_some_and(|off| off <= tuning.line_errors * err) {
+            return Err(RecognitionError::OnConic);
+        }
+    }
     let [across, along] = spread_beside_a_line(&given.points)?;
-    if across < NARROW * along && across <= BY_ERRORS * found.noise.sd_z.hypot(found.noise.sd_correlated) {
+    if across < tuning.narrow * along && across <= tuning.line_errors * err {
         Err(RecognitionError::Collinear { across, along })
     } else {
         Ok(found)
@@ -104,16 +108,19 @@ enum PatchDoubt {
     Slight,
     /// It bends farther than a patch may.
     Bent,
+    /// The contacts go farther round than it does.
+    AllRound,
     Refused,
 }
 
-fn may_be_body(error: &RecognitionError, given: &Observations) -> bool {
+fn may_be_body(error: &RecognitionError, given: &Observations, tuning: &Tuning) -> bool {
     match error {
         RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } => true,
         // places on one ring or in two rows lie on many surfaces; normals decide
         RecognitionError::OnConic => given.normals.is_some(),
         RecognitionError::TooFew { .. } => {
-            let in_a_row = spread_beside_a_line(&given.points).is_ok_and(|[across, along]| across < NARROW * along);
+            let in_a_row =
+                spread_beside_a_line(&given.points).is_ok_and(|[across, along]| across < tuning.narrow * along);
             given.points.len() >= NEEDED[usize::from(given.normals.is_some())] && !in_a_row
         }
         // one finger's path with normals; places alone on a line tell no bend
@@ -127,10 +134,17 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     let mean = found.averaged.iter().fold([0.0; 3], |sum, (_, normal)| along(sum, 1.0, *normal));
     let middle = unit_or_zero(mean);
     let least = tuning.patch_reach_deg.to_radians().cos();
-    if norm(mean) == 0.0 || found.averaged.iter().any(|(_, normal)| dot(*normal, middle) < least) {
+    let turns_away = |normal: &Vector| dot(*normal, middle) < least;
+    // normals that were given go farther round than the map, where the patch is no more than a part of a body
+    let away =
+        given.normals.iter().flatten().filter(|normal| norm(**normal) > 0.0 && turns_away(normal)).count() as f64;
+    if away > tuning.farther_round * count {
+        return PatchDoubt::AllRound;
+    }
+    if norm(mean) == 0.0 || found.averaged.iter().any(|(_, normal)| turns_away(normal)) {
         return PatchDoubt::Bent;
     }
-    let set_aside = found.outliers.max(found.normals_against) as f64 > DOUBTFUL * count;
+    let set_aside = found.outliers.max(found.normals_against) as f64 > tuning.doubtful * count;
     let contradicted = found.normals == NormalsUse::Contradicting;
     if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
         return PatchDoubt::Slight;
@@ -140,7 +154,7 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
 
 /// Whether the contacts lie on two sheets beside the surface.
 fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> bool {
-    if given.points.len() < FEWEST_FOR_TWO_PEAKS {
+    if given.points.len() < tuning.peaks_from {
         return false;
     }
     let (mut second, mut fourth) = (0.0, 0.0);
@@ -150,6 +164,10 @@ fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> 
         fourth += square * square;
     }
     fourth * (given.points.len() as f64) < tuning.two_peaks * second * second
+}
+
+fn all_around(normals: &[Vector]) -> RecognitionError {
+    RecognitionError::AllAround { mean_length: norm(mean_of(normals)), measured: true }
 }
 
 /// Both things in words.

@@ -1,0 +1,62 @@
+//! Do the posteriors of whole bodies tell the truth? Bodies in random pose, touched in part or all round, a fit each.
+//!
+//!     cargo bench --bench calibration                           2,000 bodies of every kind
+//!     cargo bench --bench calibration -- --bodies 100 --only cone --seed 5
+//!     cargo bench --bench calibration -- --cells 200            coverage by kind, part, contacts and noise: so many fits a cell
+//!
+//! ```text
+//! rank    which of the intervals of level 1/6, 2/6 ... 5/6 still holds the truth: all six shares are 1/6 where the law is right
+//! p       of chi^2 on those shares
+//! kind    the probability that was said, in tenths, beside the share that was right
+//! ```
+
+mod cells;
+mod ranks;
+
+use palpate_laboratory::bodies::BodyKind;
+
+/// What the command line says.
+pub(crate) struct Wishes {
+    bodies: u64,
+    /// Fits a cell; `None` for ranks.
+    cells: Option<u64>,
+    seed: u64,
+    only: Vec<String>,
+}
+
+impl Wishes {
+    fn kinds(&self) -> impl Iterator<Item = BodyKind> + '_ {
+        let wanted = |kind: &BodyKind| self.only.is_empty() || self.only.iter().any(|word| word == kind.name());
+        BodyKind::ALL.into_iter().filter(wanted)
+    }
+}
+
+fn main() -> Result<(), String> {
+    let wishes = wishes()?;
+    match wishes.cells {
+        Some(fits) => cells::print(&wishes, fits),
+        None => ranks::print(&wishes),
+    }
+    Ok(())
+}
+
+fn wishes() -> Result<Wishes, String> {
+    let mut wishes = Wishes { bodies: 2000, cells: None, seed: 71_300_001, only: Vec::new() };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        // cargo adds it for every bench
+        if word == "--bench" {
+            continue;
+        }
+        let value = words.next().ok_or_else(|| format!("{word} needs a value"))?;
+        let number = || value.parse::<u64>().map_err(|error| format!("{word} {value}: {error}"));
+        match word.as_str() {
+            "--bodies" => wishes.bodies = number()?,
+            "--cells" => wishes.cells = Some(number()?),
+            "--seed" => wishes.seed = number()?,
+            "--only" => wishes.only.push(value.clone()),
+            _ => return Err(format!("{word} is not known: --bodies, --cells, --seed, --only")),
+        }
+    }
+    Ok(wishes)
+}
