@@ -41,7 +41,7 @@ struct CoverageDocument {
 
 /// The scene's study, where the intervals of the Monte Carlo are taken from, and what its fits came to; the latter are added
 /// to `tally` as they are made, so that whoever leaves has those that are done.
-struct Work {
+struct CoverageWork {
     plan: Plan,
     fit: FitOptions,
     replicates: u64,
@@ -49,14 +49,14 @@ struct Work {
     summaries: Mutex<Vec<Summary>>,
 }
 
-impl Work {
-    fn new(args: &StudyArgs, scene: &SceneFile, replicates: u64) -> Result<Work, Failure> {
+impl CoverageWork {
+    fn new(args: &StudyArgs, scene: &SceneFile, replicates: u64) -> Result<CoverageWork, Failure> {
         let mut fit = args.fit.over(scene.fit.clone());
         fit.level = args.level.unwrap_or(scene.study.level);
         let mut args = args.clone();
         (args.replicates, args.attribution) = (Some(STUDY.max(replicates)), Some(0));
         let plan = Plan::of_scene(&args, scene)?;
-        Ok(Work { plan, fit, replicates, tally: Mutex::default(), summaries: Mutex::default() })
+        Ok(CoverageWork { plan, fit, replicates, tally: Mutex::default(), summaries: Mutex::default() })
     }
 
     fn run(&self) -> Result<(), StudyError> {
@@ -88,7 +88,7 @@ pub(super) fn coverage(args: &StudyArgs, name: &str, source: &Source) -> Result<
     let asked = args.replicates.unwrap_or(REPLICATES);
     let level = args.level.unwrap_or(scene.study.level);
     let bar = Bar::new(&args.output, asked, &format!("coverage of {}", scene.name));
-    let work = Arc::new(Work::new(args, &scene, asked)?);
+    let work = Arc::new(CoverageWork::new(args, &scene, asked)?);
     interrupt::gently();
     let (own, mut shown) = (Arc::clone(&work), 0);
     let look = || {

@@ -101,7 +101,7 @@ impl Found {
         // the ledger holds what there is, whether or not it came to an end
         let _ = measured(until, &seen, move |watch| own.measure_into(&entered, seconds, watch));
         found.ways = ways.measured(&ledger);
-        if asked.bare {
+        if asked.bare || interrupt::asked() {
             return Ok(found);
         }
         let part =
@@ -111,6 +111,9 @@ impl Found {
             own.solvers().map(|all| (all.measure(own.seconds, watch), all.notes().to_vec(), all.calls().len()))
         });
         (found.solvers, found.notes, found.methods) = solvers.transpose()?.unwrap_or_default();
+        if interrupt::asked() {
+            return Ok(found);
+        }
         let until = Until::seconds_after(Instant::now(), Some(seconds.max(INTERVAL_SECONDS)));
         let own = asked.clone();
         let intervals = measured(until, &part(2), move |watch| {

@@ -17,7 +17,7 @@ use super::clock::{Call, Heard, Limits, Watch, clocked, heard_rounds};
 use super::configuration::{Configuration, candidates};
 use super::discretisation::Measured;
 use super::errors::errors_of;
-use super::ledger::{Entry, Ledger};
+use super::ledger::{Ledger, LedgerLine};
 use super::memory;
 use super::pareto;
 use super::point::Point;
@@ -105,7 +105,7 @@ impl HeldOut {
     }
 }
 
-fn point(way: &Configuration, entry: &Entry, contacts: usize) -> Point {
+fn point(way: &Configuration, entry: &LedgerLine, contacts: usize) -> Point {
     let judged = &entry.judged;
     let errors: [_; 6] = std::array::from_fn(|q| errors_of(judged, q));
     let failed = judged.iter().find_map(|judged| judged.failed.clone());

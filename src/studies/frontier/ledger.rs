@@ -10,7 +10,7 @@ use super::errors::Judged;
 
 /// Of one way of fitting.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entry {
+pub(super) struct LedgerLine {
     /// What is judged of each replicate that was fitted.
     pub judged: Vec<Judged>,
     /// Whether its intervals of S and of R held the truth.
@@ -21,7 +21,7 @@ pub(super) struct Entry {
     pub times: [Vec<f64>; 2],
 }
 
-impl Entry {
+impl LedgerLine {
     /// Whether there is a point to be made of it.
     pub(super) fn is_measured(&self, calls_each: usize) -> bool {
         !self.judged.is_empty() && self.times[..calls_each].iter().all(|times| !times.is_empty())
@@ -30,16 +30,16 @@ impl Entry {
 
 /// Of all ways, in their order.
 #[derive(Debug)]
-pub struct Ledger(Mutex<Vec<Entry>>);
+pub struct Ledger(Mutex<Vec<LedgerLine>>);
 
 impl Ledger {
     /// Nothing yet of so many ways.
     pub(super) fn new(ways: usize) -> Ledger {
-        Ledger(Mutex::new(vec![Entry::default(); ways]))
+        Ledger(Mutex::new(vec![LedgerLine::default(); ways]))
     }
 
     /// Enters what a call of way `k` came to.
-    pub(super) fn enter(&self, k: usize, fill: impl FnOnce(&mut Entry)) {
+    pub(super) fn enter(&self, k: usize, fill: impl FnOnce(&mut LedgerLine)) {
         let mut entries = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(entry) = entries.get_mut(k) {
             fill(entry);
@@ -47,7 +47,7 @@ impl Ledger {
     }
 
     /// All of it.
-    pub(super) fn entries(&self) -> Vec<Entry> {
+    pub(super) fn entries(&self) -> Vec<LedgerLine> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
