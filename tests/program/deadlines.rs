@@ -1,5 +1,6 @@
 //! Studies end when they are asked to, whatever they compute at that moment, and keep what is done.
 
+use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -21,12 +22,18 @@ fn start(here: &Path, line: &str) -> Child {
 
 /// A minute stands for "at once": without a deadline these studies take many minutes of two processors.
 fn ends(mut child: Child) -> (Option<i32>, String, String) {
+    // a document is longer than a pipe holds
+    let read = |mut from: Box<dyn Read + Send>| {
+        std::thread::spawn(move || {
+            let mut text = String::new();
+            from.read_to_string(&mut text).map(|_| text)
+        })
+    };
+    let (out, err) = (read(Box::new(child.stdout.take().unwrap())), read(Box::new(child.stderr.take().unwrap())));
     let began = Instant::now();
     loop {
         if let Some(status) = child.try_wait().unwrap() {
-            let output = child.wait_with_output().unwrap();
-            let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-            return (status.code(), text(output.stdout), text(output.stderr));
+            return (status.code(), out.join().unwrap().unwrap(), err.join().unwrap().unwrap());
         }
         if began.elapsed() > Duration::from_secs(60) {
             child.kill().unwrap();
@@ -35,6 +42,15 @@ fn ends(mut child: Child) -> (Option<i32>, String, String) {
         std::thread::sleep(Duration::from_millis(20));
     }
 }
+
+/// A ball under three fingers.
+const BALL: &str = "name = \"ball\"\n[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-2.0, 0.0, 2.0]\n\
+                    from = -2.0\nto = 2.0\nstations = 5\n[effects.row_noise]\nsigma_z = 0.02\n[fit]\ngrid = [4, 4]\n";
+
+/// A box scanned so densely that its parts take minutes.
+const DENSE: &str = "name = \"a box\"\n[surface]\nkind = \"solids\"\n[[surface.parts]]\nkind = \"block\"\n\
+                     size = [16.0, 12.0, 10.0]\n[sweep]\npath = \"scan\"\nspacing = 0.15\neye = [50.0, 40.0, 45.0]\n\
+                     [effects.position_noise]\nsigma = 0.02\n";
 
 #[test]
 fn a_budget_ends_whole_fits_and_the_linear_law() {
@@ -62,4 +78,73 @@ fn an_interrupt_ends_whole_fits_and_what_is_computed_of_them() {
         let (code, _, message) = ends(child);
         assert!(matches!(code, Some(0 | 130)), "{line}: {code:?} {message}");
     }
+}
+
+/// Sends the signal later and later, until standard error says what is `wanted`: what was printed by then, and that message. The
+/// line must not end by itself.
+#[cfg(unix)]
+fn interrupted(here: &Path, signal: &str, line: &str, wanted: &str) -> (String, String) {
+    for seconds in [1, 2, 4, 8, 16, 32] {
+        let child = start(here, line);
+        std::thread::sleep(Duration::from_secs(seconds));
+        let sent = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        assert!(sent.success(), "{line} ended by itself within {seconds} s");
+        let (code, out, message) = ends(child);
+        assert_eq!(code, Some(130), "{line}: {message}");
+        if message.contains(wanted) {
+            assert_eq!(message.matches("interrupted").count(), 1, "{message}");
+            return (out, message);
+        }
+        // too soon for anything to be kept: then nothing is printed, and one line at most says so
+        assert!(out.is_empty() && message.lines().count() <= 1, "{line}: {out} {message}");
+    }
+    panic!("{line}: never said {wanted}");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_was_found_before_an_interrupt_is_kept_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("ball.toml"), BALL).unwrap();
+    let simulated = ends(start(here, "simulate ball.toml -o ball.csv"));
+    assert_eq!(simulated.0, Some(0), "{}", simulated.2);
+    let more = std::fs::read_to_string(here.join("ball.csv")).unwrap();
+    let rows: Vec<&str> = more.lines().filter(|row| !row.starts_with('#')).collect();
+    // 15 contacts are too few to leave some out
+    std::fs::write(here.join("twice.csv"), [&rows[..], &rows[1..]].concat().join("\n")).unwrap();
+    for (signal, line, list) in [
+        ("-INT", "explore ball.toml --contacts 10000 --per-round 1 --json", "steps"),
+        ("-TERM", "frontier ball.toml --seconds 600 --uncounted --json", "points"),
+        ("-INT", "frontier ball.toml --seconds 600 --json", "points"),
+        ("-TERM", "frontier twice.csv --seconds 600 --json", "points"),
+        ("-INT", "study ball.toml --replicates 1000000 --coverage --json", "scenes"),
+    ] {
+        let (out, message) = interrupted(here, signal, line, "interrupted after");
+        let document: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let done = document[list].as_array().unwrap().len();
+        assert!(done > 0 && message.contains("kept"), "{line}: {message}");
+        if list == "points" {
+            assert!(message.contains(&format!("after {done} points")), "{message}");
+        }
+        if list == "scenes" {
+            let replicates = document["replicates"].as_u64().unwrap();
+            assert!(message.contains(&format!("after {replicates} of 1000000 replicates")), "{message}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_before_the_parts_are_known_says_what_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("dense.toml"), DENSE).unwrap();
+    let (out, _) =
+        interrupted(here, "-TERM", "parts dense.toml --json", "before the parts were known; nothing is kept");
+    assert!(out.is_empty(), "{out}");
+    let line = "parts dense.toml --points p.csv --json";
+    let (out, _) =
+        interrupted(here, "-INT", line, "before the parts were known; the shape of every point is kept in p.csv");
+    assert!(out.is_empty() && std::fs::read_to_string(here.join("p.csv")).unwrap().lines().count() > 1000);
 }

@@ -20,6 +20,10 @@ fn document(folder: &Path, line: &str) -> Value {
 const BALL: &str = "name = \"ball\"\n[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-2.0, 0.0, 2.0]\n\
                     from = -2.0\nto = 2.0\nstations = 5\n[fit]\ngrid = [4, 4]\n";
 
+/// Two fingers and one point, so that a counter of instructions, or noise many times over, takes little longer.
+const SMALL: &str = "name = \"ball\"\n[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-2.0, 2.0]\n\
+                     from = -2.0\nto = 2.0\nstations = 4\n[fit]\ngrid = [2, 2]\n";
+
 fn ball() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("ball.toml"), BALL).unwrap();
@@ -54,9 +58,11 @@ fn a_request_that_nothing_meets_gets_the_nearest_and_what_stands_in_the_way() {
     assert!(form["pick"]["obstacle"].as_str().unwrap().contains("the surface's own form"), "{}", form["pick"]);
     let budget = document(folder.path(), &format!("ball.toml {QUICK} --error-s 0.1 --budget 300ns --json"));
     assert!(budget["pick"]["obstacle"].as_str().unwrap().contains("the budget"), "{}", budget["pick"]);
-    let noisy = format!("{BALL}[effects.position_noise]\nsigma = 0.05\n");
+    let noisy = format!("{SMALL}[effects.position_noise]\nsigma = 0.05\n");
     std::fs::write(folder.path().join("noisy.toml"), noisy).unwrap();
-    let noise = document(folder.path(), &format!("noisy.toml {QUICK} --error-s 1e-5 --json"));
+    // time enough for every way to meet its noise more than once
+    let patient = QUICK.replace("0.01", "5");
+    let noise = document(folder.path(), &format!("noisy.toml {patient} --error-s 1e-5 --json"));
     assert!(noise["pick"]["obstacle"].as_str().unwrap().contains("noise"), "{}", noise["pick"]);
     assert!(noise["points"][0]["replicates"].as_u64().unwrap() > 10);
 }
@@ -101,8 +107,9 @@ fn a_file_is_judged_by_contacts_that_were_left_out() {
 /// Without a clock in them, two runs agree in everything; instructions are counted where valgrind is.
 #[test]
 fn two_runs_have_the_same_errors_and_the_same_instructions() {
-    let folder = ball();
-    let line = "ball.toml --bare --keep-stations --seconds 0.01 --json";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("small.toml"), SMALL).unwrap();
+    let line = "small.toml --bare --keep-stations --seconds 0.01 --json";
     let runs = [document(folder.path(), line), document(folder.path(), line)];
     let of = |run: &Value, key: &str| -> Vec<Value> {
         run["points"].as_array().unwrap().iter().map(|point| point[key].clone()).collect()

@@ -15,6 +15,7 @@ mod formats;
 mod frontier;
 mod fuzz_seeds;
 mod hostile;
+mod large_grids;
 mod meshes;
 mod newcomers_files;
 mod npz;

@@ -167,13 +167,13 @@ pub(crate) const STUDIES: &[Context] = &[
         ],
     ),
     on(
-        "study tiny.toml --replicates 2 --coverage --json",
+        "study fixed.toml --replicates 2 --coverage --json",
         &[
             ("--tolerance", "", "1"),
-            ("--coverage", "study tiny.toml --replicates 2 --json", ""),
+            ("--coverage", "study fixed.toml --replicates 2 --json", ""),
             ("--surface", "", "parametric --closed u"),
-            ("--json", "study tiny.toml --replicates 2 --coverage", ""),
-            ("--quiet", "study tiny.toml --replicates 2 --coverage", ""),
+            ("--json", "study fixed.toml --replicates 2 --coverage", ""),
+            ("--quiet", "study fixed.toml --replicates 2 --coverage", ""),
         ],
     ),
     on(
@@ -220,7 +220,7 @@ pub(crate) const ELSEWHERE: &[(&str, &str)] = &[
     ("frontier bar.csv --seconds 0.05", "--out"),
     ("frontier bar.csv --seconds 0.05", "--quiet"),
     // two thousand replicates are what the option takes less of
-    ("study tiny.toml --replicates 2 --coverage --json", "--replicates"),
+    ("study fixed.toml --replicates 2 --coverage --json", "--replicates"),
     ("frontier --orders", "--json"),
     ("frontier --orders", "--quiet"),
 ];

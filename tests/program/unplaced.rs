@@ -204,7 +204,7 @@ fn a_saddle_is_right_over_its_own_map_in_every_pose_and_unit() {
 fn waves_are_the_same_in_every_pose_and_unit() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    let data = sweep(1500, band, waves);
+    let data = sweep(700, band, waves);
     for with_normals in [true, false] {
         write(at, &data, with_normals, LEVEL);
         let level = fitted(at, "");

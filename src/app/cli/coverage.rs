@@ -2,23 +2,32 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use serde::Serialize;
 
 use crate::io::scene_file::SceneFile;
 use crate::report::{TablePage, percent, write_json, write_table_page};
-use palpate_studies::montecarlo::{Path as StudyPath, StudyError, coverage as covered};
+use palpate_fitting::fit::FitOptions;
+use palpate_studies::montecarlo::{CoverageTally, Path as StudyPath, StudyError, Summary};
 
 use super::coverage_parts::SceneCoverage;
 use super::failure::Failure;
+use super::interrupt;
 use super::output::print;
 use super::progress::Bar;
 use super::provenance::provenance;
 use super::scene::Source;
 use super::study_plan::{Plan, StudyArgs};
+use super::until::{Until, held};
 
 /// Replicates that are fitted when nothing else is said.
 const REPLICATES: u64 = 2000;
+/// Ctrl-C loses the block of replicates that it comes in: one grows until it takes so many seconds, and begins with few, because a
+/// single fit may take as long.
+const FIRST_BLOCK: u64 = 8;
+const BLOCK_SECONDS: f64 = 0.2;
 /// Replicates of the study whose errors the Monte Carlo's intervals carry.
 const STUDY: u64 = 20_000;
 
@@ -30,36 +39,90 @@ struct CoverageDocument {
     scenes: Vec<SceneCoverage>,
 }
 
-/// The scene's study, where the intervals of the Monte Carlo are taken from, and its fits.
-fn scene_coverage(args: &StudyArgs, scene: &SceneFile, replicates: u64) -> Result<SceneCoverage, Failure> {
-    let mut fit = args.fit.over(scene.fit.clone());
-    fit.level = args.level.unwrap_or(scene.study.level);
-    let mut args = args.clone();
-    (args.replicates, args.attribution) = (Some(STUDY.max(replicates)), Some(0));
-    let plan = Plan::of_scene(&args, scene)?;
-    let wrong = |e: StudyError| Failure::Input(format!("{}: {e}", plan.name));
-    // whole fits are dear: as many as are asked of, no more
-    let enough = if plan.study.engine().path() == StudyPath::Whole { replicates } else { plan.most };
-    let (state, _) = plan.study.run(plan.study.start(0), enough, &mut |_| true).map_err(wrong)?;
-    let result = plan.study.result(&state, 0);
-    Ok(SceneCoverage::new(&plan, &covered(&plan.study, &fit, replicates, &result.quantities)))
+/// The scene's study, where the intervals of the Monte Carlo are taken from, and what its fits came to; the latter are added
+/// to `tally` as they are made, so that whoever leaves has those that are done.
+struct CoverageWork {
+    plan: Plan,
+    fit: FitOptions,
+    replicates: u64,
+    tally: Mutex<CoverageTally>,
+    summaries: Mutex<Vec<Summary>>,
+}
+
+impl CoverageWork {
+    fn new(args: &StudyArgs, scene: &SceneFile, replicates: u64) -> Result<CoverageWork, Failure> {
+        let mut fit = args.fit.over(scene.fit.clone());
+        fit.level = args.level.unwrap_or(scene.study.level);
+        let mut args = args.clone();
+        (args.replicates, args.attribution) = (Some(STUDY.max(replicates)), Some(0));
+        let plan = Plan::of_scene(&args, scene)?;
+        Ok(CoverageWork { plan, fit, replicates, tally: Mutex::default(), summaries: Mutex::default() })
+    }
+
+    fn run(&self) -> Result<(), StudyError> {
+        let study = &self.plan.study;
+        // whole fits are dear: as many as are asked of, no more
+        let enough = if study.engine().path() == StudyPath::Whole { self.replicates } else { self.plan.most };
+        let (state, _) = study.run(study.start(0), enough, &mut |_| !interrupt::asked())?;
+        *held(&self.summaries) = study.result(&state, 0).quantities;
+        let (mut from, mut block) = (0, FIRST_BLOCK);
+        while from < self.replicates && !interrupt::asked() {
+            let (clock, to) = (Instant::now(), self.replicates.min(from + block));
+            let next = CoverageTally::of(study, &self.fit, [from, to]);
+            held(&self.tally).append(next);
+            from = to;
+            block *= if clock.elapsed().as_secs_f64() < BLOCK_SECONDS { 2 } else { 1 };
+        }
+        Ok(())
+    }
+
+    /// Of the replicates that are fitted by now.
+    fn coverage(&self) -> SceneCoverage {
+        SceneCoverage::new(&self.plan, &held(&self.tally).coverages(&held(&self.summaries)))
+    }
 }
 
 pub(super) fn coverage(args: &StudyArgs, name: &str, source: &Source) -> Result<(), Failure> {
     args.output.prepare(&[Path::new(name)], &[])?;
     let scene = source.scene()?;
-    let replicates = args.replicates.unwrap_or(REPLICATES);
+    let asked = args.replicates.unwrap_or(REPLICATES);
     let level = args.level.unwrap_or(scene.study.level);
-    let bar = Bar::new(&args.output, 1, "coverage");
-    let scenes = vec![scene_coverage(args, &scene, replicates)?];
-    bar.step(scene.name.clone());
+    let bar = Bar::new(&args.output, asked, &format!("coverage of {}", scene.name));
+    let work = Arc::new(CoverageWork::new(args, &scene, asked)?);
+    interrupt::gently();
+    let (own, mut shown) = (Arc::clone(&work), 0);
+    let look = || {
+        let done = held(&work.tally).replicates();
+        bar.steps(done - shown);
+        shown = done;
+        true
+    };
+    let outcome = Until::interrupted().wait_and(look, move || own.run());
     drop(bar);
-    let document = CoverageDocument { schema: "palpate.coverage/1", level, replicates, scenes };
-    args.output.file("coverage.json", &mut |out| write_json(&document, out))?;
-    args.output.file("coverage.csv", &mut |out| write_csv(&document, out))?;
+    if let Some(Err(error)) = outcome {
+        return Err(Failure::Input(format!("{}: {error}", work.plan.name)));
+    }
+    let done = held(&work.tally).replicates();
+    if done == 0 && asked > 0 {
+        return Err(Failure::Interrupted(
+            "interrupted before the first replicates were fitted; nothing is kept".into(),
+        ));
+    }
+    let scenes = vec![work.coverage()];
+    publish(args, name, &CoverageDocument { schema: "palpate.coverage/1", level, replicates: done, scenes })?;
+    if done < asked {
+        let what = format!("interrupted after {done} of {asked} replicates; what they came to is kept");
+        return Err(Failure::Interrupted(what));
+    }
+    Ok(())
+}
+
+fn publish(args: &StudyArgs, name: &str, document: &CoverageDocument) -> Result<(), Failure> {
+    args.output.file("coverage.json", &mut |out| write_json(document, out))?;
+    args.output.file("coverage.csv", &mut |out| write_csv(document, out))?;
     let (mut json, mut table) = (Vec::new(), Vec::new());
     // a Vec takes every byte
-    let _ = write_json(&document, &mut json).and_then(|()| write_table(&document, &mut table));
+    let _ = write_json(document, &mut json).and_then(|()| write_table(document, &mut table));
     let page = TablePage {
         kind: "coverage: do intervals hold the truth as often as they say?",
         title: name,
@@ -71,12 +134,12 @@ pub(super) fn coverage(args: &StudyArgs, name: &str, source: &Source) -> Result<
     args.output.file("report.html", &mut |out| write_table_page(&page, &provenance, out))?;
     args.output.publish()?;
     if args.output.json {
-        return print(&mut |out| write_json(&document, out));
+        return print(&mut |out| write_json(document, out));
     }
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_table(&document, out))
+    print(&mut |out| write_table(document, out))
 }
 
 fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {

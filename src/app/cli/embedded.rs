@@ -281,7 +281,7 @@ fn parsed<T: Parser>(verb: &str, arguments: Vec<String>) -> Result<T, String> {
 
 /// The document that `palpate frontier --json` prints, from its arguments, the scene or the file of contacts first. `text`
 /// is the scene as TOML, as for [`StudyPlan::new`]. `watch(step, steps)` is asked
-/// before every call that is timed, and ends the measurement by saying `false`.
+/// many times a second, and ends the measurement by saying `false`.
 ///
 /// # Errors
 /// What the command line would say, and that it was ended.
@@ -322,7 +322,7 @@ pub fn frontier_of_contacts(
     let name = args.subject.clone().unwrap_or_default();
     let request = args.request().map_err(Failure::into_message)?;
     let found = frontier_input::measure_contacts(&args, &name, contacts, request.as_ref(), watch);
-    let mut document = found.map_err(Failure::into_message)?;
+    let mut document = found.map_err(Failure::into_message)?.ok_or("ended before everything was measured")?;
     document.seconds = clock.elapsed().as_secs_f64();
     let mut json = Vec::new();
     let _ = write_json(&document, &mut json);

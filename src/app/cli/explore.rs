@@ -1,5 +1,6 @@
 //! `palpate explore SCENE`: sweep, fit, plan, touch, until S and R are known well enough.
 
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use clap::Args;
@@ -26,6 +27,7 @@ use super::progress::Bar;
 use super::provenance::provenance;
 use super::recognise_or_fit::{Found, Refusal, automatic};
 use super::scene;
+use super::until::{Until, held};
 use super::values;
 
 /// Arguments of `palpate explore`.
@@ -117,15 +119,12 @@ impl ExploreArgs {
 pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let (scene, text) = scene::load_with_text(&args.scene)?;
     args.output.prepare(&[args.scene.as_ref()], &[])?;
-    let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
-    interrupt::gently();
-    let (options, found) = play(args, &scene, |look: &Look| {
-        bar.step(words(look));
-        !interrupt::asked()
-    })?;
-    drop(bar);
-    let input = Input::Contacts(found.contacts.clone());
-    let answer = answer_of(args, &input, &options);
+    let options = args.options(scene.seed, scene.fit.level)?;
+    let found = play_until_interrupted(args, &scene, &options)?;
+    let input = Arc::new(Input::Contacts(found.contacts.clone()));
+    let (own, asked, typed) = (Arc::clone(&input), options.clone(), args.fit.over(FitOptions::default()));
+    let answer = Until::interrupted().wait(move || answer_of(&own, &asked, &typed));
+    let answer = answer.unwrap_or_else(|| Err(LEFT_OUT.into()));
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
     let document = document(args, &scene, (&options, &found, &input), (&answer, &described));
     let surface = described.ok();
@@ -155,22 +154,50 @@ pub(super) fn explore_in_memory(
     scene: &SceneFile,
     seen: impl FnMut(&Look) -> bool,
 ) -> Result<(ExploreDocument, Contacts), Failure> {
-    let (options, found) = play(args, scene, seen)?;
+    let options = args.options(scene.seed, scene.fit.level)?;
+    let found = explored(&scene.world, &options, seen).map_err(|e| refused(scene, &e))?;
     let input = Input::Contacts(found.contacts.clone());
-    let answer = answer_of(args, &input, &options);
+    let answer = answer_of(&input, &options, &args.fit.over(FitOptions::default()));
     let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
     Ok((document(args, scene, (&options, &found, &input), (&answer, &described)), found.contacts))
 }
 
-fn play(
+/// Plays on a thread of its own. Ctrl-C may come in the middle of a look, which takes seconds: then the looks before it count.
+fn play_until_interrupted(
     args: &ExploreArgs,
     scene: &SceneFile,
-    seen: impl FnMut(&Look) -> bool,
-) -> Result<(ExploreOptions, Exploration), Failure> {
-    let options = args.options(scene.seed, scene.fit.level)?;
-    let found = explored(&scene.world, &options, seen)
-        .map_err(|e| Failure::Input(format!("{}: {}", scene.name, with_flags(&e))))?;
-    Ok((options, found))
+    options: &ExploreOptions,
+) -> Result<Exploration, Failure> {
+    let bar = Bar::new(&args.output, u64::from(args.contacts / args.per_round) + 1, "looks");
+    let looks: Arc<Mutex<Vec<Look>>> = Arc::default();
+    let (kept, world, own) = (Arc::clone(&looks), scene.world.clone(), options.clone());
+    let mut shown = 0;
+    let look = || {
+        let looks = held(&looks);
+        looks[shown..].iter().for_each(|look| bar.step(words(look)));
+        shown = looks.len();
+        true
+    };
+    interrupt::gently();
+    let found = Until::interrupted().wait_and(look, move || {
+        explored(&world, &own, |look| {
+            held(&kept).push(look.clone());
+            !interrupt::asked()
+        })
+    });
+    let found = match found {
+        Some(found) => found,
+        None if held(&looks).is_empty() => {
+            let what = "interrupted before the contacts of the first sweep were looked at; nothing is kept";
+            return Err(Failure::Interrupted(what.into()));
+        }
+        None => Exploration::after(&scene.world, options, std::mem::take(&mut *held(&looks))),
+    };
+    found.map_err(|e| refused(scene, &e))
+}
+
+fn refused(scene: &SceneFile, error: &ExploreError) -> Failure {
+    Failure::Input(format!("{}: {}", scene.name, with_flags(error)))
 }
 
 fn document(
@@ -203,19 +230,22 @@ fn ended(document: &ExploreDocument) -> Result<(), Failure> {
     Err(Failure::Interrupted(format!("interrupted after {contacts} contacts; what they show is kept")))
 }
 
+/// Said in place of the answer where Ctrl-C leaves no time for it.
+const LEFT_OUT: &str = "what all contacts show together was left out, because the exploration was interrupted";
+
 /// An answer with the seconds that it took, or why there is none.
 type Answered = Result<(Found, f64), String>;
 /// The same described.
 type Described<'a> = Result<Description<'a>, String>;
 
-/// What all contacts show, as `palpate fit` answers.
-fn answer_of(args: &ExploreArgs, input: &Input, options: &ExploreOptions) -> Answered {
+/// What all contacts show, as `palpate fit` answers; `typed` are the options of a fit with everything that was typed put in.
+fn answer_of(input: &Input, options: &ExploreOptions, typed: &FitOptions) -> Answered {
     let level = options.level;
     let began = Instant::now();
     let found = match &options.model {
         None => {
             let recognition = options.recognition.clone().with_level(level).with_up([0.0, 0.0, 1.0]);
-            automatic(input, &recognition, &args.fit.over(FitOptions::default()).with_level(level))
+            automatic(input, &recognition, &typed.clone().with_level(level))
         }
         Some(model) => fit_input(input, &model.clone().with_level(level))
             .map(|(fit, chosen)| (Answer::Fitted(counting_other_kinds(fit)), chosen))

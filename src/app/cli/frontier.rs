@@ -20,7 +20,7 @@ use super::failure::Failure;
 use super::frontier_args::FrontierArgs;
 use super::output::print;
 use super::provenance::provenance;
-use super::{frontier_input, frontier_scene, scene};
+use super::{frontier_input, frontier_scene, interrupt, scene};
 
 pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     let began = Instant::now();
@@ -34,7 +34,12 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     };
     let Some(mut document) = found else { return Ok(()) };
     document.seconds = began.elapsed().as_secs_f64();
-    publish(args, &document)
+    publish(args, &document)?;
+    if interrupt::asked() {
+        let points = document.points.len();
+        return Err(Failure::Interrupted(format!("interrupted after {points} points were measured; these are kept")));
+    }
+    Ok(())
 }
 
 /// Nothing is typed that means something for scenes alone.

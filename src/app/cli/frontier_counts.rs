@@ -8,9 +8,11 @@
 //! valgrind has no AVX-512, so that these are the instructions of the AVX2 path.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 
 use palpate_studies::frontier::counted_region;
+
+use super::until::{LOOK, Until};
 
 /// What callgrind found: instructions call by call, or why there are none.
 pub(super) type Counts = Result<Vec<u64>, String>;
@@ -46,11 +48,33 @@ pub(super) fn count(arguments: &[&str], calls: usize) -> Counts {
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
-        .status();
+        .spawn()
+        .map(|child| ended(child, Until::interrupted()));
+    let outcome = match outcome {
+        Ok(Some(status)) => status,
+        Ok(None) => return Err("not counted: interrupted".into()),
+        Err(error) => Err(error),
+    };
     match outcome {
         Err(_) => Err("not counted: valgrind is not installed".into()),
         Ok(status) if !status.success() => Err(format!("not counted: valgrind ended with {status}")),
         Ok(_) => (1..=calls).map(|number| dumped(folder.path(), number)).collect(),
+    }
+}
+
+/// How the counter ended; `None` where Ctrl-C came before, which may have been sent to this process alone.
+fn ended(mut child: Child, until: Until) -> Option<std::io::Result<ExitStatus>> {
+    loop {
+        match child.try_wait() {
+            Ok(None) if until.is_over() => {
+                // it may have ended by itself in the meantime
+                let _ = child.kill().and_then(|()| child.wait());
+                return None;
+            }
+            Ok(None) => std::thread::sleep(LOOK),
+            Ok(Some(status)) => return Some(Ok(status)),
+            Err(error) => return Some(Err(error)),
+        }
     }
 }
 

@@ -1,17 +1,21 @@
 //! The frontier of measured contacts, judged by contacts that were left out.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::io::{Input, ReadOptions, read_input};
 use crate::report::{FrontierDocument, FrontierRecord};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
-use palpate_studies::frontier::{Frontier, FrontierError, Measured, Request, Watch, choose, held_out};
+use palpate_studies::frontier::{Frontier, FrontierError, HeldOut, Measured, Request, Watch, choose};
 
 use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
+use super::frontier_measuring::{measured, nothing_yet, unreached};
 use super::frontier_scene::{done_share, empty_document, pick_part};
+use super::interrupt;
+use super::until::Until;
 
 /// The document of a file of contacts.
 pub(super) fn measure(
@@ -35,23 +39,24 @@ pub(super) fn measure(
         spinner.part((100.0 * done_share(began, args.seconds, [done, all])) as usize, 100);
         watch(done, all)
     };
-    let measured = judged(args, &reading.file, contacts, &told)?;
+    interrupt::gently();
+    let document = judged(args, &reading.file, contacts, request, &told)?;
     drop(spinner);
-    document(&reading.file, &measured, request)
+    document.ok_or_else(nothing_yet)
 }
 
-/// The document of contacts that are there already, under this name.
+/// The document of contacts that are there already, under this name; `None` where the watch ended it.
 pub(super) fn measure_contacts(
     args: &FrontierArgs,
     name: &str,
     contacts: &Contacts,
     request: Option<&Request>,
     watch: Watch<'_>,
-) -> Result<FrontierDocument, Failure> {
+) -> Result<Option<FrontierDocument>, Failure> {
     check(args, name, request)?;
     // a reader of files checks what it reads
     contacts.check().map_err(|error| Failure::Input(format!("{name}: {error}")))?;
-    document(name, &judged(args, name, contacts, watch)?, request)
+    judged(args, name, contacts, request, watch)
 }
 
 /// Nothing is asked that needs a truth or a scene.
@@ -69,8 +74,29 @@ fn check(args: &FrontierArgs, file: &str, request: Option<&Request>) -> Result<(
     Ok(())
 }
 
-fn judged(args: &FrontierArgs, name: &str, contacts: &Contacts, watch: Watch<'_>) -> Result<Vec<Measured>, Failure> {
-    held_out(contacts, &FitOptions::default(), args.seconds, watch).map_err(|error| wrong(name, &error))
+/// The document of these contacts; `None` where the watch ended it.
+fn judged(
+    args: &FrontierArgs,
+    name: &str,
+    contacts: &Contacts,
+    request: Option<&Request>,
+    watch: Watch<'_>,
+) -> Result<Option<FrontierDocument>, Failure> {
+    let subject = HeldOut::new(contacts, &FitOptions::default()).map_err(|error| wrong(name, &error))?;
+    let (ledger, seconds) = (Arc::new(subject.ledger()), args.seconds);
+    let subject = Arc::new(subject);
+    let (own, entered) = (Arc::clone(&subject), Arc::clone(&ledger));
+    // the ledger holds what there is, whether or not it came to an end
+    let _ = measured(Until::interrupted(), watch, move |watch| own.measure_into(&entered, seconds, watch));
+    let found = subject.measured(&ledger);
+    // whoever watches wants all or nothing
+    if !watch(1, 1) {
+        return Ok(None);
+    }
+    let note = unreached(seconds, found.len(), subject.ways())?;
+    let mut document = document(name, &found, request)?;
+    document.notes.extend(note);
+    Ok(Some(document))
 }
 
 fn document(name: &str, measured: &[Measured], request: Option<&Request>) -> Result<FrontierDocument, Failure> {

@@ -1,5 +1,6 @@
 //! The frontiers of a scene, whose truth is known.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::io::scene_file::SceneFile;
@@ -17,55 +18,56 @@ use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
 use super::frontier_counts::{Counts, count, make_calls};
 use super::frontier_emit::emitted;
+use super::frontier_measuring::{measured, nothing_yet, unreached};
+use super::interrupt;
 use super::scene::Source;
+use super::until::Until;
 
-/// Everything that is timed.
-struct Frontiers<'a> {
-    ways: Subject,
-    solvers: Option<SolverSubject>,
-    intervals: Option<IntervalSubject<'a>>,
-    notes: Vec<String>,
+/// What is timed, and how.
+#[derive(Clone)]
+struct Asked {
+    scene: Arc<SceneFile>,
+    seed: u64,
+    keep_stations: bool,
+    bare: bool,
+    seconds: f64,
 }
 
-impl<'a> Frontiers<'a> {
-    /// `counted`: one replicate of each, and no reference.
-    fn new(
-        args: &FrontierArgs,
-        scene: &'a SceneFile,
-        seed: u64,
-        counted: bool,
-    ) -> Result<Frontiers<'a>, FrontierError> {
-        let most = if counted { 1 } else { REPLICATES };
-        let ways = Subject::with_replicates(&scene.world, &scene.fit, seed, !args.keep_stations, most)?;
-        if args.bare {
-            return Ok(Frontiers { ways: ways.bare(), solvers: None, intervals: None, notes: Vec::new() });
-        }
-        let mut notes = Vec::new();
-        let contacts = scene.world.compile()?.simulate(seed, 0).0;
-        let solvers = SolverSubject::new(&scene.name, &contacts, &scene.fit);
-        notes.extend(solvers.notes().iter().cloned());
-        let intervals = match IntervalSubject::new(&scene.world, &scene.fit, seed, counted)? {
-            Ok(intervals) => Some(intervals),
-            Err(why) => {
-                notes.push(format!("no frontier of intervals: {why}"));
-                None
-            }
-        };
-        Ok(Frontiers { ways, solvers: Some(solvers), intervals, notes })
+impl Asked {
+    /// The ways of fitting, on so many replicates.
+    fn ways(&self, replicates: u64) -> Result<Subject, FrontierError> {
+        let scene = &self.scene;
+        let ways = Subject::with_replicates(&scene.world, &scene.fit, self.seed, !self.keep_stations, replicates)?;
+        Ok(if self.bare { ways.bare() } else { ways })
     }
 
-    /// Makes every call once, in the order in which counts come back.
-    fn make_calls(&self) {
+    fn solvers(&self) -> Result<SolverSubject, FrontierError> {
+        let contacts = self.scene.world.compile()?.simulate(self.seed, 0).0;
+        Ok(SolverSubject::new(&self.scene.name, &contacts, &self.scene.fit))
+    }
+
+    fn intervals(&self, counted: bool) -> Result<Result<IntervalSubject<'_>, String>, FrontierError> {
+        IntervalSubject::new(&self.scene.world, &self.scene.fit, self.seed, counted)
+    }
+
+    /// Makes every call once, in the order in which counts come back: one replicate of each, and no reference.
+    fn make_calls(&self) -> Result<(), FrontierError> {
+        let ways = self.ways(1)?;
+        let solvers = if self.bare { None } else { Some(self.solvers()?) };
+        let intervals = if self.bare { None } else { self.intervals(true)?.ok() };
         palpate_numeric::threads::alone(|| {
-            make_calls(&mut self.ways.calls());
-            self.solvers.iter().for_each(|solvers| make_calls(&mut solvers.calls()));
-            self.intervals.iter().for_each(|intervals| make_calls(&mut intervals.calls()));
+            make_calls(&mut ways.calls());
+            solvers.iter().for_each(|solvers| make_calls(&mut solvers.calls()));
+            intervals.iter().for_each(|intervals| make_calls(&mut intervals.calls()));
         });
+        Ok(())
     }
 }
 
 /// Steps that a watch is told of each frontier.
 const STEPS: usize = 100;
+/// Seconds after which intervals are given up that are not there, where the ways take no more: most scenes need a tenth of it.
+const INTERVAL_SECONDS: f64 = 60.0;
 
 /// How much is done of rounds that end after so many seconds or so many rounds, whichever comes first.
 pub(super) fn done_share(began: Instant, seconds: f64, [round, most]: [usize; 2]) -> f64 {
@@ -74,27 +76,59 @@ pub(super) fn done_share(began: Instant, seconds: f64, [round, most]: [usize; 2]
 }
 
 /// What was measured of all three frontiers.
+#[derive(Default)]
 struct Found {
     ways: Vec<Measured>,
     solvers: Vec<Point>,
     intervals: Vec<Point>,
+    notes: Vec<String>,
+    /// Methods of solvers and of intervals that there are, measured or not.
+    methods: usize,
 }
 
 impl Found {
-    /// Measures all of them; the watch is told hundredths of each, one after the other. `None` where it ended them.
-    fn measure(frontiers: &Frontiers<'_>, seconds: f64, watch: Watch<'_>) -> Option<Found> {
-        let steps = STEPS * (1 + usize::from(frontiers.solvers.is_some()) + usize::from(frontiers.intervals.is_some()));
-        let part = |number: usize| move |round: usize, most: usize| watch(STEPS * number + STEPS * round / most, steps);
-        let (ways, solvers, intervals) = (&frontiers.ways, &frontiers.solvers, &frontiers.intervals);
-        let began = Instant::now();
-        let found = Found {
-            ways: ways.measure(seconds, &|round, most| {
-                watch((STEPS as f64 * done_share(began, seconds, [round, most])) as usize, steps)
-            }),
-            solvers: solvers.as_ref().map_or(Vec::new(), |solvers| solvers.measure(&part(1))),
-            intervals: intervals.as_ref().map_or(Vec::new(), |intervals| intervals.measure(&part(2))),
+    /// Measures all of them, one after the other; what Ctrl-C does not leave time for is left out. The watch is told
+    /// hundredths of each.
+    fn measure(asked: &Asked, ways: &Arc<Subject>, watch: Watch<'_>) -> Result<Found, FrontierError> {
+        let steps = STEPS * if asked.bare { 1 } else { 3 };
+        let mut found = Found::default();
+        let (ledger, began, seconds) = (Arc::new(ways.ledger()), Instant::now(), asked.seconds);
+        let seen = |round: usize, most: usize| {
+            watch((STEPS as f64 * done_share(began, seconds, [round, most])) as usize, steps)
         };
-        watch(steps, steps).then_some(found)
+        let (own, entered) = (Arc::clone(ways), Arc::clone(&ledger));
+        let until = Until::interrupted();
+        // the ledger holds what there is, whether or not it came to an end
+        let _ = measured(until, &seen, move |watch| own.measure_into(&entered, seconds, watch));
+        found.ways = ways.measured(&ledger);
+        if asked.bare || interrupt::asked() {
+            return Ok(found);
+        }
+        let part =
+            |number: usize| move |round: usize, most: usize| watch(STEPS * number + STEPS * round / most.max(1), steps);
+        let own = asked.clone();
+        let solvers = measured(until, &part(1), move |watch| {
+            own.solvers().map(|all| (all.measure(own.seconds, watch), all.notes().to_vec(), all.calls().len()))
+        });
+        (found.solvers, found.notes, found.methods) = solvers.transpose()?.unwrap_or_default();
+        if interrupt::asked() {
+            return Ok(found);
+        }
+        let until = Until::seconds_after(Instant::now(), Some(seconds.max(INTERVAL_SECONDS)));
+        let own = asked.clone();
+        let intervals = measured(until, &part(2), move |watch| {
+            let all = own.intervals(false)?;
+            Ok::<_, FrontierError>(all.map(|all| (all.measure(own.seconds, watch), all.calls().len())))
+        });
+        match intervals.transpose()? {
+            Some(Ok((points, methods))) => {
+                found.intervals = points;
+                found.methods += methods;
+            }
+            Some(Err(why)) => found.notes.push(format!("no frontier of intervals: {why}")),
+            None => found.notes.push("no frontier of intervals: its reference was not done in time".into()),
+        }
+        Ok(found)
     }
 }
 
@@ -106,35 +140,71 @@ pub(super) fn measure(
     request: Option<&Request>,
     watch: Watch<'_>,
 ) -> Result<Option<FrontierDocument>, Failure> {
-    let scene = source.scene()?;
+    let scene = Arc::new(source.scene()?);
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let seed = args.seed.unwrap_or(scene.seed);
+    let (keep_stations, bare, seconds) = (args.keep_stations, args.bare, args.seconds);
+    let asked = Asked { scene: Arc::clone(&scene), seed, keep_stations, bare, seconds };
     if args.counted {
-        Frontiers::new(args, &scene, seed, true).map_err(wrong)?.make_calls();
-        return Ok(None);
+        return asked.make_calls().map(|()| None).map_err(wrong);
     }
     args.output.prepare(&[name.as_ref()], args.emit.as_slice())?;
     let spinner = args.output.spinner(format!("measuring {}", scene.name));
-    let frontiers = Frontiers::new(args, &scene, seed, false).map_err(wrong)?;
+    interrupt::gently();
+    let own = asked.clone();
+    let ways = Until::interrupted().wait(move || own.ways(REPLICATES)).ok_or_else(nothing_yet)?;
+    let ways = Arc::new(ways.map_err(wrong)?);
     if let Some(request) = request {
-        check_truth(&frontiers.ways, request).map_err(wrong)?;
+        check_truth(&ways, request).map_err(wrong)?;
     }
     let told = |done: usize, all: usize| {
         spinner.part(done, all);
         watch(done, all)
     };
-    let Some(mut found) = Found::measure(&frontiers, args.seconds, &told) else { return Ok(None) };
-    let stages = if args.bare { Vec::new() } else { stages(&scene, seed).map_err(wrong)? };
+    let mut found = Found::measure(&asked, &ways, &told).map_err(wrong)?;
+    // whoever watches wants all or nothing
+    let steps = STEPS * if bare { 1 } else { 3 };
+    if !watch(steps, steps) {
+        return Ok(None);
+    }
+    found.notes.extend(unreached(seconds, found.ways.len(), ways.ways())?);
     drop(spinner);
+    finished(args, (name, source), &asked, (found, &ways), request).map(Some)
+}
+
+/// The document with stages, counts and what was picked.
+fn finished(
+    args: &FrontierArgs,
+    (name, source): (&str, &Source),
+    asked: &Asked,
+    (mut found, ways): (Found, &Subject),
+    request: Option<&Request>,
+) -> Result<FrontierDocument, Failure> {
+    let (scene, seed) = (&asked.scene, asked.seed);
+    let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
+    let own = asked.clone();
+    let stages = match asked.bare || interrupt::asked() {
+        true => Vec::new(),
+        false => {
+            let stages = Until::interrupted().wait(move || stages(&own.scene, own.seed));
+            stages.transpose().map_err(wrong)?.unwrap_or_default()
+        }
+    };
     let spinner = args.output.spinner("counting instructions");
-    let each = frontiers.ways.calls_each();
-    let counts = counts(args, name, seed, each * found.ways.len() + found.solvers.len() + found.intervals.len());
+    let each = ways.calls_each();
+    let methods = found.solvers.len() + found.intervals.len();
+    // a count is told from others by its place among all calls
+    let whole = found.ways.len() == ways.ways() && methods == found.methods && !interrupt::asked();
+    let counts = match whole {
+        true => counts(args, name, seed, each * found.ways.len() + methods),
+        false => Err("not counted: not every call was timed".into()),
+    };
     drop(spinner);
     take_counts(&mut found, &counts, each);
     let picked = request.map(|request| choose(&found.ways, request)).transpose().map_err(wrong)?;
-    let mut document = document(&scene, seed, &found, &counts)?;
+    let mut document = document(scene, seed, &found, &counts)?;
     document.stages = stages.iter().map(|stage| stage_part(stage, &stages)).collect();
-    document.notes.extend(frontiers.notes.iter().cloned());
+    document.notes.extend(found.notes);
     if let (Some(choice), Some(request)) = (&picked, request) {
         let text = emitted(source, &choice.options, choice.stations)?;
         document.pick = Some(pick_part(choice, request, Some(&text)));
@@ -142,7 +212,7 @@ pub(super) fn measure(
             write_atomically(path, &mut |out| out.write_all(text.as_bytes()))?;
         }
     }
-    Ok(Some(document))
+    Ok(document)
 }
 
 /// Stages of the scene's own fit, read from a table in memory, and of its replicates.

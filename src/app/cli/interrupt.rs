@@ -17,6 +17,11 @@ pub(super) fn gently() {
     let _ = STATE.compare_exchange(AT_ONCE, GENTLY, Ordering::SeqCst, Ordering::SeqCst);
 }
 
+/// What was computed is there: Ctrl-C ends the process again, unless it came before.
+pub(super) fn at_once() {
+    let _ = STATE.compare_exchange(GENTLY, AT_ONCE, Ordering::SeqCst, Ordering::SeqCst);
+}
+
 /// Whether the verb was asked to come to an end.
 pub(super) fn asked() -> bool {
     STATE.load(Ordering::SeqCst) == ASKED

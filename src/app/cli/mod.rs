@@ -26,6 +26,7 @@ mod frontier_args;
 mod frontier_counts;
 mod frontier_emit;
 mod frontier_input;
+mod frontier_measuring;
 mod frontier_scene;
 mod gathered;
 mod help;

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::io::scene_file::builtin_text;
@@ -14,11 +15,13 @@ use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 
 use super::failure::Failure;
+use super::interrupt;
 use super::output::print;
 use super::parts_args::PartsArgs;
 use super::parts_input::{Taken, from_file, from_scene};
 use super::provenance::provenance;
 use super::scene;
+use super::until::Until;
 
 pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let is_scene =
@@ -35,14 +38,18 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let clock = Instant::now();
     let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
     if let Some((path, format)) = format {
-        let found = PointShapes::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+        let found = in_time(&taken, &options, PointShapes::of, "the shape of every point was known; nothing is kept")?;
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
         if args.output.out.is_none() && !args.output.json {
             drop(spinner);
             return summary(args, &taken, &found);
         }
     }
-    let found = Parts::of(&taken.contacts, &options).map_err(|error| refused(&taken, &error))?;
+    let kept = match format {
+        Some((path, _)) => format!("the parts were known; the shape of every point is kept in {}", path.display()),
+        None => "the parts were known; nothing is kept".into(),
+    };
+    let found = in_time(&taken, &options, Parts::of, &kept)?;
     let seconds = clock.elapsed().as_secs_f64();
     let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
     if let Some((faces, kinds)) = &taken.faces {
@@ -52,6 +59,24 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     drop(spinner);
     let provenance = provenance(&args.input, taken.scene.clone(), taken.seed);
     publish(args, &document, (&taken.contacts, &found), &provenance)
+}
+
+/// What `work` makes of the contacts, on a thread of its own: it takes seconds where there are many, and Ctrl-C does not wait.
+/// A body is known as a whole or not at all, so that `kept` says what there is where it comes before.
+fn in_time<T: Send + 'static>(
+    taken: &Taken,
+    options: &PartsOptions,
+    work: fn(&Contacts, &PartsOptions) -> Result<T, PartsError>,
+    kept: &str,
+) -> Result<T, Failure> {
+    let (contacts, options) = (Arc::clone(&taken.contacts), options.clone());
+    interrupt::gently();
+    let found = Until::interrupted().wait(move || work(&contacts, &options));
+    interrupt::at_once();
+    match found {
+        Some(found) => found.map_err(|error| refused(taken, &error)),
+        None => Err(Failure::Interrupted(format!("interrupted before {kept}"))),
+    }
 }
 
 fn refused(taken: &Taken, error: &PartsError) -> Failure {

@@ -1,6 +1,7 @@
 //! What `palpate parts` cuts up: contacts from a file, or felt in a scene; options of the input hold for both.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::io::{Input, ReadOptions, Reading, read_input};
 use palpate_geometry::contact::Contacts;
@@ -16,7 +17,7 @@ use super::zero_weights::is_without_heights;
 /// Contacts, and the true face of each where they come from a scene.
 pub(super) struct Taken {
     pub(super) name: String,
-    pub(super) contacts: Contacts,
+    pub(super) contacts: Arc<Contacts>,
     pub(super) faces: Option<(Vec<usize>, Vec<&'static str>)>,
     pub(super) viewpoint: Option<[f64; 3]>,
     /// The scene as TOML, and the seed that it was played with.
@@ -89,5 +90,6 @@ fn prepared(args: &PartsArgs, mut reading: Reading) -> Result<Taken, Failure> {
         Some(eye) => turned_towards(contacts, eye, &mut notes),
         None => contacts,
     };
+    let contacts = Arc::new(contacts);
     Ok(Taken { name: reading.file, contacts, faces: None, viewpoint, scene: None, seed: None, notes })
 }

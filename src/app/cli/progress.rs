@@ -64,6 +64,13 @@ impl Bar {
         bar.set_message(words.into_iter().flatten().collect::<Vec<_>>().join("  "));
     }
 
+    /// So many more steps that need no words.
+    pub(super) fn steps(&self, count: u64) {
+        if let Some(bar) = &self.0 {
+            bar.inc(count);
+        }
+    }
+
     /// One more step of a list.
     pub(super) fn step(&self, words: String) {
         if let Some(bar) = &self.0 {

@@ -140,6 +140,9 @@ impl StudyArgs {
     }
 }
 
+/// Points of the grid times replicates of a design for the shares of the effects, where nobody says how many: some seconds.
+const ATTRIBUTION_POINTS: usize = 1 << 26;
+
 /// Everything that decides the numbers of a study.
 #[derive(Debug)]
 pub(super) struct Plan {
@@ -185,6 +188,10 @@ impl Plan {
             Path::Refit => 8_000,
             Path::Whole => 320,
         });
+        // every replicate of every design is taken over the whole grid
+        let [x, y] = fit.grid;
+        let affordable = (ATTRIBUTION_POINTS / (x * y)).max(1);
+        let attribution = if args.attribution.is_none() { attribution.min(affordable) } else { attribution };
         let attribution = if random { attribution } else { 0 };
         Ok(Plan { name: scene.name.clone(), study, identity, most, attribution, off, remark })
     }

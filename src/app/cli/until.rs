@@ -4,6 +4,7 @@
 //! what it has, and to end. So no loop below has to ask, and none can be forgotten.
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::interrupt;
@@ -39,6 +40,15 @@ impl Until {
 
     /// What `work` gives; `None` where it is not done in time.
     pub(super) fn wait<T: Send + 'static>(self, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+        self.wait_and(|| true, work)
+    }
+
+    /// The same; `look` is called many times a second meanwhile, and its no ends the waiting, too.
+    pub(super) fn wait_and<T: Send + 'static>(
+        self,
+        mut look: impl FnMut() -> bool,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Option<T> {
         let (send, receive) = channel();
         let worker = std::thread::spawn(move || {
             // whoever asked may have gone
@@ -55,15 +65,23 @@ impl Until {
                     Ok(()) => return None,
                 },
             }
-            if self.is_over() && over.get_or_insert_with(Instant::now).elapsed() >= GRACE {
+            let ends = !look() || self.is_over();
+            if ends && over.get_or_insert_with(Instant::now).elapsed() >= GRACE {
                 return None;
             }
         }
     }
 }
 
+/// What two threads share, one of which may have been left behind: nobody panics while he holds it.
+pub(super) fn held<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     #[test]
@@ -72,6 +90,22 @@ mod tests {
         let until = Until::seconds_after(Instant::now(), Some(0.0));
         assert_eq!(until.wait(|| std::thread::sleep(Duration::from_secs(3600))), None);
         assert!(until.is_over() && !Until::seconds_after(Instant::now(), None).is_over());
+    }
+
+    #[test]
+    fn whoever_looks_ends_the_waiting_and_sees_what_was_shared() {
+        let steps = Arc::new(Mutex::new(0));
+        let (shared, mut looks) = (Arc::clone(&steps), 0);
+        let look = || {
+            looks += 1;
+            *held(&steps) < 3
+        };
+        let endless = move || {
+            *held(&shared) = 3;
+            std::thread::sleep(Duration::from_secs(3600));
+        };
+        assert_eq!(Until::interrupted().wait_and(look, endless), None);
+        assert!(looks > 1 && *held(&steps) == 3);
     }
 
     #[test]

@@ -86,6 +86,17 @@ impl Cells {
         row
     }
 
+    /// The basis at the u of one row and the v of another.
+    pub(super) fn joined(&self, of_u: &Row, of_v: &Row) -> Row {
+        let segments = self.knots[1].n_segments();
+        Row {
+            cell: of_u.cell / segments * segments + of_v.cell % segments,
+            first: [of_u.first[0], of_v.first[1]],
+            values: [of_u.values[0], of_v.values[1]],
+            width: of_u.width,
+        }
+    }
+
     /// Numbers of the coefficients that are nonzero in the cell of `row`, in the order of [`Row::products`].
     pub(super) fn alive(&self, row: &Row, out: &mut Vec<usize>) {
         let [n, m] = self.shape.free;
@@ -140,5 +151,19 @@ impl Row {
         for (line, outer) in out.chunks_exact_mut(self.width[1]).zip(&self.values[0][k * self.width[0]..]) {
             line.iter_mut().zip(inner).for_each(|(o, i)| *o = outer * i);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_joined_of_two() {
+        let knots = [Knots::closed(3, 8, 0.0, 8.0).unwrap(), Knots::uniform(2, 3, 0.0, 1.0).unwrap()];
+        let cells = Cells::new(knots);
+        let (whole, joined) = (cells.row(6.3, 0.7, 2), cells.joined(&cells.row(6.3, 0.1, 2), &cells.row(0.2, 0.7, 2)));
+        assert_eq!((whole.cell, whole.first, whole.width), (joined.cell, joined.first, joined.width));
+        assert_eq!(whole.values, joined.values);
     }
 }

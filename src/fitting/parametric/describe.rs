@@ -67,10 +67,15 @@ fn uncertainties(fit: &FitData, maps: &ParametricMaps, defined: usize) -> [f64; 
     let unknowns = 3 * fit.cells.shape().coefficients();
     let mut sums = [vec![0.0; unknowns], vec![0.0; unknowns]];
     let (mut alive, mut products) = (Vec::new(), vec![0.0; fit.cells.local()]);
-    for (at, _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
-        let (u, v) = (maps.grid.x[at.0], maps.grid.y[at.1]);
-        let Some((by_s, by_r)) = jet_gradient(&fit.surface.at(u, v).derivatives) else { continue };
-        let row = fit.cells.row(u, v, 2);
+    // a point of a grid shares its basis in either direction with all points of its line
+    let (x, y) = (&maps.grid.x, &maps.grid.y);
+    let along_u: Vec<_> = x.iter().map(|u| (fit.surface.row(0, *u), fit.cells.row(*u, y[0], 2))).collect();
+    let along_v: Vec<_> = y.iter().map(|v| (fit.surface.row(1, *v), fit.cells.row(x[0], *v, 2))).collect();
+    for ((i, j), _) in maps.supported.indexed_iter().filter(|(_, supported)| **supported) {
+        let ((basis_u, row_u), (basis_v, row_v)) = (&along_u[i], &along_v[j]);
+        let here = fit.surface.with_rows(basis_u, basis_v);
+        let Some((by_s, by_r)) = jet_gradient(&here.derivatives) else { continue };
+        let row = fit.cells.joined(row_u, row_v);
         fit.cells.alive(&row, &mut alive);
         for (k, order) in [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
             row.products(order, &mut products);

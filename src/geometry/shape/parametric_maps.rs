@@ -5,7 +5,7 @@ use ndarray::Array2;
 use super::support::supported;
 use super::{ShapeGrid, ShapeMaps, Support};
 use crate::surface::{Parametric, SurfacePoint};
-use palpate_numeric::bspline::Knots;
+use palpate_numeric::bspline::{BasisRow, Knots};
 
 type Vector = [f64; 3];
 
@@ -84,10 +84,11 @@ pub fn parametric_maps_at(surface: &Parametric, grid: ShapeGrid, held: &Array2<b
         supported: Array2::from_elem(size, false),
         grid,
     };
+    let along_v: Vec<BasisRow> = maps.grid.y.iter().map(|v| surface.row(1, *v)).collect();
     for i in 0..size.0 {
+        let along_u = surface.row(0, maps.grid.x[i]);
         for j in 0..size.1 {
-            let (u, v) = (maps.grid.x[i], maps.grid.y[j]);
-            let here = surface.at(u, v);
+            let here = surface.with_rows(&along_u, &along_v[j]);
             maps.points[[i, j]] = here.point;
             let Some(p) = here.principal().filter(|_| held[[i, j]]) else { continue };
             maps.supported[[i, j]] = true;

@@ -8,7 +8,7 @@ use ndarray::Array2;
 #[cfg(feature = "serde")]
 use super::saved::SavedSurface;
 use crate::curvature::{Derivatives, Principal};
-use palpate_numeric::bspline::{Knots, SplineError};
+use palpate_numeric::bspline::{BasisRow, Knots, SplineError};
 
 /// Point and derivatives of `Q` at one (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +107,16 @@ impl Parametric {
 
     /// Point and derivatives at (u, v). Closed directions wrap; in open ones the end polynomials are extended.
     pub fn at(&self, u: f64, v: f64) -> ParametricPoint {
-        let (bu, bv) = (self.knots[0].basis(self.knots[0].wrapped(u)), self.knots[1].basis(self.knots[1].wrapped(v)));
+        self.with_rows(&self.row(0, u), &self.row(1, v))
+    }
+
+    /// The basis in direction `k` at `t`.
+    pub fn row(&self, k: usize, t: f64) -> BasisRow {
+        self.knots[k].basis(self.knots[k].wrapped(t))
+    }
+
+    /// Point and derivatives from the basis rows of both directions, which a grid needs once for each of its lines.
+    pub fn with_rows(&self, bu: &BasisRow, bv: &BasisRow) -> ParametricPoint {
         let mut out = [[0.0; 3]; 6];
         for a in 0..=self.knots[0].degree() {
             let mut along = [[0.0; 3]; 3];

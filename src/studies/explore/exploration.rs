@@ -61,6 +61,22 @@ pub struct Exploration {
     pub swept: Vec<[f64; 2]>,
 }
 
+impl Exploration {
+    /// What an exploration had come to when it was left after these looks, the first of which followed the first sweep:
+    /// their contacts are felt again, with the same noise.
+    ///
+    /// # Errors
+    /// A world that cannot be explored.
+    pub fn after(world: &World, options: &ExploreOptions, looks: Vec<Look>) -> Result<Exploration, ExploreError> {
+        let mut hand = Hand::new(world, options.seed, options.reach)?;
+        let swept = hand.sites()?;
+        // what the first look names are the places of the sweep
+        hand.touches = looks.iter().skip(1).flat_map(|look| look.touched.iter().copied()).collect();
+        let (contacts, truth) = hand.feel()?;
+        Ok(Exploration { looks, stopped: Stopped::Asked, contacts, truth, swept })
+    }
+}
+
 /// Explores a simulated world; `seen` is told every look, and says whether to go on.
 ///
 /// # Errors

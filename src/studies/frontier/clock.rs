@@ -14,6 +14,9 @@ use palpate_numeric::statistics::{Rank, median, quantile};
 
 /// Calls of one kind in a row: the first finds the caches cold, which a robot that fits again and again does not meet.
 const IN_A_ROW: usize = 3;
+/// Seconds by which the least rounds may outlast the others' end, with one call of each kind: a time without an interval tells
+/// little, but contacts by the million take seconds a call.
+const ALLOWANCE: f64 = 3.0;
 /// Samples of the bootstrap; the ends of an interval of 95 % are then some 5 % of its width off.
 const SAMPLES: usize = 200;
 
@@ -32,13 +35,13 @@ pub struct Clocked {
 /// How long rounds go on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Rounds at least: fewer have no interval.
+    /// Rounds in which every call is made: fewer have no interval.
     pub least: usize,
     /// Rounds at most.
     pub most: usize,
-    /// Seconds for all calls together, beyond the least rounds.
+    /// Seconds for all calls together, but for [`ALLOWANCE`].
     pub seconds: f64,
-    /// Seconds for each call, likewise: slow calls are made less often.
+    /// Seconds for each call beyond the least rounds: slow calls are made less often.
     pub each: f64,
 }
 
@@ -47,6 +50,14 @@ pub(super) type Call<'a, R> = Box<dyn FnMut(u64) -> R + 'a>;
 
 /// Asked before every call, while no clock runs, with the round and how many there are at most; its no ends the rounds.
 pub type Watch<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
+
+/// What comes of the calls while they are timed.
+pub(super) enum Heard<R> {
+    /// What one returned, and how many calls of it there were before.
+    Answer(u64, R),
+    /// Its time in a round, seconds.
+    Time(f64),
+}
 
 /// Times every call in rounds. `keep(k, number, result)` gets what the timed calls returned.
 pub(super) fn rounds<R>(
@@ -65,17 +76,29 @@ pub(super) fn round_times<R>(
     watch: Watch<'_>,
     mut keep: impl FnMut(usize, u64, R),
 ) -> Vec<Vec<f64>> {
-    let began = Instant::now();
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); calls.len()];
+    heard_rounds(calls, limits, watch, |k, heard| match heard {
+        Heard::Answer(number, result) => keep(k, number, result),
+        Heard::Time(seconds) => times[k].push(seconds),
+    });
+    times
+}
+
+/// The same, told as it happens.
+pub(super) fn heard_rounds<R>(
+    calls: &mut [Call<'_, R>],
+    limits: Limits,
+    watch: Watch<'_>,
+    mut hear: impl FnMut(usize, Heard<R>),
+) {
+    let began = Instant::now();
     let mut numbers = vec![0; calls.len()];
     let mut spent = vec![0.0; calls.len()];
     for round in 0..limits.most {
-        if round >= limits.least && began.elapsed().as_secs_f64() > limits.seconds {
-            break;
-        }
         for step in 0..calls.len() {
-            if !watch(round, limits.most) {
-                return times;
+            let late = began.elapsed().as_secs_f64() - limits.seconds;
+            if !watch(round, limits.most) || late > if round < limits.least { ALLOWANCE } else { 0.0 } {
+                return;
             }
             // each round begins elsewhere, so that no call has always the same neighbour before it
             let k = (step + round * 7) % calls.len();
@@ -83,20 +106,19 @@ pub(super) fn round_times<R>(
                 continue;
             }
             let mut least = Duration::MAX;
-            let in_a_row = if spent[k] > limits.each { 1 } else { IN_A_ROW };
+            let in_a_row = if late > 0.0 || spent[k] > limits.each { 1 } else { IN_A_ROW };
             for _ in 0..in_a_row {
                 let clock = Instant::now();
                 let result = calls[k](numbers[k]);
                 let taken = clock.elapsed();
-                keep(k, numbers[k], result);
+                hear(k, Heard::Answer(numbers[k], result));
                 numbers[k] += 1;
                 least = least.min(taken);
                 spent[k] += taken.as_secs_f64();
             }
-            times[k].push(least.as_secs_f64());
+            hear(k, Heard::Time(least.as_secs_f64()));
         }
     }
-    times
 }
 
 /// What a counter of instructions is told to look at: never inlined, so that it finds the name.
@@ -154,5 +176,15 @@ mod tests {
         let limits = Limits { least: 5, most: 9, seconds: 9.0, each: 9.0 };
         let times = round_times(&mut calls, limits, &|round, _| round < 2, |_, _, _| ());
         assert_eq!(times[0].len(), 2);
+    }
+
+    #[test]
+    fn rounds_end_with_their_time_in_the_middle_of_one() {
+        let slow = || -> Call<'static, ()> { Box::new(|_| std::thread::sleep(Duration::from_millis(700))) };
+        let mut calls: Vec<Call<'_, ()>> = (0..8).map(|_| slow()).collect();
+        let limits = Limits { least: 5, most: 9, seconds: 0.1, each: 9.0 };
+        let times = round_times(&mut calls, limits, &|_, _| true, |_, _, ()| ());
+        let made = times.iter().filter(|times| !times.is_empty()).count();
+        assert!((1..8).contains(&made), "{made}");
     }
 }

@@ -5,16 +5,15 @@
 //!                                           the same answer against the truth                     judged
 //! ```
 
-use std::cell::Cell;
-
 use palpate_fitting::fit::FitOptions;
 use palpate_numeric::threads;
 use palpate_world::scene::World;
 
 use super::FrontierError;
-use super::clock::{Call, Limits, Watch, rounds};
+use super::clock::{Call, Heard, Limits, Watch, clocked, heard_rounds};
 use super::configuration::{Configuration, candidates};
 use super::errors::{Judged, QUANTITIES, errors_of, share};
+use super::ledger::Ledger;
 use super::memory;
 use super::pareto;
 use super::point::Point;
@@ -121,44 +120,67 @@ impl Subject {
         own.unwrap_or(&self.touches[0])
     }
 
-    /// Measures every candidate, on one thread, in about so many seconds. What a watch ended early is no result.
-    pub fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
-        threads::alone(|| self.measure_here(seconds, watch))
+    /// Measures every candidate, on one thread, in about so many seconds. What a watch ended early holds what was reached.
+    pub(crate) fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
+        let ledger = self.ledger();
+        self.measure_into(&ledger, seconds, watch);
+        self.measured(&ledger)
     }
 
-    fn measure_here(&self, seconds: f64, watch: Watch<'_>) -> Vec<Measured> {
-        let count = self.candidates.len();
-        let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); count];
-        let mut held: Vec<Vec<[Option<bool>; 2]>> = vec![Vec::new(); count];
-        let memory: Vec<Cell<Option<u64>>> = vec![Cell::new(None); count];
+    /// Where what is measured is entered.
+    pub fn ledger(&self) -> Ledger {
+        Ledger::new(self.candidates.len())
+    }
+
+    /// Ways of fitting that are to be measured.
+    pub fn ways(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Measures on one thread, and enters what every call came to.
+    pub fn measure_into(&self, ledger: &Ledger, seconds: f64, watch: Watch<'_>) {
+        threads::alone(|| self.measure_here(ledger, seconds, watch));
+    }
+
+    fn measure_here(&self, ledger: &Ledger, seconds: f64, watch: Watch<'_>) {
         let each = self.calls_each();
         let mut calls = self.calls();
         let limits = Limits { least: LEAST_ROUNDS, most: MOST_ROUNDS, seconds, each: EACH };
-        let times = rounds(&mut calls, limits, watch, |k, number, answer| {
-            let (candidate, interval) = (k / each, k % each == 1);
+        heard_rounds(&mut calls, limits, watch, |k, heard| {
+            let (candidate, interval) = (k / each, k % each);
+            let (number, answer) = match heard {
+                Heard::Answer(number, answer) => (number, answer),
+                Heard::Time(seconds) => return ledger.enter(candidate, |entry| entry.times[interval].push(seconds)),
+            };
             let touches = self.touches_of(&self.candidates[candidate]);
             // a replicate that comes round again was judged before
             let Some((contacts, truth)) = touches.replicates.get(number as usize) else { return };
-            if interval {
-                held[candidate].push(judge(&answer, truth, true).held);
-                return;
+            let judged = judge(&answer, truth, interval == 1);
+            if interval == 1 {
+                return ledger.enter(candidate, |entry| entry.held.push(judged.held));
             }
-            judged[candidate].push(judge(&answer, truth, false));
-            if let (0, Ok(found)) = (number, &answer) {
-                memory[candidate].set(Some(memory::bytes(found, contacts.len())));
-            }
+            let memory = answer.as_ref().ok().filter(|_| number == 0).map(|found| memory::bytes(found, contacts.len()));
+            ledger.enter(candidate, |entry| {
+                entry.judged.push(judged);
+                entry.memory = entry.memory.or(memory);
+            });
         });
-        drop(calls);
-        let mut measured: Vec<Measured> = (0..count)
-            .map(|k| {
-                let mut point = self.point(k, &judged[k], &held[k]);
+    }
+
+    /// The candidates that were measured, by what the ledger holds of them.
+    pub fn measured(&self, ledger: &Ledger) -> Vec<Measured> {
+        let entries = ledger.entries();
+        let reached = entries.iter().enumerate().filter(|(_, entry)| entry.is_measured(self.calls_each()));
+        let mut measured: Vec<Measured> = reached
+            .map(|(k, entry)| {
+                let mut point = self.point(k, &entry.judged, &entry.held);
                 if point.failed.is_none() {
-                    point.memory = memory[k].get();
+                    point.memory = entry.memory;
                 }
-                point.seconds = Some(times[each * k]);
-                point.seconds_interval = self.intervals.then(|| times[each * k + 1]);
+                point.seconds = Some(clocked(&entry.times[0]));
+                point.seconds_interval = self.intervals.then(|| clocked(&entry.times[1]));
                 let rms = |judged: &Judged, q: usize| judged.deviations[q].rms().unwrap_or(f64::NAN);
-                let runs = judged[k].iter().map(|judged| [rms(judged, 0), rms(judged, 1)]).collect();
+                let runs = entry.judged.iter().map(|judged| [rms(judged, 0), rms(judged, 1)]).collect();
                 Measured { configuration: self.candidates[k].clone(), point, runs }
             })
             .collect();

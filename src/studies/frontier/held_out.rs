@@ -13,10 +13,11 @@ use palpate_numeric::draws::Lcg;
 use palpate_numeric::threads;
 
 use super::FrontierError;
-use super::clock::{Call, Limits, Watch, rounds};
+use super::clock::{Call, Heard, Limits, Watch, clocked, heard_rounds};
 use super::configuration::{Configuration, candidates};
 use super::discretisation::Measured;
-use super::errors::{Judged, errors_of};
+use super::errors::errors_of;
+use super::ledger::{Ledger, LedgerLine};
 use super::memory;
 use super::pareto;
 use super::point::Point;
@@ -31,22 +32,101 @@ const LIMITS: Limits = Limits { least: 4, most: 30, seconds: 30.0, each: 0.5 };
 /// Place of the height among the judged quantities.
 const HEIGHT: usize = 3;
 
-/// Measures the ways of fitting these contacts, on one thread.
-///
-/// # Errors
-/// [`FrontierError::TooFew`].
-pub fn held_out(
-    contacts: &Contacts,
-    own: &FitOptions,
-    seconds: f64,
-    watch: Watch<'_>,
-) -> Result<Vec<Measured>, FrontierError> {
-    if contacts.len() < LEAST_CONTACTS {
-        return Err(FrontierError::TooFew { contacts: contacts.len(), needed: LEAST_CONTACTS });
+/// Contacts and the ways of fitting them, ready to be measured.
+#[derive(Debug)]
+pub struct HeldOut {
+    parts: Vec<(Contacts, Contacts)>,
+    ways: Vec<Configuration>,
+}
+
+impl HeldOut {
+    /// The ways of fitting these contacts.
+    ///
+    /// # Errors
+    /// [`FrontierError::TooFew`].
+    pub fn new(contacts: &Contacts, own: &FitOptions) -> Result<HeldOut, FrontierError> {
+        if contacts.len() < LEAST_CONTACTS {
+            return Err(FrontierError::TooFew { contacts: contacts.len(), needed: LEAST_CONTACTS });
+        }
+        Ok(HeldOut { parts: parts(contacts), ways: ways(contacts, own) })
     }
-    let parts = parts(contacts);
-    let ways = ways(contacts, own);
-    Ok(threads::alone(|| measure(&parts, &ways, Limits { seconds, ..LIMITS }, watch)))
+
+    /// Where what is measured is entered.
+    pub fn ledger(&self) -> Ledger {
+        Ledger::new(self.ways.len())
+    }
+
+    /// Ways of fitting that are to be measured.
+    pub fn ways(&self) -> usize {
+        self.ways.len()
+    }
+
+    /// Measures on one thread, in about so many seconds, and enters what every call came to.
+    pub fn measure_into(&self, ledger: &Ledger, seconds: f64, watch: Watch<'_>) {
+        threads::alone(|| self.measure_here(ledger, Limits { seconds, ..LIMITS }, watch));
+    }
+
+    fn measure_here(&self, ledger: &Ledger, limits: Limits, watch: Watch<'_>) {
+        let parts = &self.parts;
+        let mut calls: Vec<Call<'_, Answer>> = Vec::new();
+        for way in &self.ways {
+            calls.push(Box::new(move |number| call(&parts[number as usize % parts.len()].0, &way.options, false)));
+        }
+        heard_rounds(&mut calls, limits, watch, |k, heard| {
+            let (number, answer) = match heard {
+                Heard::Answer(number, answer) => (number, answer),
+                Heard::Time(seconds) => return ledger.enter(k, |entry| entry.times[0].push(seconds)),
+            };
+            let Some((seen, unseen)) = parts.get(number as usize) else { return };
+            let judged = judge_contacts(&answer, unseen);
+            let memory = answer.as_ref().ok().filter(|_| number == 0).map(|found| memory::bytes(found, seen.len()));
+            ledger.enter(k, |entry| {
+                entry.judged.push(judged);
+                entry.memory = entry.memory.or(memory);
+            });
+        });
+    }
+
+    /// The ways that were measured, by what the ledger holds of them.
+    pub fn measured(&self, ledger: &Ledger) -> Vec<Measured> {
+        let entries = ledger.entries();
+        let reached = self.ways.iter().zip(&entries).filter(|(_, entry)| entry.is_measured(1));
+        let contacts = self.parts.first().map_or(0, |(seen, _)| seen.len());
+        let mut measured: Vec<Measured> = reached
+            .map(|(way, entry)| Measured {
+                configuration: way.clone(),
+                point: point(way, entry, contacts),
+                runs: Vec::new(),
+            })
+            .collect();
+        let mut points: Vec<&mut Point> = measured.iter_mut().map(|measured| &mut measured.point).collect();
+        pareto::mark(&mut points);
+        measured
+    }
+}
+
+fn point(way: &Configuration, entry: &LedgerLine, contacts: usize) -> Point {
+    let judged = &entry.judged;
+    let errors: [_; 6] = std::array::from_fn(|q| errors_of(judged, q));
+    let failed = judged.iter().find_map(|judged| judged.failed.clone());
+    Point {
+        label: way.label(),
+        method: way.options.method.name().into(),
+        surface: way.options.surface.name(),
+        weights: way.weights(),
+        degree: way.options.degree,
+        segments: way.options.segments,
+        contacts,
+        error: errors[HEIGHT].filter(|_| failed.is_none()).map(|errors| errors.rms),
+        error_interval: errors[HEIGHT].filter(|_| failed.is_none()).map(|errors| errors.interval),
+        errors,
+        seconds: Some(clocked(&entry.times[0])),
+        memory: entry.memory.filter(|_| failed.is_none()),
+        replicates: judged.len() as u64,
+        support: judged.first().map(|judged| judged.support),
+        failed,
+        ..Point::default()
+    }
 }
 
 /// What is fitted and what is left out, part by part.
@@ -82,49 +162,4 @@ fn ways(contacts: &Contacts, own: &FitOptions) -> Vec<Configuration> {
         _ => true,
     };
     candidates(&own, &[None], normals).into_iter().filter(fits).collect()
-}
-
-fn measure(parts: &[(Contacts, Contacts)], ways: &[Configuration], limits: Limits, watch: Watch<'_>) -> Vec<Measured> {
-    let mut judged: Vec<Vec<Judged>> = vec![Vec::new(); ways.len()];
-    let mut bytes: Vec<Option<u64>> = vec![None; ways.len()];
-    let mut calls: Vec<Call<'_, Answer>> = Vec::new();
-    for way in ways {
-        calls.push(Box::new(move |number| call(&parts[number as usize % parts.len()].0, &way.options, false)));
-    }
-    let times = rounds(&mut calls, limits, watch, |k, number, answer| {
-        let Some((seen, unseen)) = parts.get(number as usize) else { return };
-        judged[k].push(judge_contacts(&answer, unseen));
-        if let (0, Ok(found)) = (number, &answer) {
-            bytes[k] = Some(memory::bytes(found, seen.len()));
-        }
-    });
-    drop(calls);
-    let contacts = parts.first().map_or(0, |(seen, _)| seen.len());
-    let one = |((way, judged), (bytes, time)): ((&Configuration, &Vec<Judged>), (Option<u64>, _))| {
-        let errors: [_; 6] = std::array::from_fn(|q| errors_of(judged, q));
-        let failed = judged.iter().find_map(|judged| judged.failed.clone());
-        let point = Point {
-            label: way.label(),
-            method: way.options.method.name().into(),
-            surface: way.options.surface.name(),
-            weights: way.weights(),
-            degree: way.options.degree,
-            segments: way.options.segments,
-            contacts,
-            error: errors[HEIGHT].filter(|_| failed.is_none()).map(|errors| errors.rms),
-            error_interval: errors[HEIGHT].filter(|_| failed.is_none()).map(|errors| errors.interval),
-            errors,
-            seconds: Some(time),
-            memory: bytes.filter(|_| failed.is_none()),
-            replicates: judged.len() as u64,
-            support: judged.first().map(|judged| judged.support),
-            failed,
-            ..Point::default()
-        };
-        Measured { configuration: way.clone(), point, runs: Vec::new() }
-    };
-    let mut measured: Vec<Measured> = ways.iter().zip(&judged).zip(bytes.into_iter().zip(times)).map(one).collect();
-    let mut points: Vec<&mut Point> = measured.iter_mut().map(|measured| &mut measured.point).collect();
-    pareto::mark(&mut points);
-    measured
 }

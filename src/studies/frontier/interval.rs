@@ -179,23 +179,23 @@ impl<'a> IntervalSubject<'a> {
         first.into_iter().chain(self.studies.iter().map(|(label, _)| label.clone())).collect()
     }
 
-    /// Measures every method, on one thread.
-    pub fn measure(&self, watch: Watch<'_>) -> Vec<Point> {
-        threads::alone(|| self.measure_here(watch))
+    /// Measures every method, on one thread and in at most about so many seconds; those that are not reached are left out.
+    pub fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Point> {
+        threads::alone(|| self.measure_here(Limits { seconds: seconds.min(LIMITS.seconds), ..LIMITS }, watch))
     }
 
-    fn measure_here(&self, watch: Watch<'_>) -> Vec<Point> {
+    fn measure_here(&self, limits: Limits, watch: Watch<'_>) -> Vec<Point> {
         let labels = self.labels();
         let mut found: Vec<Vec<(usize, StatedInterval)>> = vec![Vec::new(); labels.len()];
-        let times = rounds(&mut self.calls(), LIMITS, watch, |k, number, given| {
+        let times = rounds(&mut self.calls(), limits, watch, |k, number, given| {
             let replicate = number as usize % self.values.len().max(1);
             if k >= 2 || (number as usize) < self.values.len() {
                 found[k].push((replicate, given));
             }
         });
-        let point = |k: usize| self.point(&labels[k], &found[k]);
-        let mut points: Vec<Point> = (0..labels.len()).map(point).collect();
-        points.iter_mut().zip(times).for_each(|(point, time)| point.seconds = Some(time));
+        let reached = (0..labels.len()).filter(|k| times[*k].median.is_finite());
+        let mut points: Vec<Point> =
+            reached.map(|k| Point { seconds: Some(times[k]), ..self.point(&labels[k], &found[k]) }).collect();
         pareto::mark(&mut points.iter_mut().collect::<Vec<_>>());
         points
     }

@@ -64,15 +64,15 @@ impl SolverSubject {
         self.ways().into_iter().map(call).collect()
     }
 
-    /// Measures every method, on one thread.
-    pub fn measure(&self, watch: Watch<'_>) -> Vec<Point> {
-        threads::alone(|| self.measure_here(watch))
+    /// Measures every method, on one thread and in at most about so many seconds; those that are not reached are left out.
+    pub fn measure(&self, seconds: f64, watch: Watch<'_>) -> Vec<Point> {
+        threads::alone(|| self.measure_here(Limits { seconds: seconds.min(LIMITS.seconds), ..LIMITS }, watch))
     }
 
-    fn measure_here(&self, watch: Watch<'_>) -> Vec<Point> {
+    fn measure_here(&self, limits: Limits, watch: Watch<'_>) -> Vec<Point> {
         let ways = self.ways();
         let mut found: Vec<Option<Result<f64, String>>> = vec![None; ways.len()];
-        let times = rounds(&mut self.calls(), LIMITS, watch, |k, number, answer| {
+        let times = rounds(&mut self.calls(), limits, watch, |k, number, answer| {
             // nothing is random: every call of a method gives the same bits
             if number == 0 {
                 found[k] = Some(answer.map(|c| digits_of(&c, &ways[k].0.reference)));
@@ -80,6 +80,7 @@ impl SolverSubject {
         });
         let mut points: Vec<Point> = Vec::new();
         for (((problem, solver), found), time) in ways.into_iter().zip(found).zip(times) {
+            let Some(found) = found else { continue };
             let mut point = Point {
                 label: solver.name(),
                 case: Some(problem.name.clone()),
@@ -91,12 +92,11 @@ impl SolverSubject {
                 ..Point::default()
             };
             match found {
-                Some(Ok(digits)) => {
+                Ok(digits) => {
                     let error = 10.0_f64.powf(-digits);
                     (point.digits, point.error, point.error_interval) = (Some(digits), Some(error), Some([error; 2]));
                 }
-                Some(Err(why)) => point.failed = Some(why),
-                None => point.failed = Some("not called".into()),
+                Err(why) => point.failed = Some(why),
             }
             points.push(point);
         }

@@ -99,62 +99,94 @@ struct FitOutcome {
     plane: bool,
 }
 
+/// What the replicates so far came to, in their order.
+#[derive(Clone, Debug, Default)]
+pub struct CoverageTally {
+    /// A fit that failed is `None`.
+    fits: Vec<Option<FitOutcome>>,
+    recognised: Vec<Option<RecognitionOutcome>>,
+}
+
+impl CoverageTally {
+    /// Replicates that are in it.
+    pub fn replicates(&self) -> u64 {
+        self.fits.len() as u64
+    }
+
+    /// Of replicates `range` of the study's scene, fitted with `options` as they stand, no domain held.
+    pub fn of(study: &Study, options: &FitOptions, range: [u64; 2]) -> CoverageTally {
+        let simulator = study.engine().simulator();
+        let (seed, count) = (study.seed(), range[1].saturating_sub(range[0]) as usize);
+        let simulated = |b: usize| simulator.simulate(seed, range[0] + b as u64);
+        let fits = palpate_numeric::threads::map(count, 1, |b| {
+            let (contacts, truth) = simulated(b);
+            match FittedSurface::of(&contacts, options).ok()?.0 {
+                FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
+                FittedSurface::Parametric(_) => None,
+            }
+        });
+        let recognised = palpate_numeric::threads::map(count, 1, |b| {
+            let (contacts, truth) = simulated(b);
+            let options = RecognitionOptions {
+                level: options.level,
+                sigma_xy: options.sigma_xy,
+                up: Some([0.0, 0.0, 1.0]),
+                ..RecognitionOptions::default()
+            };
+            Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
+        });
+        CoverageTally { fits, recognised }
+    }
+
+    /// Takes in the replicates that come next.
+    pub fn append(&mut self, mut next: CoverageTally) {
+        self.fits.append(&mut next.fits);
+        self.recognised.append(&mut next.recognised);
+    }
+
+    /// How often the intervals held the truth; `summaries` are those of the study, for S and R.
+    pub fn coverages(&self, summaries: &[Summary]) -> Coverages {
+        let fitted: Vec<FitOutcome> = self.fits.iter().flatten().copied().collect();
+        let recognised: Vec<RecognitionOutcome> = self.recognised.iter().flatten().copied().collect();
+        let held = |q: usize, interval: &dyn Fn(&FitOutcome) -> Option<Interval>| {
+            let pairs = fitted.iter().filter_map(|fit| Some((fit.truth[q]?, interval(fit)?)));
+            let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, i)| {
+                (inside + u64::from(i.lo <= truth && truth <= i.hi), asked + 1)
+            });
+            Held::new(inside, asked)
+        };
+        let wide = |i: Interval| Interval { lo: i.lo - ROUNDING, hi: i.hi + ROUNDING };
+        let both = [0, 1];
+        Coverages {
+            chosen: both.map(|q| chosen(&recognised, q)),
+            chosen_width: both.map(|q| width(&recognised, q)),
+            chosen_half_width: both.map(|q| half_width(&recognised, q)),
+            chosen_errors: both.map(|q| recognised.iter().filter_map(|t| t.error(q)).collect()),
+            class_forecast: forecast(&recognised),
+            fitted: fitted.len() as u64,
+            failed: self.replicates() - fitted.len() as u64,
+            planes: fitted.iter().filter(|fit| fit.plane).count() as u64,
+            linear: both.map(|q| held(q, &|fit| fit.interval[q])),
+            named: both.map(|q| held(q, &|fit| fit.total[q].map(wide))),
+            named_half_width: both
+                .map(|q| middle(fitted.iter().filter_map(|fit| fit.total[q].map(|i| 0.5 * (i.hi - i.lo))))),
+            monte_carlo: both.map(|q| held(q, &|fit| carried(summaries.get(q)?, fit.value[q]?, q))),
+            bias: both.map(|q| {
+                let summary = summaries.get(q)?;
+                let sd = summary.sd.filter(|sd| *sd > 0.0)?;
+                Some((summary.nominal? - summary.truth?) / sd)
+            }),
+            u_ratio: both.map(|q| {
+                let sd = summaries.get(q)?.sd.filter(|sd| *sd > 0.0)?;
+                Some(middle(fitted.iter().filter_map(|fit| fit.u[q]))? / sd)
+            }),
+        }
+    }
+}
+
 /// Fits `replicates` replicates of the study's scene with `options` as they stand, no domain held.
 pub fn coverage(study: &Study, options: &FitOptions, replicates: u64, summaries: &[Summary]) -> Coverages {
-    let simulator = study.engine().simulator();
-    let seed = study.seed();
-    let fits: Vec<Option<FitOutcome>> = palpate_numeric::threads::map(replicates as usize, 1, |b| {
-        let (contacts, truth) = simulator.simulate(seed, b as u64);
-        match FittedSurface::of(&contacts, options).ok()?.0 {
-            FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
-            FittedSurface::Parametric(_) => None,
-        }
-    });
-    let fitted: Vec<FitOutcome> = fits.iter().flatten().copied().collect();
-    let held = |q: usize, interval: &dyn Fn(&FitOutcome) -> Option<Interval>| {
-        let pairs = fitted.iter().filter_map(|fit| Some((fit.truth[q]?, interval(fit)?)));
-        let (inside, asked) = pairs.fold((0, 0), |(inside, asked), (truth, i)| {
-            (inside + u64::from(i.lo <= truth && truth <= i.hi), asked + 1)
-        });
-        Held::new(inside, asked)
-    };
-    let wide = |i: Interval| Interval { lo: i.lo - ROUNDING, hi: i.hi + ROUNDING };
-    let both = [0, 1];
-    let recognised = palpate_numeric::threads::map(replicates as usize, 1, |b| {
-        let (contacts, truth) = simulator.simulate(seed, b as u64);
-        let options = RecognitionOptions {
-            level: options.level,
-            sigma_xy: options.sigma_xy,
-            up: Some([0.0, 0.0, 1.0]),
-            ..RecognitionOptions::default()
-        };
-        Some(told(&Recognition::of(&contacts, &options).ok()?, &truth))
-    });
-    let recognised: Vec<RecognitionOutcome> = recognised.into_iter().flatten().collect();
-    Coverages {
-        chosen: both.map(|q| chosen(&recognised, q)),
-        chosen_width: both.map(|q| width(&recognised, q)),
-        chosen_half_width: both.map(|q| half_width(&recognised, q)),
-        chosen_errors: both.map(|q| recognised.iter().filter_map(|t| t.error(q)).collect()),
-        class_forecast: forecast(&recognised),
-        fitted: fitted.len() as u64,
-        failed: replicates - fitted.len() as u64,
-        planes: fitted.iter().filter(|fit| fit.plane).count() as u64,
-        linear: both.map(|q| held(q, &|fit| fit.interval[q])),
-        named: both.map(|q| held(q, &|fit| fit.total[q].map(wide))),
-        named_half_width: both
-            .map(|q| middle(fitted.iter().filter_map(|fit| fit.total[q].map(|i| 0.5 * (i.hi - i.lo))))),
-        monte_carlo: both.map(|q| held(q, &|fit| carried(summaries.get(q)?, fit.value[q]?, q))),
-        bias: both.map(|q| {
-            let summary = summaries.get(q)?;
-            let sd = summary.sd.filter(|sd| *sd > 0.0)?;
-            Some((summary.nominal? - summary.truth?) / sd)
-        }),
-        u_ratio: both.map(|q| {
-            let sd = summaries.get(q)?.sd.filter(|sd| *sd > 0.0)?;
-            Some(middle(fitted.iter().filter_map(|fit| fit.u[q]))? / sd)
-        }),
-    }
+    CoverageTally::of(study, options, [0, replicates]).coverages(summaries)
 }
 
 /// One recognition: truth, value and interval of S and of R; the probability of its class and whether that is the true one.

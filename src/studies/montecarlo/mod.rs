@@ -35,7 +35,7 @@ pub use attribution::{Attribution, EffectShare, Share};
 #[doc(hidden)]
 pub use control::ControlTally;
 #[doc(hidden)]
-pub use coverage::{Coverages, Held, coverage};
+pub use coverage::{CoverageTally, Coverages, Held, coverage};
 #[doc(hidden)]
 pub use engine::{Engine, Values};
 pub use error::StudyError;

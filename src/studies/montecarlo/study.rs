@@ -14,6 +14,10 @@ use palpate_fitting::fit::FitOptions;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_world::scene::Simulator;
 
+/// Points of the grid of a study. A replicate over so many takes as long as a whole fit, and its means have four digits of those of
+/// any finer grid.
+const MOST_GRID_POINTS: usize = 100_000;
+
 /// Why a study ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped {
@@ -84,6 +88,7 @@ impl Study {
     /// Every [`StudyError`] but those of joining parts.
     pub fn new(simulator: Simulator, fit: &FitOptions, options: StudyOptions, seed: u64) -> Result<Study, StudyError> {
         options.check()?;
+        check_grid(fit.grid)?;
         let engine = Engine::new(simulator, fit, &options.quantities, options.path)?;
         let truth = truth(&engine);
         // the Guide's own rule is left as the Guide has it
@@ -216,4 +221,12 @@ fn truth(engine: &Engine) -> [Option<f64>; 2] {
         constant(points.clone().map(|r| truth.shape_index(r)).collect()),
         constant(points.map(|r| Some(truth.curvedness(r))).collect()),
     ]
+}
+/// Refuses a grid that every replicate would be taken over for nothing.
+fn check_grid([x, y]: [usize; 2]) -> Result<(), StudyError> {
+    if x.saturating_mul(y) <= MOST_GRID_POINTS {
+        return Ok(());
+    }
+    let expected = "at most 10^5 points in a study, which takes means over them in every replicate: those of a finer grid hardly differ";
+    Err(StudyError::Option { option: "grid", value: format!("{x}x{y}"), expected: expected.into() })
 }

@@ -22,13 +22,19 @@ pub(crate) struct Observations {
     pub(crate) rounding: Rounding,
 }
 
+/// Points of a map, each of which holds its place in the chart and takes some microseconds to find: a million are ten seconds and
+/// a gigabyte.
+const MOST_MAP_POINTS: usize = 1_000_000;
+
 pub(crate) fn check_options(options: &RecognitionOptions) -> Result<(), RecognitionError> {
     let wrong = |option, value, expected| Err(RecognitionError::Option { option, value, expected });
     if !(options.level > 0.0 && options.level < 1.0) {
         return wrong("level", options.level.to_string(), "a level lies between 0 and 1");
     }
-    if options.grid.iter().any(|n| *n < 2) || options.grid.iter().product::<usize>() > 1 << 24 {
-        return wrong("grid", format!("{:?}", options.grid), "a map has at least 2 points each way and 2^24 in all");
+    let [x, y] = options.grid;
+    if x.min(y) < 2 || x.saturating_mul(y) > MOST_MAP_POINTS {
+        let expected = "a recognised surface is mapped at 2 points each way at least and at 10^6 in all at most; a named model takes more";
+        return wrong("grid", format!("{x}x{y}"), expected);
     }
     if !(options.sigma_xy >= 0.0 && options.sigma_xy.is_finite()) {
         return wrong("sigma_xy", options.sigma_xy.to_string(), "a length is 0 or above");

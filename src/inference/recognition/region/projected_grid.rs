@@ -10,6 +10,7 @@
 
 use crate::recognition::discrepancy::ChartPoint;
 use palpate_numeric::bspline::linspace;
+use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
 
 use super::surface::PatchSurface;
@@ -19,6 +20,9 @@ const STEEP: f64 = 0.25;
 
 /// Points of the chart each way at which the normals are looked at, and from which places are sought.
 const LOOKED_AT: usize = 17;
+
+/// Places of one task of a thread: each takes about a microsecond.
+const PLACES: usize = 256;
 
 /// Steps at most; two or three are usual.
 const STEPS: usize = 20;
@@ -31,6 +35,8 @@ pub(super) struct LookedAt {
     points: Vec<ChartPoint>,
     /// Places and unit normals, in the input's coordinates.
     seen: Vec<(Vector, Vector)>,
+    /// x and y of the places.
+    over: Vec<[f64; 2]>,
 }
 
 impl LookedAt {
@@ -38,8 +44,9 @@ impl LookedAt {
         let [u, v] = [surface.u, surface.v].map(|[lo, hi]| linspace(lo, hi, LOOKED_AT));
         let at = |a: &f64| v.iter().map(|b| surface.chart_point(*a, *b)).collect::<Vec<_>>();
         let points: Vec<ChartPoint> = u.iter().flat_map(at).collect();
-        let seen = points.iter().map(|point| surface.place_and_normal(point)).collect();
-        LookedAt { points, seen }
+        let seen: Vec<(Vector, Vector)> = points.iter().map(|point| surface.place_and_normal(point)).collect();
+        let over = seen.iter().map(|([x, y, _], _)| [*x, *y]).collect();
+        LookedAt { points, seen, over }
     }
 
     /// Whether the part of the surface that contacts support is nowhere steep over x and y.
@@ -57,15 +64,20 @@ impl LookedAt {
 
     /// The chart position whose point lies nearest over a place.
     fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
-        let away = |(p, _): &(Vector, Vector)| (p[0] - place[0]).powi(2) + (p[1] - place[1]).powi(2);
-        let each = self.points.iter().zip(&self.seen);
-        let least = each.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-        least.map_or([0.0; 2], |(point, _)| point.chart)
+        // of equally near ones the first, and none that is no number; asked at every point of a map
+        let (mut least, mut nearest) = (f64::INFINITY, None);
+        for (k, [x, y]) in self.over.iter().enumerate() {
+            let away = (x - place[0]) * (x - place[0]) + (y - place[1]) * (y - place[1]);
+            if away < least {
+                (least, nearest) = (away, Some(k));
+            }
+        }
+        nearest.map_or([0.0; 2], |k| self.points[k].chart)
     }
 
     /// Points of the surface over places of the input's x and y, and whether the surface reaches each.
     pub(super) fn at_places(&self, surface: &PatchSurface, places: &[[f64; 2]]) -> Vec<(ChartPoint, bool)> {
-        places.iter().map(|place| above(surface, *place, self.nearest(*place))).collect()
+        threads::map(places.len(), PLACES, |k| above(surface, places[k], self.nearest(places[k])))
     }
 
     /// Points of the surface over the even grid of a box, y running fastest, and whether the surface reaches each place. Where
