@@ -10,6 +10,7 @@ mod diff;
 mod draws;
 mod explore;
 mod files_as_they_come;
+mod first_impression;
 mod first_try;
 mod formats;
 mod frontier;

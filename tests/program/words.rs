@@ -165,7 +165,7 @@ fn the_wrong_file_is_told_which_command_takes_it() {
         ("fit scans", &["scans/*.csv"][..]),
         ("fit bar.toml", &["bar.toml: this looks like TOML", "palpate run"]),
         ("study bar.csv", &["bar.csv: line 1", "a scene is a TOML file", "palpate fit bar.csv"]),
-        ("run bar", &["there is no such file, but there is bar.toml"]),
+        ("run groove", &["there is no such file, but there is groove.toml"]),
         ("explain qwxyz", &["is explained; palpate explain lists all words"]),
         ("fit line.csv", &["line.csv: the contacts lie on one line", "beside the line"]),
     ] {

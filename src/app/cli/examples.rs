@@ -9,7 +9,8 @@ Examples:
 
 pub(super) const RUN: &str = "\
 Examples:
-  palpate run                                   # the paper's cylinder, with the truth beside the answer
+  palpate run                                   # a round bar, with the truth beside the answer
+  palpate run paper-cylinder                    # the paper's, by the paper's spline of degree 2
   palpate run around-torus --out out            # another scene; pictures and tables into out
   palpate run my.toml --surface parametric      # your own scene (palpate help scene), another kind of surface";
 

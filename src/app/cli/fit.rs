@@ -9,18 +9,17 @@ use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
-use palpate_inference::recognition::RecognitionOptions;
 
+use super::answer::{Question, answer};
 use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
-use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
-use super::recognise_or_fit::{Found, Refusal, automatic};
+use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
 
 /// Arguments of `palpate fit`.
@@ -136,7 +135,7 @@ impl One {
         if let Some(spinner) = spinner {
             spinner.phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
         }
-        let found = answer(&reading, args).map_err(|refusal| {
+        let found = answer_to(&reading, args).map_err(|refusal| {
             Failure::Input(match refusal {
                 Refusal::Fit(error) => placed(&error, &reading),
                 Refusal::Shape(message) => format!("{}: {message}", reading.file),
@@ -166,35 +165,15 @@ impl One {
 }
 
 /// The model that was named, or what the contacts show where none was.
-fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
-    let (input, mut fit) = (&reading.input, args.fit.over(FitOptions::default()));
-    let viewpoint = args.preparation.viewpoint;
-    if args.fit.names_a_model() {
-        if viewpoint.is_some() && !args.preparation.estimates_normals() {
-            let what =
-                "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
-            return Err(Refusal::Shape(what.into()));
-        }
-        let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
-        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
-        let found = if args.bare { found } else { counting_other_kinds(found) };
-        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
-    }
-    if args.bare {
-        let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
-             name a model beside it, as in --degree 2";
+fn answer_to(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
+    let (named, viewpoint) = (args.fit.names_a_model(), args.preparation.viewpoint);
+    if named && viewpoint.is_some() && !args.preparation.estimates_normals() {
+        let what = "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
         return Err(Refusal::Shape(what.into()));
     }
-    fit.check().map_err(Refusal::Fit)?;
     let viewpoint = viewpoint.or(seen_from(reading));
-    let recognition = RecognitionOptions {
-        grid: fit.grid,
-        level: fit.level,
-        viewpoint,
-        sigma_xy: fit.sigma_xy,
-        ..RecognitionOptions::default()
-    };
-    automatic(input, &recognition, &fit)
+    let question = Question { flags: &args.fit, base: FitOptions::default(), bare: args.bare, viewpoint };
+    answer(&reading.input, &question)
 }
 
 /// Contacts, or pixels.

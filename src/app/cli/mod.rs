@@ -7,6 +7,7 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod answer;
 mod batch;
 mod completions;
 mod coverage;

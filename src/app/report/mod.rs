@@ -60,6 +60,7 @@ mod surface_view;
 mod sweep;
 mod sweep_picture;
 mod table;
+mod truth_part;
 mod uncertainty;
 mod words;
 

@@ -34,7 +34,7 @@ use wrap::Labelled;
 pub(crate) fn write_words(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = Labelled::default();
     text.add("contacts", format!("{} touched points of {name}", document.contacts));
-    text.add("shape", class::sentence(&document.shape));
+    text.add("shape", class::sentence(&document.shape) + &in_truth(document));
     text.blank();
     text.push(&table::table(document));
     text.blank();
@@ -44,6 +44,12 @@ pub(crate) fn write_words(name: &str, document: &FitDocument, out: &mut dyn Writ
         "--verbose: how it was found.  --out DIR: pictures, tables.  --json: for programs.  palpate explain R: what R means",
     );
     out.write_all(text.text().as_bytes())
+}
+
+/// The class of the true surface, in a simulated world.
+fn in_truth(document: &FitDocument) -> String {
+    let class = document.truth.as_ref().and_then(|truth| truth.class.as_deref());
+    class.map_or(String::new(), |class| format!("; in truth a {class}"))
 }
 
 #[cfg(test)]

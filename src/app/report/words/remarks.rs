@@ -34,8 +34,8 @@ pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
     if let Some(words) = varies(document) {
         text.add("varies", words);
     }
-    if let Some(words) = noise(document) {
-        text.add("noise", words);
+    if let Some((label, words)) = off(document) {
+        text.add(label, words);
     }
     if let Some(words) = pattern(document) {
         text.add("pattern", words);
@@ -130,8 +130,9 @@ fn varies(document: &FitDocument) -> Option<String> {
     })
 }
 
-/// How far off the contacts are.
-fn noise(document: &FitDocument) -> Option<String> {
+/// How far off the contacts are: the noise where the kind of surface was asked as well; of a model that was named, or of one
+/// that only follows the contacts, a misfit, which holds what the model cannot bend to.
+fn off(document: &FitDocument) -> Option<(&'static str, String)> {
     let fit = &document.fit;
     if !is_result(document) {
         return None;
@@ -146,9 +147,11 @@ fn noise(document: &FitDocument) -> Option<String> {
         let normals = sigma.normal_deg.map(|v| format!("normals by about {} degrees", significant(v, 2)));
         let both: Vec<String> = points.into_iter().chain(normals).collect();
         let sds = if both.len() == 1 { "standard deviation" } else { "standard deviations" };
-        return (!both.is_empty()).then(|| format!("{} ({sds}, found from the contacts)", both.join(", ")));
+        let words = || format!("{} ({sds}, found from the contacts)", both.join(", "));
+        return (!both.is_empty()).then(|| ("noise", words()));
     }
-    fit.rms.z.map(|rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms)))
+    let words = |rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms));
+    fit.rms.z.map(|rms| ("misfit", words(rms)))
 }
 
 /// Errors that neighbouring contacts share.
