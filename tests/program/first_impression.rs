@@ -52,11 +52,9 @@ fn the_truth_stands_in_every_row() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let text = told(here, "run");
-    assert!(text.contains("more than 99 % sure); in truth a ridge\n"), "{text}");
-    for (label, truth) in
-        [("radius", " 25.00 of "), ("axis", " 30.0 deg from"), ("S,", " 0.5000 -1"), ("R,", " 0.02828 per")]
-    {
-        assert!(row(&text, label).contains(truth), "{label}: {text}");
+    assert!(text.contains("more than 99 % sure), as in truth\n"), "{text}");
+    for (label, truth) in [("radius", " 25.00"), ("axis", " 30.0 deg"), ("S,", " 0.5000"), ("R,", " 0.02828")] {
+        assert!(row(&text, label).ends_with(truth), "{label}: {text}");
     }
     // a rut that stands on edge, whose axis has three numbers, and a dome, which has two radii
     let steep = "[surface]\nkind = \"cylinder\"\nradius = 25.0\naxis_deg = 40.0\nconcave = true\nrotation_deg = [0.0, 60.0, 0.0]\n";
@@ -86,7 +84,7 @@ fn the_misfit_of_a_named_model_is_not_called_noise() {
     let folder = tempfile::tempdir().unwrap();
     let text = told(folder.path(), "run paper-cylinder");
     assert!(text.contains("\nmisfit     the contacts lie 0.082 off") && !text.contains("\nnoise "), "{text}");
-    assert!(row(&text, "radius").starts_with("radius 6.948 6.600 and 6.949 6.600 of"), "{text}");
+    assert!(row(&text, "radius") == "radius 6.948 6.600 and 6.949 6.600", "{text}");
     assert!(told(folder.path(), "explain misfit").starts_with("misfit"));
     assert!(told(folder.path(), "run").contains("\nnoise      measured points scatter"));
 }

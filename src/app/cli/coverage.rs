@@ -76,7 +76,7 @@ pub(super) fn coverage(args: &StudyArgs, name: &str, source: &Source) -> Result<
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_table(&document, out))
+    args.output.tell(&mut |out| write_table(&document, out))
 }
 
 fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {

@@ -25,20 +25,28 @@ use super::save::check_name;
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
-    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
+    /// Table, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image; - for standard input
+    ///
+    /// A table has names in its first line (x,y,z, perhaps nx,ny,nz). Each may be packed as .gz
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
-    /// One row a file: name, contacts, class, S and R with their uncertainty and interval, radius, notes, or why there is no answer
+    /// Write one row a file, for several files
+    ///
+    /// Its columns are name, contacts, class, S and R with their uncertainty and interval, radius, the probability of every class, notes, or why there is no answer
     #[arg(long, value_name = "F.csv", conflicts_with = "save")]
     table: Option<PathBuf>,
-    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
+    /// Leave out rows with missing or non-finite numbers and count them
+    ///
+    /// Without it such a file is refused. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
     #[arg(long)]
     skip_invalid: bool,
-    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    /// Save the surface, in the format of the ending: .json, .step, .ply and others
+    ///
+    /// .json has all that is known of it; .step, .igs, .npz a spline; .ply, .obj, .stl, .glb, .vtu a mesh, .parquet its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     bare: bool,
     #[command(flatten)]
     preparation: PreparationFlags,

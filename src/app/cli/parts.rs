@@ -14,7 +14,7 @@ use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
 
 use super::failure::Failure;
-use super::output::print;
+use super::output::{columns, print};
 use super::parts_args::PartsArgs;
 use super::parts_input::{Taken, from_file, from_scene};
 use super::provenance::provenance;
@@ -98,5 +98,5 @@ fn publish(
     if output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_parts_table(document, out))
+    output.tell(&mut |out| write_parts_table(document, columns(), out))
 }

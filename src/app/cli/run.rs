@@ -27,11 +27,13 @@ pub(super) struct RunArgs {
     /// Built-in scene, scene file, or - for standard input
     #[arg(default_value = scene::DEFAULT)]
     scene: String,
-    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    /// Save the surface, in the format of the ending: .json, .step, .ply and others
+    ///
+    /// .json has all that is known of it; .step, .igs, .npz a spline; .ply, .obj, .stl, .glb, .vtu a mesh, .parquet its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
-    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
-    #[arg(long)]
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
+    #[arg(long, hide_short_help = true)]
     bare: bool,
     #[command(flatten)]
     fit: FitFlags,

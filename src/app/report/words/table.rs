@@ -7,6 +7,7 @@ use super::super::table::{decimals, significant};
 use super::super::truth_part::TruthPart;
 use super::class::{likelier, radius_of_class};
 use super::numbers::{DIGITS, like};
+use super::wrap::Labelled;
 
 /// Most decimals beyond those of the value that are spent on telling the ends of an interval apart.
 const MOST_MORE: usize = 4;
@@ -28,14 +29,36 @@ struct Row {
 }
 
 impl Row {
+    /// The label where lines are short: what stands before its comma.
+    fn short(&self) -> &'static str {
+        self.label.split(',').next().unwrap_or(self.label)
+    }
+
     fn cells(&self) -> [&str; 5] {
         [self.label, &self.value, &self.between, &self.truth, &self.meaning]
     }
 }
 
-/// The table, aligned; with a column of true values in a simulated world.
-pub(super) fn table(document: &FitDocument) -> String {
-    let rows = rows(document);
+/// The table, aligned; with a column of true values in a simulated world. What the numbers mean stands beside them where the
+/// lines are long enough, otherwise below.
+pub(super) fn table(document: &FitDocument, text: &mut Labelled) {
+    let mut rows = rows(document);
+    let width = text.width();
+    if lines(&rows, document).iter().all(|line| line.chars().count() <= width) {
+        return lines(&rows, document).iter().for_each(|line| text.push(line));
+    }
+    let meanings: Vec<(&str, String)> =
+        rows.iter_mut().map(|row| (row.short(), std::mem::take(&mut row.meaning))).collect();
+    if lines(&rows, document).iter().any(|line| line.chars().count() > width) {
+        rows.iter_mut().for_each(|row| row.label = row.short());
+    }
+    lines(&rows, document).iter().for_each(|line| text.push(line));
+    text.blank();
+    meanings.iter().filter(|(_, meaning)| !meaning.is_empty()).for_each(|(label, meaning)| text.add(label, meaning));
+}
+
+/// Head and rows.
+fn lines(rows: &[Row], document: &FitDocument) -> Vec<String> {
     let some = |pick: fn(&Row) -> &String| rows.iter().any(|row| !pick(row).is_empty());
     let level = document.shape.curvedness.level.filter(|_| some(|row| &row.between));
     let head = level.map_or(String::new(), |level| format!("{} sure to lie between", percent(level)));
@@ -44,12 +67,8 @@ pub(super) fn table(document: &FitDocument) -> String {
     let all: Vec<[&str; 5]> = heads.into_iter().chain(rows.iter().map(Row::cells)).collect();
     let widths: [usize; 4] =
         std::array::from_fn(|k| all.iter().map(|cells| cells[k].chars().count()).max().unwrap_or(0));
-    let mut text = String::new();
-    for cells in all.iter().filter(|cells| cells.iter().any(|cell| !cell.is_empty())) {
-        text.push_str(aligned(cells, &widths).trim_end());
-        text.push('\n');
-    }
-    text
+    let filled = all.iter().filter(|cells| cells.iter().any(|cell| !cell.is_empty()));
+    filled.map(|cells| aligned(cells, &widths).trim_end().to_string()).collect()
 }
 
 /// Cells below each other, three blanks apart; columns that are empty throughout take no room.
