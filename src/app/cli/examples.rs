@@ -24,6 +24,7 @@ Examples:
   palpate fit contacts.csv                 # palpate chooses the model
   palpate fit scan.ply --unit mm --out out # pictures and tables into out
   palpate fit contacts.csv --degree 2 --save surface.json  # exactly this model
+  palpate fit log.csv --columns x=px,y=py,z=pz  # columns of other names
   palpate fit a.csv b.csv --table out.csv  # a row of each file
   simulator | palpate fit - --json | jq .shape.R.interval";
 

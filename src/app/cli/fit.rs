@@ -136,7 +136,8 @@ impl One {
         let mut reading = match spinner {
             Some(spinner) => spinner.while_reading(read),
             None => read(),
-        }?;
+        }
+        .map_err(ReadFlags::refused)?;
         let prepared = args.preparation.apply(&mut reading)?;
         let read = began.elapsed().as_secs_f64();
         let clock = Instant::now();
@@ -164,7 +165,8 @@ impl One {
             chosen: self.chosen.clone(),
             lack_of_fit: self.lack_of_fit.clone(),
             input: &self.reading.input,
-            unit: args.words.unit.clone(),
+            // a unit that stands in the file needs no option
+            unit: args.words.unit.clone().or_else(|| self.reading.unit.clone()),
             truth: None,
             bare: args.bare,
             notes: self.notes.clone(),
