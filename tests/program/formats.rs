@@ -195,8 +195,8 @@ fn what_a_format_cannot_hold_is_refused_by_name() {
 fn cad_files_of_others_are_read_or_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    done(here, "run --quiet --save s.step");
-    done(here, "run --quiet --save s.igs");
+    done(here, "run paper-cylinder --quiet --save s.step");
+    done(here, "run paper-cylinder --quiet --save s.igs");
     let step = std::fs::read_to_string(here.join("s.step")).unwrap();
     let igs = std::fs::read_to_string(here.join("s.igs")).unwrap();
     let surface = step.lines().find(|line| line.contains("B_SPLINE_SURFACE_WITH_KNOTS")).unwrap();

@@ -29,7 +29,7 @@ fn replay(target: &str, read: impl Fn(&[u8]) -> bool) -> usize {
 #[test]
 fn readers_of_contacts() {
     let options = [false, true].map(|skip_invalid| ReadOptions { skip_invalid, ..ReadOptions::default() });
-    let sound = replay("contacts", |bytes| options.map(|o| read_input_bytes("-", bytes, &o).is_ok())[1]);
+    let sound = replay("contacts", |bytes| options.each_ref().map(|o| read_input_bytes("-", bytes, o).is_ok())[1]);
     // the three formats of the cylinder, the ascii PLY, quotes, slopes, the fewest columns and the grid
     assert_eq!(sound, 8);
 }

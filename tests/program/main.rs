@@ -5,11 +5,13 @@
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
+mod columns_as_they_come;
 mod deadlines;
 mod diff;
 mod draws;
 mod explore;
 mod files_as_they_come;
+mod first_impression;
 mod first_try;
 mod formats;
 mod frontier;

@@ -40,6 +40,7 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--normals", "estimate"),
     ("--viewpoint", "0,0,-90"),
     ("--intrinsics", "500,500,20,20"),
+    ("--columns", "x=y,y=x,z=z"),
     ("--tolerance", "2"),
     ("--points", "q.csv"),
     ("--seed", "77"),

@@ -67,7 +67,7 @@ fn every_verb_writes_a_page_that_stands_alone() {
     let at = directory.path();
     text(at, &["simulate", "paper-cylinder", "-o", "c.csv"]);
     std::fs::write(at.join("p.csv"), "x,y\n0,0\n1,1\n").unwrap();
-    text(at, &["run", "--out", "run"]);
+    text(at, &["run", "paper-cylinder", "--out", "run"]);
     text(at, &["fit", "c.csv", "--out", "fit"]);
     text(at, &["fit", "c.csv", "--degree", "2", "--out", "named"]);
     text(at, &["show", "run/fit.json", "--out", "show"]);

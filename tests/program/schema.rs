@@ -77,13 +77,14 @@ fn check(at: &str, value: &Value, schema: &Value) {
 #[test]
 fn what_is_printed_obeys_the_schema() {
     let schema: Value = serde_json::from_str(&std::fs::read_to_string(FIT).unwrap()).unwrap();
-    let lines: [&[&str]; 6] = [
+    let lines: [&[&str]; 7] = [
         &["run", "paper-fig6-r5.7-degree3", "--surface", "auto", "--json"],
-        &["run", "--surface", "parametric", "--sigma", "0.02,2", "--json"],
+        &["run", "paper-cylinder", "--surface", "parametric", "--sigma", "0.02,2", "--json"],
         &["run", "--json"],
+        &["run", "paper-cylinder", "--json"],
         &["run", "paper-plane", "--json"],
-        &["run", "--sigma", "0.01,1", "--json"],
-        &["run", "--sigma", "auto", "--grid", "1", "--json"],
+        &["run", "paper-cylinder", "--sigma", "0.01,1", "--json"],
+        &["run", "paper-cylinder", "--sigma", "auto", "--grid", "1", "--json"],
     ];
     for line in lines {
         let output = Command::cargo_bin("palpate").unwrap().args(line).output().unwrap();

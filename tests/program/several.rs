@@ -30,7 +30,7 @@ fn every_file_has_its_row_and_its_line() {
     let table = std::fs::read_to_string(here.join("out.csv")).unwrap();
     assert!(
         table
-            .starts_with("file,contacts,class,S,u_S,lo_S,hi_S,R,u_R,lo_R,hi_R,radius,notes,error\nbar.csv,36,ridge,0.")
+            .starts_with("file,contacts,class,S,u_S,lo_S,hi_S,R,u_R,lo_R,hi_R,radius,p_cup,p_trough,p_rut,p_saddle_rut,p_saddle,p_saddle_ridge,p_ridge,p_dome,p_cap,p_plane,notes,error\nbar.csv,36,ridge,0.")
     );
     assert!(table.lines().nth(2).unwrap().starts_with("\"table, flat.csv\",36,plane,,,,,"), "{table}");
     // the numbers are those of each file alone

@@ -22,6 +22,11 @@ fn told(directory: &Path, line: &str) -> String {
     out
 }
 
+/// Text without its line breaks, which stand wherever a line is full.
+fn flowing(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// A folder with contacts of a bar, a groove and a plate.
 fn bench() -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
@@ -38,7 +43,7 @@ fn bench() -> tempfile::TempDir {
 fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
     let directory = bench();
     let here = directory.path();
-    let bar = told(here, "fit bar.csv --unit mm");
+    let bar = flowing(&told(here, "fit bar.csv --unit mm"));
     for words in [
         "ridge: like the outside of a pipe",
         "% sure to lie between",
@@ -52,7 +57,7 @@ fn a_newcomer_is_told_the_shape_its_bounds_and_what_to_do() {
     assert!(!bar.contains("cholesky") && !bar.contains("rank"), "{bar}");
     let groove = told(here, "fit groove.csv");
     assert!(groove.contains("rut: like the inside of a pipe") && groove.contains("the way along the rut"), "{groove}");
-    let plate = told(here, "fit plate.csv");
+    let plate = flowing(&told(here, "fit plate.csv"));
     assert!(
         plate.contains("plane: flat, as far as these contacts can tell") && plate.contains("would look as flat"),
         "{plate}"
@@ -165,7 +170,7 @@ fn the_wrong_file_is_told_which_command_takes_it() {
         ("fit scans", &["scans/*.csv"][..]),
         ("fit bar.toml", &["bar.toml: this looks like TOML", "palpate run"]),
         ("study bar.csv", &["bar.csv: line 1", "a scene is a TOML file", "palpate fit bar.csv"]),
-        ("run bar", &["there is no such file, but there is bar.toml"]),
+        ("run groove", &["there is no such file, but there is groove.toml"]),
         ("explain qwxyz", &["is explained; palpate explain lists all words"]),
         ("fit line.csv", &["line.csv: the contacts lie on one line", "beside the line"]),
     ] {
@@ -204,7 +209,7 @@ fn contacts_without_heights_are_told_from_their_directions() {
     let zero = told(here, "fit zero.csv");
     assert!(zero.contains("ridge") && zero.contains("9 heights of weight 0 (wz) are left out"), "{zero}");
     std::fs::write(here.join("half.csv"), weighed(&|k| if k % 2 == 0 { "0.5" } else { "1" }, false)).unwrap();
-    assert!(told(here, "fit half.csv").contains("count only for a model that is named"));
+    assert!(flowing(&told(here, "fit half.csv")).contains("count only for a model that is named"));
 }
 
 #[test]
@@ -215,15 +220,59 @@ fn no_line_for_people_is_wider_than_a_terminal() {
     for line in [
         "study paper-table2 --replicates 2000 --attribution 0",
         "run --verbose",
+        "run paper-cylinder --verbose",
+        "explore paper-table2 --contacts 40",
+        "fit --help",
+        "run -h",
+        "--help",
+        "explain found as",
         "explain",
         "help scene",
         "diff a.json a.json",
     ] {
         let text = told(here, line);
-        // the rows of the first table of a fit are wider where there is a truth
-        let wide = text.lines().filter(|line| line.chars().count() > 125).collect::<Vec<_>>();
+        let wide = text.lines().filter(|line| line.chars().count() > 80).collect::<Vec<_>>();
         assert!(wide.is_empty(), "{line}: {wide:?}");
     }
+}
+
+/// Short help is one screen of what is used most, long help has everything.
+#[test]
+fn short_help_is_short() {
+    let here = Path::new(".");
+    for verb in ["run", "fit"] {
+        let [short, long] = ["-h", "--help"].map(|flag| told(here, &format!("{verb} {flag}")));
+        assert!(2 * short.lines().count() < long.lines().count(), "{short}");
+        assert!(long.contains("--robust") && !short.contains("--robust") && short.contains("--degree"), "{short}");
+    }
+}
+
+/// Whoever asked for files is told which there are, and which to open first; nobody is told to do what was done.
+#[test]
+fn files_that_were_written_are_said() {
+    let directory = bench();
+    let here = directory.path();
+    let text = told(here, "fit bar.csv --out o").replace("\n           ", " ");
+    let last = text.lines().last().unwrap();
+    assert!(
+        last.starts_with("wrote      open o/report.html first; beside it fit.json") && last.contains("shape.svg"),
+        "{text}"
+    );
+    assert!(!text.contains("--out") && text.contains("--verbose"), "{text}");
+    assert!(
+        !told(here, "fit bar.csv --out o --json").contains("wrote") && told(here, "fit bar.csv --out o -q").is_empty()
+    );
+    assert!(told(here, "simulate bar -o b.csv").contains("b.csv"));
+    assert!(told(here, "explore paper-table2 --contacts 40 --out e").contains("open e/report.html first"));
+}
+
+/// What has next to no probability is not named beside the best.
+#[test]
+fn improbable_kinds_are_not_named() {
+    let directory = bench();
+    let text =
+        told(directory.path(), "run paper-cylinder --surface height") + &told(directory.path(), "fit groove.csv");
+    assert!(!text.contains("less than 1 %"), "{text}");
 }
 
 #[test]
@@ -239,13 +288,27 @@ fn units_are_kept_with_a_saved_surface() {
 fn every_label_of_the_first_output_is_explained() {
     let directory = bench();
     let here = directory.path();
-    let text = told(here, "fit bar.csv") + &told(here, "run paper-fig6-r8-degree3");
+    told(here, "fit bar.csv --save a.json --quiet");
+    let lines = [
+        "fit bar.csv --out o",
+        "run paper-fig6-r8-degree3",
+        "study paper-table2 --replicates 500",
+        "diff a.json a.json",
+    ];
+    let text: String = lines.iter().map(|line| told(here, line)).collect();
     let labels = text.lines().filter(|line| !line.starts_with(' ')).filter_map(|line| line.split("  ").next());
-    for label in labels.map(str::trim).filter(|label| !["", "note", "next", "more"].contains(label)) {
-        let word = label.split(',').next().unwrap();
+    // rows of tables are named by what stands in the scene or the file
+    let rows = ["", "A", "B", "height", "normal", "sum", "tip_radius_error", "encoder", "force_noise"];
+    for label in labels.map(str::trim).filter(|label| !rows.contains(label)) {
+        let word = label.split(',').next().unwrap().split(" mean").next().unwrap();
         let (out, err, code) = output(here, &format!("explain {word}"));
         assert!(code == Some(0) && out.len() > 100, "{label}: {err}");
     }
+    // the page and the program count the same kinds
+    assert!(
+        text.contains("of 8 kinds of surface") && flowing(&told(here, "explain found as")).contains("these are eight"),
+        "{text}"
+    );
     let (_, err, code) = output(here, "explain curvednes");
     assert!(err.contains("did you mean \"curvedness\"?") && code == Some(2), "{err}");
     let document: Value = serde_json::from_str(&told(here, "explain S --json")).unwrap();

@@ -139,7 +139,7 @@ fn publish(args: &StudyArgs, name: &str, document: &CoverageDocument) -> Result<
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_table(document, out))
+    args.output.tell(&mut |out| write_table(document, out))
 }
 
 fn write_table(document: &CoverageDocument, out: &mut dyn Write) -> std::io::Result<()> {

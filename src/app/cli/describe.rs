@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
-    Answer, Description, FitDocument, Provenance, Seconds, Subject, SurfacePictures, compute_shape, describe_fit,
-    inverse_crime_remark, write_fit_page, write_json, write_table, write_words,
+    Answer, Audience, Description, FitDocument, Provenance, Seconds, Subject, SurfacePictures, compute_shape,
+    describe_fit, inverse_crime_remark, write_fit_page, write_json, write_table, write_words,
 };
 
 use super::failure::{Failure, fit_message};
 use super::options::{OutputFlags, WordsFlags};
-use super::output::{print, wants_colour, with_bold_labels};
+use super::output::{columns, print, wants_colour, with_bold_labels};
 use super::save::save;
 
 /// Where a description goes.
@@ -124,10 +124,12 @@ pub(super) fn show(
         return Ok(());
     }
     let mut text = Vec::new();
-    write_words(name, document, &mut text)?;
+    let width = columns();
+    let audience = Audience { width, typing: true, detailed: words.verbose, drawn: output.out.is_some() };
+    write_words(name, document, audience, &mut text)?;
     if words.verbose {
         text.push(b'\n');
-        write_table(document, &mut text)?;
+        write_table(document, width, &mut text)?;
         let maps = description.small_maps();
         if !maps.is_empty() {
             text.extend(format!("\n{maps}").into_bytes());
@@ -135,5 +137,5 @@ pub(super) fn show(
     }
     let text = String::from_utf8_lossy(&text);
     let text = if wants_colour() { with_bold_labels(&text).into() } else { text };
-    print(&mut |out| out.write_all(text.as_bytes()))
+    output.tell(&mut |out| out.write_all(text.as_bytes()))
 }

@@ -7,13 +7,13 @@ use clap::Args;
 use crate::comparison::{ComparedSurface, NotComparable, Quantities, Side, compare};
 use crate::io::{AnySurface, MOST_GRID_POINTS, Saved, exceeds, read_bytes, read_surface_bytes};
 use crate::report::{
-    DiffDocument, FitDocument, SurfacePart, TablePage, write_diff_csv, write_diff_picture, write_diff_table,
-    write_json, write_table_page,
+    DiffDocument, FitDocument, PAGE_WIDTH, SurfacePart, TablePage, write_diff_csv, write_diff_picture,
+    write_diff_table, write_json, write_table_page,
 };
 
 use super::failure::Failure;
 use super::options::OutputFlags;
-use super::output::print;
+use super::output::{columns, print};
 use super::provenance::provenance;
 use super::values;
 
@@ -62,7 +62,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
     args.output.file("diff.svg", &mut |out| write_diff_picture(&document, &found, out))?;
     let (mut json, mut table) = (Vec::new(), Vec::new());
     // a Vec takes every byte
-    let _ = write_json(&document, &mut json).and_then(|()| write_diff_table(&document, &mut table));
+    let _ = write_json(&document, &mut json).and_then(|()| write_diff_table(&document, PAGE_WIDTH, &mut table));
     let both = format!("{} and {}", a.saved.file, b.saved.file);
     let page = TablePage {
         kind: "two saved surfaces compared",
@@ -80,7 +80,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_diff_table(&document, out))
+    args.output.tell(&mut |out| write_diff_table(&document, columns(), out))
 }
 
 /// A surface that was read, with the degrees of freedom behind its uncertainties.

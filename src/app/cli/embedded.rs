@@ -16,7 +16,7 @@ use std::time::Instant;
 use clap::Parser;
 
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
-use crate::report::{Answer, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
+use crate::report::{Answer, Audience, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
 use palpate_fitting::fit::{Fit, FitError, FitOptions};
 use palpate_fitting::parametric::{FittedSurface, ParametricFit};
 use palpate_geometry::contact::Contacts;
@@ -158,7 +158,7 @@ impl FitAnswer {
         let (mut json, mut table) = (Vec::new(), Vec::new());
         // a Vec takes every byte
         let _ = write_json(description.document(), &mut json);
-        let _ = write_words(name, description.document(), &mut table);
+        let _ = write_words(name, description.document(), Audience { detailed: false, ..Audience::READER }, &mut table);
         Ok([json, table])
     }
 }

@@ -2,16 +2,17 @@
 
 pub(super) const ALL: &str = "\
 Examples:
-  palpate run                        # a first answer, from a built-in scene
-  palpate fit contacts.csv           # your own contacts: columns x, y, z, perhaps nx, ny, nz
-  palpate explain S                  # what a word of the answer means
-  palpate fit --help                 # every option of a command";
+  palpate run                  # a first answer, from a built-in scene
+  palpate fit contacts.csv     # your own contacts: columns x,y,z, maybe normals
+  palpate explain S            # what a word of the answer means
+  palpate fit --help           # every option of a command";
 
 pub(super) const RUN: &str = "\
 Examples:
-  palpate run                                   # the paper's cylinder, with the truth beside the answer
-  palpate run around-torus --out out            # another scene; pictures and tables into out
-  palpate run my.toml --surface parametric      # your own scene (palpate help scene), another kind of surface";
+  palpate run                              # a round bar, beside its truth
+  palpate run paper-cylinder               # the paper's, by its own spline
+  palpate run around-torus --out out       # another scene; pictures into out
+  palpate run my.toml --surface parametric # your own scene: palpate help scene";
 
 pub(super) const SIMULATE: &str = "\
 Examples:
@@ -20,23 +21,24 @@ Examples:
 
 pub(super) const FIT: &str = "\
 Examples:
-  palpate fit contacts.csv                      # palpate chooses the model
-  palpate fit scan.ply --unit mm --out out      # pictures and tables into out
-  palpate fit contacts.csv --degree 2 --sigma 0.02,2 --save surface.json    # exactly this model
-  palpate fit a.csv b.csv --table out.csv       # a row of each file
+  palpate fit contacts.csv                 # palpate chooses the model
+  palpate fit scan.ply --unit mm --out out # pictures and tables into out
+  palpate fit contacts.csv --degree 2 --save surface.json  # exactly this model
+  palpate fit log.csv --columns x=px,y=py,z=pz  # columns of other names
+  palpate fit a.csv b.csv --table out.csv  # a row of each file
   simulator | palpate fit - --json | jq .shape.R.interval";
 
 pub(super) const STUDY: &str = "\
 Examples:
-  palpate study paper-table2                    # 10,000 replicates
-  palpate study my.toml --tolerance 2           # until both ends of S and R have two digits
+  palpate study paper-table2               # 10,000 replicates
+  palpate study my.toml --tolerance 2      # until the ends have two digits
   palpate study my.toml --sweep effects.position_noise.sigma=0.01:0.1:log3";
 
 pub(super) const FRONTIER: &str = "\
 Examples:
   palpate frontier paper-cylinder --out out
-  palpate frontier my.toml --error-s 0.01       # the cheapest way that is as accurate
-  palpate frontier my.toml --budget 50us        # the most accurate way that is as quick";
+  palpate frontier my.toml --error-s 0.01  # the cheapest as accurate
+  palpate frontier my.toml --budget 50us   # the most accurate as quick";
 
 pub(super) const MERGE: &str = "\
 Examples:
@@ -51,9 +53,9 @@ Examples:
 
 pub(super) const PARTS: &str = "\
 Examples:
-  palpate parts parts-mug                       # a built-in body, beside its truth
-  palpate parts scan.ply --out out              # picture, table and every contact's part into out
-  palpate parts scan.ply --points shape.csv     # no parts: S, R and their uncertainties at every point";
+  palpate parts parts-mug                  # a built-in body, beside its truth
+  palpate parts scan.ply --out out         # picture, table, report
+  palpate parts scan.ply --points s.csv    # no parts: S and R at every point";
 
 pub(super) const EXPLAIN: &str = "\
 Examples:
@@ -63,13 +65,13 @@ Examples:
 pub(super) const SCENES: &str = "\
 Examples:
   palpate scenes
-  palpate scenes paper-cylinder > my.toml       # a scene to change";
+  palpate scenes bar > my.toml             # a scene to change";
 
 pub(super) const SHOW: &str = "\
 Examples:
   palpate show surface.json
-  palpate show surface.json --at points.csv     # heights, slopes, normals, k1, k2, S, R there
-  palpate show surface.json --save part.step    # for CAD; .ply, .vtu and others as a mesh";
+  palpate show surface.json --at p.csv     # height, normal, k1, k2, S, R there
+  palpate show surface.json --save a.step  # for CAD; .ply and others as a mesh";
 
 pub(super) const DIFF: &str = "\
 Examples:
@@ -106,5 +108,13 @@ mod tests {
             }
         }
         assert!(seen > 20, "{seen} examples");
+    }
+
+    /// An example that is wrapped is no command line.
+    #[test]
+    fn every_example_fits_a_narrow_terminal() {
+        let wide = include_str!("examples.rs").lines().filter(|line| line.starts_with("  palpate"));
+        let wide: Vec<&str> = wide.map(|line| line.trim_end_matches("\";")).filter(|line| line.len() > 80).collect();
+        assert!(wide.is_empty(), "{wide:?}");
     }
 }

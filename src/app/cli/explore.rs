@@ -22,7 +22,7 @@ use super::explicit_model::{counting_other_kinds, fit_input};
 use super::failure::{Failure, fit_message};
 use super::interrupt;
 use super::options::{FitFlags, OutputFlags, PictureFlags};
-use super::output::print;
+use super::output::{columns, print};
 use super::progress::Bar;
 use super::provenance::provenance;
 use super::recognise_or_fit::{Found, Refusal, automatic};
@@ -144,7 +144,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     if args.output.quiet {
         return ended(&document);
     }
-    print(&mut |out| write_explore_table(&document, out))?;
+    args.output.tell(&mut |out| write_explore_table(&document, columns(), out))?;
     ended(&document)
 }
 

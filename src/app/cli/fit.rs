@@ -9,37 +9,44 @@ use crate::io::{Input, ReadOptions, Reading, read_input};
 use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
-use palpate_inference::recognition::RecognitionOptions;
 
+use super::answer::{Question, answer};
 use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
-use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
-use super::recognise_or_fit::{Found, Refusal, automatic};
+use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
 pub(super) struct FitArgs {
-    /// CSV, XYZ, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image, each also as .gz; - for standard input
+    /// Table, NPZ, NPY, PLY, PCD, OBJ, OFF, STL or a depth image; - for standard input
+    ///
+    /// A table has names in its first line (x,y,z, perhaps nx,ny,nz). Each may be packed as .gz
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
-    /// One row a file: name, contacts, class, S and R with their uncertainty and interval, radius, notes, or why there is no answer
+    /// Write one row a file, for several files
+    ///
+    /// Its columns are name, contacts, class, S and R with their uncertainty and interval, radius, the probability of every class, notes, or why there is no answer
     #[arg(long, value_name = "F.csv", conflicts_with = "save")]
     table: Option<PathBuf>,
-    /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
+    /// Leave out rows with missing or non-finite numbers and count them
+    ///
+    /// Without it such a file is refused. A normal that is not known may be left empty (all three cells) or be 0,0,0: its contact counts without it
     #[arg(long)]
     skip_invalid: bool,
-    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    /// Save the surface, in the format of the ending: .json, .step, .ply and others
+    ///
+    /// .json has all that is known of it; .step, .igs, .npz a spline; .ply, .obj, .stl, .glb, .vtu a mesh, .parquet its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     bare: bool,
     #[command(flatten)]
     preparation: PreparationFlags,
@@ -129,14 +136,15 @@ impl One {
         let mut reading = match spinner {
             Some(spinner) => spinner.while_reading(read),
             None => read(),
-        }?;
+        }
+        .map_err(ReadFlags::refused)?;
         let prepared = args.preparation.apply(&mut reading)?;
         let read = began.elapsed().as_secs_f64();
         let clock = Instant::now();
         if let Some(spinner) = spinner {
             spinner.phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
         }
-        let found = answer(&reading, args).map_err(|refusal| {
+        let found = answer_to(&reading, args).map_err(|refusal| {
             Failure::Input(match refusal {
                 Refusal::Fit(error) => placed(&error, &reading),
                 Refusal::Shape(message) => format!("{}: {message}", reading.file),
@@ -157,7 +165,8 @@ impl One {
             chosen: self.chosen.clone(),
             lack_of_fit: self.lack_of_fit.clone(),
             input: &self.reading.input,
-            unit: args.words.unit.clone(),
+            // a unit that stands in the file needs no option
+            unit: args.words.unit.clone().or_else(|| self.reading.unit.clone()),
             truth: None,
             bare: args.bare,
             notes: self.notes.clone(),
@@ -166,35 +175,15 @@ impl One {
 }
 
 /// The model that was named, or what the contacts show where none was.
-fn answer(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
-    let (input, mut fit) = (&reading.input, args.fit.over(FitOptions::default()));
-    let viewpoint = args.preparation.viewpoint;
-    if args.fit.names_a_model() {
-        if viewpoint.is_some() && !args.preparation.estimates_normals() {
-            let what =
-                "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
-            return Err(Refusal::Shape(what.into()));
-        }
-        let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
-        let (found, chosen) = fit_input(input, &fit).map_err(Refusal::Fit)?;
-        let found = if args.bare { found } else { counting_other_kinds(found) };
-        return Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes });
-    }
-    if args.bare {
-        let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
-             name a model beside it, as in --degree 2";
+fn answer_to(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
+    let (named, viewpoint) = (args.fit.names_a_model(), args.preparation.viewpoint);
+    if named && viewpoint.is_some() && !args.preparation.estimates_normals() {
+        let what = "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
         return Err(Refusal::Shape(what.into()));
     }
-    fit.check().map_err(Refusal::Fit)?;
     let viewpoint = viewpoint.or(seen_from(reading));
-    let recognition = RecognitionOptions {
-        grid: fit.grid,
-        level: fit.level,
-        viewpoint,
-        sigma_xy: fit.sigma_xy,
-        ..RecognitionOptions::default()
-    };
-    automatic(input, &recognition, &fit)
+    let question = Question { flags: &args.fit, base: FitOptions::default(), bare: args.bare, viewpoint };
+    answer(&reading.input, &question)
 }
 
 /// Contacts, or pixels.

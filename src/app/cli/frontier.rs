@@ -18,7 +18,7 @@ use palpate_studies::frontier::orders;
 
 use super::failure::Failure;
 use super::frontier_args::FrontierArgs;
-use super::output::print;
+use super::output::{columns, print};
 use super::provenance::provenance;
 use super::{frontier_input, frontier_scene, interrupt, scene};
 
@@ -93,7 +93,7 @@ fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failu
     if args.output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_frontier_table(document, out))
+    args.output.tell(&mut |out| write_frontier_table(document, columns(), out))
 }
 
 fn print_orders(args: &FrontierArgs) -> Result<(), Failure> {

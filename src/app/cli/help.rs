@@ -1,14 +1,14 @@
 //! `palpate help [TOPIC]`: a command's help, or the manual of scene files.
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 
 use crate::io::scene_file::{scene_manual, scene_topics};
 use crate::io::visible;
 use crate::report::folded;
 
-use super::Line;
+use super::command;
 use super::failure::Failure;
-use super::output::{print, wants_colour};
+use super::output::{columns, print, wants_colour};
 
 /// Arguments of `palpate help`.
 #[derive(Args)]
@@ -20,18 +20,18 @@ pub(super) struct HelpArgs {
 }
 
 pub(super) fn help(args: &HelpArgs) -> Result<(), Failure> {
-    let mut command = Line::command();
-    command.build();
+    let mut all = command();
+    all.build();
     let (topic, about) = (args.topic.as_deref(), args.about.as_deref());
     if topic == Some("scene") {
-        let text = folded(&scene_manual(about).map_err(Failure::Input)?, None);
+        let text = folded(&scene_manual(about).map_err(Failure::Input)?, None, columns());
         return print(&mut |out| out.write_all(text.as_bytes()));
     }
     let verb = match topic {
-        None => &mut command,
-        Some(topic) => match command.find_subcommand_mut(topic) {
+        None => &mut all,
+        Some(topic) => match all.find_subcommand_mut(topic) {
             Some(verb) => verb,
-            None => return Err(unknown(&Line::command(), topic)),
+            None => return Err(unknown(&command(), topic)),
         },
     };
     let help = verb.render_long_help();

@@ -7,6 +7,7 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod answer;
 mod batch;
 mod completions;
 mod coverage;
@@ -52,6 +53,7 @@ mod simulate;
 mod study;
 mod study_plan;
 mod sweep;
+mod time_left;
 mod until;
 mod values;
 mod viewpoint;
@@ -59,17 +61,17 @@ mod zero_weights;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::Failure;
 
 /// The shape of a curved surface from a few touches, and how far to trust it.
 #[derive(Parser)]
-#[command(name = "palpate", version, max_term_width = 110, disable_help_subcommand = true)]
+#[command(name = "palpate", version, disable_help_subcommand = true)]
 #[command(after_help = examples::ALL)]
 struct Line {
     /// Compute so that every machine gives the same bits, more slowly (but for results by QR)
-    #[arg(long, global = true)]
+    #[arg(long, global = true, hide_short_help = true)]
     portable: bool,
     #[command(subcommand)]
     verb: Verb,
@@ -125,12 +127,19 @@ enum Verb {
 /// The commands and their options, for a test that tries every one of them.
 #[doc(hidden)]
 pub fn command() -> clap::Command {
-    Line::command()
+    Line::command().term_width(output::columns())
+}
+
+/// What was typed.
+fn typed() -> Result<Line, clap::Error> {
+    let mut command = command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    Line::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let line = match Line::try_parse() {
+    let line = match typed() {
         Ok(line) => line,
         Err(error) => {
             let code = ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));

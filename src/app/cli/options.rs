@@ -18,11 +18,13 @@ use super::values;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Fit")]
 pub(super) struct FitFlags {
+    /// Kind of surface: height, parametric or auto
+    ///
     /// height: z over x, y; parametric: a map into space, which can go round a body; auto: whichever the contacts call for
     #[arg(long, value_name = "KIND")]
     surface: Option<SurfaceKind>,
     /// Directions in which a parametric surface closes on itself: u (across the fingers), v (along them) or u,v
-    #[arg(long, value_name = "U,V", value_parser = values::closed)]
+    #[arg(long, hide_short_help = true, value_name = "U,V", value_parser = values::closed)]
     closed: Option<[bool; 2]>,
     /// Degree of the splines in x and y, 1 to 9 [default: 2; of a parametric surface 3]
     #[arg(long, value_name = "P[,Q]", value_parser = values::degrees)]
@@ -31,28 +33,30 @@ pub(super) struct FitFlags {
     #[arg(long, value_name = "N[,M]", value_parser = values::segments)]
     segments: Option<[usize; 2]>,
     /// Domain of the surface [default: the contacts' bounding box]
-    #[arg(long, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true, value_parser = values::domain)]
+    #[arg(long, hide_short_help = true, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true, value_parser = values::domain)]
     domain: Option<[f64; 4]>,
-    /// Slope rows: auto, tangent, position, equal or WZ,WX,WY, which multiply residuals
+    /// Slope rows: auto, tangent, position, equal or WZ,WX,WY
+    ///
+    /// Weights multiply the residuals of heights and of slopes in x and y
     #[arg(long, value_name = "WEIGHTS", allow_hyphen_values = true, conflicts_with = "sigma", value_parser = values::weights)]
     weights: Option<Objective>,
-    /// Normal rows: auto, or the sd of z and of the normals in degrees, as in 0.02,5
+    /// Normal rows: auto, or sd of z and of normals in degrees, as 0.02,5
     #[arg(long, value_name = "Z,DEG", allow_hyphen_values = true, value_parser = values::sigma)]
     sigma: Option<Objective>,
     /// Known sd of the contacts' errors in x and in y, as of an arm; in the unit of the input, and beside any other option
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = values::sigma_xy)]
+    #[arg(long, hide_short_help = true, value_name = "LENGTH", allow_hyphen_values = true, value_parser = values::sigma_xy)]
     sigma_xy: Option<f64>,
-    #[arg(long, help = help("How the least squares problem is solved", Method::WORDS))]
+    #[arg(long, hide_short_help = true, help = help("How the least squares problem is solved", Method::WORDS))]
     method: Option<Method>,
     /// Roughness penalty: none, auto or LAMBDA
-    #[arg(long, value_name = "LAMBDA", allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "LAMBDA", allow_hyphen_values = true)]
     smooth: Option<Smooth>,
-    #[arg(long, value_name = "LOSS", help = help("What large residuals count", Robust::WORDS))]
+    #[arg(long, hide_short_help = true, value_name = "LOSS", help = help("What large residuals count", Robust::WORDS))]
     robust: Option<Robust>,
     #[command(flatten)]
     grid: GridFlags,
     /// Axes of the patch: keep the input's, or auto from the mean normal where needed
-    #[arg(long, value_name = "FRAME")]
+    #[arg(long, hide_short_help = true, value_name = "FRAME")]
     frame: Option<FrameChoice>,
 }
 
@@ -63,7 +67,7 @@ pub(super) struct GridFlags {
     #[arg(long, value_name = "NxM", value_parser = values::grid_points)]
     grid: Option<[usize; 2]>,
     /// Fraction of each side cut at every edge of the shape grid [default: 0]
-    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::inset)]
+    #[arg(long, hide_short_help = true, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::inset)]
     inset: Option<f64>,
 }
 
@@ -185,7 +189,7 @@ fn set<T>(place: &mut T, value: Option<T>) {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputFlags {
-    /// Print one JSON document on standard output and nothing else there
+    /// Print one JSON document and nothing else
     #[arg(long)]
     pub(super) json: bool,
     /// Write pictures, tables and records into this directory
@@ -203,10 +207,14 @@ pub(super) struct OutputFlags {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Output")]
 pub(super) struct WordsFlags {
-    /// Add the technical lines: how the surface was found, and how far to trust the arithmetic
+    /// Add the technical lines
+    ///
+    /// They say how the surface was found, and how far to trust the arithmetic
     #[arg(long, short)]
     pub(super) verbose: bool,
-    /// Unit of the lengths in the input, such as mm: it is said beside every length, and nothing is converted
+    /// Unit of the lengths in the input, such as mm
+    ///
+    /// It is said beside every length, and nothing is converted. A unit that stands in the names of a table's columns needs no option
     #[arg(long, value_parser = values::unit)]
     pub(super) unit: Option<String>,
     #[command(flatten)]
@@ -218,7 +226,7 @@ pub(super) struct WordsFlags {
 #[command(next_help_heading = "Output")]
 pub(super) struct PictureFlags {
     /// Kinds of pictures in the directory of --out, several as svg,png,pdf [default: svg]
-    #[arg(long = "pictures", value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires = "out")]
+    #[arg(long = "pictures", hide_short_help = true, value_name = "KIND,..", value_delimiter = ',', value_parser = values::picture_format, requires = "out")]
     asked: Vec<PictureFormat>,
 }
 

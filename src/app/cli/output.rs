@@ -11,9 +11,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::io::{
     ReadPhase, ReadProgress, Together, imported_files, same_file, same_place, visible, watched, write_atomically,
 };
+use crate::report::{PAGE_WIDTH, folded};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
+use super::time_left::time_left;
+
+/// The file that shows all of a run.
+const FIRST: &str = "report.html";
+
+/// Widths of a terminal within which words are fitted to it: narrower ones would break every line, wider ones are hard to
+/// read.
+const LEGIBLE: std::ops::RangeInclusive<usize> = 60..=110;
 
 /// Columns of words beside a bar: with the bar they fit a narrow terminal.
 const BRIEF: usize = 42;
@@ -101,7 +110,7 @@ impl OutputFlags {
     /// Writes `name` for the output directory, if one is asked for; [`OutputFlags::publish`] puts it there.
     pub(super) fn file(&self, name: &str, fill: Fill) -> Result<(), Failure> {
         let Some(directory) = &self.out else { return Ok(()) };
-        let mut gathered = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut gathered = self.gathered.files.lock().unwrap_or_else(PoisonError::into_inner);
         if gathered.is_none() {
             *gathered = Some(Together::new(directory)?);
         }
@@ -113,7 +122,7 @@ impl OutputFlags {
 
     /// Puts all files of this run into the output directory, unless it holds some of another run that would stay.
     pub(super) fn publish(&self) -> Result<(), Failure> {
-        let files = self.gathered.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let files = self.gathered.files.lock().unwrap_or_else(PoisonError::into_inner).take();
         let (Some(files), Some(directory)) = (files, &self.out) else { return Ok(()) };
         let written = |name: &&str| files.names().iter().any(|written| written == name);
         let families = FAMILIES.iter().filter(|names| names.iter().any(written));
@@ -124,8 +133,36 @@ impl OutputFlags {
                 "--out {}: holds {name} of another run, which this run would not replace; remove it or name another directory",
                 directory.display()
             ))),
-            None => Ok(files.publish()?),
+            None => {
+                let names = files.names().to_vec();
+                files.publish()?;
+                self.gathered.written.lock().unwrap_or_else(PoisonError::into_inner).extend(names);
+                Ok(())
+            }
         }
+    }
+
+    /// What a verb says to people at its end, and what was written for them.
+    pub(super) fn tell(&self, fill: Fill) -> Result<(), Failure> {
+        print(&mut |out| {
+            fill(out)?;
+            out.write_all(self.written().as_bytes())
+        })
+    }
+
+    /// Which files stand in the output directory, the one to look at first before the others; nothing without any.
+    fn written(&self) -> String {
+        let names = self.gathered.written.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(directory) = self.out.as_ref().filter(|_| !names.is_empty()) else { return String::new() };
+        let is_first = |name: &&String| name.as_str() == FIRST;
+        let others: Vec<&str> = names.iter().filter(|name| !is_first(name)).map(String::as_str).collect();
+        let path = visible(&directory.join(FIRST).display().to_string());
+        let words = match (names.iter().any(|name| is_first(&name)), others.join(", ")) {
+            (true, others) if others.is_empty() => format!("open {path} first"),
+            (true, others) => format!("open {path} first; beside it {others}"),
+            (false, others) => format!("{others} in {}", visible(&directory.display().to_string())),
+        };
+        folded(&format!("wrote      {words}"), Some(11), columns())
     }
 
     /// A spinner on a terminal's standard error; nothing elsewhere.
@@ -193,15 +230,14 @@ fn reading(progress: &ReadProgress) -> ProgressStyle {
         ReadPhase::Parsing => " (its numbers)",
     };
     match progress.total {
-        Some(_) => {
-            styled(&format!("{{msg}}{phase} {{bar:20}} {{bytes}}/{{total_bytes}} {{bytes_per_sec}} {{eta}} left"))
-        }
+        Some(_) => styled(&format!("{{msg}}{phase} {{bar:20}} {{bytes}}/{{total_bytes}} {{bytes_per_sec}} {{left}}")),
         None => styled(&format!("{{spinner}} {{msg}}{phase} {{bytes}} {{bytes_per_sec}}, {{elapsed}}")),
     }
 }
 
 fn styled(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner());
+    style.with_key("left", time_left)
 }
 
 /// Goes away when dropped.
@@ -221,7 +257,7 @@ impl Spinner {
             return;
         }
         if self.0.position() == 0 {
-            self.0.set_style(styled("{msg} {bar:20} {percent} %, {eta} left"));
+            self.0.set_style(styled("{msg} {bar:20} {percent} % {left}"));
         }
         self.0.set_length(all as u64);
         self.0.set_position(done as u64);
@@ -250,6 +286,12 @@ impl Drop for Spinner {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
+}
+
+/// Columns of the terminal that standard output is, and of a page where it is none.
+pub(super) fn columns() -> usize {
+    let terminal = std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    terminal.map_or(PAGE_WIDTH, |(width, _)| usize::from(width.0).clamp(*LEGIBLE.start(), *LEGIBLE.end()))
 }
 
 /// Whether standard output is a terminal that shows colours; NO_COLOR says no (no-color.org).

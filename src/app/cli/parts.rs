@@ -16,7 +16,7 @@ use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, Point
 
 use super::failure::Failure;
 use super::interrupt;
-use super::output::print;
+use super::output::{columns, print};
 use super::parts_args::PartsArgs;
 use super::parts_input::{Taken, from_file, from_scene};
 use super::provenance::provenance;
@@ -123,5 +123,5 @@ fn publish(
     if output.quiet {
         return Ok(());
     }
-    print(&mut |out| write_parts_table(document, out))
+    output.tell(&mut |out| write_parts_table(document, columns(), out))
 }

@@ -9,7 +9,7 @@ use palpate_geometry::contact::Contacts;
 use super::failure::Failure;
 use super::parts_args::PartsArgs;
 use super::pixels::contacts_of;
-use super::reading::seen_from;
+use super::reading::{ReadFlags, seen_from};
 use super::scene;
 use super::viewpoint::turned_towards;
 use super::zero_weights::is_without_heights;
@@ -30,6 +30,7 @@ pub(super) fn from_scene(args: &PartsArgs) -> Result<Taken, Failure> {
     let only_files = [
         (args.skip_invalid, "--skip-invalid", "a scene has no invalid rows to leave out"),
         (args.reading.has_intrinsics(), "--intrinsics", "a scene is no depth image"),
+        (args.reading.has_columns(), "--columns", "a scene has no columns"),
     ];
     if let Some((_, option, why)) = only_files.iter().find(|(typed, _, _)| *typed) {
         return Err(Failure::Input(format!("{option} is for files, and {} is a scene: {why}", args.input)));
@@ -54,6 +55,7 @@ pub(super) fn from_scene(args: &PartsArgs) -> Result<Taken, Failure> {
         places: None,
         notes,
         viewpoint: None,
+        unit: None,
     };
     Ok(Taken { faces, scene: Some(text), seed: Some(seed), ..prepared(args, reading)? })
 }
@@ -64,7 +66,8 @@ pub(super) fn from_file(args: &PartsArgs) -> Result<Taken, Failure> {
     }
     let keep_zero_normals = args.preparation.needs_no_normals();
     let options = ReadOptions { keep_zero_normals, ..args.reading.options(args.skip_invalid) };
-    prepared(args, read_input(&PathBuf::from(&args.input), &options)?)
+    let reading = read_input(&PathBuf::from(&args.input), &options).map_err(ReadFlags::refused)?;
+    prepared(args, reading)
 }
 
 /// The contacts after everything that options ask for.

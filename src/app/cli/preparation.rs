@@ -18,16 +18,16 @@ pub(super) struct PreparationFlags {
     #[arg(long, value_name = "X,Y,Z,R", allow_hyphen_values = true, value_parser = values::ball)]
     near: Option<[f64; 4]>,
     /// Use only the contacts inside this box
-    #[arg(long = "box", value_name = "X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true, value_parser = values::bounds)]
+    #[arg(long = "box", hide_short_help = true, value_name = "X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true, value_parser = values::bounds)]
     bounds: Option<[f64; 6]>,
     /// Normals point into the body: reverse them all
     #[arg(long)]
     flip_normals: bool,
     /// Use the positions alone, as if the file had no normals
-    #[arg(long, conflicts_with = "flip_normals")]
+    #[arg(long, hide_short_help = true, conflicts_with = "flip_normals")]
     ignore_normals: bool,
     /// estimate: compute normals from neighbouring positions, instead of the file's if it has any
-    #[arg(long, value_name = "HOW", value_parser = ["estimate"], conflicts_with_all = ["flip_normals", "ignore_normals"])]
+    #[arg(long, hide_short_help = true, value_name = "HOW", value_parser = ["estimate"], conflicts_with_all = ["flip_normals", "ignore_normals"])]
     normals: Option<String>,
     /// Where the sensor stood: the side of the surface that it saw is the free side
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]

@@ -6,13 +6,14 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::report::significant;
 use palpate_studies::montecarlo::{Progress, Tally};
 
 use super::options::OutputFlags;
 use super::output::brief;
+use super::time_left::said_left;
 
 /// How fast, and for how long still; nothing before the first step is done.
 fn pace(done: u64, a_second: f64, left: Duration) -> String {
@@ -26,7 +27,7 @@ fn pace(done: u64, a_second: f64, left: Duration) -> String {
     } else {
         HumanCount(((a_second / unit).round() * unit) as u64).to_string()
     };
-    format!(", {rate} a second, {:#} left", HumanDuration(left))
+    format!(", {rate} a second{}", said_left(", ", left))
 }
 
 /// Goes away when dropped.

@@ -1,4 +1,5 @@
-//! `palpate run [SCENE]`: sweep, fit and describe one scene, with the truth beside it.
+//! `palpate run [SCENE]`: sweep, fit and describe one scene, with the truth beside it. A scene that names no model is
+//! recognised as `palpate fit` recognises its contacts.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -7,14 +8,16 @@ use clap::Args;
 
 use crate::io::Input;
 use crate::io::scene_file::SceneFile;
-use crate::report::{Answer, Subject, inverse_crime_remark};
+use crate::report::{Subject, inverse_crime_remark};
+use palpate_fitting::fit::FitOptions;
 use palpate_world::scene::surface::Body;
 
+use super::answer::{Question, answer, as_named};
 use super::describe::{Destination, Taken, describe};
-use super::explicit_model::{counting_other_kinds, fit_input};
 use super::failure::{Failure, fit_message};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::provenance::provenance;
+use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
 use super::scene;
 
@@ -24,11 +27,13 @@ pub(super) struct RunArgs {
     /// Built-in scene, scene file, or - for standard input
     #[arg(default_value = scene::DEFAULT)]
     scene: String,
-    /// Save the surface: .json with all that is known of it; .step, .igs, .npz as a spline; .ply, .obj, .stl, .glb, .vtu as a mesh, .parquet as its points, of --grid points each way [default: 49x49]
+    /// Save the surface, in the format of the ending: .json, .step, .ply and others
+    ///
+    /// .json has all that is known of it; .step, .igs, .npz a spline; .ply, .obj, .stl, .glb, .vtu a mesh, .parquet its points, of --grid points each way [default: 49x49]
     #[arg(long, value_name = "F")]
     save: Option<PathBuf>,
-    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit
-    #[arg(long)]
+    /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
+    #[arg(long, hide_short_help = true)]
     bare: bool,
     #[command(flatten)]
     fit: FitFlags,
@@ -54,11 +59,13 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let read = began.elapsed().as_secs_f64();
     let input = Input::Contacts(contacts);
     let clock = Instant::now();
-    let (found, chosen) = fit_input(&input, &args.fit.over(scene.fit.clone()))
-        .map_err(|e| wrong(format!("{}{}", fit_message(&e), several_faces(&scene, "; "))))?;
-    let found = Answer::Fitted(if args.bare { found } else { counting_other_kinds(found) });
+    let Found { answer: found, chosen, lack_of_fit, notes: own } =
+        found_in(&input, &scene, args).map_err(|e| match e {
+            Refusal::Fit(error) => wrong(format!("{}{}", fit_message(&error), several_faces(&scene, "; "))),
+            Refusal::Shape(message) => wrong(message),
+        })?;
     let fitted = clock.elapsed().as_secs_f64();
-    let mut notes = Vec::new();
+    let mut notes = own;
     if reached < asked {
         notes.push(format!("{reached} of {asked} sites are within reach of the surface"));
     }
@@ -67,7 +74,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     notes.extend(args.fit.without_effect(&found, &input));
     let subject = Subject {
         chosen,
-        lack_of_fit: None,
+        lack_of_fit,
         input: &input,
         unit: args.words.unit.clone(),
         truth: Some(&truth),
@@ -89,6 +96,16 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             provenance: provenance(&args.scene, Some(text), Some(scene.seed)),
         },
     )
+}
+
+/// The model that the scene names, with what was typed over it; without one what `fit` finds in the same contacts.
+fn found_in(input: &Input, scene: &SceneFile, args: &RunArgs) -> Result<Found, Refusal> {
+    if scene.names_a_model {
+        return as_named(input, &args.fit.over(scene.fit.clone()), args.bare);
+    }
+    // weights are of the scene's own model alone
+    let base = FitOptions { objective: FitOptions::default().objective, ..scene.fit.clone() };
+    answer(input, &Question { flags: &args.fit, base, bare: args.bare, viewpoint: None })
 }
 
 /// What to do with a body of several faces, which one patch rounds off; after `join`. Nothing for other surfaces.

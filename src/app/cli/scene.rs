@@ -8,7 +8,7 @@ use crate::io::{import_surface, read_bytes, visible};
 use super::failure::Failure;
 
 /// The scene that `run` takes when none is named.
-pub(super) const DEFAULT: &str = "paper-cylinder";
+pub(super) const DEFAULT: &str = "bar";
 
 /// A scene as text, with where its imported surfaces are looked for.
 pub(super) struct Source {

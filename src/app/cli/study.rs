@@ -19,7 +19,7 @@ use palpate_studies::montecarlo::{Path, Progress, Stopped, StudyError, StudyStat
 
 use super::failure::Failure;
 use super::options::{OutputFlags, PictureFlags};
-use super::output::print;
+use super::output::{columns, print};
 use super::progress::Bar;
 use super::provenance::provenance;
 use super::scene::Source;
@@ -263,7 +263,7 @@ pub(super) fn tell(
     if is_part {
         shown.notes.push(format!("replicates {} to {} alone", document.range[0], document.range[1]));
     }
-    print(&mut |out| write_study_table(&shown, out))
+    output.tell(&mut |out| write_study_table(&shown, columns(), out))
 }
 
 /// Where a part says its scene came from.

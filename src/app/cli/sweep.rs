@@ -226,7 +226,7 @@ pub(super) fn sweep(args: &StudyArgs, source: &Source) -> Result<(), Failure> {
     if args.output.json {
         print(&mut |out| write_json(&document, out))?;
     } else if !args.output.quiet {
-        print(&mut |out| write_sweep_table(&keys, &points, out))?;
+        args.output.tell(&mut |out| write_sweep_table(&keys, &points, out))?;
     }
     let done = points.len();
     if done < count && !interrupt::asked() {

@@ -68,6 +68,10 @@ impl Need {
 #[derive(Default)]
 pub(super) struct Columns {
     values: [Option<Vec<f64>>; 13],
+    /// What the file calls them, where that is another name.
+    titles: [Option<String>; 13],
+    /// Unit of length of the places, where the file says it.
+    pub(super) unit: Option<String>,
     /// Names that were there and are not used.
     pub(super) ignored: Vec<String>,
 }
@@ -75,20 +79,33 @@ pub(super) struct Columns {
 impl Columns {
     /// One empty column per known name; the rest is noted. A name that stands twice is an error.
     pub(super) fn named(file: &str, names: &[&str], need: Need) -> Result<Columns, IoError> {
+        Columns::titled(file, names, names, need)
+    }
+
+    /// The same of names that stand in the file as `titles`.
+    pub(super) fn titled(file: &str, names: &[&str], titles: &[&str], need: Need) -> Result<Columns, IoError> {
         let mut columns = Columns::default();
         let mut seen = HashSet::with_capacity(names.len());
-        for name in names {
+        for (name, title) in names.iter().zip(titles) {
             let known = Column::of(name);
             if !seen.insert(name) && !name.is_empty() {
                 return Err(IoError::DuplicateColumn { file: file.into(), column: visible(name) });
             }
             match known.filter(|column| need == Need::Contacts || matches!(column, X | Y)) {
-                Some(column) => columns.values[column as usize] = Some(Vec::new()),
-                None => columns.ignored.push(visible(name)),
+                Some(column) => {
+                    columns.values[column as usize] = Some(Vec::new());
+                    columns.titles[column as usize] = Some(visible(title)).filter(|title| title != name);
+                }
+                None => columns.ignored.push(visible(title)),
             }
         }
-        columns.check_names(file, names, need)?;
+        columns.check_names(file, titles, need)?;
         Ok(columns)
+    }
+
+    /// What the file calls a column.
+    pub(super) fn title(&self, column: Column) -> String {
+        self.titles[column as usize].clone().unwrap_or_else(|| column.name().into())
     }
 
     pub(super) fn set(&mut self, column: Column, values: Vec<f64>) {
@@ -172,7 +189,7 @@ impl Columns {
         let (mut normal_length, mut has_normal) = (0.0_f64, false);
         for (column, value) in present {
             let file = || file.to_string();
-            let (place, name) = (|| place(row), column.name());
+            let (place, name) = (|| place(row), self.title(column));
             if !value.is_finite() {
                 return Some(IoError::NotFinite { file: file(), place: place(), column: name, value });
             }
@@ -220,6 +237,7 @@ impl Columns {
             places: Some(Places::new(unit, numbers, kept.as_deref())),
             notes: Vec::new(),
             viewpoint: None,
+            unit: self.unit,
         })
     }
 

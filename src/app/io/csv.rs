@@ -6,6 +6,7 @@ use std::io::Write;
 use palpate_geometry::contact::Contacts;
 
 use super::columns::{Column, Columns, Need, columns_of};
+use super::escape_control_chars::visible;
 use super::finger_names::FingerNames;
 use super::place::{Place, Runs, Unit};
 use super::read_progress::tell_line;
@@ -32,7 +33,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
 /// The known columns of a table and the line of each row. Fields that are no number become NaN under `skip_invalid`.
 pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadOptions) -> Result<Table, IoError> {
     let text = utf8(file, bytes)?;
-    let form = table_form(file, text, &ending(file), need)?;
+    let form = table_form(file, text, &ending(file), need, options.columns.as_ref())?;
     let rows = text
         .split('\n')
         .enumerate()
@@ -40,7 +41,9 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
         .map(|(index, line)| (index + 1, line.trim()))
         .filter(|(_, line)| !is_aside(line));
     let names: Vec<&str> = form.names.iter().map(String::as_str).collect();
-    let mut columns = Columns::named(file, &names, need)?;
+    let titles: Vec<&str> = form.titles.iter().map(String::as_str).collect();
+    let mut columns = Columns::titled(file, &names, &titles, need)?;
+    columns.unit = form.unit;
 
     // per field of a row: which of `targets` it goes to
     let mut targets: Vec<(Column, Vec<f64>)> = Vec::new();
@@ -53,7 +56,8 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
         })
         .collect();
     let mut lines = Runs::default();
-    let mut reader = RowReader { file, separator: form.separator, slots: &slots, fingers: None };
+    let titles = &titles[..];
+    let mut reader = RowReader { file, separator: form.separator, slots: &slots, titles, fingers: None };
     for (line, row) in rows {
         tell_line(text, row);
         match reader.read_row(line, row, &mut targets) {
@@ -79,6 +83,8 @@ struct RowReader<'a> {
     separator: Separator,
     /// Per field of a row: which target it goes to.
     slots: &'a [Option<usize>],
+    /// What the file calls the fields.
+    titles: &'a [&'a str],
     /// Set by the first row that has a finger.
     fingers: Option<FingerNames>,
 }
@@ -86,23 +92,25 @@ struct RowReader<'a> {
 impl RowReader<'_> {
     fn read_row(&mut self, line: usize, row: &str, targets: &mut [(Column, Vec<f64>)]) -> Result<(), IoError> {
         let (file, separator, slots) = (self.file, self.separator, self.slots);
-        let wrong = |column: Column, text: &str| IoError::NotANumber {
+        let titles = self.titles;
+        let wrong = |column: Column, field: usize, text: &str| IoError::NotANumber {
             file: file.into(),
             place: Place::Line(line),
-            column: column.name(),
+            column: visible(titles.get(field).copied().unwrap_or(column.name())),
+            ours: column.name(),
             text: text.trim().into(),
         };
         // cells of the normal that are empty
-        let mut empty: Vec<Column> = Vec::new();
+        let mut empty: Vec<(Column, usize)> = Vec::new();
         let mut found = 0;
         let mut push = |field: &str| {
             if let Some(&Some(slot)) = slots.get(found) {
                 let (column, values) = &mut targets[slot];
                 if matches!(column, Column::Nx | Column::Ny | Column::Nz) && field.trim().is_empty() {
-                    empty.push(*column);
+                    empty.push((*column, found));
                     values.push(f64::NAN);
                 } else {
-                    values.push(self.value(*column, field).ok_or_else(|| wrong(*column, field))?);
+                    values.push(self.value(*column, field).ok_or_else(|| wrong(*column, found, field))?);
                 }
             }
             found += 1;
@@ -116,7 +124,7 @@ impl RowReader<'_> {
         let expected = slots.len();
         match empty[..] {
             // part of a normal is no normal
-            [first] | [first, _] => Err(wrong(first, "")),
+            [(first, field)] | [(first, field), _] => Err(wrong(first, field, "")),
             _ if found != expected => Err(IoError::FieldCount { file: file.into(), line, found, expected }),
             _ => Ok(()),
         }

@@ -86,6 +86,28 @@ pub enum IoError {
         /// What would do.
         needed: &'static str,
     },
+    /// A column that was named is not there.
+    #[error("{file}: no column {name}; the nearest is {nearest}, and there are {}", list(found))]
+    NoSuchColumn {
+        /// Name of the input.
+        file: String,
+        /// The name that was said.
+        name: String,
+        /// The most alike.
+        nearest: String,
+        /// Names that are there.
+        found: Vec<String>,
+    },
+    /// Places in two units.
+    #[error("{file}: {} is in {} and {} in {}; places need one unit of length", columns[0], units[0], columns[1], units[1])]
+    Units {
+        /// Name of the input.
+        file: String,
+        /// Two columns that differ.
+        columns: [String; 2],
+        /// Their units.
+        units: [String; 2],
+    },
     /// A name stands twice.
     #[error("{file}: column {column} stands twice; each name may stand once")]
     DuplicateColumn {
@@ -123,17 +145,16 @@ pub enum IoError {
         expected: usize,
     },
     /// A field is no number.
-    #[error(
-        "{file}, {place}, column {column}: {text:?} is not a number; {} (or skip_invalid)",
-        instead_of(column, text)
-    )]
+    #[error("{file}, {place}, column {column}: {text:?} is not a number; {} (or skip_invalid)", instead_of(ours, text))]
     NotANumber {
         /// Name of the input.
         file: String,
         /// Where.
         place: Place,
-        /// Name of the column.
-        column: &'static str,
+        /// What the file calls the column.
+        column: String,
+        /// What palpate calls it.
+        ours: &'static str,
         /// The field as it stands.
         text: String,
     },
@@ -144,8 +165,8 @@ pub enum IoError {
         file: String,
         /// Where.
         place: Place,
-        /// Name of the column.
-        column: &'static str,
+        /// What the file calls the column.
+        column: String,
         /// The value.
         value: f64,
     },
@@ -167,8 +188,8 @@ pub enum IoError {
         file: String,
         /// Where.
         place: Place,
-        /// Name of the column.
-        column: &'static str,
+        /// What the file calls the column.
+        column: String,
         /// The value.
         value: f64,
     },
@@ -179,8 +200,8 @@ pub enum IoError {
         file: String,
         /// Where.
         place: Place,
-        /// Name of the column.
-        column: &'static str,
+        /// What the file calls the column.
+        column: String,
         /// The value.
         value: f64,
     },

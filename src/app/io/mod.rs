@@ -65,6 +65,7 @@ pub(crate) use error::IoError;
 pub(crate) use escape_control_chars::{changes_others, visible};
 pub(crate) use imported::{import_surface, imported_files};
 pub(crate) use limits::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
+pub use names::ColumnNames;
 pub(crate) use npz_writer::NpzWriter;
 pub(crate) use output_transaction::Together;
 pub(crate) use page_file::{DOCUMENT_TAG, END_TAG, TABLE_TAG, page_content, schema_of};
@@ -81,7 +82,7 @@ pub(crate) use uncertainty_map::{PointUncertainty, UNCERTAINTY_POINTS, Uncertain
 pub use write::{ContactFormat, write_contacts};
 
 /// How contacts are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Leave out rows with missing or non-finite numbers and count them, instead of refusing the file. Where normals may be
     /// unknown, a row whose three normal cells are empty or NaN has no number missing.
@@ -91,6 +92,8 @@ pub struct ReadOptions {
     pub keep_zero_normals: bool,
     /// The camera of a depth image that does not bring its own.
     pub intrinsics: Option<Intrinsics>,
+    /// Which columns are which, where their names do not tell.
+    pub columns: Option<ColumnNames>,
 }
 
 /// Scattered contacts or a grid.
@@ -119,6 +122,8 @@ pub struct Reading {
     pub notes: Vec<String>,
     /// Where the scanner or camera stood, where the format says so.
     pub viewpoint: Option<[f64; 3]>,
+    /// Unit of the lengths, where the file says it.
+    pub unit: Option<String>,
 }
 
 /// Reads contacts or a grid from a file, or from standard input where `path` is `-`.
@@ -219,7 +224,12 @@ pub fn read_input_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Resu
 }
 
 fn read_form(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    match format_detection::form_of(bytes, &ending(file)) {
+    let form = format_detection::form_of(bytes, &ending(file));
+    if options.columns.is_some() && matches!(form, Ok(Form::Npy | Form::Off | Form::Obj | Form::Stl | Form::Png)) {
+        let what = "its columns have no names that --columns could mean".into();
+        return Err(IoError::Form { file: file.into(), form: "table", what });
+    }
+    match form {
         Ok(Form::Npz) if !bytes.starts_with(b"PK") => {
             Err(IoError::Zip { file: file.into(), what: "no zip archive".into() })
         }

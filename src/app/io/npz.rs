@@ -12,7 +12,7 @@ use palpate_geometry::contact::{Contacts, Grid};
 use super::columns::{Column, Columns, Need, columns_of};
 use super::depth::{self, DepthImage, Intrinsics};
 use super::escape_control_chars::visible;
-use super::names::in_our_words;
+use super::names::{ColumnNames, in_our_words};
 use super::npy::Header;
 use super::npz_writer::NpzWriter;
 use super::place::Unit;
@@ -37,7 +37,7 @@ struct Array {
 
 /// Contacts or a grid from the bytes of an NPZ file.
 pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Reading, IoError> {
-    let (arrays, names) = read_arrays(file, bytes)?;
+    let (arrays, names) = read_arrays(file, bytes, options.columns.as_ref())?;
     if arrays.contains_key(DEPTH) {
         return read_depth(file, &arrays, options);
     }
@@ -74,7 +74,7 @@ fn read_depth(file: &str, arrays: &HashMap<String, Array>, options: &ReadOptions
 
 /// The 1-D arrays of an NPZ file that `need` asks for.
 pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need) -> Result<Columns, IoError> {
-    let (arrays, names) = read_arrays(file, bytes)?;
+    let (arrays, names) = read_arrays(file, bytes, None)?;
     Ok(into_columns(file, arrays, &names, need)?.0)
 }
 
@@ -130,7 +130,7 @@ fn read_grid(
     grid.check().map_err(|source| IoError::Contact { file: file.into(), source })?;
     let ignored = names.iter().filter(|name| !KNOWN.contains(&name.as_str())).map(|name| visible(name)).collect();
     let (input, file, notes) = (Input::Grid(grid), file.into(), Vec::new());
-    Ok(Reading { input, file, skipped, ignored, places: None, notes, viewpoint: None })
+    Ok(Reading { input, file, skipped, ignored, places: None, notes, viewpoint: None, unit: None })
 }
 
 fn axis(file: &str, arrays: &mut HashMap<String, Array>, name: &'static str) -> Result<Vec<f64>, IoError> {
@@ -170,13 +170,17 @@ fn drop_infinities(grid: &mut Grid) -> usize {
 }
 
 /// Every array with a known name, and all names in the order of the file.
-fn read_arrays(file: &str, bytes: &[u8]) -> Result<(HashMap<String, Array>, Vec<String>), IoError> {
+fn read_arrays(
+    file: &str,
+    bytes: &[u8],
+    said: Option<&ColumnNames>,
+) -> Result<(HashMap<String, Array>, Vec<String>), IoError> {
     let zip_error = |what: String| IoError::Zip { file: file.into(), what };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| zip_error(e.to_string()))?;
     if archive.len() > MOST_MEMBERS {
         return Err(zip_error(format!("{} members; up to {MOST_MEMBERS} are read", archive.len())));
     }
-    let names = array_names(file, &archive)?;
+    let names = array_names(file, &archive, said)?;
     let mut arrays = HashMap::new();
     let mut unpacked = 0_u64;
     for (index, name) in names.iter().enumerate().filter_map(|(index, name)| Some((index, name.as_ref()?))) {
@@ -201,7 +205,11 @@ fn read_arrays(file: &str, bytes: &[u8]) -> Result<(HashMap<String, Array>, Vec<
 }
 
 /// The name of every member's array in our words; `None` for members that are no arrays.
-fn array_names(file: &str, archive: &ZipArchive<Cursor<&[u8]>>) -> Result<Vec<Option<String>>, IoError> {
+fn array_names(
+    file: &str,
+    archive: &ZipArchive<Cursor<&[u8]>>,
+    said: Option<&ColumnNames>,
+) -> Result<Vec<Option<String>>, IoError> {
     let members: Vec<&str> =
         (0..archive.len()).map(|index| archive.name_for_index(index).unwrap_or_default()).collect();
     let theirs: Vec<&str> = members.iter().filter_map(|name| name.strip_suffix(".npy")).collect();
@@ -214,7 +222,7 @@ fn array_names(file: &str, archive: &ZipArchive<Cursor<&[u8]>>) -> Result<Vec<Op
     if let Some(twice) = theirs.iter().find(|name| !seen.insert(**name)) {
         return Err(IoError::DuplicateColumn { file: file.into(), column: visible(twice) });
     }
-    let mut ours = in_our_words(file, &theirs)?.into_iter();
+    let mut ours = in_our_words(file, &theirs, said)?.into_iter();
     let name = |member: &&str| member.ends_with(".npy").then(|| ours.next().map(Cow::into_owned)).flatten();
     Ok(members.iter().map(name).collect())
 }

@@ -16,7 +16,7 @@ use palpate_geometry::contact::Contacts;
 
 use super::columns::{COLUMNS, Column, Columns, Need, columns_of};
 use super::facets::{PolygonList, sampled_polygons};
-use super::names::in_our_words;
+use super::names::{ColumnNames, in_our_words};
 use super::place::{Place, Runs, Unit};
 use super::ply_faces;
 use super::read_progress::{Counted, ReadPhase, tell_line};
@@ -69,7 +69,7 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
     let payload = reader.get_ref().rest();
     check_header(&bytes[..bytes.len() - payload.len()], &header, payload.len() as u64).map_err(wrong)?;
     let vertex = header.elements.get_mut("vertex").ok_or_else(|| wrong("there is no element vertex".into()))?;
-    rename_properties(file, vertex)?;
+    rename_properties(file, vertex, options.columns.as_ref())?;
     let count = vertex.count;
     let names: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
     let columns = Columns::named(file, &names, Need::Contacts)?;
@@ -106,9 +106,9 @@ fn check_header_size(bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Gives the vertices' properties our names, where other programs have names of their own for them.
-fn rename_properties(file: &str, vertex: &mut ElementDef) -> Result<(), IoError> {
+fn rename_properties(file: &str, vertex: &mut ElementDef, said: Option<&ColumnNames>) -> Result<(), IoError> {
     let theirs: Vec<&str> = vertex.properties.keys().map(String::as_str).collect();
-    let ours = in_our_words(file, &theirs)?;
+    let ours = in_our_words(file, &theirs, said)?;
     let mut renamed = ElementDef::new(vertex.name.clone());
     renamed.count = vertex.count;
     for (name, property) in ours.iter().zip(vertex.properties.values()) {
@@ -249,7 +249,13 @@ fn read_ascii_vertex(
             }
             let column = Column::of(name).map_or("", Column::name);
             let text = word.unwrap_or_default().into();
-            Err(IoError::NotANumber { file: file.into(), place: Place::Line(line), column, text })
+            Err(IoError::NotANumber {
+                file: file.into(),
+                place: Place::Line(line),
+                column: column.into(),
+                ours: column,
+                text,
+            })
         })?;
         values.push(value);
     }

@@ -10,11 +10,13 @@
 //! A first line `sep=;`, as spreadsheets write and want it, names the separator. Otherwise it is the one that makes the most sense of the line with the names: most columns that palpate knows, then
 //! the order comma, semicolon, tab, blank. Numbers may have a decimal comma wherever the comma does not separate.
 //!
-//! A count of rows, alone in its line, may stand before the names, after them, or before rows without names.
+//! A count of rows, alone in its line, may stand before the names, after them, or before rows without names. Below the names
+//! may stand a row of units (`mm,mm,mm`).
 
 use std::borrow::Cow;
 
 use super::columns::{Column, Need};
+use super::names::ColumnNames;
 use super::separator::{SEPARATORS, Separator, declared_separator};
 use super::{IoError, names};
 
@@ -24,6 +26,10 @@ pub(super) struct TableForm {
     pub(super) separator: Separator,
     /// In our words, as [`names::in_our_words`] has them.
     pub(super) names: Vec<String>,
+    /// As they stand in the file.
+    pub(super) titles: Vec<String>,
+    /// Unit of length of the places, from their names or from the row of units below them.
+    pub(super) unit: Option<String>,
     /// Index (from 0) of the line of the first row.
     pub(super) first_row: usize,
     /// What was assumed because nothing said it.
@@ -39,17 +45,23 @@ pub(super) fn is_aside(line: &str) -> bool {
 ///
 /// # Errors
 /// [`IoError::Empty`] and [`IoError::NoHeader`].
-pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Result<TableForm, IoError> {
+pub(super) fn table_form(
+    file: &str,
+    text: &str,
+    ending: &str,
+    need: Need,
+    said: Option<&ColumnNames>,
+) -> Result<TableForm, IoError> {
     let lines = || text.split('\n').map(str::trim).enumerate();
-    let mut said = lines().filter(|(_, line)| !is_aside(line)).peekable();
+    let mut rows = lines().filter(|(_, line)| !is_aside(line)).peekable();
     let empty = || IoError::Empty { file: file.into() };
-    let (mut at, mut first) = said.next().ok_or_else(empty)?;
+    let (mut at, mut first) = rows.next().ok_or_else(empty)?;
     let declared = declared_separator(first);
     if declared.is_some() {
-        (at, first) = said.next().ok_or_else(empty)?;
+        (at, first) = rows.next().ok_or_else(empty)?;
     }
     if is_count(first)
-        && let Some((next_at, next)) = said.next_if(|(_, line)| !is_count(line))
+        && let Some((next_at, next)) = rows.next_if(|(_, line)| !is_count(line))
     {
         (at, first) = (next_at, next);
     }
@@ -58,9 +70,14 @@ pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Re
     if first.len() > MOST_LINE {
         return Err(no_header(file, at + 1, first));
     }
-    if let Some(named) = names_in_line(file, first, declared.as_slice())? {
-        let counted = said.next_if(|(_, line)| named.names.len() > 1 && is_count(line));
-        return Ok(TableForm { first_row: counted.map_or(at, |(counted, _)| counted) + 1, note: None, ..named });
+    if let Some(named) = names_in_line(file, first, declared.as_slice(), said)? {
+        let several = named.names.len() > 1;
+        let below = rows.next_if(|(_, line)| several && units_in_row(&named, line).is_some());
+        let units = below.and_then(|(_, line)| units_in_row(&named, line)).unwrap_or_default();
+        let counted = rows.next_if(|(_, line)| several && is_count(line));
+        let first_row = counted.or(below).map_or(at, |(last, _)| last) + 1;
+        let unit = unit_of_places(file, &named, &units)?;
+        return Ok(TableForm { first_row, unit, ..named });
     }
     if declared.is_some() {
         return Err(no_header(file, at + 1, first));
@@ -70,7 +87,8 @@ pub(super) fn table_form(file: &str, text: &str, ending: &str, need: Need) -> Re
         lines().take(at).map(|(_, line)| line).filter(|line| is_aside(line) && !line.is_empty()).collect();
     /// Comments in which names are looked for, from the last one up.
     const MOST_ASIDES: usize = 9;
-    if let Some(form) = asides.iter().rev().take(MOST_ASIDES).find_map(|aside| named_by_aside(file, aside, first)) {
+    if let Some(form) = asides.iter().rev().take(MOST_ASIDES).find_map(|aside| named_by_aside(file, aside, first, said))
+    {
         return Ok(TableForm { first_row: at, ..form });
     }
     let may_be_bare = need == Need::Contacts && ["xyz", "xyzn", "pts", "txt", "asc"].contains(&ending);
@@ -93,12 +111,17 @@ fn no_header(file: &str, line: usize, header: &str) -> IoError {
 }
 
 /// The names in a line and what separates them, one of `declared` where there is any; `None` where the line holds a number.
-fn names_in_line(file: &str, line: &str, declared: &[Separator]) -> Result<Option<TableForm>, IoError> {
+fn names_in_line(
+    file: &str,
+    line: &str,
+    declared: &[Separator],
+    said: Option<&ColumnNames>,
+) -> Result<Option<TableForm>, IoError> {
     let mut best: Option<(usize, TableForm)> = None;
     for &separator in if declared.is_empty() { &SEPARATORS[..] } else { declared } {
         let fields = separator.fields(line);
         let fields: Vec<&str> = fields.iter().map(Cow::as_ref).collect();
-        let found = names::in_our_words(file, &fields);
+        let found = names::in_our_words(file, &fields, said);
         let known = found.iter().flatten().filter(|name| Column::of(name).is_some()).count();
         // of two that know nothing, the one that divides the line
         let better = best
@@ -106,7 +129,8 @@ fn names_in_line(file: &str, line: &str, declared: &[Separator]) -> Result<Optio
             .is_none_or(|(most, form)| known > *most || (*most == 0 && form.names.len() == 1 && fields.len() > 1));
         if better {
             let names = found?.into_iter().map(Cow::into_owned).collect();
-            best = Some((known, TableForm { separator, names, first_row: 0, note: None }));
+            let titles = fields.iter().map(|title| title.trim().to_string()).collect();
+            best = Some((known, TableForm { separator, names, titles, unit: None, first_row: 0, note: None }));
         }
     }
     Ok(best.map(|(_, form)| form).filter(|form| {
@@ -115,16 +139,36 @@ fn names_in_line(file: &str, line: &str, declared: &[Separator]) -> Result<Optio
     }))
 }
 
+/// The units of a row below the names: words for every field, of which at least one is a unit of length.
+fn units_in_row(named: &TableForm, line: &str) -> Option<Vec<Option<&'static str>>> {
+    let fields = named.separator.fields(line);
+    let number = |field: &Cow<str>| named.separator.number(field.trim()).is_some();
+    let units: Vec<Option<&str>> = fields.iter().map(|field| names::unit_of_length(field)).collect();
+    let is_row = fields.len() == named.names.len() && units.iter().any(Option::is_some);
+    (is_row && !fields.iter().any(number)).then_some(units)
+}
+
+/// The unit of length of x, y and z, by their names and by the row below them.
+fn unit_of_places(file: &str, named: &TableForm, below: &[Option<&'static str>]) -> Result<Option<String>, IoError> {
+    let is_place = |name: &String| ["x", "y", "z"].contains(&name.as_str());
+    let places = named.names.iter().zip(&named.titles).enumerate().filter(|(_, (name, _))| is_place(name));
+    let units = places.map(|(k, (_, title))| {
+        (title.as_str(), names::unit_of_name(title).or_else(|| below.get(k).copied().flatten()))
+    });
+    names::unit_in(file, units)
+}
+
 /// The layout where the comment `aside` names the fields of `row`, as CloudCompare and others write it.
-fn named_by_aside(file: &str, aside: &str, row: &str) -> Option<TableForm> {
+fn named_by_aside(file: &str, aside: &str, row: &str, said: Option<&ColumnNames>) -> Option<TableForm> {
     let inner = aside.trim_start_matches(['#', '/']).trim();
-    let form = names_in_line(file, inner, &[]).ok()??;
+    let form = names_in_line(file, inner, &[], said).ok()??;
     let separator = SEPARATORS.into_iter().find(|separator| {
         let fields = separator.fields(row);
         fields.len() == form.names.len() && fields.iter().all(|f| separator.number(f).is_some())
     })?;
     let has = |column: &str| form.names.iter().any(|name| name == column);
-    (has("x") && has("y")).then_some(TableForm { separator, ..form })
+    let unit = unit_of_places(file, &form, &[]).ok()?;
+    (has("x") && has("y")).then_some(TableForm { separator, unit, ..form })
 }
 
 /// The layout of a table without names, by the numbers in its first row.
@@ -146,8 +190,8 @@ fn without_names(row: &str, ending: &str) -> Option<TableForm> {
         _ => return None,
     };
     let note = format!("no header: the {} columns are taken as {words}", values.len());
-    let names = names.split(',').map(String::from).collect();
-    Some(TableForm { separator, names, first_row: 0, note: Some(note) })
+    let names: Vec<String> = names.split(',').map(String::from).collect();
+    Some(TableForm { separator, titles: names.clone(), names, unit: None, first_row: 0, note: Some(note) })
 }
 
 #[cfg(test)]
@@ -155,7 +199,7 @@ mod tests {
     use super::*;
 
     fn form(text: &str, ending: &str) -> TableForm {
-        table_form("f", text, ending, Need::Contacts).unwrap()
+        table_form("f", text, ending, Need::Contacts, None).unwrap()
     }
 
     #[test]
@@ -190,7 +234,7 @@ mod tests {
                 "{text:?}"
             );
         }
-        let numbers = table_form("f", "sep=;\n1;2;3\n", "xyz", Need::Contacts);
+        let numbers = table_form("f", "sep=;\n1;2;3\n", "xyz", Need::Contacts, None);
         assert!(matches!(numbers, Err(IoError::NoHeader { line: 2, .. })), "{numbers:?}");
     }
 
@@ -203,7 +247,10 @@ mod tests {
         let pts = form("2\n1 2 3 -700 1 2 3\n1 2 3 4 5 6 7\n", "pts");
         assert_eq!((pts.first_row, pts.names[3].as_str()), (1, "intensity"));
         for (text, ending) in [("1 2 3\n", "csv"), ("1 2 3 4\n", "xyz"), ("1 2 3 4 5.5 6\n", "xyz"), ("1 2\n", "xyz")] {
-            assert!(matches!(table_form("f", text, ending, Need::Contacts), Err(IoError::NoHeader { .. })), "{text:?}");
+            assert!(
+                matches!(table_form("f", text, ending, Need::Contacts, None), Err(IoError::NoHeader { .. })),
+                "{text:?}"
+            );
         }
     }
 
@@ -223,9 +270,20 @@ mod tests {
         // a line of one number is no count where the table has one column, nor is one followed by another
         assert_eq!(form("x\n2\n1\n", "csv").first_row, 1);
         for (text, wrong) in [("5\n6\n7\n", 1), ("2\n1 2 3\n4 5 6\n", 2)] {
-            let found = table_form("f", text, "csv", Need::Contacts);
+            let found = table_form("f", text, "csv", Need::Contacts, None);
             assert!(matches!(found, Err(IoError::NoHeader { line, .. }) if line == wrong), "{text:?}: {found:?}");
         }
+    }
+
+    #[test]
+    fn a_row_of_units_is_no_row() {
+        let found = form("x,y,z,nx,ny,nz\nmm,mm,mm,-,-,-\n3\n1,2,3,0,0,1\n", "csv");
+        assert_eq!((found.first_row, found.unit.as_deref()), (3, Some("mm")));
+        let named = form("px [m];py [m];pz [m]\n1;2;3\n", "csv");
+        assert_eq!((named.first_row, named.unit.as_deref(), named.titles[0].as_str()), (1, Some("m"), "px [m]"));
+        assert!(table_form("f", "x,y,z\nmm,m,mm\n1,2,3\n", "csv", Need::Contacts, None).is_err());
+        // words that are no units are a fault of a row
+        assert_eq!(form("x,y,z\na,b,c\n", "csv").first_row, 1);
     }
 
     #[test]

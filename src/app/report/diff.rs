@@ -191,7 +191,7 @@ fn notes(a: &SurfacePart, b: &SurfacePart) -> Vec<String> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_diff_table(document: &DiffDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_diff_table(document: &DiffDocument, width: usize, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = String::new();
     let [n, m] = document.grid;
     let along = if document.along == "z" { "heights along z" } else { "distances along the normals of A" };
@@ -223,9 +223,9 @@ pub(crate) fn write_diff_table(document: &DiffDocument, out: &mut dyn Write) -> 
         }
     }
     for note in &document.notes {
-        text.push_str(&folded(&format!("note       {note}"), Some(11)));
+        let _ = writeln!(text, "note       {note}");
     }
-    out.write_all(text.as_bytes())
+    out.write_all(folded(&text, Some(11), width).as_bytes())
 }
 
 /// Writes one row a point compared: its place on A, differences and their uncertainties, empty where undefined.

@@ -7,6 +7,7 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
+use super::truth_part::TruthPart;
 use crate::io::{SavedFrame, SavedSurface, UncertaintyMap};
 
 /// One fit, described.
@@ -369,23 +370,6 @@ impl<'de> Deserialize<'de> for Shares {
         }
         deserializer.deserialize_map(InOrder)
     }
-}
-
-/// The truth over the same points.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct TruthPart {
-    /// Mean true shape index.
-    #[serde(rename = "S")]
-    pub(crate) shape_index: Option<f64>,
-    /// Mean true curvedness.
-    #[serde(rename = "R")]
-    pub(crate) curvedness: Option<f64>,
-    /// Pointwise rms error of S.
-    #[serde(rename = "error_S")]
-    pub(crate) error_shape_index: Option<f64>,
-    /// Pointwise rms error of R.
-    #[serde(rename = "error_R")]
-    pub(crate) error_curvedness: Option<f64>,
 }
 
 /// Wall-clock seconds.

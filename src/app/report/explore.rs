@@ -208,12 +208,16 @@ fn doubt_words(look: &Look) -> Option<String> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_explore_table(
+    document: &ExploreDocument,
+    width: usize,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut text = format!("explored   {} by {}, seed {}\n", document.scene, document.strategy, document.seed);
     let _ = writeln!(text, "model      {}", document.model);
     let _ = writeln!(
         text,
-        "{:<8} {:>9} {:>9} {:>9} {:>11} {:>10} {:>11}   kind",
+        "{:<8} {:>8} {:>8} {:>8} {:>10} {:>8} {:>9}  kind",
         "contacts", "S", "u(S)", "truth", "R", "u(R)/R", "truth"
     );
     for step in &document.steps {
@@ -223,7 +227,7 @@ pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Writ
         let kind = step.kind.as_deref().or(step.refused.as_deref()).unwrap_or("-");
         let _ = writeln!(
             text,
-            "{:<8} {:>9} {:>9} {:>9} {:>11} {:>10} {:>11}   {kind}",
+            "{:<8} {:>8} {:>8} {:>8} {:>10} {:>8} {:>9}  {kind}",
             step.contacts,
             word(s.mean, 4),
             word(s.u, 2),
@@ -233,7 +237,7 @@ pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Writ
             word(r.truth, 4)
         );
     }
-    let _ = writeln!(text, "stopped    {}: {}", document.stopped, document.reason);
+    text.push_str(&folded(&format!("stopped    {}: {}", document.stopped, document.reason), Some(11), width));
     if let Some(shape) = &document.shape {
         let several =
             shape.class_by_area.as_ref().map(|by_area| format!("several side by side: {}", of_the_patch(by_area)));
@@ -241,7 +245,7 @@ pub(crate) fn write_explore_table(document: &ExploreDocument, out: &mut dyn Writ
         let _ = writeln!(text, "class      {class}");
     }
     for note in &document.notes {
-        text.push_str(&folded(&format!("note       {note}"), Some(11)));
+        text.push_str(&folded(&format!("note       {note}"), Some(11), width));
     }
     out.write_all(text.as_bytes())
 }

@@ -4,8 +4,11 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use super::document::{FitDocument, MeasurePart};
+use palpate_geometry::curvature::ShapeClass;
+
+use super::document::{FitDocument, MeasurePart, Shares};
 use super::table::significant;
+use super::words::chance;
 
 /// Schema name.
 pub(crate) const FITS_SCHEMA: &str = "palpate.fits/1";
@@ -32,6 +35,8 @@ pub(crate) struct FitsRow {
     pub(crate) contacts: Option<usize>,
     /// One of the nine classes, or plane.
     pub(crate) class: Option<String>,
+    /// Probability of each class, where it is known.
+    pub(crate) class_probability: Option<Shares>,
     /// Shape index.
     #[serde(rename = "S")]
     pub(crate) shape_index: FitsMeasure,
@@ -74,6 +79,7 @@ impl FitsRow {
             file,
             contacts: Some(document.contacts),
             class: document.shape.class.clone(),
+            class_probability: document.shape.class_probability.clone(),
             shape_index: measure(&document.shape.shape_index),
             curvedness: measure(&document.shape.curvedness),
             radius: document.shape.radius,
@@ -82,10 +88,21 @@ impl FitsRow {
         }
     }
 
+    /// Probability of a class: a class that is not among those of an answer has none.
+    fn chance_of(&self, class: &str) -> Option<f64> {
+        let shares = self.class_probability.as_ref()?;
+        Some(shares.0.iter().find(|(name, _)| name == class).map_or(0.0, |(_, p)| *p))
+    }
+
     /// Of a file without an answer.
     pub(crate) fn failed(file: String, error: String) -> FitsRow {
         FitsRow { file, error: Some(error), ..FitsRow::default() }
     }
+}
+
+/// All classes, in the order of S, and the plane.
+fn classes() -> impl Iterator<Item = &'static str> {
+    ShapeClass::CURVED.into_iter().chain([ShapeClass::Plane]).map(ShapeClass::name)
 }
 
 /// Writes the header and a row a file; empty where undefined.
@@ -93,7 +110,9 @@ impl FitsRow {
 /// # Errors
 /// What the system says.
 pub(crate) fn write_fits_csv(rows: &[FitsRow], out: &mut dyn Write) -> std::io::Result<()> {
-    let mut text = String::from("file,contacts,class,S,u_S,lo_S,hi_S,R,u_R,lo_R,hi_R,radius,notes,error\n");
+    let chances: Vec<String> = classes().map(|class| format!("p_{}", class.replace(' ', "_"))).collect();
+    let chances = chances.join(",");
+    let mut text = format!("file,contacts,class,S,u_S,lo_S,hi_S,R,u_R,lo_R,hi_R,radius,{chances},notes,error\n");
     for row in rows {
         let (s, r) = (row.shape_index, row.curvedness);
         let numbers = [s.mean, s.u, s.lo, s.hi, r.mean, r.u, r.lo, r.hi, row.radius];
@@ -104,6 +123,7 @@ pub(crate) fn write_fits_csv(rows: &[FitsRow], out: &mut dyn Write) -> std::io::
             row.class.clone().unwrap_or_default(),
         ];
         fields.extend(numbers.iter().map(number));
+        fields.extend(classes().map(|class| number(&row.chance_of(class))));
         fields.push(quoted(&row.notes.join("; ")));
         fields.push(quoted(row.error.as_deref().unwrap_or_default()));
         text.push_str(&fields.join(","));
@@ -137,7 +157,8 @@ pub(crate) fn write_fits_line(row: &FitsRow, width: usize, out: &mut dyn Write) 
     let radius = row.radius.map_or(String::new(), |r| format!("  radius {}", significant(r, 4)));
     let class = row.class.as_deref().unwrap_or("none");
     let (s, r) = (measure(row.shape_index), measure(row.curvedness));
-    writeln!(out, "{file:<width$}  {class:<12}  S {s:<26}  R {r}{radius}")
+    let sure = row.class.as_deref().and_then(|class| row.chance_of(class)).map_or(String::new(), chance);
+    writeln!(out, "{file:<width$}  {class:<12}  {sure:<14}  S {s:<26}  R {r}{radius}")
 }
 
 /// Documents from which the schema is made.
@@ -148,12 +169,16 @@ pub(super) fn fits_samples() -> [FitsDocument; 2] {
         file: "a.csv".into(),
         contacts: Some(1),
         class: Some("cap".into()),
+        class_probability: Some(Shares(classes().map(|class| (class.into(), 0.5)).collect())),
         shape_index: measure,
         curvedness: measure,
         radius: half,
         notes: vec!["a note".into()],
         error: Some("why".into()),
     };
+    // a named model has no probability of its own for the plane
+    let mut named = full.clone();
+    named.class_probability.iter_mut().for_each(|shares| shares.0.truncate(ShapeClass::CURVED.len()));
     let failed = FitsRow { notes: vec!["a note".into()], ..FitsRow::default() };
-    [FitsDocument::of(vec![full]), FitsDocument::of(vec![failed])]
+    [FitsDocument::of(vec![full, named]), FitsDocument::of(vec![failed])]
 }

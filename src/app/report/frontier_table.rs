@@ -12,7 +12,11 @@ use palpate_studies::frontier::Clocked;
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_frontier_table(document: &FrontierDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_frontier_table(
+    document: &FrontierDocument,
+    width: usize,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut text = String::new();
     // writing to a string cannot fail
     let _ = writeln!(text, "{}: errors against {}, one thread, {}", document.scene, document.reference, document.isa);
@@ -27,7 +31,7 @@ pub(crate) fn write_frontier_table(document: &FrontierDocument, out: &mut dyn Wr
     stage_lines(document, &mut text);
     pick_lines(document, &mut text);
     for note in &document.notes {
-        text.push_str(&folded(&format!("note: {note}"), Some(6)));
+        text.push_str(&folded(&format!("note: {note}"), Some(6), width));
     }
     out.write_all(text.as_bytes())
 }

@@ -60,6 +60,7 @@ mod surface_view;
 mod sweep;
 mod sweep_picture;
 mod table;
+mod truth_part;
 mod uncertainty;
 mod words;
 
@@ -73,7 +74,7 @@ pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, Tried
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
-pub(crate) use fold::folded;
+pub(crate) use fold::{PAGE_WIDTH, folded};
 pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
@@ -101,4 +102,4 @@ pub(crate) use surface_maps::ShownGrid;
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_table};
 pub(crate) use sweep_picture::write_sweep_picture;
 pub(crate) use table::{significant, write_table};
-pub(crate) use words::write_words;
+pub(crate) use words::{Audience, write_words};

@@ -186,7 +186,7 @@ fn part(part: &Part) -> PartRecord {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_parts_table(document: &PartsDocument, width: usize, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = format!(
         "parts      {} of {}: {} contacts, some {} apart\n",
         document.parts.len(),
@@ -235,7 +235,7 @@ pub(crate) fn write_parts_table(document: &PartsDocument, out: &mut dyn Write) -
     }
     truth_lines(document, &mut text);
     for note in &document.notes {
-        text.push_str(&folded(&format!("note       {note}"), Some(11)));
+        text.push_str(&folded(&format!("note       {note}"), Some(11), width));
     }
     out.write_all(text.as_bytes())
 }

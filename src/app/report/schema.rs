@@ -14,6 +14,7 @@ use super::frontier_samples::{empty_frontier, frontier_without_pick, full_fronti
 use super::parts::{PARTS_SCHEMA, parts_samples};
 use super::study::STUDY_SCHEMA;
 use super::study_samples::{empty_study, full_study};
+use super::truth_part::TruthPart;
 use crate::io::{Coefficient, FIT_SCHEMA, PointUncertainty, SavedFrame, SavedSurface, SupportMap, UncertaintyMap};
 use palpate_geometry::curvature::ShapeClass;
 
@@ -264,6 +265,13 @@ pub(super) fn full() -> FitDocument {
             curvedness: Some(0.5),
             error_shape_index: Some(0.5),
             error_curvedness: Some(0.5),
+            class: Some("ridge".into()),
+            radius: Some(0.5),
+            radii: Some([0.5; 2]),
+            direction_deg: Some(0.5),
+            direction: Some([0.5; 3]),
+            axis_deg: Some(0.5),
+            axis: Some([0.5; 3]),
         }),
         surface: SavedSurface {
             kind: "height".into(),

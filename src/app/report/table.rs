@@ -24,7 +24,7 @@ const LEAST_SHARE: f64 = 0.001;
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_table(document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_table(document: &FitDocument, width: usize, out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = Lines::default();
     shape_lines(document, &mut lines);
     truth_line(document, &mut lines);
@@ -32,7 +32,7 @@ pub(crate) fn write_table(document: &FitDocument, out: &mut dyn Write) -> std::i
     for note in &document.fit.notes {
         lines.add("note", note.clone());
     }
-    out.write_all(folded(&lines.0, Some(LABEL)).as_bytes())
+    out.write_all(folded(&lines.0, Some(LABEL), width).as_bytes())
 }
 
 #[derive(Default)]

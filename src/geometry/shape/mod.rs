@@ -46,5 +46,5 @@ pub use report::{ShapeReport, Statistic, every_class};
 pub use summary::Interval;
 pub use summary::{class_probabilities, normal_interval, radius_of};
 pub use support::Support;
-pub use truth::{TruthComparison, compare_point_by_point, compare_with_truth};
+pub use truth::{ShapeAt, TruthComparison, compare_pairs, compare_with_truth};
 pub use uv_support::UvSupport;

@@ -1,7 +1,7 @@
 //! The fitted shape against the true one, point by point.
 //!
 //! ```text
-//! S, R          means of the truth over the points that the fit used
+//! S, R          means of the truth over the points that the fit used, S where it is defined
 //! error_S^2     mean of (S_fit - S_true)^2 over the points where both are defined, error_R likewise
 //! ```
 
@@ -21,28 +21,27 @@ pub struct TruthComparison {
     pub error_curvedness: Option<f64>,
 }
 
-/// True shape index (where defined) and curvedness at one point.
-pub(super) type TrueShapeAt = (Option<f64>, f64);
+/// Shape index (where defined) and curvedness at one point.
+pub type ShapeAt = (Option<f64>, f64);
 
 /// Compares maps with `truth(x, y, z)`, which is `None` where the true surface does not reach.
-pub fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<TrueShapeAt>) -> TruthComparison {
-    compare_point_by_point(maps, |(i, j)| truth([maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z]))
+pub fn compare_with_truth(maps: &ShapeMaps, truth: impl Fn([f64; 3]) -> Option<ShapeAt>) -> TruthComparison {
+    let place = |(i, j)| [maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z];
+    let found = |(i, j)| (maps.shape_index_at(i, j), maps.curvedness[[i, j]]);
+    compare_pairs(maps.supported_points().filter_map(|at| Some([found(at), truth(place(at))?])))
 }
 
-/// Compares maps with the truth at each of their points, by row and column.
-pub fn compare_point_by_point(
-    maps: &ShapeMaps,
-    truth: impl Fn((usize, usize)) -> Option<TrueShapeAt>,
-) -> TruthComparison {
+/// Compares what was found at each place with what is true there, in this order.
+pub fn compare_pairs(pairs: impl Iterator<Item = [ShapeAt; 2]>) -> TruthComparison {
     let [mut s, mut r, mut error_s, mut error_r] = [Mean::default(); 4];
-    for (i, j) in maps.supported_points() {
-        let curvedness = maps.curvedness[[i, j]];
-        let Some((true_s, true_r)) = truth((i, j)) else { continue };
+    for [(found_s, found_r), (true_s, true_r)] in pairs {
         r.add(true_r);
-        error_r.add((curvedness - true_r).powi(2));
-        if let (Some(found), Some(true_s)) = (maps.shape_index_at(i, j), true_s) {
-            s.add(true_s);
-            error_s.add((found - true_s).powi(2));
+        error_r.add((found_r - true_r).powi(2));
+        let Some(true_s) = true_s else { continue };
+        // where a plane was found the surface has its S all the same
+        s.add(true_s);
+        if let Some(found_s) = found_s {
+            error_s.add((found_s - true_s).powi(2));
         }
     }
     TruthComparison {

@@ -72,6 +72,5 @@ fn predicts(base: &Mode, best: &BodyHypothesis, sample: &BodySample, tuning: &Tu
     let sum = |away: &dyn Fn(usize) -> f64| out.iter().map(|i| away(*i).powi(2)).sum::<f64>();
     let of_surface = sum(&|i| surface.distance(sample.points[i]));
     let of_primitive = sum(&|i| base.primitive.nearest(sample.points[i]).0);
-    }
     of_surface < tuning.free_predicts.powi(2) * of_primitive
 }

@@ -14,13 +14,10 @@ use crate::report::{folded, write_json};
 
 use super::failure::Failure;
 use super::options::OutputFlags;
-use super::output::print;
+use super::output::{columns, print};
 
 /// All entries.
 const PAGE: &str = include_str!("glossary.md");
-
-/// Columns of a line.
-const WIDTH: usize = 100;
 
 /// Words closer than this, of 1, are proposed for one that is not known.
 const CLOSE: f64 = 0.75;
@@ -114,7 +111,7 @@ fn list(entries: &[Entry], out: &mut dyn Write) -> std::io::Result<()> {
         }
         let first = entry.text.split_inclusive(['.', ':']).next().unwrap_or(entry.text);
         let line = format!("  {:<16}{}", entry.word, first.trim_end_matches(['.', ':']));
-        out.write_all(folded(&line, Some(18)).as_bytes())?;
+        out.write_all(folded(&line, Some(18), columns()).as_bytes())?;
     }
     writeln!(out, "\npalpate explain WORD says more")
 }
@@ -122,26 +119,11 @@ fn list(entries: &[Entry], out: &mut dyn Write) -> std::io::Result<()> {
 fn show(entry: &Entry, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "{}", entry.word)?;
     if !entry.also.is_empty() {
-        wrapped(&format!("also: {}", entry.also.join(", ")), out)?;
+        let also = format!("also: {}", entry.also.join(", "));
+        out.write_all(folded(&also, None, columns()).as_bytes())?;
     }
     writeln!(out)?;
-    wrapped(entry.text, out)
-}
-
-/// A paragraph in lines of at most [`WIDTH`] columns.
-fn wrapped(text: &str, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut line = String::new();
-    for word in text.split_whitespace() {
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            writeln!(out, "{line}")?;
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    writeln!(out, "{line}")
+    out.write_all(folded(entry.text, None, columns()).as_bytes())
 }
 
 #[cfg(test)]
@@ -160,6 +142,18 @@ mod tests {
         heads.sort_unstable();
         heads.dedup();
         assert_eq!(heads.len(), all.len(), "a word heads two entries");
+    }
+
+    /// Whoever asks for a word gets one entry.
+    #[test]
+    fn every_word_stands_once() {
+        let all = entries();
+        let words = all.iter().flat_map(|entry| entry.also.iter().chain([&entry.word]));
+        // S is no s: case tells R from r
+        let mut words: Vec<&str> = words.copied().collect();
+        words.sort_unstable();
+        let twice: Vec<&[&str]> = words.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+        assert!(twice.is_empty(), "{twice:?}");
     }
 
     #[test]

@@ -47,7 +47,13 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
                 Err(_) if options.skip_invalid => values.push(f64::NAN),
                 Err(_) => {
                     let (file, place, column) = (file.into(), Place::Line(line), column.name());
-                    return Err(IoError::NotANumber { file, place, column, text: word.into() });
+                    return Err(IoError::NotANumber {
+                        file,
+                        place,
+                        column: column.into(),
+                        ours: column,
+                        text: word.into(),
+                    });
                 }
             }
         }

@@ -48,7 +48,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     let wrong = |what: String| IoError::Form { file: file.into(), form: "PCD", what };
     let (header, body) = read_header(bytes).map_err(wrong)?;
     let theirs: Vec<&str> = header.fields.iter().map(|f| f.name.as_str()).collect();
-    let ours = in_our_words(file, &theirs)?;
+    let ours = in_our_words(file, &theirs, options.columns.as_ref())?;
     let names: Vec<&str> = ours.iter().map(|name| name.as_ref()).filter(|name| !name.is_empty()).collect();
     let mut columns = Columns::named(file, &names, Need::Contacts)?;
     let wanted: Vec<Option<Column>> =
@@ -266,7 +266,13 @@ fn read_ascii(
                 None => {
                     let (place, text) = (Place::Line(line), word.unwrap_or_default().into());
                     let column = column.map_or("", Column::name);
-                    return Err(IoError::NotANumber { file: file.into(), place, column, text });
+                    return Err(IoError::NotANumber {
+                        file: file.into(),
+                        place,
+                        column: column.into(),
+                        ours: column,
+                        text,
+                    });
                 }
             }
         }

@@ -28,6 +28,7 @@ macro_rules! files {
 
 /// The default scene first; a file's first line is its listing line.
 const FILES: &[(&str, &str)] = files![
+    "bar",
     "paper-cylinder",
     "paper-cylinder-position",
     "paper-concave-cylinder",
@@ -166,7 +167,7 @@ mod tests {
         let listed = builtin_scenes();
         assert!(listed.len() <= 24, "the list fits on one screen");
         let scenes: Vec<BuiltinScene> = listed.into_iter().chain(family_members()).collect();
-        assert_eq!(scenes[0].name, "paper-cylinder");
+        assert_eq!(scenes[0].name, "bar");
         for (i, scene) in scenes.iter().enumerate() {
             assert!(!scene.line.is_empty() && !scene.line.contains('='.to_string().repeat(2).as_str()));
             assert!(scenes[..i].iter().all(|other| other.name != scene.name), "{} twice", scene.name);

@@ -14,7 +14,7 @@ use super::manual::entry::Entry;
 use super::section::Section;
 use crate::io::{MOST_GRID_POINTS, MOST_SEGMENTS, exceeds};
 
-/// How the contacts are fitted; the words are those of the command line. Every key may be left out.
+/// How the contacts are fitted; the words are those of the command line. Every key may be left out. Without a key that names a model palpate run tells what the contacts show, as palpate fit does.
 #[derive(Default, Deserialize, JsonSchema)]
 struct FitKeys {
     /// Heights over x and y, or a surface in space that may stand upright and close.
@@ -133,11 +133,32 @@ pub(super) fn read_study(section: Section) -> Result<StudyOptions, SceneFileErro
     Ok(study)
 }
 
-/// Options of a scene: those of a fit, but `tangent` weights when neither weights nor sigma stand there.
-pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileError> {
+impl FitKeys {
+    /// Whether a model is named, by the rule of the command line: another grid, a level, known errors of place and axes
+    /// taken from the data fix nothing.
+    fn names_a_model(&self) -> bool {
+        self.surface.is_some()
+            || self.closed.is_some()
+            || self.degree.is_some()
+            || self.segments.is_some()
+            || self.domain.is_some()
+            || self.weights.is_some()
+            || self.sigma.is_some()
+            || self.inset.is_some()
+            || self.smooth.is_some()
+            || self.method.is_some()
+            || self.robust.is_some()
+            || self.frame == Some(FrameChoice::Keep)
+    }
+}
+
+/// Options of a scene, and whether they name a model: those of a fit, but `tangent` weights when neither weights nor sigma
+/// stand there.
+pub(super) fn read(section: Option<Section>) -> Result<(FitOptions, bool), SceneFileError> {
     let mut fit = FitOptions { objective: Objective::Slopes(SlopeWeights::Tangent), ..FitOptions::default() };
-    let Some(section) = section else { return Ok(fit) };
+    let Some(section) = section else { return Ok((fit, false)) };
     let keys = section.read::<FitKeys>()?;
+    let named = keys.names_a_model();
     fit.surface = keys.surface.unwrap_or_default();
     fit.closed = keys.closed.map_or([false; 2], |way| [!matches!(way, Closed::V), !matches!(way, Closed::U)]);
     if fit.surface == SurfaceKind::Parametric {
@@ -169,7 +190,7 @@ pub(super) fn read(section: Option<Section>) -> Result<FitOptions, SceneFileErro
     fit.frame = keys.frame;
     fit.level = checked_level(&section, keys.level)?.unwrap_or(fit.level);
     section.finish("key")?;
-    Ok(fit)
+    Ok((fit, named))
 }
 
 /// A value that passes its check, or what the check says against it.

@@ -49,6 +49,8 @@ pub struct SceneFile {
     pub world: World,
     /// How the contacts are fitted. Weights default to `tangent` in scenes.
     pub fit: FitOptions,
+    /// Whether `[fit]` names a model; where it does not, `palpate run` asks what the contacts show, as `palpate fit` does.
+    pub names_a_model: bool,
     /// How often a study repeats.
     pub study: StudyOptions,
 }
@@ -103,10 +105,10 @@ pub fn read_scene_with(text: &str, importer: &Importer) -> Result<SceneFile, Sce
         None => return Err(root.missing("sweep", "a scene needs a [sweep] with fingers and stations")),
     };
     let (effects, laws) = root.section("effects")?.map_or(Ok(Default::default()), effects::read)?;
-    let fit = fit::read(root.section("fit")?)?;
+    let (fit, names_a_model) = fit::read(root.section("fit")?)?;
     let study = root.section("study")?.map_or(Ok(StudyOptions::default()), fit::read_study)?;
     root.finish("key")?;
     let world = World { surface, sweeps, effects, laws };
     world.compile()?;
-    Ok(SceneFile { name, seed, world, fit, study })
+    Ok(SceneFile { name, seed, world, fit, names_a_model, study })
 }

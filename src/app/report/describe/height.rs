@@ -10,11 +10,12 @@ use crate::report::subject::{Source, Subject};
 use crate::report::table::significant;
 use palpate_fitting::fit::{Fit, FitError, ModelReading, NoiseSource, Note, Shape};
 use palpate_geometry::contact::{Contacts, Frame, Grid};
-use palpate_geometry::shape::{Outline, ShapeMaps, TruthComparison, compare_with_truth};
+use palpate_geometry::shape::{Outline, ShapeMaps};
 use palpate_numeric::simd::Isa;
 use palpate_world::scene::Truth;
 
-use super::{Found, truth_part};
+use super::Found;
+use super::truth::{TruePlace, truth_part};
 
 /// What a fit found.
 ///
@@ -31,7 +32,7 @@ pub(super) fn found<'a>(fit: &'a Fit, subject: &Subject<'a>) -> Result<Found<'a>
         frame: *fit.frame(),
         fit: fit_part(fit, subject),
         shape: height_shape_part(fit, shape),
-        truth: subject.truth.map(|truth| truth_part(shape, against(fit, shape, truth))),
+        truth: subject.truth.map(|truth| truth_part(shape, truth, &against(fit, shape, truth))),
         surface: AnySurface::Height(surface),
         unsupported: Cow::Borrowed(&fit.solution().unsupported),
         source: Source::Height { fit, input: subject.input, bare: subject.bare },
@@ -187,10 +188,15 @@ fn intervals_part(fit: &Fit, shape: &Shape) -> IntervalsPart {
 }
 
 /// The true shape under the points of the grid.
-fn against(fit: &Fit, shape: &Shape, truth: &Truth) -> TruthComparison {
-    compare_with_truth(&shape.maps, |point| {
+fn against(fit: &Fit, shape: &Shape, truth: &Truth) -> Vec<TruePlace> {
+    let maps = &shape.maps;
+    let supported = maps.supported.indexed_iter().filter(|(_, supported)| **supported);
+    let place = |((i, j), _): ((usize, usize), &bool)| {
+        let point = [maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z];
         let [x, y, _] = fit.frame().direction_to_input(point);
-        let local = truth.at(x, y)?.local;
-        Some((local.shape_index(), local.curvedness()))
-    })
+        let below = truth.at(x, y)?;
+        let found = (maps.shape_index_at(i, j), maps.curvedness[[i, j]]);
+        Some(TruePlace { found, point: below.point, local: below.local })
+    };
+    supported.filter_map(place).collect()
 }

@@ -3,6 +3,7 @@
 pub(super) mod height;
 mod parametric;
 pub(super) mod recognised;
+mod truth;
 
 use std::borrow::Cow;
 
@@ -10,17 +11,17 @@ use crate::io::{AnySurface, FIT_SCHEMA, Points, Saved, SavedFrame};
 use palpate_fitting::fit::FitError;
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::Frame;
-use palpate_geometry::shape::{ShapeReport, TruthComparison};
 use palpate_inference::recognition::Recognition;
 
 use super::description::Description;
-use super::document::{FitDocument, FitPart, Seconds, ShapePart, TruthPart};
+use super::document::{FitDocument, FitPart, Seconds, ShapePart};
 use super::parametric::ParametricPoints;
 use super::point_table::PointTable;
 use super::points::HeightPoints;
 use super::shape_part::{take_again, take_back_class};
 use super::subject::{Source, Subject};
 use super::surface_maps::{Maps, ShownGrid};
+use super::truth_part::TruthPart;
 
 /// What a fit of the contacts answered.
 #[derive(Debug)]
@@ -113,16 +114,6 @@ pub(crate) fn describe_fit<'a>(
     }
     let Found { surface, frame, unsupported, source, .. } = found;
     Ok(Description { document, surface: Cow::Owned(surface), frame, grid, unsupported, source })
-}
-
-/// The part on the truth; a plane found has no S to be wrong about.
-fn truth_part<M>(shape: &ShapeReport<M>, found: TruthComparison) -> TruthPart {
-    TruthPart {
-        shape_index: found.shape_index,
-        curvedness: found.curvedness,
-        error_shape_index: found.error_shape_index.filter(|_| shape.shape_index.mean.is_some()),
-        error_curvedness: found.error_curvedness,
-    }
 }
 
 /// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.

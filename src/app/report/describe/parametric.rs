@@ -9,10 +9,10 @@ use crate::report::subject::{Source, Subject};
 use palpate_fitting::fit::FitError;
 use palpate_fitting::parametric::ParametricFit;
 use palpate_geometry::contact::Frame;
-use palpate_geometry::shape::{TruthComparison, compare_point_by_point};
 use palpate_world::scene::Truth;
 
-use super::{Found, truth_part};
+use super::Found;
+use super::truth::{TruePlace, truth_part};
 
 /// What a fit found.
 ///
@@ -29,7 +29,7 @@ pub(super) fn found<'a>(fit: &'a ParametricFit, subject: &Subject<'a>) -> Result
         frame: Frame::IDENTITY,
         fit: fit_part(fit, subject),
         shape: shape_part(shape, fit.options().grid, fit.options().level),
-        truth: subject.truth.map(|truth| truth_part(shape, against(fit, truth))),
+        truth: subject.truth.map(|truth| truth_part(shape, truth, &against(fit, truth))),
         surface: AnySurface::Parametric(surface, fit.input_support()),
         unsupported: Cow::Borrowed(&[]),
         source: Source::Parametric { fit, input: subject.input, bare: subject.bare },
@@ -127,10 +127,13 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
 }
 
 /// The true surface nearest each point of the grid, along the fitted normal; points that it does not meet are left out.
-fn against(fit: &ParametricFit, truth: &Truth) -> TruthComparison {
-    let maps = &fit.shape().maps;
-    compare_point_by_point(&maps.flat(), |at| {
+fn against(fit: &ParametricFit, truth: &Truth) -> Vec<TruePlace> {
+    let (maps, flat) = (&fit.shape().maps, fit.shape().maps.flat());
+    let supported = flat.supported.indexed_iter().filter(|(_, supported)| **supported);
+    let place = |(at, _): ((usize, usize), &bool)| {
+        let found = (flat.shape_index_at(at.0, at.1), flat.curvedness[at]);
         let local = truth.near(maps.points[at], maps.normals[at])?;
-        Some((local.shape_index(), local.curvedness()))
-    })
+        Some(TruePlace { found, point: maps.points[at], local })
+    };
+    supported.filter_map(place).collect()
 }

@@ -18,9 +18,11 @@ use crate::report::uncertainty;
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};
 use palpate_geometry::shape::{PointSds, parametric_maps_at, uv_grid};
-use palpate_inference::recognition::{NormalsUse, Pointwise, RecognisedSpline, Recognition};
+use palpate_inference::recognition::{MapPoint, NormalsUse, Pointwise, RecognisedSpline, Recognition};
+use palpate_world::scene::Truth;
 
 use super::Found;
+use super::truth::{TruePlace, truth_part};
 
 /// What a recognition found.
 ///
@@ -42,11 +44,21 @@ pub(super) fn found<'a>(found: &'a Recognition, subject: &Subject<'a>) -> Result
         frame: Frame::IDENTITY,
         fit: fit_part(found, &surface, subject),
         shape: shape_part(&found.shape(), found.grid, found.curvedness.level),
-        truth: None,
+        truth: subject.truth.map(|truth| truth_part(&found.shape(), truth, &against(found, truth))),
         surface,
         unsupported: Cow::Owned(unsupported),
         source: Source::Recognised { found, input: subject.input },
     })
+}
+
+/// The true surface at the supported points of the recognition's map, along the recognised normal.
+fn against(found: &Recognition, truth: &Truth) -> Vec<TruePlace> {
+    let supported = found.map.iter().filter(|place| place.supported);
+    let place = |p: &MapPoint| {
+        let local = truth.near(p.position, p.normal)?;
+        Some(TruePlace { found: (p.shape_index, p.curvedness), point: p.position, local })
+    };
+    supported.filter_map(place).collect()
 }
 
 /// Maps over the spline's domain where contacts surround the recognised surface.

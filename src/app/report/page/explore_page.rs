@@ -11,6 +11,7 @@ use super::tables::{key, notes, table};
 use crate::report::charts::{Falling, touched};
 use crate::report::description::Description;
 use crate::report::explore::{ExploreDocument, KnownPart, write_explore_table};
+use crate::report::fold::PAGE_WIDTH;
 use crate::report::json::write_json;
 use crate::report::table::significant;
 use crate::report::words::like;
@@ -27,7 +28,7 @@ pub(crate) fn write_explore_page(
 ) -> std::io::Result<()> {
     let (mut json, mut words) = (Vec::new(), Vec::new());
     write_json(document, &mut json)?;
-    write_explore_table(document, &mut words)?;
+    write_explore_table(document, PAGE_WIDTH, &mut words)?;
     let mut sections = falling(document);
     sections.push_str(&places(document));
     sections.push_str(&looks(document));

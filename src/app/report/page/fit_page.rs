@@ -10,9 +10,10 @@ use super::view_data::view_data;
 use super::words::finding;
 use crate::report::description::{Description, INVERSE_CRIME, shown_view};
 use crate::report::document::FitDocument;
+use crate::report::fold::PAGE_WIDTH;
 use crate::report::json::write_json;
 use crate::report::table::write_table;
-use crate::report::words::write_words;
+use crate::report::words::{Audience, write_words};
 
 /// Sections of a surface, and the data of its turning view.
 ///
@@ -46,9 +47,9 @@ pub(crate) fn write_fit_page(
     let document = description.document();
     let (mut json, mut table) = (Vec::new(), Vec::new());
     write_json(saved, &mut json)?;
-    write_words(name, document, &mut table)?;
+    write_words(name, document, Audience::READER, &mut table)?;
     table.push(b'\n');
-    write_table(document, &mut table)?;
+    write_table(document, PAGE_WIDTH, &mut table)?;
     let (sections, view) = surface(description)?;
     // a scene has a name, a file a path
     let title = if provenance.scene.is_some() { short(name) } else { heading(name) };

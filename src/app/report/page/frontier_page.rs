@@ -8,6 +8,7 @@ use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, notes, table};
 use crate::report::charts::{FrontierFigure, FrontierKind, KINDS, TIME, number, time};
+use crate::report::fold::PAGE_WIDTH;
 use crate::report::frontier::{FrontierDocument, FrontierRecord, PickPart};
 use crate::report::frontier_table::write_frontier_table;
 use crate::report::json::write_json;
@@ -23,7 +24,7 @@ pub(crate) fn write_frontier_page(
 ) -> std::io::Result<()> {
     let (mut json, mut words) = (Vec::new(), Vec::new());
     write_json(document, &mut json)?;
-    write_frontier_table(document, &mut words)?;
+    write_frontier_table(document, PAGE_WIDTH, &mut words)?;
     let mut sections = String::new();
     if let Some(pick) = &document.pick {
         sections.push_str(&picked(pick));

@@ -9,6 +9,7 @@ use super::html::{heading, short, text};
 use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{list, notes, table};
+use crate::report::fold::PAGE_WIDTH;
 use crate::report::json::write_json;
 use crate::report::parts::{PartRecord, PartsDocument, write_parts_table};
 use crate::report::table::significant;
@@ -30,7 +31,7 @@ pub(crate) fn write_parts_page(
 ) -> std::io::Result<()> {
     let (mut json, mut words) = (Vec::new(), Vec::new());
     write_json(document, &mut json)?;
-    write_parts_table(document, &mut words)?;
+    write_parts_table(document, PAGE_WIDTH, &mut words)?;
     let names: Vec<String> = document.parts.iter().map(|part| format!("{} {}", part.id, kind(part))).collect();
     let mut sections = stage(body);
     sections.push_str(&parts(document));

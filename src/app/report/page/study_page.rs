@@ -9,6 +9,7 @@ use super::provenance::Provenance;
 use super::shell::Page;
 use super::tables::{bars, card, key, list, notes, table};
 use crate::report::charts::{CUT, Scatter, class_shares, effect_shares};
+use crate::report::fold::PAGE_WIDTH;
 use crate::report::json::write_json;
 use crate::report::percent::percent;
 use crate::report::study::{LinearQuantity, QuantityPart, StudyDocument};
@@ -33,7 +34,7 @@ pub(crate) fn write_study_page(
 ) -> std::io::Result<()> {
     let (mut json, mut table) = (Vec::new(), Vec::new());
     write_json(document, &mut json)?;
-    write_study_table(document, &mut table)?;
+    write_study_table(document, PAGE_WIDTH, &mut table)?;
     let mut sections = cards(document);
     sections.push_str(&histograms(document, ranked));
     sections.push_str(&numbers(document));

@@ -20,6 +20,7 @@ mod wrap;
 use std::io::Write;
 
 use super::document::FitDocument;
+use super::fold::PAGE_WIDTH;
 
 pub(super) use class::{like, likelier, named, of_patch, of_the_patch, radius_of_class};
 pub(super) use map::small_maps;
@@ -27,23 +28,65 @@ pub(super) use numbers::chance;
 pub(super) use table::{OPEN, flat_r};
 use wrap::Labelled;
 
+/// For whom the words are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Audience {
+    /// Columns of a line.
+    pub(crate) width: usize,
+    /// Somebody at a command line, who is told what else to type; a page and a notebook have no options.
+    pub(crate) typing: bool,
+    /// The technical lines follow.
+    pub(crate) detailed: bool,
+    /// Pictures and tables are written.
+    pub(crate) drawn: bool,
+}
+
+impl Audience {
+    /// Somebody who reads what others have run.
+    pub(crate) const READER: Audience = Audience { width: PAGE_WIDTH, typing: false, detailed: true, drawn: true };
+
+    /// What else there is, without what was asked for already.
+    fn more(self) -> Option<String> {
+        let all = [
+            (!self.detailed, "--verbose: how it was found"),
+            (!self.drawn, "--out DIR: pictures"),
+            (true, "palpate explain R"),
+        ];
+        let left = all.iter().filter(|(open, _)| *open).map(|(_, words)| *words);
+        self.typing.then(|| left.collect::<Vec<_>>().join("; "))
+    }
+}
+
 /// Writes the first output; `name` is the scene or the file.
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write_words(name: &str, document: &FitDocument, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut text = Labelled::default();
+pub(crate) fn write_words(
+    name: &str,
+    document: &FitDocument,
+    audience: Audience,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let mut text = Labelled::new(audience.width);
     text.add("contacts", format!("{} touched points of {name}", document.contacts));
-    text.add("shape", class::sentence(&document.shape));
+    text.add("shape", class::sentence(&document.shape) + &in_truth(document));
     text.blank();
-    text.push(&table::table(document));
+    table::table(document, &mut text);
     text.blank();
-    remarks::remarks(document, &mut text);
-    text.add(
-        "more",
-        "--verbose: how it was found.  --out DIR: pictures, tables.  --json: for programs.  palpate explain R: what R means",
-    );
+    remarks::remarks(document, audience, &mut text);
+    if let Some(more) = audience.more() {
+        text.add("more", more);
+    }
     out.write_all(text.text().as_bytes())
+}
+
+/// The class of the true surface, in a simulated world.
+fn in_truth(document: &FitDocument) -> String {
+    let class = document.truth.as_ref().and_then(|truth| truth.class.as_deref());
+    class.map_or(String::new(), |class| match document.shape.class.as_deref() == Some(class) {
+        true => ", as in truth".into(),
+        false => format!("; in truth a {class}"),
+    })
 }
 
 #[cfg(test)]
@@ -54,7 +97,7 @@ mod tests {
 
     fn written(document: &FitDocument) -> String {
         let mut out = Vec::new();
-        write_words("a.csv", document, &mut out).unwrap();
+        write_words("a.csv", document, Audience { typing: true, ..Audience::READER }, &mut out).unwrap();
         String::from_utf8(out).unwrap()
     }
 
@@ -62,13 +105,43 @@ mod tests {
     fn every_line_fits_a_terminal() {
         let mut document = full();
         document.fit.notes = vec!["a long note that goes on ".repeat(20)];
-        for (k, block) in written(&document).split("\n\n").enumerate() {
-            // the rows of the table, in the second block, cannot be wrapped
-            let most = if k == 1 { 125 } else { wrap::WIDTH };
-            for line in block.lines() {
-                assert!(line.chars().count() <= most && line == line.trim_end(), "{line}");
-            }
+        for line in written(&document).lines() {
+            assert!(line.chars().count() <= PAGE_WIDTH && line == line.trim_end(), "{line}");
         }
+    }
+
+    /// A wide terminal has what a number means beside it, a narrow one below all of them.
+    #[test]
+    fn the_table_is_as_wide_as_its_reader() {
+        let mut document = full();
+        document.shape.class_by_area = None;
+        let at = |width| {
+            let mut out = Vec::new();
+            write_words("a.csv", &document, Audience { width, ..Audience::READER }, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        let [wide, narrow] = [140, PAGE_WIDTH].map(at);
+        let line = |text: &str, words: &str| text.lines().position(|line| line.contains(words)).unwrap();
+        let [value, meaning] = ["R, strength of bend", "0 is flat"].map(|words| line(&wide, words));
+        assert_eq!(value, meaning, "{wide}");
+        let [value, meaning] = ["0.50", "0 is flat"].map(|words| line(&narrow, words));
+        assert!(meaning > value + 1 && narrow.lines().all(|line| line.chars().count() <= PAGE_WIDTH), "{narrow}");
+    }
+
+    #[test]
+    fn advice_that_was_taken_is_not_given_again() {
+        let document = full();
+        let said = |audience| {
+            let mut out = Vec::new();
+            write_words("a.csv", &document, audience, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        let fresh = said(Audience { typing: true, detailed: false, drawn: false, ..Audience::READER });
+        let last = fresh.lines().last().unwrap();
+        assert!(last.starts_with("more ") && last.contains("--out") && last.contains("--verbose"), "{fresh}");
+        let drawn = said(Audience { typing: true, detailed: false, ..Audience::READER });
+        assert!(!drawn.contains("--out") && drawn.contains("--verbose"), "{drawn}");
+        assert!(!said(Audience::READER).contains("--") && !said(Audience::READER).contains("\nmore"));
     }
 
     /// The mean of S may lie in a class that nearly no surface which explains the contacts has.

@@ -2,6 +2,7 @@
 
 use super::super::document::{FitDocument, MeasurePart};
 use super::super::table::{decimals, significant};
+use super::Audience;
 use super::class::{likelier, probability, radius_of_class, second};
 use super::numbers::{DIGITS, chance};
 use super::wrap::Labelled;
@@ -21,10 +22,13 @@ const PATTERN: f64 = 0.05;
 /// A pattern of less than so many per cent of the patch's rise is rounding, as in contacts without noise.
 const UNSEEN: f64 = 1e-6;
 
+/// A kind of surface less likely than this is not named beside the best one.
+const NEAR: f64 = 0.005;
+
 /// Less of the grid among the contacts than this is said.
 const THIN: f64 = 0.2;
 
-pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
+pub(super) fn remarks(document: &FitDocument, audience: Audience, text: &mut Labelled) {
     if let Some(words) = place(document) {
         text.add("place", words);
     }
@@ -34,8 +38,8 @@ pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
     if let Some(words) = varies(document) {
         text.add("varies", words);
     }
-    if let Some(words) = noise(document) {
-        text.add("noise", words);
+    if let Some((label, words)) = off(document) {
+        text.add(label, words);
     }
     if let Some(words) = pattern(document) {
         text.add("pattern", words);
@@ -45,11 +49,16 @@ pub(super) fn remarks(document: &FitDocument, text: &mut Labelled) {
     }
     let shown = document.fit.notes.iter().filter(|note| !document.fit.technical_notes.contains(note));
     // without a result the first note says why, and what the fit lacked besides is for --verbose
-    let most = if is_result(document) { usize::MAX } else { 1 };
+    let most = match (audience.detailed, is_result(document)) {
+        // the technical lines have all of them
+        (true, _) => 0,
+        (false, true) => usize::MAX,
+        (false, false) => 1,
+    };
     for note in shown.take(most) {
         text.add("note", note);
     }
-    for words in next(document) {
+    for words in next(document, audience) {
         text.add("next", words);
     }
 }
@@ -93,8 +102,11 @@ fn found_as(document: &FitDocument) -> Option<String> {
     let Some(next) = chosen.tried.iter().find(|tried| tried.name != hypothesis) else {
         return Some(format!("{} explains the contacts, and no other kind of surface comes near", said(hypothesis)));
     };
-    let (best, next) = (said(hypothesis), said(&next.name));
-    Some(format!("of {count} kinds of surface {best} explains the contacts best; next {next}"))
+    let best = said(hypothesis);
+    // what has next to no probability is worth no words
+    let near = sure(&next.name).is_none_or(|p| p >= NEAR);
+    let second = if near { format!("; next {}", said(&next.name)) } else { String::new() };
+    Some(format!("of {count} kinds of surface {best} explains the contacts best{second}"))
 }
 
 /// What a kind of surface is.
@@ -130,8 +142,9 @@ fn varies(document: &FitDocument) -> Option<String> {
     })
 }
 
-/// How far off the contacts are.
-fn noise(document: &FitDocument) -> Option<String> {
+/// How far off the contacts are: the noise where the kind of surface was asked as well; of a model that was named, or of one
+/// that only follows the contacts, a misfit, which holds what the model cannot bend to.
+fn off(document: &FitDocument) -> Option<(&'static str, String)> {
     let fit = &document.fit;
     if !is_result(document) {
         return None;
@@ -146,9 +159,11 @@ fn noise(document: &FitDocument) -> Option<String> {
         let normals = sigma.normal_deg.map(|v| format!("normals by about {} degrees", significant(v, 2)));
         let both: Vec<String> = points.into_iter().chain(normals).collect();
         let sds = if both.len() == 1 { "standard deviation" } else { "standard deviations" };
-        return (!both.is_empty()).then(|| format!("{} ({sds}, found from the contacts)", both.join(", ")));
+        let words = || format!("{} ({sds}, found from the contacts)", both.join(", "));
+        return (!both.is_empty()).then(|| ("noise", words()));
     }
-    fit.rms.z.map(|rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms)))
+    let words = |rms| format!("the contacts lie {} off the surface on average (root mean square)", length(rms));
+    fit.rms.z.map(|rms| ("misfit", words(rms)))
 }
 
 /// Errors that neighbouring contacts share.
@@ -183,11 +198,13 @@ fn doubt(document: &FitDocument) -> Option<String> {
 }
 
 /// What to do next.
-fn next(document: &FitDocument) -> Vec<String> {
+fn next(document: &FitDocument, audience: Audience) -> Vec<String> {
     let shape = &document.shape;
     let mut next = Vec::new();
     if shape.class_by_area.is_some() {
-        next.push("S and R change over the patch: --out DIR draws them place by place; a smaller patch may show one shape alone".into());
+        let draws =
+            if audience.drawn { "are drawn place by place" } else { "change over the patch: --out DIR draws them" };
+        next.push(format!("S and R {draws}; a smaller patch may show one shape alone"));
         return next;
     }
     let Some(class) = shape.class.as_deref() else {

@@ -4,8 +4,10 @@ use super::super::document::{FitDocument, MeasurePart, ShapePart};
 use super::super::percent::percent;
 use super::super::radius::radius_bounds;
 use super::super::table::{decimals, significant};
+use super::super::truth_part::TruthPart;
 use super::class::{likelier, radius_of_class};
 use super::numbers::{DIGITS, like};
+use super::wrap::Labelled;
 
 /// Most decimals beyond those of the value that are spent on telling the ends of an interval apart.
 const MOST_MORE: usize = 4;
@@ -27,14 +29,36 @@ struct Row {
 }
 
 impl Row {
+    /// The label where lines are short: what stands before its comma.
+    fn short(&self) -> &'static str {
+        self.label.split(',').next().unwrap_or(self.label)
+    }
+
     fn cells(&self) -> [&str; 5] {
         [self.label, &self.value, &self.between, &self.truth, &self.meaning]
     }
 }
 
-/// The table, aligned; with a column of true values in a simulated world.
-pub(super) fn table(document: &FitDocument) -> String {
-    let rows = rows(document);
+/// The table, aligned; with a column of true values in a simulated world. What the numbers mean stands beside them where the
+/// lines are long enough, otherwise below.
+pub(super) fn table(document: &FitDocument, text: &mut Labelled) {
+    let mut rows = rows(document);
+    let width = text.width();
+    if lines(&rows, document).iter().all(|line| line.chars().count() <= width) {
+        return lines(&rows, document).iter().for_each(|line| text.push(line));
+    }
+    let meanings: Vec<(&str, String)> =
+        rows.iter_mut().map(|row| (row.short(), std::mem::take(&mut row.meaning))).collect();
+    if lines(&rows, document).iter().any(|line| line.chars().count() > width) {
+        rows.iter_mut().for_each(|row| row.label = row.short());
+    }
+    lines(&rows, document).iter().for_each(|line| text.push(line));
+    text.blank();
+    meanings.iter().filter(|(_, meaning)| !meaning.is_empty()).for_each(|(label, meaning)| text.add(label, meaning));
+}
+
+/// Head and rows.
+fn lines(rows: &[Row], document: &FitDocument) -> Vec<String> {
     let some = |pick: fn(&Row) -> &String| rows.iter().any(|row| !pick(row).is_empty());
     let level = document.shape.curvedness.level.filter(|_| some(|row| &row.between));
     let head = level.map_or(String::new(), |level| format!("{} sure to lie between", percent(level)));
@@ -43,12 +67,8 @@ pub(super) fn table(document: &FitDocument) -> String {
     let all: Vec<[&str; 5]> = heads.into_iter().chain(rows.iter().map(Row::cells)).collect();
     let widths: [usize; 4] =
         std::array::from_fn(|k| all.iter().map(|cells| cells[k].chars().count()).max().unwrap_or(0));
-    let mut text = String::new();
-    for cells in all.iter().filter(|cells| cells.iter().any(|cell| !cell.is_empty())) {
-        text.push_str(aligned(cells, &widths).trim_end());
-        text.push('\n');
-    }
-    text
+    let filled = all.iter().filter(|cells| cells.iter().any(|cell| !cell.is_empty()));
+    filled.map(|cells| aligned(cells, &widths).trim_end().to_string()).collect()
 }
 
 /// Cells below each other, three blanks apart; columns that are empty throughout take no room.
@@ -67,9 +87,37 @@ fn rows(document: &FitDocument) -> Vec<Row> {
     let truth = document.truth.as_ref();
     let known = |value: Option<f64>| value.map_or(String::new(), |v| significant(v, DIGITS));
     let mut rows: Vec<Row> = radius(document).into_iter().chain(axis(document)).collect();
+    if let Some(truth) = truth {
+        rows.iter_mut().for_each(|row| row.truth = true_of(row, truth));
+    }
     rows.push(Row { truth: known(truth.and_then(|t| t.shape_index)), ..shape_index(document) });
     rows.push(Row { truth: known(truth.and_then(|t| t.curvedness)), ..curvedness(document) });
     rows
+}
+
+/// What is true of a radius or of a direction, in the form of the row.
+fn true_of(row: &Row, truth: &TruthPart) -> String {
+    let length = |value: f64| significant(value, DIGITS);
+    let both = |[small, large]: [f64; 2]| format!("{}, {}", length(small), length(large));
+    let found = match row.label {
+        "radius" => truth.radius.map(length),
+        "radii" => truth.radii.map(both),
+        "axis" => truth.axis_deg.map(degrees).or(truth.axis.map(in_space)),
+        _ => truth.direction_deg.map(degrees).or(truth.direction.map(in_space)),
+    };
+    found.unwrap_or_default()
+}
+
+/// An angle from x towards y.
+fn degrees(angle: f64) -> String {
+    format!("{angle:.1} deg")
+}
+
+/// A direction in space.
+fn in_space([x, y, z]: [f64; 3]) -> String {
+    // adding zero takes the sign off a negative one
+    let [x, y, z] = [x, y, z].map(|v| (100.0 * v).round() / 100.0 + 0.0);
+    format!("{x:.2}, {y:.2}, {z:.2}")
 }
 
 fn shape_index(document: &FitDocument) -> Row {
@@ -155,7 +203,7 @@ fn axis(document: &FitDocument) -> Option<Row> {
         return None;
     }
     let saddle = shape.class.as_deref() == Some("saddle");
-    let (label, degrees, vector) = if saddle {
+    let (label, angle, vector) = if saddle {
         ("hollow along", shape.direction_deg, shape.direction)
     } else {
         ("axis", shape.axis_deg, shape.axis)
@@ -164,22 +212,22 @@ fn axis(document: &FitDocument) -> Option<Row> {
     let along =
         if saddle { "the direction in which it is hollow".into() } else { format!("the way along the {class}") };
     let within = shape.axis_within_deg.filter(|_| !saddle);
-    if let Some(degrees) = degrees {
+    if let Some(angle) = angle {
         // ends beyond 0 and 180 are said as they come: -2 and 3 is nearer to what is meant than 178 and 3
         let between = match within {
             Some(within) if within > OPEN => "any direction".into(),
-            Some(within) => bounds(degrees, Some(1), [degrees - within, degrees + within]),
+            Some(within) => bounds(angle, Some(1), [angle - within, angle + within]),
             None => String::new(),
         };
-        let (value, meaning) = (format!("{degrees:.1} deg"), format!("from x towards y: {along}"));
+        let (value, meaning) = (degrees(angle), format!("from x towards y: {along}"));
         return Some(Row { label, value, between, meaning, ..Row::default() });
     }
-    let [x, y, z] = vector?;
+    let vector = vector?;
     let between = match within {
         Some(within) if within > OPEN => "any direction".into(),
         Some(within) => format!("within {} deg of it", significant(within, 2)),
         None => String::new(),
     };
-    let (value, meaning) = (format!("{x:.2}, {y:.2}, {z:.2}"), format!("along x, y, z: {along}"));
+    let (value, meaning) = (in_space(vector), format!("along x, y, z: {along}"));
     Some(Row { label, value, between, meaning, ..Row::default() })
 }

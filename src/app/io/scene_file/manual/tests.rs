@@ -113,10 +113,12 @@ fn defaults_are_those_of_the_reader() {
                 let mut world = with.world.clone();
                 // that a law is named is kept, and the normal one is what is drawn without
                 world.laws.clone_from(&without.world.laws);
+                // a default that is written out names a model, and is the same one
                 // an imported surface is another one each time
                 if entry.name != "imported" {
                     let place = format!("{} {}.{}", entry.group, entry.name, key.name);
-                    assert_eq!(SceneFile { world, ..with }, without, "{place}");
+                    let names_a_model = without.names_a_model;
+                    assert_eq!(SceneFile { world, names_a_model, ..with }, without, "{place}");
                 }
             }
         }

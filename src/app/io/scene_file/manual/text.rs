@@ -6,27 +6,8 @@ use super::super::section::nearest;
 use super::entry::{Entry, Key};
 use super::{entries, shared};
 
-/// A whole scene to start from.
-const EXAMPLE: &str = "name = \"a bar\"
-seed = 4
-
-[surface]
-kind = \"cylinder\"
-radius = 25.0
-axis_deg = 30.0
-
-[sweep]
-fingers = [-6.0, 0.0, 6.0]
-from = -6.0
-to = 6.0
-stations = 12
-
-[effects.position_noise]
-sigma = 0.05
-
-[fit]
-degree = 2
-";
+/// A whole scene to start from, the one that `palpate run` takes when none is named.
+const EXAMPLE: &str = include_str!("../../scenes/bar.toml");
 
 /// What can be asked for: sections, surfaces, effects.
 pub(crate) fn scene_topics() -> Vec<&'static str> {

@@ -1,0 +1,52 @@
+//! What is found in an input, by `fit` and `run` alike: the model that was named, or what the contacts show where none was.
+
+use crate::io::Input;
+use crate::report::Answer;
+use palpate_fitting::fit::FitOptions;
+use palpate_inference::recognition::RecognitionOptions;
+
+use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
+use super::options::FitFlags;
+use super::recognise_or_fit::{Found, Refusal, automatic};
+
+/// What is asked of an input.
+pub(super) struct Question<'a> {
+    /// What was typed.
+    pub(super) flags: &'a FitFlags,
+    /// What it is typed over.
+    pub(super) base: FitOptions,
+    /// Certificate, uncertainties and intervals are declined.
+    pub(super) bare: bool,
+    /// Where the sensor stood.
+    pub(super) viewpoint: Option<[f64; 3]>,
+}
+
+/// The answer, or why there is none.
+pub(super) fn answer(input: &Input, question: &Question) -> Result<Found, Refusal> {
+    let mut fit = question.flags.over(question.base.clone());
+    if question.flags.names_a_model() {
+        let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
+        return Ok(Found { notes, ..as_named(input, &fit, question.bare)? });
+    }
+    if question.bare {
+        let what = "--bare declines what the recognition rests on: its intervals and probabilities are its answer; \
+             name a model beside it, as in --degree 2";
+        return Err(Refusal::Shape(what.into()));
+    }
+    fit.check().map_err(Refusal::Fit)?;
+    let recognition = RecognitionOptions {
+        grid: fit.grid,
+        level: fit.level,
+        viewpoint: question.viewpoint,
+        sigma_xy: fit.sigma_xy,
+        ..RecognitionOptions::default()
+    };
+    automatic(input, &recognition, &fit)
+}
+
+/// Exactly this model; its intervals count other kinds of surface unless they are declined.
+pub(super) fn as_named(input: &Input, fit: &FitOptions, bare: bool) -> Result<Found, Refusal> {
+    let (found, chosen) = fit_input(input, fit).map_err(Refusal::Fit)?;
+    let found = if bare { found } else { counting_other_kinds(found) };
+    Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() })
+}
