@@ -62,7 +62,7 @@ fn about<'a>(base: &Mode, sample: &'a BodySample, lengths: &[f64], tuning: &Tuni
 /// Whether a departure of the likeliest length and size tells contacts that it was not told of.
 fn predicts(base: &Mode, best: &BodyHypothesis, sample: &BodySample, tuning: &Tuning) -> bool {
     let Some([length, size]) = best.departure else { return false };
-    let is_out = |i: &usize| i % LEFT_OUT == 0;
+    let is_out = |i: &usize| i.is_multiple_of(LEFT_OUT);
     let (out, kept): (Vec<usize>, Vec<usize>) = (0..sample.len()).partition(is_out);
     let few = sample.only(&kept);
     let linearised = about(base, &few, &[length], tuning);
