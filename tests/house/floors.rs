@@ -13,12 +13,13 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const CRATES: [&str; 7] = ["numeric", "geometry", "world", "fitting", "inference", "studies", "app"];
 
 /// Floor of every room inside its crate; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 32] = [
+const FLOORS: [(&str, u8); 33] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
     ("statistics", 1),
     ("levenberg_marquardt", 1),
+    ("brent", 1),
     ("convex_hull", 1),
     ("dense", 1),
     ("contact", 1),

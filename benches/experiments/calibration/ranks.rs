@@ -1,4 +1,7 @@
-//! Ranks of the truth among the draws, by the levels of the intervals that hold it, and the forecasts of the kind.
+//! Ranks of the truth among the draws, by the levels of the intervals that hold it, and the forecasts of the kind. A plane's R and the S of
+//! kinds that have but one are known exactly once the kind is: all intervals hold them.
+
+use std::collections::BTreeMap;
 
 use palpate::Contacts;
 use palpate::geometry::ShapeClass;
@@ -82,6 +85,8 @@ struct Judged {
     radius: Ranks,
     axis: Ranks,
     refused: u64,
+    /// By the kind that was said: how often, and how often with more than 95 %.
+    said: BTreeMap<&'static str, [u64; 2]>,
 }
 
 impl Judged {
@@ -109,6 +114,8 @@ impl Judged {
             self.axis.add((within.len() == fits.len()).then(|| class_of(angle, &within)));
         }
         if let Some(said) = first.tried.first() {
+            let counted = self.said.entry(said.hypothesis.name()).or_default();
+            *counted = [counted[0] + 1, counted[1] + u64::from(said.weight > 0.95)];
             let tenth = &mut forecasts[((10.0 * said.weight) as usize).min(9)];
             tenth[0] += 1.0;
             tenth[1] += said.weight;
@@ -127,7 +134,8 @@ pub(crate) fn print(wishes: &Wishes) {
             let body = RandomBody::new(&cell(kind, number), wishes.seed + number);
             judged.judge(&body, kind, &mut forecasts);
         }
-        println!("{}, {} refused", kind.name(), judged.refused);
+        let said = judged.said.iter().map(|(name, [all, sure])| format!("{name} {all} ({sure} above 95 %)"));
+        println!("{}: {}; {} refused", kind.name(), said.collect::<Vec<String>>().join(", "), judged.refused);
         for (name, ranks) in [("S", judged.s), ("R", judged.r), ("radius", judged.radius), ("axis", judged.axis)] {
             if ranks.count() > 0.0 {
                 ranks.line(name);

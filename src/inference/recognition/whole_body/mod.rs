@@ -18,7 +18,7 @@ use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{Observations, distance_from_conic, spread_beside_a_line};
 use crate::recognition::free_form::leaves_much_unsaid;
-use crate::recognition::{NormalsUse, Recognition, RecognitionError, RecognitionOptions};
+use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
@@ -45,6 +45,7 @@ pub(super) fn instead(
     let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
     match bodies::infer(&sample, &options.tuning) {
+        Verdict::Several(_) | Verdict::None if doubt == PatchDoubt::Kind => patch,
         Verdict::Several(things) => Err(several(&sample, &things)),
         Verdict::One(posterior) => {
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
@@ -55,7 +56,13 @@ pub(super) fn instead(
             if too_few && body.probability() < options.tuning.sure_of_few {
                 return patch;
             }
-            if doubt == PatchDoubt::Slight && !decisive {
+            let stays = match doubt {
+                PatchDoubt::Slight => !decisive,
+                // of kinds that bend in more than one way patches do not know the cone
+                PatchDoubt::Kind => posterior.weight_of(PartKind::Cone) < 0.5,
+                _ => false,
+            };
+            if stays {
                 return patch;
             }
             body.recognition()
@@ -104,6 +111,8 @@ pub(super) fn beside_a_line(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PatchDoubt {
     None,
+    /// The kind bends in more than one way, and may be one that patches do not know.
+    Kind,
     /// Some contacts do not belong, or lie on two sheets.
     Slight,
     /// It bends farther than a patch may.
@@ -135,9 +144,9 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     let middle = unit_or_zero(mean);
     let least = tuning.patch_reach_deg.to_radians().cos();
     let turns_away = |normal: &Vector| dot(*normal, middle) < least;
-    // normals that were given go farther round than the map, where the patch is no more than a part of a body
-    let away =
-        given.normals.iter().flatten().filter(|normal| norm(**normal) > 0.0 && turns_away(normal)).count() as f64;
+    // believed normals, of whichever sign, go farther round than the map, where the patch is no more than a part of a body
+    let given_normals = given.normals.iter().flatten().filter(|_| found.normals == NormalsUse::Believed);
+    let away = given_normals.filter(|n| norm(**n) > 0.0 && dot(**n, middle).abs() < least).count() as f64;
     if away > tuning.farther_round * count {
         return PatchDoubt::AllRound;
     }
@@ -148,6 +157,12 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     let contradicted = found.normals == NormalsUse::Contradicting;
     if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
         return PatchDoubt::Slight;
+    }
+    if matches!(
+        found.hypothesis,
+        Hypothesis::Torus | Hypothesis::General | Hypothesis::Quadric | Hypothesis::Paraboloid
+    ) {
+        return PatchDoubt::Kind;
     }
     PatchDoubt::None
 }
