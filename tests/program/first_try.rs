@@ -189,10 +189,9 @@ fn a_plate_with_waves_is_not_flat() {
     assert!(fitted(at, "fit long.csv")["shape"]["class_by_area"]["saddle"].is_number());
     write(at, "shorter.csv", &waves(3.0), None);
     assert!(fitted(at, "fit shorter.csv")["shape"]["class_by_area"]["saddle"].is_number());
-    // two and a half touches a wave do not tell it
-    write(at, "short.csv", &waves(1.0), None);
-    let said = refused(at, "fit short.csv");
-    assert!(said.contains("not one sheet of a simple shape"), "{said}");
+    // six touches a wave are enough
+    write(at, "short.csv", &waves(2.4), None);
+    assert!(fitted(at, "fit short.csv")["shape"]["class_by_area"]["saddle"].is_number());
     // the same heights a hundredth as high are what a sensor may err by
     let low: Vec<Vector> = waves(3.0).into_iter().map(|[x, y, z]| [x, y, 0.01 * z]).collect();
     write(at, "low.csv", &low, None);
