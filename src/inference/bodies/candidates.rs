@@ -10,7 +10,7 @@
 //! Normals that are not given are those of planes through neighbours; they serve here and nowhere else. Sets of a few: M. Fischler and
 //! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
 
-use super::mode::{FalseContacts, is_possible};
+use super::mode::{Candidate, FalseContacts, MINORITY, is_possible};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
@@ -37,30 +37,50 @@ fn members_of_a_set(kind: PartKind) -> usize {
     }
 }
 
-/// Where a search begins, and whether it lets contacts be false.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Candidate {
-    pub(super) start: Primitive,
-    pub(super) strays: FalseContacts,
-}
-
 /// The starts of every kind that are worth a search.
 pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    for_each_kind(sample, tuning, |_, starts| all.extend(nearest(starts, sample, tuning)));
+    all
+}
+
+/// Starts near which a share of the contacts lies that one thing of several has at least. Rings and ellipsoids follow anything.
+pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    let least = MINORITY * tuning.other_things;
+    for_each_kind(sample, tuning, |kind, starts| {
+        if matches!(kind, PartKind::Torus | PartKind::Ellipsoid) {
+            return;
+        }
+        let mut rated = rated(starts, sample, |distances| [at(distances, least)]);
+        rated.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        let found = rated.into_iter().take(tuning.followed[0]);
+        all.extend(found.map(|(_, start)| Candidate {
+            start,
+            strays: FalseContacts::Some,
+            share: least,
+            of_own: MINORITY,
+        }));
+    });
+    all
+}
+
+/// All starts of every kind.
+fn for_each_kind(sample: &BodySample, tuning: &Tuning, mut take: impl FnMut(PartKind, Vec<Primitive>)) {
     let oriented = with_normals(sample, tuning);
     let mut generator = Lcg::new(sample.len() as u64);
-    let mut all = Vec::new();
     for kind in PartKind::BODIES {
         let mut of_kind = by_positions(kind, sample, tuning);
         if let Some(oriented) = &oriented {
             of_kind.extend(closed_forms(kind, oriented));
             of_kind.extend(of_small_sets(kind, oriented, tuning, &mut generator));
+            of_kind.extend(tangent_planes(kind, oriented));
         } else {
             of_kind.extend(of_bare_sets(kind, sample, tuning, &mut generator));
         }
         of_kind.retain(is_possible);
-        all.extend(nearest(of_kind, sample, tuning));
+        take(kind, of_kind);
     }
-    all
 }
 
 /// The primitive moved out and in to the middles of the contacts on either side of it, where these lie on two sheets: their distances
@@ -90,22 +110,14 @@ fn beside(found: &Primitive, by: f64) -> Primitive {
 
 /// The starts whose distances are least: by quantiles where contacts may be false, by the mean square where none is.
 fn nearest(starts: Vec<Primitive>, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
-    let rated: Vec<([f64; 3], Primitive)> = starts
-        .into_iter()
-        .map(|start| {
-            let mut distances: Vec<f64> = sample.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
-            distances.sort_unstable_by(f64::total_cmp);
-            let at = |share: f64| distances[((share * distances.len() as f64) as usize).min(distances.len() - 1)];
-            let square = distances.iter().map(|d| d * d).sum::<f64>();
-            ([at(tuning.surely_own), at(0.5), square], start)
-        })
-        .filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite()))
-        .collect();
+    let rated = rated(starts, sample, |distances| {
+        [at(distances, tuning.surely_own), at(distances, 0.5), distances.iter().map(|d| d * d).sum::<f64>()]
+    });
     let mut taken: Vec<Candidate> = Vec::new();
     for (by, (count, strays)) in tuning.followed.into_iter().zip(RATED).enumerate() {
         let mut order: Vec<&([f64; 3], Primitive)> = rated.iter().collect();
         order.sort_by(|a, b| a.0[by].total_cmp(&b.0[by]));
-        let found = order.into_iter().take(count).map(|(_, start)| Candidate { start: *start, strays });
+        let found = order.into_iter().take(count).map(|(_, start)| Candidate::new(*start, strays, tuning));
         for candidate in found {
             if !taken.contains(&candidate) {
                 taken.push(candidate);
@@ -113,6 +125,26 @@ fn nearest(starts: Vec<Primitive>, sample: &BodySample, tuning: &Tuning) -> Vec<
         }
     }
     taken
+}
+
+/// Of distances in ascending order, the one that a share of them has at most.
+fn at(distances: &[f64], share: f64) -> f64 {
+    let number = ((share * distances.len() as f64) as usize).min(distances.len().saturating_sub(1));
+    distances.get(number).copied().unwrap_or(f64::INFINITY)
+}
+
+/// Starts with their ratings by the contacts' distances, in ascending order.
+fn rated<const N: usize>(
+    starts: Vec<Primitive>,
+    sample: &BodySample,
+    rates: impl Fn(&[f64]) -> [f64; N],
+) -> Vec<([f64; N], Primitive)> {
+    let rate = |start: Primitive| {
+        let mut distances: Vec<f64> = sample.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        (rates(&distances), start)
+    };
+    starts.into_iter().map(rate).filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite())).collect()
 }
 
 /// The contacts with given normals, or with those of planes through neighbours; `None` where there are too few for either.
@@ -132,6 +164,14 @@ fn with_normals(sample: &BodySample, tuning: &Tuning) -> Option<BodySample> {
 fn closed_forms(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
     let given = descent::Sample { points: &sample.points, normals: &sample.normals, u_distance: 1.0, u_normal: 1.0 };
     starts(kind, &given).into_iter().map(outside).collect()
+}
+
+/// The plane through every contact across its normal: of a small face few sets lie on it alone.
+fn tangent_planes(kind: PartKind, oriented: &BodySample) -> Vec<Primitive> {
+    let one =
+        |(p, n): (&Vector, &Vector)| Primitive { kind, origin: *p, axes: axes_along(*n), sizes: [0.0; 3], side: 1.0 };
+    let all = if kind == PartKind::Plane { oriented.points.len() } else { 0 };
+    oriented.points.iter().zip(&oriented.normals).take(all).map(one).collect()
 }
 
 /// The side is asked of all normals at the end.

@@ -1,8 +1,9 @@
 //! The steps from contacts to weighted hypotheses, top to bottom.
 
+use super::candidates::on_either_side;
 use super::evidence::{BodyHypothesis, LinearisedBase, moved};
 use super::mode::{FalseContacts, Mode, is_possible};
-use super::other_things::{Thing, two_things};
+use super::other_things::{Thing, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -29,8 +30,8 @@ pub(crate) struct BodyPosterior {
 pub(crate) enum Verdict {
     /// One thing.
     One(Box<BodyPosterior>),
-    /// Two primitives, in the sample's units.
-    Several(Box<[Thing; 2]>),
+    /// Two primitives or more, in the sample's units.
+    Several(Vec<Thing>),
     /// No primitive comes near enough.
     None,
 }
@@ -51,6 +52,18 @@ impl BodyPosterior {
     pub(crate) fn weight_of(&self, kind: PartKind) -> f64 {
         let own = self.nodes.iter().zip(&self.weights).filter(|(n, _)| self.primitives[n.of].kind == kind);
         own.map(|(_, w)| w).sum()
+    }
+
+    /// Share of the contacts that are none of the likeliest kind's.
+    fn false_share(&self, sample: &BodySample) -> f64 {
+        1.0 - self.members_of(self.kind()).len() as f64 / sample.len() as f64
+    }
+
+    /// Whether the likeliest kind holds nearly all contacts without a departure, and not between two sheets.
+    fn is_exact(&self, sample: &BodySample, tuning: &Tuning) -> bool {
+        let is_plain = self.weight_without_departure() > 0.5 && self.false_share(sample) < tuning.other_things;
+        let on_sheets = |found: &Primitive| on_either_side(found, sample, tuning).is_empty();
+        is_plain && self.likeliest(self.kind()).is_some_and(|found| on_sheets(&found))
     }
 
     /// The likeliest hypothesis of one kind.
@@ -86,10 +99,13 @@ pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
     let sample = &all.at_most(tuning.most_contacts);
     let modes = modes(sample, tuning);
     let Some(mut posterior) = posterior(&modes, sample, tuning) else { return Verdict::None };
-    if let Some(things) = two_things(sample, &modes, posterior.log_evidence, tuning) {
-        return Verdict::Several(Box::new(things));
+    let is_answer = is_answer(&posterior, sample, tuning);
+    let is_sure = is_answer && posterior.is_exact(sample, tuning);
+    let several = || several_things(sample, &modes, posterior.log_evidence, tuning);
+    if let Some(things) = (!is_sure).then(several).flatten() {
+        return Verdict::Several(things);
     }
-    if !is_answer(&posterior, sample, tuning) {
+    if !is_answer {
         return Verdict::None;
     }
     if sample.len() < all.len() {
@@ -104,8 +120,8 @@ fn is_answer(one: &BodyPosterior, sample: &BodySample, tuning: &Tuning) -> bool 
     let kind = one.kind();
     let Some(best) = one.best_of(kind) else { return false };
     let slope = best.departure.map_or(0.0, |[length, _]| best.departure_rms / length);
-    let false_share = 1.0 - one.members_of(kind).len() as f64 / sample.len() as f64;
-    slope <= tuning.largest_slope && best.sd[0] <= tuning.largest_scatter && false_share <= tuning.false_most
+    let is_near = slope <= tuning.largest_slope && best.sd[0] <= tuning.largest_scatter;
+    is_near && one.false_share(sample) <= tuning.false_most
 }
 
 fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {

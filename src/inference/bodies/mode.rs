@@ -94,10 +94,10 @@ fn may_be_false(sample: &BodySample, unknowns: usize, tuning: &Tuning) -> bool {
 
 /// Sds of distances and of normals in each tangent direction, by a low quantile of their magnitudes over that of a gaussian and of the
 /// length of two independent ones; 0 of an empty list.
-fn low_scales(offsets: &[(f64, Option<f64>)], share: f64) -> [f64; 2] {
+fn low_scales(offsets: &[(f64, Option<f64>)], share: f64, of_own: f64) -> [f64; 2] {
     let of = |magnitudes: Vec<f64>| quantile(magnitudes, share, Rank::Reached).unwrap_or(0.0);
-    let of_distances = 2.0_f64.sqrt() * erf_inv(share);
-    let of_lengths = (-2.0 * (1.0 - share).ln()).sqrt();
+    let of_distances = 2.0_f64.sqrt() * erf_inv(of_own);
+    let of_lengths = (-2.0 * (1.0 - of_own).ln()).sqrt();
     [
         of(offsets.iter().map(|(d, _)| d.abs()).collect()) / of_distances,
         of(offsets.iter().filter_map(|(_, off)| off.map(f64::sqrt)).collect()) / of_lengths,
@@ -171,12 +171,40 @@ pub(super) enum FalseContacts {
     Some,
 }
 
+/// Where a search begins, and whether it lets contacts be false.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    pub(super) start: Primitive,
+    pub(super) strays: FalseContacts,
+    /// The share of all contacts whose distances tell the scatter, and which share that is of those that belong.
+    pub(super) share: f64,
+    pub(super) of_own: f64,
+}
+
+/// Part of a minority whose distances tell its scatter: a few of the others lie near it by chance.
+pub(super) const MINORITY: f64 = 0.8;
+
+impl Candidate {
+    /// Of a start to which most contacts may belong.
+    pub(super) fn new(start: Primitive, strays: FalseContacts, tuning: &Tuning) -> Candidate {
+        Candidate { start, strays, share: tuning.surely_own, of_own: tuning.surely_own }
+    }
+
+    /// From a mode that was found among some of the contacts.
+    pub(super) fn again(found: &Mode, tuning: &Tuning) -> Candidate {
+        let own = found.members().len() as f64 / found.weights.len() as f64;
+        let share = tuning.surely_own.min(MINORITY * own);
+        Candidate { start: found.primitive, strays: found.strays, share, of_own: (share / own).min(MINORITY) }
+    }
+}
+
 /// The mode that is reached from a start; `None` where the contacts do not determine this kind.
-pub(super) fn mode(start: &Primitive, sample: &BodySample, strays: FalseContacts, tuning: &Tuning) -> Option<Mode> {
+pub(super) fn mode(candidate: &Candidate, sample: &BodySample, tuning: &Tuning) -> Option<Mode> {
+    let Candidate { start, strays, share, of_own } = *candidate;
     let unknowns = start.kind.free().len();
-    let mut primitive = *start;
+    let mut primitive = start;
     let first = offsets(&primitive, sample);
-    let [of_distances, of_normals] = low_scales(&first, tuning.surely_own);
+    let [of_distances, of_normals] = low_scales(&first, share, of_own);
     let sd = [of_distances.max(sample.floor[0]), of_normals.clamp(sample.floor[1], 1.0)];
     let eps = match strays {
         FalseContacts::None => 0.0,

@@ -1,4 +1,4 @@
-//! Whether contacts are two things: a second sheet, a wall behind a ball, the end of a bar.
+//! Whether contacts are several things: a second sheet, a wall behind a ball, the end of a bar.
 //!
 //! ```text
 //! first    a primitive with the contacts that are its own; what it leaves out would be false
@@ -10,11 +10,11 @@
 
 use super::candidates::{on_either_side, principal};
 use super::evidence::LinearisedBase;
-use super::mode::{FalseContacts, Mode, log_false, mode};
+use super::mode::{Candidate, FalseContacts, Mode, log_false, mode};
 use super::sample::BodySample;
-use super::search::modes;
+use super::search::{minorities, modes};
 use super::tuning::Tuning;
-use crate::primitives::placed::Primitive;
+use crate::primitives::placed::{PartKind, Primitive};
 
 /// Whether contacts lie beside a line.
 fn spans(sample: &BodySample, tuning: &Tuning) -> bool {
@@ -31,17 +31,66 @@ pub(crate) struct Thing {
     pub(crate) scatter: f64,
 }
 
-/// The two things that explain the contacts clearly better than one, whose log evidence is given.
-pub(super) fn two_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<[Thing; 2]> {
+impl Thing {
+    fn of(mode: &Mode) -> Thing {
+        Thing { primitive: mode.primitive, contacts: mode.members().len(), scatter: mode.sd[0] }
+    }
+}
+
+/// The things that explain the contacts clearly better than one, whose log evidence is given: two of them are looked for together, and
+/// further ones in what both leave out.
+pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<Vec<Thing>> {
     let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
-    let sheets: Vec<Mode> = parallel.filter_map(|start| mode(&start, sample, FalseContacts::Some, tuning)).collect();
+    let sheets: Vec<Mode> = parallel
+        .filter_map(|start| mode(&Candidate::new(start, FalseContacts::Some, tuning), sample, tuning))
+        .collect();
     let with_evidence = |first| Some((LinearisedBase::new(first, sample, tuning).without_departure(tuning)?, first));
-    let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).filter_map(with_evidence).collect();
+    let few = minorities(sample, tuning);
+    let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).chain(&few).filter_map(with_evidence).collect();
     firsts.retain(|(_, first)| leaves_enough(sample, first, tuning));
     firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let rated = firsts.into_iter().take(tuning.firsts).filter_map(|(log, first)| split(sample, first, log, tuning));
-    let (log, things) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (log > of_one + tuning.clearly).then_some(things)
+    let split = |(of_first, first): (f64, &'_ Mode)| {
+        let others = sample.only(&first.others());
+        let second = next_thing(&others, tuning)?;
+        Some((of_first + second.gain, first.clone(), second.thing, others.only(&second.left)))
+    };
+    let rated = firsts.into_iter().take(tuning.firsts).filter_map(split);
+    let splits: Vec<(f64, Mode, Thing, BodySample)> = rated.collect();
+    let most = splits.iter().map(|split| split.0).fold(f64::NEG_INFINITY, f64::max);
+    // of those that are as good the simplest
+    let as_good = splits.into_iter().filter(|split| split.0 > most - tuning.clearly);
+    let (mut log, first, second, mut rest) =
+        as_good.min_by(|a, b| unknowns(&a.1).cmp(&unknowns(&b.1)).then(b.0.total_cmp(&a.0)))?;
+    let of_two = log;
+    let mut things = vec![Thing::of(&first), second];
+    while things.len() < tuning.most_things {
+        let Some(next) = next_thing(&rest, tuning).filter(|next| next.gain > tuning.clearly) else { break };
+        rest = rest.only(&next.left);
+        log += next.gain;
+        things.push(next.thing);
+    }
+    // pieces of a smooth surface are many things, too, but leave contacts between them
+    let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
+    let holds_all = held >= tuning.things_hold * sample.len() as f64;
+    let most = if holds_all { log } else { of_two };
+    let is_clear =
+        most > of_one + tuning.clearly && scatter(&things) < tuning.looser * of_smooth(sample, known, tuning);
+    is_clear.then_some(things)
+}
+
+/// Root mean square scatter of contacts about their things.
+pub(crate) fn scatter(things: &[Thing]) -> f64 {
+    let count: f64 = things.iter().map(|thing| thing.contacts as f64).sum();
+    (things.iter().map(|thing| thing.contacts as f64 * thing.scatter.powi(2)).sum::<f64>() / count).sqrt()
+}
+
+/// Scatter about one smooth surface of any shape over the primitive next to all contacts: pieces of waves scatter more.
+fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
+    let whole = known.iter().filter(|mode| mode.strays == FalseContacts::None);
+    let Some(base) = whole.min_by(|a, b| a.sd[0].total_cmp(&b.sd[0])) else { return f64::INFINITY };
+    let linearised = LinearisedBase::new(base, sample, tuning).with_lengths(&tuning.free_lengths, tuning.free_features);
+    let nodes = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning);
+    nodes.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)).map_or(f64::INFINITY, |node| node.scatter())
 }
 
 /// Whether the first thing has contacts enough, leaves enough, and neither are one row.
@@ -52,21 +101,61 @@ fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
     counts && spans(&sample.only(&own), tuning) && spans(&sample.only(&first.others()), tuning)
 }
 
-/// The first thing with the likeliest second one, and the log evidence of both.
-fn split(sample: &BodySample, first: &Mode, of_first: f64, tuning: &Tuning) -> Option<(f64, [Thing; 2])> {
-    let others = sample.only(&first.others());
-    let found = modes(&others, tuning);
-    let rated =
-        found.iter().filter_map(|m| Some((LinearisedBase::new(m, &others, tuning).without_departure(tuning)?, m)));
-    let (of_second, second) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let contacts = second.members().len();
-    if contacts < tuning.thing_contacts || (contacts as f64) < tuning.second_share * others.len() as f64 {
+/// The likeliest primitive of contacts that belong to nothing yet.
+struct NextThing {
+    thing: Thing,
+    /// Log evidence less that of all being false.
+    gain: f64,
+    /// Contacts that it leaves out.
+    left: Vec<usize>,
+}
+
+/// `None` where none holds enough of them.
+fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
+    if !may_hold_a_thing(rest, tuning) {
         return None;
     }
-    let by_chance: f64 = (0..others.len()).map(|i| log_false(tuning, others.normal(i).is_some())).sum();
-    let things = [
-        Thing { primitive: first.primitive, contacts: first.members().len(), scatter: first.sd[0] },
-        Thing { primitive: second.primitive, contacts, scatter: second.sd[0] },
-    ];
-    Some((of_first - by_chance + of_second, things))
+    let mut found = modes(rest, tuning);
+    found.extend(minorities(rest, tuning));
+    let rated = with_gains(&found, rest, tuning);
+    let best = |any: &dyn Fn(&Mode) -> bool| {
+        rated.iter().filter(|(_, m)| any(m)).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(gain, m)| (*gain, *m))
+    };
+    let (mut gain, mut chosen) = best(&|_| true)?;
+    // a ring or an ellipsoid may follow two simpler things at once
+    let simple = if is_simple(chosen) { None } else { best(&is_simple) };
+    if let Some((of_simple, simple)) = simple.filter(|(of_simple, m)| of_simple + of_next(m, rest, tuning) > gain) {
+        (gain, chosen) = (of_simple, simple);
+    }
+    let thing = Thing::of(chosen);
+    if thing.contacts < tuning.thing_contacts || (thing.contacts as f64) < tuning.second_share * rest.len() as f64 {
+        return None;
+    }
+    Some(NextThing { thing, gain, left: chosen.others() })
+}
+
+/// What the likeliest minority of the contacts that a mode leaves out gains; 0 where there is none.
+fn of_next(mode: &Mode, rest: &BodySample, tuning: &Tuning) -> f64 {
+    let left = rest.only(&mode.others());
+    let beside = if may_hold_a_thing(&left, tuning) { minorities(&left, tuning) } else { Vec::new() };
+    with_gains(&beside, &left, tuning).iter().map(|(gain, _)| *gain).fold(0.0, f64::max)
+}
+
+/// Log evidence of modes less that of all contacts being false.
+fn with_gains<'a>(found: &'a [Mode], rest: &BodySample, tuning: &Tuning) -> Vec<(f64, &'a Mode)> {
+    let by_chance: f64 = (0..rest.len()).map(|i| log_false(tuning, rest.normal(i).is_some())).sum();
+    let gain = |m: &Mode| Some(LinearisedBase::new(m, rest, tuning).without_departure(tuning)? - by_chance);
+    found.iter().filter_map(|m| Some((gain(m)?, m))).collect()
+}
+
+fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
+    rest.len() >= tuning.thing_contacts && spans(rest, tuning)
+}
+
+fn is_simple(mode: &Mode) -> bool {
+    !matches!(mode.primitive.kind, PartKind::Torus | PartKind::Ellipsoid)
+}
+
+fn unknowns(mode: &Mode) -> usize {
+    mode.primitive.kind.free().len()
 }

@@ -1,6 +1,7 @@
 //! The posterior against numbers that are known otherwise: evidence by integration, ranks of the truth, false contacts, two things.
 
 use super::evidence::LinearisedBase;
+use super::free_surface::free_surface;
 use super::inference::{Verdict, infer};
 use super::mode::FalseContacts;
 use super::posterior::{draws, spread};
@@ -158,9 +159,63 @@ fn two_walls_about_one_axis_are_two_things() {
     points.extend(touched(&inner, 150, 6.0, 0.003, &mut generator).0);
     let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
     let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
-    let mut radii = things.map(|thing| thing.primitive.sizes[0] * sample.frame.scale);
+    let mut radii: Vec<f64> = things.iter().map(|thing| thing.primitive.sizes[0] * sample.frame.scale).collect();
     radii.sort_by(f64::total_cmp);
-    assert!((radii[0] - 0.9).abs() < 0.01 && (radii[1] - 1.0).abs() < 0.01, "{radii:?}");
+    assert!(radii.len() == 2 && (radii[0] - 0.9).abs() < 0.01 && (radii[1] - 1.0).abs() < 0.01, "{radii:?}");
+}
+
+/// Faces of a cube, with noise, in a random pose.
+fn cube(count: usize, generator: &mut Lcg) -> (Vec<Vector>, Vec<Vector>) {
+    let pose = body(PartKind::Plane, generator);
+    let one = |k: usize| {
+        let (axis, side) = (k % 3, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let mut own = [0, 1, 2].map(|_| 2.0 * generator.uniform() - 1.0);
+        own[axis] = side * (1.0 + 0.003 * gaussian(generator));
+        let mut normal = [0.0; 3];
+        normal[axis] = side;
+        (along(pose.origin, 1.0, pose.out(own)), pose.out(normal))
+    };
+    (0..count).map(one).unzip()
+}
+
+#[test]
+fn a_cube_is_six_planes() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(41);
+    for _ in 0..3 {
+        let (points, normals) = cube(300, &mut generator);
+        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
+        assert!(things.iter().all(|thing| thing.primitive.kind == PartKind::Plane), "{things:?}");
+        assert_eq!(things.len(), 6);
+    }
+}
+
+/// A ball with a bulge, which no primitive comes near.
+#[test]
+fn a_pear_is_a_free_surface_and_lies_where_it_is() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(43);
+    let radius = |n: Vector| 1.0 + 0.25 * n[2] + 0.15 * n[2].powi(3) + 0.1 * (2.0 * n[0]).sin() * n[1];
+    let mut points: Vec<Vector> = Vec::new();
+    for _ in 0..300 {
+        let direction = unit([gaussian(&mut generator), gaussian(&mut generator), gaussian(&mut generator)]);
+        let r = radius(direction) + 0.002 * gaussian(&mut generator);
+        points.push(direction.map(|v| r * v));
+    }
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let posterior = free_surface(&sample, &tuning).expect("a free surface");
+    let drawn = draws(&posterior, &tuning, 1);
+    let mut square = 0.0;
+    for k in 0..100 {
+        let (turn, h) = (2.4 * f64::from(k), f64::from(k) / 50.0 - 0.99);
+        let across = (1.0 - h * h).sqrt();
+        let direction = [across * turn.cos(), across * turn.sin(), h];
+        let place = sample.frame.to_patch(direction.map(|v| radius(direction) * v));
+        square += drawn[k as usize].distance(place).powi(2) / 100.0;
+    }
+    // noise is 0.002 of a body whose radius varies by 0.4
+    assert!(square.sqrt() * sample.frame.scale < 0.01, "{}", square.sqrt());
 }
 
 #[test]

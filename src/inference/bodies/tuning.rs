@@ -95,6 +95,12 @@ pub struct Tuning {
     pub thing_contacts: usize,
     /// Share of the contacts left out that the second thing holds: one more face of a cube has a fifth of them.
     pub second_share: f64,
+    /// Things that are told apart at most.
+    pub most_things: usize,
+    /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
+    pub things_hold: f64,
+    /// Scatter about things over that about one smooth surface, from which on they are pieces of it.
+    pub looser: f64,
     /// First things, the likeliest, of which the second is looked for.
     pub firsts: usize,
     /// Log evidence by which two things must be ahead of one.
@@ -170,6 +176,9 @@ impl Default for Tuning {
             belongs: 4.0,
             thing_contacts: 6,
             second_share: 0.15,
+            most_things: 16,
+            things_hold: 0.95,
+            looser: 2.0,
             firsts: 4,
             clearly: 10.0,
             row: 0.05,

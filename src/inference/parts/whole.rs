@@ -1,7 +1,7 @@
-//! The whole cloud as one primitive, or as two: what is one body is one part, however few or noisy its contacts are.
+//! The whole cloud as one primitive, or as a few: what is one body is one part, however few or noisy its contacts are.
 //!
 //! ```text
-//! one or two primitives by `bodies`, which hold 97 % of the contacts within four sds        else the cloud is cut
+//! primitives by `bodies`, which hold 97 % of the contacts within four sds        else the cloud is cut
 //! ```
 //!
 //! A departure that would be shape is no primitive, and an ellipsoid is no part.
@@ -25,7 +25,7 @@ const DEPARTS: f64 = 0.02;
 /// Scatter about a primitive over what neighbourhoods show, beyond which it is none of the contacts' own.
 const LOOSE: f64 = 3.0;
 
-/// A partition of one or two parts; `None` where these do not hold nearly all. `measured` says whether the normals are, and `noise`
+/// A partition of a few parts; `None` where these do not hold nearly all. `measured` says whether the normals are, and `noise`
 /// what neighbourhoods show, with what is let pass.
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
@@ -38,7 +38,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
             let (primitive, scatter) = (posterior.likeliest(kind)?, node.scatter().hypot(node.departure_size()));
             vec![Thing { primitive, contacts: posterior.members_of(kind).len(), scatter }]
         }
-        Verdict::Several(things) => things.to_vec(),
+        Verdict::Several(things) => things,
         Verdict::None => return None,
     };
     let is_loose = |thing: &Thing| thing.scatter > LOOSE * noise.distance;

@@ -64,16 +64,15 @@ pub enum RecognitionError {
         /// Whether the normals were given; otherwise they are those of the surface through the positions.
         measured: bool,
     },
-    /// Two surfaces explain the contacts clearly better than one.
-    #[error(
-        "the contacts show several things: {} ({:.0} % of them) and {} ({:.0} %)",
-        things[0], percent[0], things[1], percent[1]
-    )]
+    /// Several surfaces explain the contacts clearly better than one.
+    #[error("the contacts show several things: {}", listed(things, percent))]
     SeveralThings {
-        /// Both in words, with their radius.
-        things: [String; 2],
+        /// All of them in words, with their radius.
+        things: Vec<String>,
         /// Their share of the contacts, percent.
-        percent: [f64; 2],
+        percent: Vec<f64>,
+        /// Root mean square scatter of the contacts about them, input units.
+        misfit: f64,
     },
     /// The normals agree with the places once their columns are exchanged or reversed.
     #[error(
@@ -91,6 +90,23 @@ pub enum RecognitionError {
         /// What went wrong.
         what: &'static str,
     },
+}
+
+/// Things with their shares; of many the largest.
+fn listed(things: &[String], percent: &[f64]) -> String {
+    const LISTED: usize = 4;
+    let each = |(number, (thing, share)): (usize, (&String, &f64))| {
+        let of_them = if number == 0 { " of them" } else { "" };
+        format!("{thing} ({share:.0} %{of_them})")
+    };
+    let mut all: Vec<String> = things.iter().zip(percent).enumerate().map(each).collect();
+    if all.len() > LISTED {
+        let more = all.len() - LISTED + 1;
+        all.truncate(LISTED - 1);
+        all.push(format!("{more} more"));
+    }
+    let last = all.pop().unwrap_or_default();
+    if all.is_empty() { last } else { format!("{} and {last}", all.join(", ")) }
 }
 
 /// That contacts go around a body, and what tells.

@@ -90,11 +90,14 @@ pub fn shown(
             None => Ok(Shown::Simple(Box::new(found))),
         },
         Ok(found) => Ok(Shown::Simple(Box::new(found))),
-        Err(error @ RecognitionError::NotOneSheet { .. }) => {
+        Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::SeveralThings { .. })) => {
+            // pieces of waves are no things: a field is nearer to the contacts that it was not told of than they are to the pieces
+            let most =
+                if let RecognitionError::SeveralThings { misfit, .. } = &error { *misfit } else { f64::INFINITY };
             let contacts = contacts();
             let field = request.axes(&contacts).into_iter().find_map(|axes| {
                 let field = flexible(&contacts, axes, request.fit).and_then(Result::ok);
-                field.filter(|field| field.error < PREDICTED * field.relief)
+                field.filter(|field| field.error < (PREDICTED * field.relief).min(most))
             });
             field.map(|field| Shown::Flexible(Box::new(field), None)).ok_or(error)
         }

@@ -185,8 +185,8 @@ fn all_around(normals: &[Vector]) -> RecognitionError {
     RecognitionError::AllAround { mean_length: norm(mean_of(normals)), measured: true }
 }
 
-/// Both things in words.
-fn several(sample: &BodySample, things: &[Thing; 2]) -> RecognitionError {
+/// All of them in words.
+fn several(sample: &BodySample, things: &[Thing]) -> RecognitionError {
     let share = |thing: &Thing| 100.0 * thing.contacts as f64 / sample.len() as f64;
     let name = |thing: &Thing| {
         let radius = significant(thing.primitive.sizes[0] * sample.frame.scale);
@@ -199,7 +199,11 @@ fn several(sample: &BodySample, things: &[Thing; 2]) -> RecognitionError {
             PartKind::Ellipsoid => "an ellipsoid".to_string(),
         }
     };
-    RecognitionError::SeveralThings { things: things.each_ref().map(name), percent: things.each_ref().map(share) }
+    RecognitionError::SeveralThings {
+        things: things.iter().map(name).collect(),
+        percent: things.iter().map(share).collect(),
+        misfit: sample.frame.scale * bodies::scatter(things),
+    }
 }
 
 /// Four digits.
