@@ -41,6 +41,10 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
         Verdict::Several(things) => things,
         Verdict::None => return None,
     };
+    // of many things a ring follows what lies between the others, and other contacts give others
+    if things.len() > 2 && things.iter().any(|thing| thing.primitive.kind == PartKind::Torus) {
+        return None;
+    }
     let is_loose = |thing: &Thing| thing.scatter > LOOSE * noise.distance;
     if things.iter().any(|thing| thing.primitive.kind == PartKind::Ellipsoid || is_loose(thing)) {
         return None;
