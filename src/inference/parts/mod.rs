@@ -67,7 +67,7 @@ use answer::Findings;
 use cloud::{Cloud, FEWEST_POINTS};
 use evidence::Cells;
 use local::{Noise, local_shapes};
-use partition::{Field, partition};
+use partition::{Field, partition, settled};
 
 /// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
 /// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
@@ -110,6 +110,8 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
     if let Some(found) = whole::whole(&cloud, !estimated, &coarse) {
+        // where two of many things meet, neighbours tell better than distances which of them a point belongs to
+        let found = if found.parts.len() > 2 { settled(found, &field) } else { found };
         let cells = &field.cells;
         return Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(found, notes));
     }

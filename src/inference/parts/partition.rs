@@ -59,9 +59,13 @@ pub(super) struct Field<'a> {
 
 /// Cuts the cloud into parts.
 pub(super) fn partition(field: &Field) -> Partition {
-    let (cloud, coarse) = (field.cloud, field.coarse);
-    let mut partition = grown(cloud, field.shapes, coarse);
-    let mut fine = *coarse;
+    settled(grown(field.cloud, field.shapes, field.coarse), field)
+}
+
+/// Parts whose edges and sizes follow each other until nothing changes.
+pub(super) fn settled(mut partition: Partition, field: &Field) -> Partition {
+    let cloud = field.cloud;
+    let mut fine = *field.coarse;
     for round in 0..ROUNDS {
         let before = partition.labels.clone();
         partition.refit(field);
