@@ -91,17 +91,17 @@ def test_arrays_are_judged_as_a_file_of_them(tmp_path: Path) -> None:
     table = np.column_stack([contacts[n] for n in names])
     file = tmp_path / "contacts.csv"
     np.savetxt(file, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
-    by_file = palpate.frontier(file, seconds=0.1)
-    by_arrays = palpate.frontier(x, y, z, normals=normals, seconds=0.1, budget=0.01)
+    by_file = palpate.frontier(file, seconds=4.0)
+    by_arrays = palpate.frontier(x, y, z, normals=normals, seconds=4.0, budget=0.01)
     assert judged(by_arrays) == judged(by_file) and by_arrays.document["reference"] == by_file.document["reference"]
     assert by_arrays.document["scene"] == "contacts"
     assert by_arrays.pick is not None and by_arrays.pick.met and by_arrays.scene is None
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(contacts)
-    assert judged(palpate.frontier(frame, seconds=0.1)) == judged(by_file)
-    slanted = palpate.frontier(x, y, z, normals=-normals, flip_normals=True, seconds=0.1)
+    assert judged(palpate.frontier(frame, seconds=4.0)) == judged(by_file)
+    slanted = palpate.frontier(x, y, z, normals=-normals, flip_normals=True, seconds=4.0)
     assert judged(slanted) == judged(by_file)
-    bare = palpate.frontier(x.tolist(), y, z.astype("f4"), seconds=0.1)
+    bare = palpate.frontier(x.tolist(), y, z.astype("f4"), seconds=4.0)
     assert 0 < len(bare.points) < len(by_file.points)
 
 
