@@ -18,11 +18,11 @@ print(SCENE.read_text())
 
 # %% [markdown]
 # The object is a piece of a ring (a torus), whose shape changes from place to place. Seven fingers touch it at 21 places each, with a
-# little noise. Each call below may time the ways for five seconds.
+# little noise. Each call below may time the ways for half a minute.
 
 # %%
 ASKED_S, BUDGET = 0.01, "500us"
-COMMON = ("frontier", SCENE, "--keep-stations", "--uncounted", "--seconds", 5)
+COMMON = ("frontier", SCENE, "--keep-stations", "--uncounted", "--seconds", 30)
 document = palpate(*COMMON, "--error-s", ASKED_S)
 
 
