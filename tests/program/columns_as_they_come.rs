@@ -2,21 +2,9 @@
 
 use std::path::Path;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
-fn output(directory: &Path, line: &str) -> (String, String, Option<i32>) {
-    let mut command = Command::cargo_bin("palpate").unwrap();
-    let output = command.current_dir(directory).args(line.split_whitespace()).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (text(output.stdout), text(output.stderr), output.status.code())
-}
-
-fn told(directory: &Path, line: &str) -> String {
-    let (out, err, code) = output(directory, line);
-    assert_eq!((err.as_str(), code), ("", Some(0)), "{line}");
-    out
-}
+use super::command_line::{output, told};
 
 /// A folder with the contacts of the built-in bar, and what writes them under another header.
 fn bench() -> (tempfile::TempDir, String) {

@@ -6,6 +6,7 @@ mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;
 mod columns_as_they_come;
+mod command_line;
 mod deadlines;
 mod diff;
 mod draws;

@@ -2,25 +2,13 @@
 
 use std::path::Path;
 
-use assert_cmd::Command;
 use serde_json::Value;
+
+use super::command_line::{output, told};
 
 const BAR: &str = "name = \"a bar\"\nseed = 4\n[surface]\nkind = \"cylinder\"\nradius = 25.0\naxis_deg = 30.0\n[sweep]\n\
     fingers = [-6.0, -3.0, 0.0, 3.0, 6.0]\nfrom = -6.0\nto = 6.0\nstations = 12\n[effects.position_noise]\nsigma = 0.05\n\
     [effects.normal_noise]\nsigma_deg = 3.0\n";
-
-fn output(directory: &Path, line: &str) -> (String, String, Option<i32>) {
-    let mut command = Command::cargo_bin("palpate").unwrap();
-    let output = command.current_dir(directory).args(line.split_whitespace()).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (text(output.stdout), text(output.stderr), output.status.code())
-}
-
-fn told(directory: &Path, line: &str) -> String {
-    let (out, err, code) = output(directory, line);
-    assert_eq!((err.as_str(), code), ("", Some(0)), "{line}");
-    out
-}
 
 /// Text without its line breaks, which stand wherever a line is full.
 fn flowing(text: &str) -> String {

@@ -10,7 +10,7 @@
 
 use super::evidence::{BodyHypothesis, LinearisedBase, moved};
 use super::inference::{BodyPosterior, normalised};
-use super::mode::{FalseContacts, Mode};
+use super::mode::{Mode, next_to_all};
 use super::posterior::DrawnBase;
 use super::sample::BodySample;
 use super::search::modes;
@@ -43,10 +43,10 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
 /// The ball or ellipsoid next to the contacts, where these go all round it: what closes is nearer to one of these than to others.
 fn base_of(sample: &BodySample, tuning: &Tuning) -> Option<Mode> {
     let few = sample.at_most(tuning.searched);
-    let whole = modes(&few, tuning).into_iter().filter(|mode| mode.strays == FalseContacts::None && closes(mode));
-    let base = whole.min_by(|a, b| a.sd[0].total_cmp(&b.sd[0]))?;
+    let found = modes(&few, tuning);
+    let base = next_to_all(found.iter().filter(|mode| closes(mode)))?;
     let normals: Vec<Vector> = few.points.iter().map(|p| base.primitive.nearest(*p).1).collect();
-    (norm(mean_of(&normals)) < tuning.all_round).then_some(base)
+    (norm(mean_of(&normals)) < tuning.all_round).then(|| base.clone())
 }
 
 fn closes(mode: &Mode) -> bool {

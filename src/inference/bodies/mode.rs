@@ -66,6 +66,12 @@ impl Mode {
     }
 }
 
+/// Of modes without false contacts the one that all contacts are next to.
+pub(super) fn next_to_all<'a>(modes: impl Iterator<Item = &'a Mode>) -> Option<&'a Mode> {
+    let whole = modes.filter(|mode| mode.strays == FalseContacts::None);
+    whole.min_by(|a, b| a.sd[0].total_cmp(&b.sd[0]))
+}
+
 /// A given normal on the side of the base's: which side is free is asked at the end, of all normals together.
 pub(super) fn aligned(given: Vector, of_base: Vector) -> Vector {
     if dot(given, of_base) < 0.0 { scaled(-1.0, given) } else { given }

@@ -10,7 +10,7 @@
 
 use super::candidates::{on_either_side, principal};
 use super::evidence::LinearisedBase;
-use super::mode::{Candidate, FalseContacts, Mode, log_false, mode};
+use super::mode::{Candidate, FalseContacts, Mode, log_false, mode, next_to_all};
 use super::sample::BodySample;
 use super::search::{minorities, modes};
 use super::tuning::Tuning;
@@ -69,7 +69,7 @@ pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, t
         log += next.gain;
         things.push(next.thing);
     }
-    // pieces of a smooth surface are many things, too, but leave contacts between them
+    // further things count only where nothing else is left: else they are what is near the first two
     let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
     let holds_all = held >= tuning.things_hold * sample.len() as f64;
     let most = if holds_all { log } else { of_two };
@@ -86,8 +86,7 @@ pub(crate) fn scatter(things: &[Thing]) -> f64 {
 
 /// Scatter about one smooth surface of any shape over the primitive next to all contacts: pieces of waves scatter more.
 fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
-    let whole = known.iter().filter(|mode| mode.strays == FalseContacts::None);
-    let Some(base) = whole.min_by(|a, b| a.sd[0].total_cmp(&b.sd[0])) else { return f64::INFINITY };
+    let Some(base) = next_to_all(known.iter()) else { return f64::INFINITY };
     let linearised = LinearisedBase::new(base, sample, tuning).with_lengths(&tuning.free_lengths, tuning.free_features);
     let nodes = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning);
     nodes.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)).map_or(f64::INFINITY, |node| node.scatter())

@@ -17,12 +17,9 @@ use super::mode::is_possible;
 use super::tuning::Tuning;
 use crate::dense;
 use crate::primitives::placed::{Primitive, axes_along};
-use palpate_numeric::draws::EffectDraws;
+use palpate_numeric::draws::{EffectDraws, evenly};
 use palpate_numeric::statistics::weighted_quantile;
 use palpate_numeric::vector::{Vector, along, dot, minus, unit};
-
-/// The golden section less one: its multiples fall evenly into 0 to 1, so that draws of every node are read both ways.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Steps onto a surface: each squares what is left.
 const ONTO: usize = 4;
@@ -192,7 +189,8 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             // a radius below zero is no body: the likeliest stands for it
             let primitive = if is_possible(&drawn) { drawn } else { moved(&base, node.step()) };
             let as_error = if posterior.is_free { 0.0 } else { is_sensor_error(node, tuning) };
-            let is_error = found.len() as f64 * GOLDEN % 1.0 < as_error;
+            // draws of every node are read both ways
+            let is_error = evenly(found.len()) < as_error;
             let process = node.process.clone().filter(|_| !is_error);
             let departure = process.map(|process| {
                 let coefficients = process.coefficients(&step[..weights]);

@@ -25,6 +25,21 @@ pub use gaussian::{BoxMuller, OpenUniform, box_muller, uniform_open};
 pub use law::{DrawSource, NoiseLaw};
 pub use lcg::Lcg;
 
+/// The golden section, less one.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Number `k` of a sequence that falls evenly into 0 to 1 wherever it is broken off: the multiples of the golden section, modulo 1.
+///
+/// ```
+/// use palpate_numeric::draws::evenly;
+///
+/// let low = (0..1000).filter(|k| evenly(*k) < 0.3).count();
+/// assert!(low.abs_diff(300) <= 2);
+/// ```
+pub fn evenly(k: usize) -> f64 {
+    (k as f64 * GOLDEN).fract()
+}
+
 /// Words (u64) drawn from the generator at once: enough for the vector loop, and few enough (512 bytes) that clearing
 /// the buffer costs a single replicate little.
 const CHUNK: usize = 64;

@@ -19,6 +19,7 @@
 use crate::recognition::start::thinned;
 use palpate_fitting::fit::{Fit, FitError, FitOptions, fit_contacts, fit_contacts_over};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
+use palpate_numeric::draws::evenly;
 use palpate_numeric::vector::Vector;
 
 /// Blocks each way, and the number of groups that are left out one after the other.
@@ -46,9 +47,6 @@ const FINE_SEGMENTS: [usize; 9] = [2, 4, 6, 8, 10, 12, 16, 24, 32];
 /// Contacts for every unknown at least, where blocks and where single contacts are left out.
 const PER_UNKNOWN: f64 = 3.0;
 const PER_FINE_UNKNOWN: f64 = 1.3;
-
-/// The golden section, less one.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Contacts among which blocks are left out; more would take longer and choose the same.
 const MOST_CONTACTS: usize = 10_000;
@@ -145,8 +143,8 @@ fn left_out(contacts: &Contacts, segments: [usize; 2], [x, y]: [[f64; 2]; 2], ou
     let block = |v: f64, [lo, hi]: [f64; 2]| ((BLOCKS as f64 * (v - lo) / (hi - lo)) as usize).min(BLOCKS - 1);
     let group = |r: usize| match out {
         LeftOut::Blocks => (block(contacts.x[r], x) + 2 * block(contacts.y[r], y)) % GROUPS,
-        // by the golden section, so that no rows of a lattice are left out together
-        LeftOut::Contacts => (GROUPS as f64 * (r as f64 * GOLDEN).fract()) as usize,
+        // no rows of a lattice are left out together
+        LeftOut::Contacts => (GROUPS as f64 * evenly(r)) as usize,
     };
     let mut options = FitOptions::default();
     (options.degree, options.segments) = ([DEGREE; 2], segments);
