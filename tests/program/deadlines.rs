@@ -47,9 +47,11 @@ fn ends(mut child: Child) -> (Option<i32>, String, String) {
 const BALL: &str = "name = \"ball\"\n[surface]\nkind = \"sphere\"\nradius = 10.0\n[sweep]\nfingers = [-2.0, 0.0, 2.0]\n\
                     from = -2.0\nto = 2.0\nstations = 5\n[effects.row_noise]\nsigma_z = 0.02\n[fit]\ngrid = [4, 4]\n";
 
-/// A box scanned so densely that its parts take minutes.
-const DENSE: &str = "name = \"a box\"\n[surface]\nkind = \"solids\"\n[[surface.parts]]\nkind = \"block\"\n\
-                     size = [16.0, 12.0, 10.0]\n[sweep]\npath = \"scan\"\nspacing = 0.15\neye = [50.0, 40.0, 45.0]\n\
+/// A box, a ring and a ball scanned so densely that their shapes take a second, and their parts more than that.
+const DENSE: &str = "name = \"things\"\n[surface]\nkind = \"solids\"\n[[surface.parts]]\nkind = \"block\"\n\
+                     size = [16.0, 12.0, 10.0]\n[[surface.parts]]\nkind = \"ring\"\nmajor = 6.0\nminor = 2.0\n\
+                     offset = [0.0, 0.0, 8.0]\n[[surface.parts]]\nkind = \"ball\"\nradius = 4.0\noffset = [14.0, 0.0, 0.0]\n\
+                     [sweep]\npath = \"scan\"\nspacing = 0.1\neye = [50.0, 40.0, 45.0]\n\
                      [effects.position_noise]\nsigma = 0.02\n";
 
 #[test]
@@ -80,18 +82,30 @@ fn an_interrupt_ends_whole_fits_and_what_is_computed_of_them() {
     }
 }
 
-/// Sends the signal later and later, until standard error says what is `wanted`: what was printed by then, and that message. The
-/// line must not end by itself.
+/// Sends the signal as soon as it is time, which must be before the line ends by itself: how it ended.
+#[cfg(unix)]
+fn signalled(here: &Path, signal: &str, line: &str, is_time: impl Fn(Duration) -> bool) -> (Option<i32>, String, String) {
+    let mut child = start(here, line);
+    let began = Instant::now();
+    while !is_time(began.elapsed()) {
+        std::thread::sleep(Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "{line} ended by itself within {:?}", began.elapsed());
+    }
+    assert!(std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+    ends(child)
+}
+
+/// Sends the signal later and later, until standard error says what is `wanted`: what was printed by then, and that message.
+/// The times lie close together, so that no stage of the work is stepped over on a quicker or slower machine.
 #[cfg(unix)]
 fn interrupted(here: &Path, signal: &str, line: &str, wanted: &str) -> (String, String) {
-    for seconds in [1, 2, 4, 8, 16, 32] {
-        let child = start(here, line);
-        std::thread::sleep(Duration::from_secs(seconds));
-        let sent = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-        assert!(sent.success(), "{line} ended by itself within {seconds} s");
-        let (code, out, message) = ends(child);
-        assert_eq!(code, Some(130), "{line}: {message}");
+    let times = std::iter::successors(Some(0.5), |seconds| Some(seconds * 1.4)).take_while(|seconds| *seconds < 60.0);
+    for time in times.map(Duration::from_secs_f64) {
+        let (code, out, message) = signalled(here, signal, line, |elapsed| elapsed >= time);
+        // no code: the signal came before the program was ready for it
+        assert!(matches!(code, Some(130) | None), "{line}: {code:?} {message}");
         if message.contains(wanted) {
+            assert_eq!(code, Some(130), "{line}: {message}");
             assert_eq!(message.matches("interrupted").count(), 1, "{message}");
             return (out, message);
         }
@@ -144,7 +158,8 @@ fn an_interrupt_before_the_parts_are_known_says_what_is_kept() {
         interrupted(here, "-TERM", "parts dense.toml --json", "before the parts were known; nothing is kept");
     assert!(out.is_empty(), "{out}");
     let line = "parts dense.toml --points p.csv --json";
-    let (out, _) =
-        interrupted(here, "-INT", line, "before the parts were known; the shape of every point is kept in p.csv");
+    let (code, out, message) = signalled(here, "-INT", line, |_| here.join("p.csv").exists());
+    assert_eq!(code, Some(130), "{message}");
+    assert!(message.contains("before the parts were known; the shape of every point is kept in p.csv"), "{message}");
     assert!(out.is_empty() && std::fs::read_to_string(here.join("p.csv")).unwrap().lines().count() > 1000);
 }
