@@ -10,7 +10,7 @@
 //! The prior of s is 1/s, and s is integrated. ln v has a gaussian prior, and is integrated by Laplace's method about the v where
 //! ln p is largest: few distances could otherwise be followed exactly while the normals pay. w and x are drawn together from A.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
 use faer::Mat;
@@ -18,6 +18,7 @@ use statrs::function::beta::ln_beta;
 use statrs::function::gamma::ln_gamma;
 
 use super::departure::{DepartureOver, DepartureProcess};
+use super::division::log_division;
 use super::mode::{Mode, log_false};
 use super::prior::{log_prior, widths};
 use super::rows::{BaseRows, RowGrams};
@@ -122,9 +123,7 @@ impl<'a> LinearisedBase<'a> {
         let away = mode.others();
         let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count() as f64;
         let falsely: f64 = away.iter().map(|i| log_false(tuning, sample.normal(*i).is_some())).sum();
-        let (count, strays) = (sample.len() as f64, away.len() as f64);
-        let share = ln_beta(1.0 + strays, tuning.false_prior + count - strays) - ln_beta(1.0, tuning.false_prior);
-        let constant = log_prior(&mode.primitive) + falsely + share;
+        let constant = log_prior(&mode.primitive) + falsely + log_share(away.len(), sample.len(), tuning);
         let rows = [members.len() as f64, 2.0 * normals];
         let base = BaseRows::new(&mode.primitive, &members, sample, DepartureOver::Feet);
         let (plain, departed, primitive) = (base.grams(), Vec::new(), mode.primitive);
@@ -136,6 +135,14 @@ impl<'a> LinearisedBase<'a> {
     /// The same with a primitive that does not move and departures in space, which carry all.
     pub(super) fn in_space(self) -> LinearisedBase<'a> {
         LinearisedBase { widths: [HELD; MOST_UNKNOWNS], over: DepartureOver::Space, ..self }
+    }
+
+    /// The same where the contacts left out are false, or belong to another thing.
+    pub(super) fn beside_others(mut self, tuning: &Tuning) -> LinearisedBase<'a> {
+        let by_share = log_share(self.sample.len() - self.members.len(), self.sample.len(), tuning);
+        let by_place = log_division(self.sample, &self.members);
+        self.constant += by_share.max(by_place) + (-(by_share - by_place).abs()).exp().ln_1p() - LN_2 - by_share;
+        self
     }
 
     /// With departures of all lengths.
@@ -287,6 +294,12 @@ impl<'a> LinearisedBase<'a> {
             - places as f64 * ratio.ln();
         Some(FactoredEquations { log, lower, reduced, sum })
     }
+}
+
+/// Log probability that so many contacts are false, each for itself.
+fn log_share(strays: usize, count: usize, tuning: &Tuning) -> f64 {
+    let (strays, count) = (strays as f64, count as f64);
+    ln_beta(1.0 + strays, tuning.false_prior + count - strays) - ln_beta(1.0, tuning.false_prior)
 }
 
 /// Sum over the contacts of the squared departure.

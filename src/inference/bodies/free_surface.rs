@@ -40,13 +40,17 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
 }
 
-/// The ball or ellipsoid next to the contacts, where these go all round it: what closes is nearer to one of these than to others.
+/// The primitive next to the contacts: where these go all round it a ball or an ellipsoid, since what closes is nearer to one of these
+/// than to others.
 fn base_of(sample: &BodySample, tuning: &Tuning) -> Option<Mode> {
     let few = sample.at_most(tuning.searched);
     let found = modes(&few, tuning);
-    let base = next_to_all(found.iter().filter(|mode| closes(mode)))?;
-    let normals: Vec<Vector> = few.points.iter().map(|p| base.primitive.nearest(*p).1).collect();
-    (norm(mean_of(&normals)) < tuning.all_round).then(|| base.clone())
+    let goes_all_round = |base: &&Mode| {
+        let normals: Vec<Vector> = few.points.iter().map(|p| base.primitive.nearest(*p).1).collect();
+        norm(mean_of(&normals)) < tuning.all_round
+    };
+    let closed = next_to_all(found.iter().filter(|mode| closes(mode))).filter(goes_all_round);
+    closed.or_else(|| next_to_all(found.iter())).cloned()
 }
 
 fn closes(mode: &Mode) -> bool {

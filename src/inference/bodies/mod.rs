@@ -16,6 +16,7 @@
 mod candidates;
 mod chart;
 mod departure;
+mod division;
 mod evidence;
 mod free_surface;
 mod inference;
@@ -31,6 +32,7 @@ mod tests;
 mod tuning;
 
 pub(crate) use chart::BodyChart;
+pub(crate) use evidence::BodyHypothesis;
 pub(crate) use free_surface::free_surface;
 pub(crate) use inference::{BodyPosterior, Verdict, infer};
 pub(crate) use other_things::{Thing, scatter};

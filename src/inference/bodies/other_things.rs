@@ -6,7 +6,8 @@
 //! ln p(two things) = ln p(first, others false) - ln p(others false) + ln p(second of the others)
 //! ```
 //!
-//! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter.
+//! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter, and with that of
+//! one smooth surface of any shape: pieces of a wave are not more probable than the wave.
 
 use super::candidates::{on_either_side, principal};
 use super::evidence::LinearisedBase;
@@ -44,10 +45,10 @@ pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, t
     let sheets: Vec<Mode> = parallel
         .filter_map(|start| mode(&Candidate::new(start, FalseContacts::Some, tuning), sample, tuning))
         .collect();
-    let with_evidence = |first| Some((LinearisedBase::new(first, sample, tuning).without_departure(tuning)?, first));
+    let with_evidence = |first| Some((of_one_thing(first, sample, tuning)?, first));
     let few = minorities(sample, tuning);
     let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).chain(&few).filter_map(with_evidence).collect();
-    firsts.retain(|(_, first)| leaves_enough(sample, first, tuning));
+    firsts.retain(|(_, first)| is_near(first, tuning) && leaves_enough(sample, first, tuning));
     firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
     let split = |(of_first, first): (f64, &'_ Mode)| {
         let others = sample.only(&first.others());
@@ -73,8 +74,7 @@ pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, t
     let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
     let holds_all = held >= tuning.things_hold * sample.len() as f64;
     let most = if holds_all { log } else { of_two };
-    let is_clear =
-        most > of_one + tuning.clearly && scatter(&things) < tuning.looser * of_smooth(sample, known, tuning);
+    let is_clear = most > of_one + tuning.clearly && most > of_smooth(sample, known, tuning) + tuning.clearly;
     is_clear.then_some(things)
 }
 
@@ -84,18 +84,23 @@ pub(crate) fn scatter(things: &[Thing]) -> f64 {
     (things.iter().map(|thing| thing.contacts as f64 * thing.scatter.powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// Scatter about one smooth surface of any shape over the primitive next to all contacts: pieces of waves scatter more.
+/// Log evidence of one smooth surface of any shape over the primitive next to all contacts, the best of its lengths and sizes.
 fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
-    let Some(base) = next_to_all(known.iter()) else { return f64::INFINITY };
+    let Some(base) = next_to_all(known.iter()) else { return f64::NEG_INFINITY };
     let linearised = LinearisedBase::new(base, sample, tuning).with_lengths(&tuning.free_lengths, tuning.free_features);
     let nodes = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning);
-    nodes.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)).map_or(f64::INFINITY, |node| node.scatter())
+    nodes.map(|node| node.log_evidence).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Whether contacts lie on it: a plane between two faces has the normals of both and none of their contacts.
+fn is_near(mode: &Mode, tuning: &Tuning) -> bool {
+    mode.sd[0] <= tuning.largest_scatter
 }
 
 /// Whether the first thing has contacts enough, leaves enough, and neither are one row.
 fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
     let own = first.members();
-    let least = ((tuning.other_things * sample.len() as f64).ceil() as usize).max(tuning.thing_contacts);
+    let least = ((tuning.other_things * sample.len() as f64).ceil() as usize).max(fewest(sample, tuning));
     let counts = own.len() >= least && sample.len() - own.len() >= least;
     counts && spans(&sample.only(&own), tuning) && spans(&sample.only(&first.others()), tuning)
 }
@@ -114,45 +119,72 @@ fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
     if !may_hold_a_thing(rest, tuning) {
         return None;
     }
-    let mut found = modes(rest, tuning);
-    found.extend(minorities(rest, tuning));
+    let found = all_modes(rest, tuning);
     let rated = with_gains(&found, rest, tuning);
-    let best = |any: &dyn Fn(&Mode) -> bool| {
-        rated.iter().filter(|(_, m)| any(m)).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(gain, m)| (*gain, *m))
+    let by_gain = |a: &&(f64, &Mode), b: &&(f64, &Mode)| a.0.total_cmp(&b.0);
+    let (mut gain, mut chosen) = *rated.iter().max_by(by_gain)?;
+    // a ring or an ellipsoid, or whatever scatters widely, may follow two simpler things at once
+    let is_rival = |m: &Mode| is_simple(m) && (!is_simple(chosen) || m.sd[0] < tuning.sharper * chosen.sd[0]);
+    let of_kind = |kind: PartKind| {
+        let own = rated.iter().filter(|(_, m)| m.primitive.kind == kind && is_rival(m));
+        own.max_by(by_gain)
     };
-    let (mut gain, mut chosen) = best(&|_| true)?;
-    // a ring or an ellipsoid may follow two simpler things at once
-    let simple = if is_simple(chosen) { None } else { best(&is_simple) };
-    if let Some((of_simple, simple)) = simple.filter(|(of_simple, m)| of_simple + of_next(m, rest, tuning) > gain) {
+    let with_next = SIMPLE.into_iter().filter_map(of_kind).map(|(own, m)| (own + of_next(m, rest, tuning), *own, *m));
+    let most = with_next.max_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, of_simple, simple)) = most.filter(|(both, ..)| *both > gain) {
         (gain, chosen) = (of_simple, simple);
     }
-    let thing = Thing::of(chosen);
-    if thing.contacts < tuning.thing_contacts || (thing.contacts as f64) < tuning.second_share * rest.len() as f64 {
-        return None;
-    }
-    Some(NextThing { thing, gain, left: chosen.others() })
+    Some(NextThing { thing: Thing::of(chosen), gain, left: chosen.others() })
 }
 
-/// What the likeliest minority of the contacts that a mode leaves out gains; 0 where there is none.
+/// Modes that hold most of the contacts, and a minority of them.
+fn all_modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
+    let mut found = modes(sample, tuning);
+    found.extend(minorities(sample, tuning));
+    found
+}
+
+/// What the likeliest primitive of the contacts that a mode leaves out gains; 0 where there is none.
 fn of_next(mode: &Mode, rest: &BodySample, tuning: &Tuning) -> f64 {
     let left = rest.only(&mode.others());
-    let beside = if may_hold_a_thing(&left, tuning) { minorities(&left, tuning) } else { Vec::new() };
+    let beside = if may_hold_a_thing(&left, tuning) { all_modes(&left, tuning) } else { Vec::new() };
     with_gains(&beside, &left, tuning).iter().map(|(gain, _)| *gain).fold(0.0, f64::max)
 }
 
-/// Log evidence of modes less that of all contacts being false.
+/// Log evidence of one thing, the others being false.
+fn of_one_thing(mode: &Mode, sample: &BodySample, tuning: &Tuning) -> Option<f64> {
+    LinearisedBase::new(mode, sample, tuning).beside_others(tuning).without_departure(tuning)
+}
+
+/// Modes with contacts enough, and their log evidence less that of all contacts being false.
 fn with_gains<'a>(found: &'a [Mode], rest: &BodySample, tuning: &Tuning) -> Vec<(f64, &'a Mode)> {
     let by_chance: f64 = (0..rest.len()).map(|i| log_false(tuning, rest.normal(i).is_some())).sum();
-    let gain = |m: &Mode| Some(LinearisedBase::new(m, rest, tuning).without_departure(tuning)? - by_chance);
-    found.iter().filter_map(|m| Some((gain(m)?, m))).collect()
+    let gain = |m: &Mode| Some(of_one_thing(m, rest, tuning)? - by_chance);
+    let least = fewest(rest, tuning).max((tuning.second_share * rest.len() as f64).ceil() as usize);
+    let is_thing = |m: &&Mode| is_near(m, tuning) && m.members().len() >= least && is_told(m, rest);
+    found.iter().filter(is_thing).filter_map(|m| Some((gain(m)?, m))).collect()
+}
+
+/// Whether its contacts have more rows than it takes to pass through them.
+fn is_told(mode: &Mode, sample: &BodySample) -> bool {
+    let normals = mode.members().iter().filter(|i| sample.normal(**i).is_some()).count();
+    mode.members().len() + 2 * normals > unknowns(mode) + 1
+}
+
+/// Contacts that a thing has at least.
+fn fewest(sample: &BodySample, tuning: &Tuning) -> usize {
+    tuning.thing_contacts[usize::from(sample.known_normals() == sample.len())]
 }
 
 fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
-    rest.len() >= tuning.thing_contacts && spans(rest, tuning)
+    rest.len() >= fewest(rest, tuning) && spans(rest, tuning)
 }
 
+/// Kinds that do not follow two things at once.
+const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
+
 fn is_simple(mode: &Mode) -> bool {
-    !matches!(mode.primitive.kind, PartKind::Torus | PartKind::Ellipsoid)
+    SIMPLE.contains(&mode.primitive.kind)
 }
 
 fn unknowns(mode: &Mode) -> usize {

@@ -57,9 +57,11 @@ pub struct Tuning {
     pub free_features: usize,
     /// Root mean square error at contacts left out, over that of the best primitive, up to which a free surface is an answer.
     pub free_predicts: f64,
-    /// Share of all contacts that each of two things has at least, counting with the second what both leave out: one face of a cube has
-    /// a sixth.
+    /// Share of all contacts that each of two things has at least, counting with the second what both leave out: half a ball at the end of
+    /// a long bar has a twentieth.
     pub other_things: f64,
+    /// Share of the contacts that is looked for as one thing of many: one face of a cube has a sixth.
+    pub one_of_many: f64,
     /// Angle from the mean normal, degrees, beyond which contacts are judged as a body and not as a patch.
     pub patch_reach_deg: f64,
     /// Kurtosis of the distances from a surface below which two sheets are looked for: gaussian 3, even 1.8, two values 1.
@@ -91,16 +93,16 @@ pub struct Tuning {
     pub hopeless: [f64; 2],
     /// Standard deviations within which a contact belongs to a primitive that was fitted to others of the same cloud.
     pub belongs: f64,
-    /// Contacts that each of several things has at least.
-    pub thing_contacts: usize,
+    /// Contacts that each of several things has at least, without and with normals, which are two more rows of a contact each.
+    pub thing_contacts: [usize; 2],
     /// Share of the contacts left out that the second thing holds: one more face of a cube has a fifth of them.
     pub second_share: f64,
     /// Things that are told apart at most.
     pub most_things: usize,
+    /// Scatter about a thing over that about what may be two things, below which the two are looked for: noise is the same all over.
+    pub sharper: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,
-    /// Scatter about things over that about one smooth surface, from which on they are pieces of it.
-    pub looser: f64,
     /// First things, the likeliest, of which the second is looked for.
     pub firsts: usize,
     /// Log evidence by which two things must be ahead of one.
@@ -158,7 +160,8 @@ impl Default for Tuning {
             free_contacts: 600,
             free_features: 240,
             free_predicts: 0.5,
-            other_things: 0.15,
+            other_things: 0.05,
+            one_of_many: 0.15,
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
             starts: 120,
@@ -174,11 +177,11 @@ impl Default for Tuning {
             extent: 3.0,
             hopeless: [60.0, 40.0],
             belongs: 4.0,
-            thing_contacts: 6,
+            thing_contacts: [6, 3],
             second_share: 0.15,
             most_things: 16,
+            sharper: 0.5,
             things_hold: 0.95,
-            looser: 2.0,
             firsts: 4,
             clearly: 10.0,
             row: 0.05,

@@ -14,9 +14,9 @@ use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
-use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
-use crate::recognition::contacts::{Observations, distance_from_conic, spread_beside_a_line};
+use crate::recognition::contacts::{Observations, along_paths, distance_from_conic, spread_beside_a_line};
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
 
@@ -45,8 +45,11 @@ pub(super) fn instead(
     let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
     match bodies::infer(&sample, &options.tuning) {
-        Verdict::Several(_) | Verdict::None if doubt == PatchDoubt::Kind => patch,
-        Verdict::Several(things) => Err(several(&sample, &things)),
+        Verdict::None if doubt == PatchDoubt::Kind => patch,
+        Verdict::Several(things) => match patch {
+            Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things) => Ok(found),
+            _ => Err(several(&sample, &things)),
+        },
         Verdict::One(posterior) => {
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
             body.check_axes_of_normals()?;
@@ -56,10 +59,10 @@ pub(super) fn instead(
             if too_few && body.probability() < options.tuning.sure_of_few {
                 return patch;
             }
+            let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(&posterior, found, &sample));
             let stays = match doubt {
-                PatchDoubt::Slight => !decisive,
-                // of kinds that bend in more than one way patches do not know the cone
-                PatchDoubt::Kind => posterior.weight_of(PartKind::Cone) < 0.5,
+                PatchDoubt::Slight => !decisive && !is_simpler,
+                PatchDoubt::Kind => !is_simpler,
                 _ => false,
             };
             if stays {
@@ -125,8 +128,10 @@ enum PatchDoubt {
 fn may_be_body(error: &RecognitionError, given: &Observations, tuning: &Tuning) -> bool {
     match error {
         RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } => true,
-        // places on one ring or in two rows lie on many surfaces; normals decide
-        RecognitionError::OnConic => given.normals.is_some(),
+        // places on one ring or in two rows lie on many surfaces, but a short pipe looks like a ring from its end
+        RecognitionError::OnConic => {
+            given.normals.is_some() || given.points.len() >= tuning.neighbourly && !along_paths(&given.points)
+        }
         RecognitionError::TooFew { .. } => {
             let in_a_row =
                 spread_beside_a_line(&given.points).is_ok_and(|[across, along]| across < tuning.narrow * along);
@@ -160,11 +165,33 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     }
     if matches!(
         found.hypothesis,
-        Hypothesis::Torus | Hypothesis::General | Hypothesis::Quadric | Hypothesis::Paraboloid
+        Hypothesis::Torus | Hypothesis::General | Hypothesis::Quadric | Hypothesis::Paraboloid | Hypothesis::Displaced
     ) {
         return PatchDoubt::Kind;
     }
     PatchDoubt::None
+}
+
+/// Whether a body is what a patch that bends in more than one way shows: of these patches do not know the cone, and a displaced one is
+/// whatever primitive it is no nearer to the contacts than.
+fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample) -> bool {
+    let of_displaced = || {
+        let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+        posterior.weight_without_departure() > 0.5 && sample.frame.scale * scatter <= scatter_about(found)
+    };
+    posterior.weight_of(PartKind::Cone) >= 0.5 || found.hypothesis == Hypothesis::Displaced && of_displaced()
+}
+
+/// Standard deviation of a contact about a patch.
+fn scatter_about(found: &Recognition) -> f64 {
+    found.noise.sd_z.hypot(found.noise.sd_correlated)
+}
+
+/// Whether a patch that bends in more than one way explains the contacts as well as several things: they scatter no more about it, or
+/// rings and ellipsoids are among the things, which follow the pieces of any smooth surface.
+fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing]) -> bool {
+    let follows_any = |thing: &Thing| matches!(thing.primitive.kind, PartKind::Torus | PartKind::Ellipsoid);
+    things.iter().any(follows_any) || scatter_about(found) <= sample.frame.scale * bodies::scatter(things)
 }
 
 /// Whether the contacts lie on two sheets beside the surface.
