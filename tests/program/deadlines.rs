@@ -84,7 +84,12 @@ fn an_interrupt_ends_whole_fits_and_what_is_computed_of_them() {
 
 /// Sends the signal as soon as it is time, which must be before the line ends by itself: how it ended.
 #[cfg(unix)]
-fn signalled(here: &Path, signal: &str, line: &str, is_time: impl Fn(Duration) -> bool) -> (Option<i32>, String, String) {
+fn signalled(
+    here: &Path,
+    signal: &str,
+    line: &str,
+    is_time: impl Fn(Duration) -> bool,
+) -> (Option<i32>, String, String) {
     let mut child = start(here, line);
     let began = Instant::now();
     while !is_time(began.elapsed()) {

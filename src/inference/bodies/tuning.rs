@@ -99,7 +99,8 @@ pub struct Tuning {
     pub second_share: f64,
     /// Things that are told apart at most.
     pub most_things: usize,
-    /// Scatter about a thing over that about what may be two things, below which the two are looked for: noise is the same all over.
+    /// Scatter over that of another explanation, below which it is far nearer: about a thing over that about what may be two, since noise is
+    /// the same all over, and about a body over that about a patch.
     pub sharper: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,

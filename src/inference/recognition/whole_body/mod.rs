@@ -59,7 +59,7 @@ pub(super) fn instead(
             if too_few && body.probability() < options.tuning.sure_of_few {
                 return patch;
             }
-            let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(&posterior, found, &sample));
+            let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(&posterior, found, &sample, &options.tuning));
             let stays = match doubt {
                 PatchDoubt::Slight => !decisive && !is_simpler,
                 PatchDoubt::Kind => !is_simpler,
@@ -172,14 +172,13 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     PatchDoubt::None
 }
 
-/// Whether a body is what a patch that bends in more than one way shows: of these patches do not know the cone, and a displaced one is
-/// whatever primitive it is no nearer to the contacts than.
-fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample) -> bool {
-    let of_displaced = || {
-        let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-        posterior.weight_without_departure() > 0.5 && sample.frame.scale * scatter <= scatter_about(found)
-    };
-    posterior.weight_of(PartKind::Cone) >= 0.5 || found.hypothesis == Hypothesis::Displaced && of_displaced()
+/// Whether a body explains the contacts by less than a patch does: patches do not know the cone; a displaced patch is whatever
+/// primitive it is no nearer to the contacts than; and a far nearer one is better than any patch. None of them departs.
+fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample, tuning: &Tuning) -> bool {
+    let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+    let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
+    let is_nearer = sample.frame.scale * scatter <= least * scatter_about(found);
+    posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
 }
 
 /// Standard deviation of a contact about a patch.
