@@ -26,6 +26,7 @@ use crate::report::significant;
 
 use super::failure::Failure;
 use super::frontier::is_scene;
+use super::options::OutputFlags;
 use super::output::print;
 use super::{interrupt, scene, values};
 
@@ -139,6 +140,8 @@ struct LiveSession<'a> {
 }
 
 pub(super) fn live(args: &LiveArgs) -> Result<(), Failure> {
+    // a state that cannot be saved, or would be written over the touches, is no discovery for the end
+    OutputFlags::default().prepare(&[args.input.as_ref()], args.save.as_slice())?;
     let before = args.resume.as_deref().map(LiveState::read).transpose()?;
     let mut source = args.source(before.as_ref())?;
     let store = TouchStore::new(args.window.map(|window| window as usize));
