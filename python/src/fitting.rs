@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use numpy::{IntoPyArray, PyArray1};
 use palpate::cli::embedded::{self, FitAnswer};
 use palpate::explore::TouchPlanner;
 use palpate::recognition::RecognisedSpline;
@@ -33,6 +34,12 @@ impl FitCore {
         let made = py.detach(|| self.answer.document(name, unit));
         let [json, table] = made.map_err(|error| errors::fit_error(py, &error))?;
         Ok((PyBytes::new(py, &json), String::from_utf8_lossy(&table).into_owned()))
+    }
+
+    /// How far each contact lies off the surface, input units; None of surfaces in space that were named, and of grids.
+    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let found = py.detach(|| self.answer.residuals()).map_err(|error| errors::fit_error(py, &error))?;
+        Ok(found.map(|values| values.into_pyarray(py)))
     }
 
     /// The surface in input units: a Surface, or a ParametricSurface.

@@ -16,6 +16,7 @@ mod evaluate;
 mod explorations;
 mod fitting;
 mod frontiers;
+mod inputs;
 mod options;
 mod scenes;
 mod stream;
@@ -35,6 +36,8 @@ mod _native {
     use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit, unit_name};
     #[pymodule_export]
     use super::frontiers::{frontier, frontier_of_contacts};
+    #[pymodule_export]
+    use super::inputs::{column_names, parts_of, read_contacts};
     #[pymodule_export]
     use super::scenes::{scene_contacts, scene_texts};
     #[pymodule_export]

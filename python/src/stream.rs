@@ -156,6 +156,12 @@ impl TouchStream {
         }
     }
 
+    /// Forgets all touches; the plan stays.
+    fn clear(&mut self) {
+        self.stream.clear();
+        self.contacts = 0;
+    }
+
     /// Touches so far.
     fn __len__(&self) -> usize {
         self.contacts

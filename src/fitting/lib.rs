@@ -24,6 +24,7 @@ pub mod facade {
         pub use crate::plans::{ImagePlan, SlopeColumns, SlopePlan, TouchStream};
     }
     pub mod spline {
+        pub use palpate_geometry::surface::{CurvatureGrid, HeightField};
         pub use palpate_numeric::bspline::{Knots, linspace};
     }
 }

@@ -19,6 +19,7 @@ mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod large_grids;
+mod live;
 mod meshes;
 mod newcomers_files;
 mod npz;

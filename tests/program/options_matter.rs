@@ -12,7 +12,9 @@ use std::path::Path;
 
 use assert_cmd::Command;
 
-use crate::options_table::{Context, ELSEWHERE, EXPLORATIONS, FIT, GRIDS_AND_RUNS, PARTS, SILENT, STUDIES, VALUES};
+use crate::options_table::{
+    Context, ELSEWHERE, EXPLORATIONS, FIT, GRIDS_AND_RUNS, LIVES, PARTS, SILENT, STUDIES, VALUES,
+};
 
 const BAR: &str = "name = \"a bar\"\nseed = 4\n[surface]\nkind = \"cylinder\"\nradius = 25.0\naxis_deg = 30.0\n[sweep]\n\
     fingers = [-6.0, -3.0, 0.0, 3.0, 6.0]\nfrom = -6.0\nto = 6.0\nstations = 6\n[effects.position_noise]\nsigma = 0.05\n\
@@ -134,6 +136,7 @@ fn workplace() -> tempfile::TempDir {
     let simulated = outcome(here, "simulate bar.toml -o -").out + "\n";
     write("bar.csv", &simulated);
     write("bare.csv", &positions(&simulated));
+    write("mixed.csv", &mixed(&simulated));
     write("holes.csv", &with_hole(&simulated));
     let corner = corner();
     write("box.csv", &corner);
@@ -146,6 +149,7 @@ fn workplace() -> tempfile::TempDir {
     for line in [
         "fit bar.csv --degree 2 --save s.json --quiet",
         "fit bare.csv --degree 3 --save t.json --quiet",
+        "live bar.csv --refresh 9 --save live.state --quiet",
         "study bar.toml --replicates 40 --range 0:20 --part p0 --quiet",
         "study bar.toml --replicates 40 --range 20:40 --part p1 --quiet",
     ] {
@@ -158,6 +162,15 @@ fn workplace() -> tempfile::TempDir {
 /// The table with x, y and z alone.
 fn positions(table: &str) -> String {
     table.lines().map(|row| row.split(',').take(3).collect::<Vec<_>>().join(",") + "\n").collect()
+}
+
+/// The table with its rows in another order: later ones lie between those before.
+fn mixed(table: &str) -> String {
+    let rows: Vec<&str> = table.lines().collect();
+    let count = rows.len() - 1;
+    // 7 and the 30 rows of the bar have no divisor in common
+    let row = |k: usize| format!("{}\n", rows[1 + 7 * k % count]);
+    format!("{}\n", rows[0]) + &(0..count).map(row).collect::<String>()
 }
 
 /// The table with a number missing in its third row.
@@ -237,6 +250,11 @@ fn options_of_parts_matter() {
 }
 
 #[test]
+fn options_of_live_matter() {
+    all_matter("live", LIVES);
+}
+
+#[test]
 fn options_of_studies_matter() {
     all_matter("study", STUDIES);
 }
@@ -248,7 +266,7 @@ fn options_of_explorations_matter() {
 
 #[test]
 fn every_command_has_a_line() {
-    let contexts = [FIT, GRIDS_AND_RUNS, PARTS, STUDIES, EXPLORATIONS].concat();
+    let contexts = [FIT, GRIDS_AND_RUNS, PARTS, LIVES, STUDIES, EXPLORATIONS].concat();
     let tried = |verb: &str| contexts.iter().any(|context| context.line.split(' ').next() == Some(verb));
     for verb in palpate_app::cli::command().get_subcommands().map(|verb| verb.get_name().to_string()) {
         assert!(tried(&verb), "{verb} has no line");

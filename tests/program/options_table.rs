@@ -75,6 +75,10 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--lines", ""),
     ("--reach", "-3,3,-3,3"),
     ("--at", "at.csv"),
+    ("--until-radius", "9"),
+    ("--window", "12"),
+    ("--refresh", "0.5"),
+    ("--resume", "live.state"),
 ];
 
 const fn on(line: &'static str, rows: &'static [(&'static str, &'static str, &'static str)]) -> Context {
@@ -152,6 +156,30 @@ pub(crate) const PARTS: &[Context] = &[
     on("parts boxbare.csv", &[("--skip-invalid", "parts boxholes.csv", "")]),
     on("parts grid.npz", &[("--skip-invalid", "parts holes.npz", "")]),
     on("parts box.toml", &[]),
+];
+
+pub(crate) const LIVES: &[Context] = &[
+    on(
+        "live mixed.csv --refresh 9",
+        &[
+            ("--refresh", "live mixed.csv", "0.5"),
+            ("--viewpoint", "live bare.csv --refresh 9", "0,0,-90"),
+            ("--until-radius", "live mixed.csv", "9"),
+            ("--u-s", "live mixed.csv", "9 --u-r 9"),
+            ("--u-r", "live mixed.csv", "9 --u-s 9"),
+        ],
+    ),
+    on(
+        "live tiny.toml --contacts 14 --refresh 9",
+        &[
+            ("--contacts", "live tiny.toml --refresh 9", "14"),
+            ("--viewpoint", "live bare.csv --refresh 9", "0,0,-90"),
+            ("--refresh", "live mixed.csv", "0.5"),
+            ("--until-radius", "live mixed.csv", "9"),
+            ("--u-s", "live mixed.csv", "9 --u-r 9"),
+            ("--u-r", "live mixed.csv", "9 --u-s 9"),
+        ],
+    ),
 ];
 
 pub(crate) const STUDIES: &[Context] = &[

@@ -22,6 +22,8 @@ from ._fit import Fit, fit
 from ._frontier import Frontier, FrontierPick, frontier
 from ._many import FitMany, fit_many, tiles
 from ._native import ParametricSurface, StreamShape, Surface, TouchStream, __version__
+from ._parts import Parts, parts
+from ._regressor import SurfaceRegressor
 from ._shape import Certificate, Measure, Shape, Spread
 from ._study import Study, StudyMeasure, merge, scene, scenes, simulate, study
 
@@ -40,6 +42,7 @@ __all__ = [
     "Measure",
     "PalpateError",
     "ParametricSurface",
+    "Parts",
     "PlanError",
     "RecognitionError",
     "Shape",
@@ -50,6 +53,7 @@ __all__ = [
     "StudyMeasure",
     "Surface",
     "SurfaceError",
+    "SurfaceRegressor",
     "TouchPlanner",
     "TouchStream",
     "__version__",
@@ -59,6 +63,7 @@ __all__ = [
     "frontier",
     "merge",
     "next_touches",
+    "parts",
     "scene",
     "scenes",
     "simulate",

@@ -113,6 +113,31 @@ class Fit:
         return {name: rms for name, rms in self.to_dict()["fit"]["rms"].items() if rms is not None}
 
     @property
+    def residuals(self) -> npt.NDArray[np.float64]:
+        """How far each contact lies off the surface, input units: along its normal where the contacts were recognised, positive on
+        the free side; along z of a height field.
+
+        >>> import palpate
+        >>> palpate.fit([0, 0, 0, 1, 1, 1, 2, 2, 2], [0, 1, 2] * 3, [0, 1, 2] * 3, degree=1).residuals.round(12).any()
+        np.False_
+        """
+        if self._core is None:
+            raise FitError("a fit from a document knows no contacts any longer, so that it has no residuals", "Residuals")
+        found = self._core.residuals()
+        if found is None:
+            raise FitError("residuals are those of contacts on a height field or of what was recognised", "Residuals")
+        return found
+
+    def plot(self, ax: Any = None, *, grid: Pair = 40, quantity: str = "R") -> Any:
+        """Draws the surface in space, coloured by "R", "S", "k1", "k2" or "z", with matplotlib; gives the axes back.
+
+        ax: axes of projection "3d" to draw into; new ones without. Raises ImportError where there is no matplotlib.
+        """
+        from ._plot import plot
+
+        return plot(self, ax, grid, quantity)
+
+    @property
     def surface(self) -> Surface | ParametricSurface:
         """The surface: fit.surface(x, y, dx=1) evaluates it.
 
@@ -264,9 +289,14 @@ def fit(
 
     Scattered contacts: x, y, z (g,), lengths in one unit; normals (g, 3) of any length but zero, towards the free side,
     or slopes (g, 2) = dz/dx, dz/dy; wz, wx, wy (g,) multiply the residuals; finger, station (g,) whole numbers.
-    A table instead of x: a DataFrame or a mapping with columns x, y, z [nx, ny, nz | zx, zy] [wz, wx, wy] [finger, station].
+    Alone in place of x, y and z:
+    an array (N, 3) of places or (N, 6) with normals behind them;
+    a table of pandas, polars, PyArrow or a mapping with columns x, y, z [nx, ny, nz | zx, zy] [wz, wx, wy] [finger, station],
+    or as other programs name them: px, x_mm, pose.position.x, normal_x;
+    a path of a file in any format that `palpate fit` reads;
+    a cloud with .points and .normals (Open3D) or .vertices and .vertex_normals (trimesh).
     A grid: x (n,), y (m,) increasing, z (n, m) indexed [x, y], NaN where a height is missing; slopes=(zx, zy), each (n, m).
-    An xarray.DataArray with coordinates x and y instead of x: the grid that it holds.
+    An xarray.DataArray with coordinates x and y alone: the grid that it holds; a Dataset: the grid z, or its columns.
 
     Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
     segments, knots, domain, weights, sigma, method, smooth, robust, inset and frame="keep" names a model and gives

@@ -18,6 +18,7 @@ __all__ = [
     "TouchPlanner",
     "TouchStream",
     "class_names",
+    "column_names",
     "explore",
     "fit_batch",
     "fit_contacts",
@@ -25,6 +26,8 @@ __all__ = [
     "frontier",
     "frontier_of_contacts",
     "merge_parts",
+    "parts_of",
+    "read_contacts",
     "scene_contacts",
     "scene_texts",
     "time_fit",
@@ -40,6 +43,7 @@ _Progress = Callable[[int, int], object]
 @final
 class FitCore:
     def document(self, name: str, unit: str | None) -> tuple[bytes, str]: ...
+    def residuals(self) -> _Array | None: ...
     def surface(self) -> Surface | ParametricSurface: ...
 
 @final
@@ -139,6 +143,7 @@ class TouchStream:
         *,
         slopes: npt.ArrayLike | None = None,
     ) -> StreamShape | None: ...
+    def clear(self) -> None: ...
     def __len__(self) -> int: ...
 
 @final
@@ -187,6 +192,16 @@ def frontier_of_contacts(
     progress: _Progress | None,
 ) -> bytes: ...
 def unit_name(text: str) -> str: ...
+def read_contacts(name: str, bytes: bytes) -> dict[str, npt.NDArray[Any]]: ...
+def column_names(names: Sequence[str]) -> list[str]: ...
+def parts_of(
+    x: Any,
+    y: Any,
+    z: Any,
+    normals: Any,
+    tolerance: float | None,
+    viewpoint: Sequence[float] | None,
+) -> tuple[bytes, npt.NDArray[np.uint32]]: ...
 def fit_contacts(
     x: Any,
     y: Any,

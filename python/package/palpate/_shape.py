@@ -52,7 +52,8 @@ class Shape:
     which, each with its share of the patch (empty where there is one class). radius: of a cap, cup, ridge or rut. direction_deg: of
     k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
     in space. axis_deg and axis: the same of the direction along a ridge or rut, or of the longer way of a dome or
-    trough.
+    trough. centre: of a recognised ball, from outside or inside. axis_point: of a recognised pipe or bar the point of its axis
+    next to the middle of the patch. other_class: the class from the other side, where nothing tells which side is free.
     """
 
     shape_index: Measure
@@ -71,6 +72,9 @@ class Shape:
     support: float
     plane_p: float | None
     grid: tuple[int, int]
+    other_class: str | None = None
+    centre: tuple[float, float, float] | None = None
+    axis_point: tuple[float, float, float] | None = None
 
     @property
     def S(self) -> Measure:
@@ -84,7 +88,9 @@ class Shape:
 
     @classmethod
     def _of(cls, part: dict[str, Any]) -> Shape:
-        ends = part.get("radius_interval")
+        ends, middle = part.get("radius_interval"), part.get("centre")
+        middle = None if middle is None else (middle[0], middle[1], middle[2])
+        is_round = part["class"] in ("cap", "cup")
         return cls(
             shape_index=Measure._of(part["S"]),
             curvedness=Measure._of(part["R"]),
@@ -102,6 +108,9 @@ class Shape:
             support=part["support"],
             plane_p=part["plane_p"],
             grid=(part["grid"][0], part["grid"][1]),
+            other_class=part.get("other_class"),
+            centre=middle if is_round else None,
+            axis_point=None if is_round else middle,
         )
 
 

@@ -16,10 +16,13 @@ use std::time::Instant;
 use clap::Parser;
 
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
-use crate::report::{Answer, Audience, Seconds, Subject, compute_shape, describe_fit, write_json, write_words};
+use crate::report::{
+    Answer, Audience, PartsDocument, Seconds, Subject, compute_shape, describe_fit, write_json, write_words,
+};
 use palpate_fitting::fit::{Fit, FitError, FitOptions};
 use palpate_fitting::parametric::{FittedSurface, ParametricFit};
 use palpate_geometry::contact::Contacts;
+use palpate_inference::parts::{Parts, PartsOptions};
 use palpate_inference::recognition::{Recognition, RecognitionOptions};
 use palpate_studies::explore::planning_fit;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
@@ -119,6 +122,28 @@ impl FitAnswer {
         }
     }
 
+    /// How far each contact lies off the surface: along its normal where it was recognised, along z of a height field. `None`
+    /// of other surfaces, and of a grid.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub fn residuals(&self) -> Result<Option<Vec<f64>>, FitError> {
+        let Input::Contacts(contacts) = &self.input else { return Ok(None) };
+        let places = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]);
+        Ok(match &self.found.answer {
+            Answer::Recognised(found) => Some(places.map(|place| found.distance(place)).collect()),
+            Answer::Fitted(FittedSurface::Height(fit)) => {
+                let (surface, frame) = (fit.input_surface()?, fit.frame());
+                let off = |place: [f64; 3]| {
+                    let [x, y, z] = frame.rotate(place);
+                    z - surface.at(x, y).z
+                };
+                Some(places.map(off).collect())
+            }
+            Answer::Fitted(FittedSurface::Parametric(_)) => None,
+        })
+    }
+
     /// What the contacts were recognised as.
     pub fn recognition(&self) -> Option<&Recognition> {
         match &self.found.answer {
@@ -161,6 +186,24 @@ impl FitAnswer {
         let _ = write_words(name, description.document(), Audience { detailed: false, ..Audience::READER }, &mut table);
         Ok([json, table])
     }
+}
+
+/// The document that `palpate parts --json` prints, and the part of every contact, counted from 1; 0 is none.
+///
+/// # Errors
+/// What the command line would say.
+pub fn parts_of(
+    contacts: &Contacts,
+    tolerance: Option<f64>,
+    viewpoint: Option<[f64; 3]>,
+) -> Result<(Vec<u8>, Vec<u32>), String> {
+    let clock = Instant::now();
+    let found = Parts::of(contacts, &PartsOptions { tolerance, viewpoint }).map_err(|error| error.to_string())?;
+    let document = PartsDocument::new("contacts", &found, Vec::new(), clock.elapsed().as_secs_f64());
+    let mut json = Vec::new();
+    // a Vec takes every byte
+    let _ = write_json(&document, &mut json);
+    Ok((json, found.labels.iter().map(|label| label.map_or(0, |part| part + 1)).collect()))
 }
 
 /// Everything that decides the numbers of a study.

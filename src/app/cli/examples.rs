@@ -51,6 +51,13 @@ Examples:
   palpate explore paper-cylinder --contacts 60
   palpate explore my.toml --u-s 0.01 --u-r 0.02 --out out";
 
+pub(super) const LIVE: &str = "\
+Examples:
+  robot | palpate live - --until-radius 0.5 # a line after each touch
+  palpate live touches.csv --json          # a JSON object a line
+  palpate live bar --until-radius 1        # a scene plays the robot
+  palpate live - --window 200 --save state.json";
+
 pub(super) const PARTS: &str = "\
 Examples:
   palpate parts parts-mug                  # a built-in body, beside its truth

@@ -196,7 +196,7 @@ fn play_until_interrupted(
     found.map_err(|e| refused(scene, &e))
 }
 
-fn refused(scene: &SceneFile, error: &ExploreError) -> Failure {
+pub(super) fn refused(scene: &SceneFile, error: &ExploreError) -> Failure {
     Failure::Input(format!("{}: {}", scene.name, with_flags(error)))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! palpate run [SCENE] | simulate SCENE -o F | fit INPUT | study SCENE | frontier SCENE | merge PART... | explore SCENE | diff A B
-//! palpate parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
+//! palpate live INPUT|SCENE | parts INPUT|SCENE | explain WORD | scenes [NAME] | show SURFACE [--at POINTS] | completions SHELL | man | help [COMMAND|scene]
 //! ```
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
@@ -32,6 +32,7 @@ mod frontier_scene;
 mod gathered;
 mod help;
 mod interrupt;
+mod live;
 mod merge;
 mod options;
 mod output;
@@ -100,6 +101,9 @@ enum Verb {
     /// Touch a simulated world where it tells most, until S and R are known well enough
     #[command(after_help = examples::EXPLORE)]
     Explore(Box<explore::ExploreArgs>),
+    /// Answer after every touch while a robot touches, and say what to touch next
+    #[command(after_help = examples::LIVE)]
+    Live(Box<live::LiveArgs>),
     /// What a body is made of: planes, balls, bars, cones and rings, and how they adjoin
     #[command(after_help = examples::PARTS)]
     Parts(Box<parts_args::PartsArgs>),
@@ -166,6 +170,7 @@ pub fn main() -> ExitCode {
         Verb::Frontier(args) => frontier::frontier(&args),
         Verb::Merge(args) => merge::merge(&args),
         Verb::Explore(args) => explore::explore(&args),
+        Verb::Live(args) => live::live(&args),
         Verb::Parts(args) => parts::parts(&args),
         Verb::Explain(args) => explain::explain(&args),
         Verb::Completions(args) => completions::completions(&args),

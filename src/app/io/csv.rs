@@ -78,19 +78,24 @@ pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadO
 }
 
 /// Reads the fields of one row after another.
-struct RowReader<'a> {
-    file: &'a str,
-    separator: Separator,
+pub(super) struct RowReader<'a> {
+    pub(super) file: &'a str,
+    pub(super) separator: Separator,
     /// Per field of a row: which target it goes to.
-    slots: &'a [Option<usize>],
+    pub(super) slots: &'a [Option<usize>],
     /// What the file calls the fields.
-    titles: &'a [&'a str],
+    pub(super) titles: &'a [&'a str],
     /// Set by the first row that has a finger.
-    fingers: Option<FingerNames>,
+    pub(super) fingers: Option<FingerNames>,
 }
 
 impl RowReader<'_> {
-    fn read_row(&mut self, line: usize, row: &str, targets: &mut [(Column, Vec<f64>)]) -> Result<(), IoError> {
+    pub(super) fn read_row(
+        &mut self,
+        line: usize,
+        row: &str,
+        targets: &mut [(Column, Vec<f64>)],
+    ) -> Result<(), IoError> {
         let (file, separator, slots) = (self.file, self.separator, self.slots);
         let titles = self.titles;
         let wrong = |column: Column, field: usize, text: &str| IoError::NotANumber {

@@ -46,6 +46,7 @@ mod support_map;
 mod surface_file;
 mod surfaces;
 mod table_form;
+mod touch_lines;
 mod uncertainty_map;
 mod unpack;
 mod write;
@@ -78,6 +79,7 @@ pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, t
 pub(crate) use support_map::SupportMap;
 pub(crate) use surface_file::{AnySurface, Coefficient, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};
 pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad};
+pub(crate) use touch_lines::{LineHeard, TouchLines};
 pub(crate) use uncertainty_map::{PointUncertainty, UNCERTAINTY_POINTS, UncertaintyMap};
 pub use write::{ContactFormat, write_contacts};
 
@@ -201,6 +203,14 @@ pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
         Some(found) => found,
         None => surface_file::read_document_bytes(file, bytes),
     }
+}
+
+/// Our names for the columns of a table, by the rules of every reader; a column that means nothing keeps its own.
+///
+/// # Errors
+/// [`IoError::DuplicateColumn`] where two of them mean one.
+pub fn column_names(file: &str, names: &[&str]) -> Result<Vec<String>, IoError> {
+    Ok(names::in_our_words(file, names, None)?.into_iter().map(std::borrow::Cow::into_owned).collect())
 }
 
 /// The file name's ending in lower case, without `.gz`.

@@ -99,7 +99,7 @@ pub(super) fn table_form(
 }
 
 /// A whole number alone in its line.
-fn is_count(line: &str) -> bool {
+pub(super) fn is_count(line: &str) -> bool {
     line.parse::<u64>().is_ok()
 }
 
@@ -111,7 +111,7 @@ fn no_header(file: &str, line: usize, header: &str) -> IoError {
 }
 
 /// The names in a line and what separates them, one of `declared` where there is any; `None` where the line holds a number.
-fn names_in_line(
+pub(super) fn names_in_line(
     file: &str,
     line: &str,
     declared: &[Separator],
@@ -140,7 +140,7 @@ fn names_in_line(
 }
 
 /// The units of a row below the names: words for every field, of which at least one is a unit of length.
-fn units_in_row(named: &TableForm, line: &str) -> Option<Vec<Option<&'static str>>> {
+pub(super) fn units_in_row(named: &TableForm, line: &str) -> Option<Vec<Option<&'static str>>> {
     let fields = named.separator.fields(line);
     let number = |field: &Cow<str>| named.separator.number(field.trim()).is_some();
     let units: Vec<Option<&str>> = fields.iter().map(|field| names::unit_of_length(field)).collect();

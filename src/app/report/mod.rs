@@ -70,7 +70,7 @@ pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, p
 pub(crate) use description::{Description, inverse_crime_remark};
 pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
 pub(crate) use diff_picture::write_diff_picture;
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, TriedPart};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
@@ -91,6 +91,7 @@ pub(crate) use parts_picture::write_parts_picture;
 pub(crate) use percent::percent;
 pub(crate) use pictures::{PictureFormat, SurfacePictures};
 pub(crate) use point_shapes::{PointShapesFormat, write_point_shapes, write_point_shapes_summary};
+pub(crate) use radius::radius_bounds;
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
     NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
@@ -102,4 +103,4 @@ pub(crate) use surface_maps::ShownGrid;
 pub(crate) use sweep::{SweepPoint, sweep_columns, write_sweep_csv, write_sweep_table};
 pub(crate) use sweep_picture::write_sweep_picture;
 pub(crate) use table::{significant, write_table};
-pub(crate) use words::{Audience, write_words};
+pub(crate) use words::{Audience, chance, named, write_words};

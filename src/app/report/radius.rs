@@ -7,7 +7,7 @@
 use super::document::ShapePart;
 
 /// Lower and upper bound, where known; an upper bound that is missing beside a lower one is infinite.
-pub(super) fn radius_bounds(shape: &ShapePart) -> [Option<f64>; 2] {
+pub(crate) fn radius_bounds(shape: &ShapePart) -> [Option<f64>; 2] {
     if let Some([lo, hi]) = shape.radius_interval {
         return [Some(lo), Some(hi)];
     }

@@ -102,6 +102,16 @@ pub enum PlanError {
         /// Ends of the domain.
         domain: [f64; 2],
     },
+    /// A stream cannot forget in this way.
+    #[error("{what} of {value} is not possible: {expected}")]
+    Memory {
+        /// `a window` or `a decay`.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
     /// Every number is finite, but their sums are not.
     #[error("the sums over the data exceed the largest number; give the data in another unit")]
     Overflow,

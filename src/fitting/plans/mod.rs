@@ -14,6 +14,7 @@ mod masked_plan;
 mod pixel;
 mod slope_plan;
 mod stream;
+mod touch_memory;
 
 pub use error::PlanError;
 pub use error::{check_noise_sds, check_shape_grid};

@@ -33,6 +33,34 @@ use palpate_numeric::solve::Cholesky;
 /// assert!((coefficients[0] - 1.0).abs() < 1e-12 && (coefficients[3] + 1.0).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// From the plan to S and R, again and again without memory being asked for, and to the surface itself:
+///
+/// ```
+/// # use palpate_fitting::facade as palpate;
+/// use palpate::plans::{SlopeColumns, SlopePlan};
+/// use palpate::spline::{CurvatureGrid, HeightField, Knots, linspace};
+///
+/// // a bowl of radius 5: S = -1 and R = 1/5 at its bottom
+/// let axis = Knots::uniform(2, 1, -1.0, 1.0)?;
+/// let knots = [axis.clone(), axis];
+/// let mut plan = SlopePlan::new(knots.clone(), [1.0, 1.0, 1.0])?;
+/// let points = linspace(-0.05, 0.05, 3);
+/// let mut grid = CurvatureGrid::new(&knots, &points, &points);
+/// let (mut s, mut r) = ([0.0; 9], [0.0; 9]);
+///
+/// let x: Vec<f64> = (0..9).map(|k| (k / 3) as f64 - 1.0).collect();
+/// let y: Vec<f64> = (0..9).map(|k| (k % 3) as f64 - 1.0).collect();
+/// let z: Vec<f64> = x.iter().zip(&y).map(|(x, y)| 0.1 * (x * x + y * y)).collect();
+/// let [zx, zy] = [&x, &y].map(|v| v.iter().map(|v| 0.2 * v).collect::<Vec<f64>>());
+/// let coefficients = plan.fit(&SlopeColumns { x: &x, y: &y, z: &z, zx: &zx, zy: &zy })?;
+/// grid.maps(coefficients, &mut s, &mut r);
+/// assert!(s.iter().all(|s| *s < -0.99) && r.iter().all(|r| (r - 0.2).abs() < 1e-3));
+///
+/// let surface = HeightField::new(knots, coefficients)?;
+/// assert!((surface.at(0.5, 0.0).z - 0.025).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SlopePlan {
     cells: CellAssembly,

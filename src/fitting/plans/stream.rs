@@ -6,10 +6,11 @@
 //! ```
 //!
 //! It is meant for a robot that touches a thousand times a second: on patches of one segment nothing is allocated after
-//! the plan is made, and every touch costs the same. The rows are slope rows with known noise sds, in the coordinates of
+//! the plan is made, and every touch costs the same, but for one in a window's length, which forms the sums anew. The rows are slope rows with known noise sds, in the coordinates of
 //! the knots.
 
 use super::error::{PlanError, check_noise_sds, check_shape_grid};
+use super::touch_memory::{StreamTouch, TouchMemory};
 use crate::fit::Statistic;
 use palpate_geometry::shape::RepeatedGradients;
 use palpate_geometry::surface::CurvatureGrid;
@@ -56,6 +57,7 @@ pub struct TouchStream {
     /// One of the gradients times `A^-1`.
     solved: Vec<f64>,
     contacts: usize,
+    memory: TouchMemory,
 }
 
 impl TouchStream {
@@ -89,8 +91,39 @@ impl TouchStream {
             gradients: [zeros.clone(), zeros.clone()],
             solved: zeros,
             contacts: 0,
+            memory: TouchMemory::All,
             knots,
         })
+    }
+
+    /// The same stream, in which only the last `touches` count. What was pushed before is forgotten.
+    ///
+    /// # Errors
+    /// [`PlanError::Memory`] for no touch, or more than memory holds.
+    pub fn with_window(mut self, touches: usize) -> Result<TouchStream, PlanError> {
+        self.memory = TouchMemory::window(touches)?;
+        self.clear();
+        Ok(self)
+    }
+
+    /// The same stream, in which a touch counts this share of what it counted before, with every touch that comes after it: its
+    /// sds grow with its age. What was pushed before is forgotten.
+    ///
+    /// # Errors
+    /// [`PlanError::Memory`] for a share that is not above 0 or is above 1.
+    pub fn with_decay(mut self, share: f64) -> Result<TouchStream, PlanError> {
+        self.memory = TouchMemory::decay(share)?;
+        self.clear();
+        Ok(self)
+    }
+
+    /// Forgets all touches; the plan stays.
+    pub fn clear(&mut self) {
+        self.matrix.clear();
+        self.right.fill(0.0);
+        self.coefficients.fill(0.0);
+        self.memory.clear();
+        self.contacts = 0;
     }
 
     /// Adds one touch: three rows more, over the basis functions alive there. `at` is x and y in the knots' coordinates,
@@ -101,7 +134,48 @@ impl TouchStream {
     /// knots' domain; nothing has changed then.
     pub fn push(&mut self, at: [f64; 2], z: f64, slopes: [f64; 2]) -> Result<(), PlanError> {
         self.check(at, z, slopes)?;
-        let ([x, y], [zx, zy]) = (at, slopes);
+        let touch = StreamTouch { at, z, slopes };
+        match &mut self.memory {
+            TouchMemory::All => self.contacts += 1,
+            TouchMemory::Decay(share) => {
+                let share = *share;
+                self.matrix.values_mut().iter_mut().chain(&mut self.right).for_each(|v| *v *= share);
+                self.contacts += 1;
+            }
+            TouchMemory::Window { ring, next, held } => {
+                let oldest = (*held == ring.len()).then(|| ring[*next]);
+                ring[*next] = touch;
+                *next = (*next + 1) % ring.len();
+                *held = (*held + 1).min(ring.len());
+                self.contacts = *held;
+                if oldest.is_some() && *next == 0 {
+                    self.sum_anew();
+                    return Ok(());
+                }
+                if let Some(oldest) = oldest {
+                    self.add(&oldest, -1.0);
+                }
+            }
+        }
+        self.add(&touch, 1.0);
+        Ok(())
+    }
+
+    /// The sums over the window, from its touches.
+    fn sum_anew(&mut self) {
+        self.matrix.clear();
+        self.right.fill(0.0);
+        // the ring is taken out for as long as the sums are changed
+        let memory = std::mem::replace(&mut self.memory, TouchMemory::All);
+        if let TouchMemory::Window { ring, held, .. } = &memory {
+            ring[..*held].iter().for_each(|touch| self.add(touch, 1.0));
+        }
+        self.memory = memory;
+    }
+
+    /// Adds the rows of a touch so many times; -1 takes it away.
+    fn add(&mut self, touch: &StreamTouch, times: f64) {
+        let StreamTouch { at: [x, y], z, slopes: [zx, zy] } = *touch;
         let [bx, by] = [(0, x), (1, y)].map(|(axis, at)| {
             let knots = &self.knots[axis];
             let mut rows = [0.0; 2 * WIDTH];
@@ -118,18 +192,16 @@ impl TouchStream {
         for a in 0..=p {
             for b in 0..=q {
                 let (row, own) = ((bx.0 + a) * m + by.0 + b, rows(a, b));
-                self.right[row] += (0..3).map(|k| own[k] * data[k]).sum::<f64>();
+                self.right[row] += times * (0..3).map(|k| own[k] * data[k]).sum::<f64>();
                 for k in 0..=a {
                     for l in 0..=if k == a { b } else { q } {
                         let other = rows(k, l);
                         let position = self.matrix.position(row, a - k, l + q - b);
-                        self.matrix.values_mut()[position] += (0..3).map(|e| own[e] * other[e]).sum::<f64>();
+                        self.matrix.values_mut()[position] += times * (0..3).map(|e| own[e] * other[e]).sum::<f64>();
                     }
                 }
             }
         }
-        self.contacts += 1;
-        Ok(())
     }
 
     fn check(&self, [x, y]: [f64; 2], z: f64, [zx, zy]: [f64; 2]) -> Result<(), PlanError> {
@@ -148,7 +220,7 @@ impl TouchStream {
         Ok(())
     }
 
-    /// Touches so far.
+    /// Touches that count: those so far, or those of the window.
     pub fn contacts(&self) -> usize {
         self.contacts
     }
@@ -264,6 +336,63 @@ mod tests {
                 assert!(u > 0.0 && u < 20.0 * shape.curvedness.u.unwrap());
             }
         }
+    }
+
+    /// A window is a stream of its touches alone, however many went before; and a cleared stream is a new one.
+    #[test]
+    fn what_is_forgotten_leaves_nothing_behind() {
+        let knots = Knots::uniform(3, 1, -1.0, 1.0).unwrap();
+        let points = linspace(-0.7, 0.7, 5);
+        let plan = || TouchStream::new([knots.clone(), knots.clone()], [0.02, 0.05, 0.04], [&points, &points]).unwrap();
+        let mut window = plan().with_window(40).unwrap();
+        for r in 0..1000 {
+            let (at, z, slopes) = touch(r);
+            // a step of the surface that lies far back
+            window.push(at, if r < 500 { z + 1e3 } else { z }, slopes).unwrap();
+            if r < 700 || r % 97 != 0 {
+                continue;
+            }
+            let mut last = plan();
+            (r - 39..=r).for_each(|r| {
+                let (at, z, slopes) = touch(r);
+                last.push(at, z, slopes).unwrap();
+            });
+            assert_eq!((window.contacts(), last.contacts()), (40, 40));
+            let ([s, curved], [own_s, own_curved]) = (last.shape().unwrap(), window.shape().unwrap());
+            assert!((s.mean.unwrap() - own_s.mean.unwrap()).abs() < 1e-9, "{r}");
+            assert!((curved.mean.unwrap() - own_curved.mean.unwrap()).abs() < 1e-9, "{r}");
+        }
+        window.clear();
+        assert!(window.shape().is_err() && window.contacts() == 0);
+        let mut fresh = plan();
+        for r in 0..30 {
+            let (at, z, slopes) = touch(r);
+            window.push(at, z, slopes).unwrap();
+            fresh.push(at, z, slopes).unwrap();
+        }
+        assert_eq!(window.shape().unwrap(), fresh.shape().unwrap());
+    }
+
+    /// A decay weighs a touch as a fit with larger sds would.
+    #[test]
+    fn a_decaying_touch_counts_as_one_of_larger_sds() {
+        let knots = Knots::uniform(2, 1, -1.0, 1.0).unwrap();
+        let (points, share) = ([0.0], 0.9_f64);
+        let plan = || TouchStream::new([knots.clone(), knots.clone()], [0.02, 0.05, 0.04], [&points, &points]).unwrap();
+        let mut decaying = plan().with_decay(share).unwrap();
+        let mut weighed = plan();
+        for r in 0..25 {
+            let (at, z, slopes) = touch(r);
+            decaying.push(at, z, slopes).unwrap();
+            weighed.add(&StreamTouch { at, z, slopes }, share.powi(24 - r as i32));
+        }
+        let ([s, curved], [own_s, own_curved]) = (weighed.shape().unwrap(), decaying.shape().unwrap());
+        assert!((s.mean.unwrap() - own_s.mean.unwrap()).abs() < 1e-12);
+        assert!((curved.u.unwrap() / own_curved.u.unwrap() - 1.0).abs() < 1e-12);
+        for wrong in [0.0, -0.5, 1.5, f64::NAN] {
+            assert!(matches!(plan().with_decay(wrong), Err(PlanError::Memory { .. })), "{wrong}");
+        }
+        assert!(plan().with_window(0).is_err() && plan().with_window(usize::MAX).is_err());
     }
 
     /// The delta method against many streams with other noise: the spread of R is its uncertainty.

@@ -82,6 +82,9 @@ impl SurfacePoint {
 /// let surface = HeightField::new([axis.clone(), axis], coefficients)?;
 /// let point = surface.at(0.5, 0.0);
 /// assert!((point.z - 0.25).abs() < 1e-15 && (point.zx - 1.0).abs() < 1e-15 && (point.zxx - 2.0).abs() < 1e-15);
+/// // row after row is as good
+/// let rows = [1.0, 1.0, 1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0];
+/// assert_eq!(surface, HeightField::new(surface.knots().clone(), &rows[..])?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -92,17 +95,57 @@ pub struct HeightField {
     coefficients: Array2<f64>,
 }
 
+/// Coefficients as they come: a table of n x m, or the same numbers row after row, as a plan's fit gives them.
+#[derive(Clone, Debug)]
+pub enum HeightCoefficients {
+    /// n x m.
+    Table(Array2<f64>),
+    /// Row after row: y runs fastest.
+    Rows(Vec<f64>),
+}
+
+impl From<Array2<f64>> for HeightCoefficients {
+    fn from(table: Array2<f64>) -> HeightCoefficients {
+        HeightCoefficients::Table(table)
+    }
+}
+
+impl From<Vec<f64>> for HeightCoefficients {
+    fn from(rows: Vec<f64>) -> HeightCoefficients {
+        HeightCoefficients::Rows(rows)
+    }
+}
+
+impl From<&[f64]> for HeightCoefficients {
+    fn from(rows: &[f64]) -> HeightCoefficients {
+        HeightCoefficients::Rows(rows.to_vec())
+    }
+}
+
+impl HeightCoefficients {
+    /// As a table of this shape.
+    fn into_table(self, expected: [usize; 2]) -> Result<Array2<f64>, SplineError> {
+        let wrong = |found| SplineError::Shape { found, expected };
+        match self {
+            HeightCoefficients::Table(table) if [table.nrows(), table.ncols()] == expected => Ok(table),
+            HeightCoefficients::Table(table) => Err(wrong([table.nrows(), table.ncols()])),
+            HeightCoefficients::Rows(rows) => {
+                let count = rows.len();
+                // one row of so many: the numbers do not say how they were meant to stand
+                Array2::from_shape_vec((expected[0], expected[1]), rows).map_err(|_| wrong([1, count]))
+            }
+        }
+    }
+}
+
 impl HeightField {
-    /// A surface from its knots and its n x m coefficients.
+    /// A surface from its knots and its n x m coefficients, as a table or row after row.
     ///
     /// # Errors
     /// [`SplineError::Shape`], [`SplineError::NotFinite`].
-    pub fn new(knots: [Knots; 2], coefficients: Array2<f64>) -> Result<HeightField, SplineError> {
+    pub fn new(knots: [Knots; 2], coefficients: impl Into<HeightCoefficients>) -> Result<HeightField, SplineError> {
         let expected = [knots[0].n_basis(), knots[1].n_basis()];
-        let found = [coefficients.nrows(), coefficients.ncols()];
-        if found != expected {
-            return Err(SplineError::Shape { found, expected });
-        }
+        let coefficients = coefficients.into().into_table(expected)?;
         if let Some(((i, j), _)) = coefficients.indexed_iter().find(|(_, c)| !c.is_finite()) {
             return Err(SplineError::NotFinite { i, j });
         }

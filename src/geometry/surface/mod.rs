@@ -11,7 +11,7 @@ mod rows;
 #[cfg(feature = "serde")]
 mod saved;
 
-pub use height_field::{HeightField, SurfacePoint};
+pub use height_field::{HeightCoefficients, HeightField, SurfacePoint};
 pub use jet::{AlongAxes, Jet, Surface};
 pub use parametric::{Parametric, ParametricPoint};
 pub use rows::CurvatureGrid;

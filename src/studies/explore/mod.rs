@@ -52,6 +52,8 @@ pub use exploration::{Exploration, ExploreOptions, explore};
 pub use model::planning_fit;
 pub use planner::TouchPlanner;
 #[doc(hidden)]
+pub use simulated_sensor::Hand;
+#[doc(hidden)]
 pub use status::{Look, Stopped};
 #[doc(hidden)]
 pub use stopping::Goal;

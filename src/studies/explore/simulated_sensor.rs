@@ -19,23 +19,26 @@ const PLACES: usize = 21;
 
 /// A world that is touched more and more.
 #[derive(Clone, Debug)]
-pub(super) struct Hand {
+pub struct Hand {
     world: World,
     seed: u64,
     first: Sweep,
     /// Contacts that the scene's own sweeps make.
-    pub(super) swept: usize,
+    pub swept: usize,
     /// Touches made since.
-    pub(super) touches: Vec<[f64; 2]>,
+    pub touches: Vec<[f64; 2]>,
     /// Where the next touches may be made, fingers outside, stations inside; those off the surface are left out.
-    pub(super) candidates: Vec<[f64; 2]>,
+    pub candidates: Vec<[f64; 2]>,
     /// The place of each candidate in the lattice, finger and station.
     pub(super) lattice: Vec<[u32; 2]>,
 }
 
 impl Hand {
     /// The world with its candidates: a lattice over the rectangle of the first sweep, or over `reach` (`[x0, x1, y0, y1]`).
-    pub(super) fn new(world: &World, seed: u64, reach: Option<[f64; 4]>) -> Result<Hand, ExploreError> {
+    ///
+    /// # Errors
+    /// A world that cannot be touched from above, or nowhere in the reach.
+    pub fn new(world: &World, seed: u64, reach: Option<[f64; 4]>) -> Result<Hand, ExploreError> {
         if world.sweeps.iter().any(|sweep| sweep.path != SweepPath::Down) {
             return Err(ExploreError::Around);
         }
@@ -58,7 +61,10 @@ impl Hand {
     }
 
     /// Contacts and truth of the scene's sweeps and all touches so far.
-    pub(super) fn feel(&self) -> Result<(Contacts, Truth), ExploreError> {
+    ///
+    /// # Errors
+    /// A touch that misses the surface.
+    pub fn feel(&self) -> Result<(Contacts, Truth), ExploreError> {
         let mut world = self.world.clone();
         world.sweeps.extend(self.touches.iter().map(|place| single(&self.first, *place)));
         Ok(world.compile()?.into_contacts(self.seed, 0))

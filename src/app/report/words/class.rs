@@ -35,7 +35,7 @@ pub(in crate::report) fn radius_of_class(shape: &ShapePart) -> Option<f64> {
 }
 
 /// The class in few words, for a title: all of them where there are several.
-pub(in crate::report) fn named(shape: &ShapePart) -> String {
+pub(crate) fn named(shape: &ShapePart) -> String {
     match (shape.class.as_deref(), likelier(shape), &shape.class_by_area) {
         (Some(class), Some((other, _)), _) => format!("between {class} and {other}"),
         (Some(class), None, _) => with_other(shape, class),

@@ -22,9 +22,10 @@ use std::io::Write;
 use super::document::FitDocument;
 use super::fold::PAGE_WIDTH;
 
-pub(super) use class::{like, likelier, named, of_patch, of_the_patch, radius_of_class};
+pub(crate) use class::named;
+pub(super) use class::{like, likelier, of_patch, of_the_patch, radius_of_class};
 pub(super) use map::small_maps;
-pub(super) use numbers::chance;
+pub(crate) use numbers::chance;
 pub(super) use table::{OPEN, flat_r};
 use wrap::Labelled;
 

@@ -9,7 +9,7 @@ pub(super) const DIGITS: i32 = 4;
 const FIXED: std::ops::Range<f64> = 1e-6..1e7;
 
 /// A probability in whole per cent.
-pub(in crate::report) fn chance(probability: f64) -> String {
+pub(crate) fn chance(probability: f64) -> String {
     match (100.0 * probability).round() {
         p if p >= 100.0 => "more than 99 %".into(),
         p if p < 1.0 => "less than 1 %".into(),

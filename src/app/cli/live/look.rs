@@ -1,0 +1,123 @@
+//! What the touches so far answer, and when they are asked again.
+//!
+//! ```text
+//! fresh     all touches were recognised, as palpate fit would
+//! stands    the answer of the touches before, which the new ones agree with:
+//!           |distance| <= 4 sd,  the normal within 4 sd,  beside what was touched,  fewer than a share more touches
+//! ```
+//!
+//! An answer that stands says of how many touches it is.
+
+use std::time::{Duration, Instant};
+
+use crate::cli::answer::{Question, answer};
+use crate::cli::failure::fit_message;
+use crate::cli::options::FitFlags;
+use crate::cli::recognise_or_fit::{Found, Refusal};
+use crate::io::Input;
+use crate::report::{Answer, FitDocument, Seconds, ShapePart, Subject, compute_shape, describe_fit};
+use palpate_fitting::fit::FitOptions;
+use palpate_geometry::contact::Contacts;
+use palpate_inference::recognition::Recognition;
+use palpate_numeric::vector::dot;
+
+use super::next::{NextTouch, TouchReach, next_touch};
+
+/// Standard deviations by which a touch may miss the surface and still agree with it. Fewer: touches in their thousands are
+/// recognised again because of chance. More: a step of the surface is noticed later.
+const AGREES_WITHIN: f64 = 4.0;
+
+/// How far beyond the patch, as a share of its side, a touch is still one of the patch. Less: of touches in their thousands every one at
+/// an edge is recognised again. More: a sweep that goes on is answered for the part behind it.
+const BESIDE: f64 = 0.05;
+
+/// Rounding that is no disagreement, as a share of the patch's size.
+const ROUNDING: f64 = 1e-9;
+
+/// What some touches answer.
+#[derive(Debug)]
+pub(super) struct LiveLook {
+    /// Touches that it is of.
+    pub(super) contacts: usize,
+    /// Touches that had ever come by then.
+    pub(super) touches: u64,
+    /// What `palpate fit` says of them, or why there is no answer.
+    pub(super) document: Result<Box<FitDocument>, String>,
+    /// What to touch next.
+    pub(super) next: Option<NextTouch>,
+    recognised: Option<Box<Recognition>>,
+}
+
+impl LiveLook {
+    /// Asks these touches.
+    pub(super) fn at(contacts: Contacts, touches: u64, viewpoint: Option<[f64; 3]>, reach: &TouchReach) -> LiveLook {
+        let (flags, clock) = (FitFlags::default(), Instant::now());
+        let question = Question { flags: &flags, base: FitOptions::default(), bare: false, viewpoint };
+        let count = contacts.len();
+        let input = Input::Contacts(contacts);
+        let found = answer(&input, &question).map_err(|refusal| match refusal {
+            Refusal::Fit(error) => fit_message(&error),
+            Refusal::Shape(message) => message,
+        });
+        let document = found.as_ref().map_err(Clone::clone).and_then(|found| described(found, &input, clock.elapsed()));
+        let next = match &input {
+            Input::Contacts(contacts) => next_touch(found.as_ref().ok(), contacts, reach),
+            Input::Grid(_) => None,
+        };
+        let recognised = match found {
+            Ok(Found { answer: Answer::Recognised(found), .. }) => Some(found),
+            _ => None,
+        };
+        LiveLook { contacts: count, touches, document, next, recognised }
+    }
+
+    /// The shape, where there is an answer.
+    pub(super) fn shape(&self) -> Option<&ShapePart> {
+        self.document.as_ref().ok().map(|document| &document.shape)
+    }
+
+    /// Whether one more touch agrees with the answer. Of what is no simple shape nothing is predicted, and growth alone decides.
+    pub(super) fn agrees_with(&self, touch: &Contacts) -> bool {
+        let Some(found) = &self.recognised else { return true };
+        let place = [touch.x[0], touch.y[0], touch.z[0]];
+        let [u, v] = found.chart_of(place);
+        let sd = found.noise.sd_z.hypot(found.noise.sd_correlated).max(ROUNDING * found.frame.scale);
+        let is_near = found.distance(place).abs() <= AGREES_WITHIN * sd;
+        let normal = touch.unit_normal(0).filter(|normal| dot(*normal, *normal) > 0.5);
+        let is_along = normal.zip(found.noise.sd_normal_deg).is_none_or(|(normal, sd)| {
+            let angle = dot(normal, found.at(u, v).1).clamp(-1.0, 1.0).acos().to_degrees();
+            angle <= AGREES_WITHIN * sd.max(ROUNDING.to_degrees())
+        });
+        is_near && is_along && is_within(found.chart(), [u, v])
+    }
+
+    /// Whether so many touches more call for another look, if a look is due after this share of them.
+    pub(super) fn is_outgrown(&self, touches: u64, share: f64) -> bool {
+        (touches - self.touches) as f64 > share * self.contacts as f64
+    }
+}
+
+/// Whether a place of the chart is one that touches reach, or just beside.
+fn is_within(chart: [[f64; 2]; 2], at: [f64; 2]) -> bool {
+    chart.iter().zip(at).all(|([lo, hi], at)| {
+        let beside = BESIDE * (hi - lo);
+        (lo - beside..=hi + beside).contains(&at)
+    })
+}
+
+fn described(found: &Found, input: &Input, took: Duration) -> Result<Box<FitDocument>, String> {
+    compute_shape(&found.answer, false);
+    let subject = Subject {
+        chosen: found.chosen.clone(),
+        lack_of_fit: found.lack_of_fit.clone(),
+        input,
+        unit: None,
+        truth: None,
+        bare: false,
+        notes: found.notes.clone(),
+    };
+    let fit = took.as_secs_f64();
+    let seconds = Seconds { read: 0.0, fit, shape: 0.0, total: fit };
+    let description = describe_fit(&found.answer, &subject, seconds).map_err(|error| fit_message(&error))?;
+    Ok(Box::new(description.document().clone()))
+}
