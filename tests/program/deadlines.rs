@@ -84,7 +84,12 @@ fn an_interrupt_ends_whole_fits_and_what_is_computed_of_them() {
 
 /// Sends the signal as soon as it is time, which must be before the line ends by itself: how it ended.
 #[cfg(unix)]
-fn signalled(here: &Path, signal: &str, line: &str, is_time: impl Fn(Duration) -> bool) -> (Option<i32>, String, String) {
+fn signalled(
+    here: &Path,
+    signal: &str,
+    line: &str,
+    is_time: impl Fn(Duration) -> bool,
+) -> (Option<i32>, String, String) {
     let mut child = start(here, line);
     let began = Instant::now();
     while !is_time(began.elapsed()) {
@@ -129,7 +134,7 @@ fn what_was_found_before_an_interrupt_is_kept_and_said() {
     std::fs::write(here.join("twice.csv"), [&rows[..], &rows[1..]].concat().join("\n")).unwrap();
     for (signal, line, list) in [
         ("-INT", "explore ball.toml --contacts 10000 --per-round 1 --json", "steps"),
-        ("-TERM", "frontier ball.toml --seconds 600 --uncounted --json", "points"),
+        ("-TERM", "frontier ball.toml --all --seconds 600 --json", "points"),
         ("-INT", "frontier ball.toml --seconds 600 --json", "points"),
         ("-TERM", "frontier twice.csv --seconds 600 --json", "points"),
         ("-INT", "study ball.toml --replicates 1000000 --coverage --json", "scenes"),
