@@ -45,7 +45,7 @@ pub(crate) struct CoveragePart {
 
 /// Standard uncertainties of S and of R in the posterior; null where there is none.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct UncertaintyPart {
+pub(crate) struct PosteriorSpreadPart {
     /// Of S.
     #[serde(rename = "S")]
     pub shape_index: Option<f64>,
@@ -97,7 +97,7 @@ pub(crate) struct FrontierRecord {
     /// Right digits of the coefficients (solver).
     pub digits: Option<f64>,
     /// Standard uncertainties in the posterior of what was recognised in all contacts of a file.
-    pub u: UncertaintyPart,
+    pub u: PosteriorSpreadPart,
     /// Coverage of the intervals.
     pub coverage: CoveragePart,
     /// Time of a call without intervals.
@@ -243,7 +243,7 @@ impl FrontierRecord {
             errors: AllErrorsPart { shape_index: s, curvedness: r, k1, height, slope, normal_deg },
             condition: point.condition,
             digits: point.digits,
-            u: UncertaintyPart { shape_index: point.uncertainty[0], curvedness: point.uncertainty[1] },
+            u: PosteriorSpreadPart { shape_index: point.uncertainty[0], curvedness: point.uncertainty[1] },
             coverage: CoveragePart { shape_index: covered_s, curvedness: covered_r },
             seconds: point.seconds,
             seconds_interval: point.seconds_interval,

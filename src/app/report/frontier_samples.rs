@@ -36,7 +36,7 @@ pub(super) fn full_frontier() -> FrontierDocument {
         },
         condition: half,
         digits: half,
-        u: UncertaintyPart { shape_index: half, curvedness: half },
+        u: PosteriorSpreadPart { shape_index: half, curvedness: half },
         coverage: CoveragePart { shape_index: share, curvedness: share },
         seconds: Some(seconds),
         seconds_interval: Some(seconds),
@@ -90,7 +90,7 @@ pub(super) fn empty_frontier() -> FrontierDocument {
     for record in &mut document.points {
         (record.stations, record.digits, record.support, record.failed) = (None, None, None, None);
         record.condition = None;
-        record.u = UncertaintyPart::default();
+        record.u = PosteriorSpreadPart::default();
         (record.error_S, record.error_R, record.error, record.error_interval) = (None, None, None, None);
         (record.errors, record.coverage) = (AllErrorsPart::default(), CoveragePart::default());
         (record.seconds, record.seconds_interval) = (None, None);
