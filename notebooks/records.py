@@ -13,6 +13,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pandas as pd
+from IPython.display import SVG
 
 HERE = Path(__file__).resolve().parent
 # Okabe and Ito's colours, which the colour-blind tell apart; each series has a marker and a line of its own besides
@@ -43,6 +44,13 @@ def call(*arguments, text=None):
 def palpate(*arguments, text=None):
     """The JSON document of one call, as nested dictionaries."""
     return json.loads(call(*arguments, "--json", text=text))
+
+
+def drawn(picture, *arguments):
+    """The JSON document of one call, and one of the pictures that it draws."""
+    with tempfile.TemporaryDirectory() as folder:
+        document = palpate(*arguments, "--out", folder)
+        return document, SVG(filename=str(Path(folder) / picture))
 
 
 def tables(*arguments, files, text=None):

@@ -163,7 +163,7 @@ def record(scene, touched, program, label, method, degree, segments, run):
 def own_points(program, scene, seconds):
     """palpate's own frontier of the scene, flattened."""
     with tempfile.TemporaryDirectory() as folder:
-        options = ["--keep-stations", "--bare", "--uncounted", "--seconds", seconds, "--out", folder, "--quiet"]
+        options = ["--keep-stations", "--seconds", seconds, "--out", folder, "--quiet"]
         call(program, "frontier", scene, *options)
         with open(Path(folder) / "frontier.csv") as table:
             points = list(csv.DictReader(table))

@@ -32,6 +32,8 @@ def test_points_are_a_table(found: palpate.Frontier) -> None:
     frame = found.to_pandas()
     assert len(frame) == len(found.points) and list(frame["error_S"].dropna() >= 0)
     assert palpate.Frontier.from_pandas(frame) == found
+    assert 1 <= len(found.shortlist) <= 5 and found.recommended in {row["label"] for row in found.shortlist}
+    assert "recognised" in {row["label"] for row in found.shortlist}
     pandas.testing.assert_frame_equal(frame, pandas.DataFrame(found.points))
 
 

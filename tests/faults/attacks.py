@@ -48,7 +48,7 @@ LINES = [
     "fit bar.csv --surface parametric", "run bar.toml", "run bar.toml", "simulate bar.toml -o new.csv", "simulate bar.toml --explain",
     "parts box.csv", "parts bare.csv", "parts parts-box", "study bar.toml --replicates 20", "study bar.toml --replicates 3 --coverage",
     "study bar.toml --replicates 5 --sweep surface.radius=20,30", "explore bar.toml --contacts 36", "frontier bar.csv --seconds 0.1",
-    "frontier bar.toml --seconds 0.1 --bare --uncounted", "show s.json", "show s.json --at at.csv", "diff s.json t.json", "merge p0 p1",
+    "frontier bar.toml --seconds 0.1", "show s.json", "show s.json --at at.csv", "diff s.json t.json", "merge p0 p1",
     "scenes", "scenes paper-plane", "explain R", "help fit", "completions zsh", "man",
 ]
 

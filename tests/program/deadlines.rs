@@ -134,7 +134,7 @@ fn what_was_found_before_an_interrupt_is_kept_and_said() {
     std::fs::write(here.join("twice.csv"), [&rows[..], &rows[1..]].concat().join("\n")).unwrap();
     for (signal, line, list) in [
         ("-INT", "explore ball.toml --contacts 10000 --per-round 1 --json", "steps"),
-        ("-TERM", "frontier ball.toml --seconds 600 --uncounted --json", "points"),
+        ("-TERM", "frontier ball.toml --all --seconds 600 --json", "points"),
         ("-INT", "frontier ball.toml --seconds 600 --json", "points"),
         ("-TERM", "frontier twice.csv --seconds 600 --json", "points"),
         ("-INT", "study ball.toml --replicates 1000000 --coverage --json", "scenes"),

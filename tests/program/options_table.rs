@@ -65,7 +65,9 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--emit", "e.toml"),
     ("--keep-stations", ""),
     ("--seconds", "0.4"),
-    ("--uncounted", ""),
+    ("--all", ""),
+    ("--stages", ""),
+    ("--count", ""),
     ("--orders", ""),
     ("--strategy", "random"),
     ("--contacts", "36"),
@@ -248,6 +250,7 @@ pub(crate) const ELSEWHERE: &[(&str, &str)] = &[
     ("frontier bar.csv --seconds 0.05", "--json"),
     ("frontier bar.csv --seconds 0.05", "--out"),
     ("frontier bar.csv --seconds 0.05", "--quiet"),
+    ("frontier bar.csv --seconds 0.05", "--all"),
     // two thousand replicates are what the option takes less of
     ("study fixed.toml --replicates 2 --coverage --json", "--replicates"),
     ("frontier --orders", "--json"),

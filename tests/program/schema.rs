@@ -166,8 +166,9 @@ fn every_frontier_obeys_the_schema() {
     let mut simulate = Command::cargo_bin("palpate").unwrap();
     simulate.current_dir(folder.path()).args(["simulate", "paper-table2", "-o", "contacts.csv"]).assert().success();
     let lines = [
-        "frontier paper-cylinder --uncounted --keep-stations --seconds 0.01 --error-r 1e-12",
-        "frontier paper-table2 --bare --uncounted --keep-stations --seconds 0.01 --budget 1ms",
+        "frontier paper-cylinder --all --stages --keep-stations --seconds 0.01 --error-r 1e-12",
+        "frontier paper-table2 --keep-stations --seconds 0.01 --budget 1ms",
+        "frontier paper-table2 --seconds 0.01",
         "frontier contacts.csv --seconds 0.01 --budget 1s",
     ];
     for line in lines {

@@ -11,7 +11,8 @@ For every request a scene is drawn (kind of body, sizes, angle, fingers, station
 4. `palpate run F` under a fresh seed C says whether the errors asked for are kept;
 5. the exhaustive search says what the picked candidate costs beside the cheapest candidate that it found to meet the request.
 
-Even requests ask for errors of S and R, every fourth for one of them alone; odd requests ask for a budget.
+Even requests ask for errors of S and R, every fourth for one of them alone; odd requests ask for a budget. The recognised answer is a
+candidate as all others are.
 Seeds above 10^6 are those of the recorded run and were never used while the picking was built.
 """
 
@@ -24,7 +25,9 @@ import re
 import subprocess
 import tempfile
 
+# of an answer, and of the search that it is held against
 SECONDS = "3"
+EXHAUSTIVE_SECONDS = "12"
 
 
 def scene(draw, seed):
@@ -72,7 +75,7 @@ def ask(draw, number, points):
         times = sorted(point["seconds"]["hi"] for point in points)
         # 1.1 is the spare that a budget is met with
         return {"budget": logarithmic(draw, 1.1 * times[0] * 1.1, times[len(times) * 9 // 10])}
-    upper = {q: [p["errors"][q]["upper"] for p in points if p["errors"][q]] for q in "SR"}
+    upper = {q: [p["errors"][q]["upper"] for p in points if p["errors"][q]["upper"] is not None] for q in "SR"}
     # rounding is no accuracy that anybody asks for
     request = {}
     for q in "SR":
@@ -89,7 +92,8 @@ def meets(point, request):
     """By the criterion of the picker, on the measurements of the exhaustive search."""
     if "budget" in request:
         return point["seconds"]["hi"] <= request["budget"]
-    return all(point["errors"][q] and point["errors"][q]["upper"] <= request[q] for q in request)
+    kept = {q: point["errors"][q]["upper"] for q in request}
+    return all(value is not None and value <= request[q] for q, value in kept.items())
 
 
 def one(program, number, seed):
@@ -97,10 +101,17 @@ def one(program, number, seed):
     with tempfile.TemporaryDirectory() as folder:
         file, emitted = pathlib.Path(folder, "scene.toml"), pathlib.Path(folder, "picked.toml")
         file.write_text(scene(draw, seed))
-        common = ["frontier", file, "--bare", "--uncounted", "--json", "--seconds", SECONDS]
+        common = ["frontier", file, "--json"]
         common += [] if draw.random() < 0.25 else ["--keep-stations"]
-        found = palpate(program, *common, "--seed", 3 * seed)["points"]
-        points = [p for p in found if p["failed"] is None and p["errors"]["S"] and p["errors"]["R"] and p["seconds"]]
+        # a budget that anything keeps, so that stations are varied as they are for a request
+        all_ways = [*common, "--seconds", EXHAUSTIVE_SECONDS, "--budget", "1000s"]
+        common += ["--seconds", SECONDS]
+        found = palpate(program, *all_ways, "--seed", 3 * seed)["points"]
+        sound = [p for p in found if p["failed"] is None and p["errors"]["S"] and p["errors"]["R"] and p["seconds"]]
+        points = [p for p in sound if all(p["errors"][q]["upper"] is not None for q in "SR")]
+        if not points:
+            # so slow a scene, or so busy a machine, that the search judged fewer runs than a promise needs
+            return None
         request = ask(draw, number, points)
         flags = {"S": "--error-s", "R": "--error-r"}
         asked = [word for q, value in request.items() for word in (
@@ -118,8 +129,8 @@ def one(program, number, seed):
         errors = {"S": truth["error_S"], "R": truth["error_R"]}
         outcome["kept"] = all(errors[q] is not None and errors[q] <= value for q, value in request.items())
         if possible and own is not None:
-            cheapest = min(p["seconds"]["median"] for p in possible)
-            outcome["ratio"] = own["seconds"]["median"] / cheapest
+            cheapest = min(p["seconds"]["least"] for p in possible)
+            outcome["ratio"] = own["seconds"]["least"] / cheapest
     return outcome
 
 
@@ -132,8 +143,11 @@ def report(outcomes, first, count):
     errors = [o for o in met if "budget" not in o["request"]]
     budgets = [o for o in met if "budget" in o["request"]]
     ratios = sorted(o["ratio"] for o in errors if "ratio" in o)
-    lines = [f"{count} requests, seeds {first} to {first + count - 1}"]
+    lines = [f"{len(outcomes)} requests, seeds {first} to {first + count - 1}"]
     lines.append(f"met by the picker's own measurements       {share(len(met), len(outcomes))}")
+    recognised = [o for o in met if o["label"].startswith("recognised")]
+    lines.append(f"picks that are the recognised answer       {share(len(recognised), len(met))}")
+    lines.append(f"  of these kept                            {share(sum(o['kept'] for o in recognised), len(recognised))}")
     unmet = [o for o in outcomes if not o["met"]]
     lines.append(f"not met, and the exhaustive search agrees  {share(sum(not o['possible'] for o in unmet), len(unmet))}")
     lines.append(f"errors kept by the emitted scene, afresh   {share(sum(o['kept'] for o in errors), len(errors))}")
@@ -155,7 +169,8 @@ def main():
     outcomes = []
     for number in range(arguments.requests):
         outcome = one(arguments.palpate, number, arguments.first_seed + number)
-        outcomes.append(outcome)
+        if outcome is not None:
+            outcomes.append(outcome)
         if arguments.show:
             print(number, outcome, flush=True)
     lines = report(outcomes, arguments.first_seed, arguments.requests)

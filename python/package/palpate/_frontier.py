@@ -85,6 +85,18 @@ class Frontier:
         return None if part is None else part["scene"]
 
     @property
+    def shortlist(self) -> list[dict[str, Any]]:
+        """The rows of `points` that `palpate frontier` prints first: five at most, the quickest first."""
+        rows = self.points
+        return [rows[place] for place in self.document["shortlist"]]
+
+    @property
+    def recommended(self) -> str | None:
+        """The label of the way to take where nothing is asked for."""
+        part = self.document["recommended"]
+        return None if part is None else part["label"]
+
+    @property
     def stages(self) -> list[dict[str, Any]]:
         """Where the time of a fit and of a replicate goes: of, stage, seconds, share, saved_by."""
         return list(self.document["stages"])
@@ -171,7 +183,7 @@ def frontier(
     scene: a built-in name, a file, or TOML text; its ways of fitting are judged by its truth. The words are those of
     `palpate frontier`: error_s, error_r (1/length) ask for the cheapest fit whose rms error stays below in 95 of 100 runs;
     budget, in seconds or as "50us", asks for the most accurate within it. keep_stations leaves the number of stations as
-    the scene has it; seconds is the time for timing the ways of fitting (20 where nothing is said); bare=True times them
+    the scene has it; seconds is the time for timing the ways of fitting (18 where nothing is said); bare=True times them
     alone, without intervals, solvers and stages.
 
     Contacts instead of a scene: frontier(x, y, z, normals=...) as for `fit`, each (g,), or a table, or a file; 30 or more.
@@ -197,7 +209,7 @@ def frontier(
     within = f"{budget}s" if isinstance(budget, (int, float)) else budget
     options = {
         "error_s": error_s, "error_r": error_r, "budget": within, "keep_stations": bool(keep_stations), "seed": seed,
-        "seconds": seconds, "bare": bool(bare), "uncounted": True, "quiet": True,
+        "seconds": seconds, "all": not bare, "stages": not bare, "quiet": True,
     }  # fmt: skip
     words = flags("frontier", options, {})
     if isinstance(scene, (str, PathLike)):

@@ -36,7 +36,8 @@ Examples:
 
 pub(super) const FRONTIER: &str = "\
 Examples:
-  palpate frontier paper-cylinder --out out
+  palpate frontier bar --out out           # five rows, and the one to take
+  palpate frontier contacts.csv            # the same of measured contacts
   palpate frontier my.toml --error-s 0.01  # the cheapest as accurate
   palpate frontier my.toml --budget 50us   # the most accurate as quick";
 

@@ -1,7 +1,7 @@
 //! `palpate frontier SCENE|INPUT`: what accuracy costs in time, and the configuration that meets a request.
 //!
 //! ```text
-//! candidates -> timed and judged in rounds -> instructions by callgrind -> those that no other beats -> a choice
+//! candidates -> timed and judged in rounds -> [instructions by callgrind] -> a few rows, one to take, and a choice
 //! ```
 
 use std::io::Write;
@@ -47,8 +47,8 @@ fn check_file(args: &FrontierArgs, file: &str) -> Result<(), Failure> {
     let typed = [
         (args.keep_stations, "--keep-stations", "measured contacts stay as they are"),
         (args.seed.is_some(), "--seed", "nothing is drawn"),
-        (args.bare, "--bare", "the ways of fitting are all that is timed"),
-        (args.uncounted, "--uncounted", "instructions are not counted"),
+        (args.stages, "--stages", "the stages of a fit are timed on simulated contacts"),
+        (args.count, "--count", "the calls of a scene alone are counted"),
     ];
     match typed.iter().find(|(typed, _, _)| *typed) {
         Some((_, option, why)) => {
@@ -93,7 +93,7 @@ fn publish(args: &FrontierArgs, document: &FrontierDocument) -> Result<(), Failu
     if args.output.quiet {
         return Ok(());
     }
-    args.output.tell(&mut |out| write_frontier_table(document, columns(), out))
+    args.output.tell(&mut |out| write_frontier_table(document, args.all, columns(), out))
 }
 
 fn print_orders(args: &FrontierArgs) -> Result<(), Failure> {

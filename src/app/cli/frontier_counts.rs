@@ -1,7 +1,7 @@
 //! Instructions of every call of a frontier, by callgrind: the same in every run, whatever else the machine does.
 //!
 //! ```text
-//! palpate frontier SCENE            starts     valgrind --tool=callgrind palpate frontier SCENE --counted
+//! palpate frontier SCENE --count    starts     valgrind --tool=callgrind palpate frontier SCENE --counted
 //! palpate frontier SCENE --counted  makes every call once, in the order of the frontier; callgrind dumps after each
 //! ```
 //!
@@ -35,7 +35,7 @@ pub(super) fn count(arguments: &[&str], calls: usize) -> Counts {
         .args([
             "--tool=callgrind",
             "--toggle-collect=*counted_region*",
-            "--dump-after=palpate::frontier::clock::counted_region",
+            "--dump-after=palpate_studies::frontier::clock::counted_region",
         ])
         .args(["--compress-pos=yes", "--dump-line=no"])
         .arg(format!("--callgrind-out-file={}", folder.path().join("counts").display()))

@@ -3,16 +3,25 @@
 use toml::{Table, Value};
 
 use palpate_fitting::fit::{FitOptions, NormalSigma, Objective, SlopeWeights, SurfaceKind};
+use palpate_studies::frontier::Choice;
 
 use super::failure::Failure;
 use super::scene::Source;
 
-/// The scene's TOML with these options and stations in the place of its own. What else stands there stays.
-pub(super) fn emitted(source: &Source, options: &FitOptions, stations: Option<usize>) -> Result<String, Failure> {
+/// Keys that name a model: without them a scene's contacts are recognised.
+const NAMING: [&str; 11] =
+    ["surface", "closed", "degree", "segments", "domain", "weights", "sigma", "inset", "smooth", "method", "robust"];
+
+/// The scene's TOML with what was picked in the place of its own. What else stands there stays.
+pub(super) fn emitted(source: &Source, choice: &Choice) -> Result<String, Failure> {
     let wrong = |why: String| Failure::Input(format!("{}: {why}", source.name));
     let mut scene: Table = toml::from_str(&source.text).map_err(|e| wrong(e.to_string()))?;
-    write_fit(table(&mut scene, "fit").map_err(wrong)?, options);
-    if let Some(count) = stations {
+    if choice.recognised {
+        unname(&mut scene);
+    } else {
+        write_fit(table(&mut scene, "fit").map_err(wrong)?, &choice.options);
+    }
+    if let Some(count) = choice.stations {
         write_stations(table(&mut scene, "sweep").map_err(wrong)?, count).map_err(wrong)?;
     }
     toml::to_string(&scene).map_err(|e| wrong(e.to_string()))
@@ -21,6 +30,15 @@ pub(super) fn emitted(source: &Source, options: &FitOptions, stations: Option<us
 fn table<'a>(scene: &'a mut Table, name: &str) -> Result<&'a mut Table, String> {
     let part = scene.entry(name).or_insert_with(|| Value::Table(Table::new()));
     part.as_table_mut().ok_or_else(|| format!("{name} is no table of the scene"))
+}
+
+/// Takes out what names a model, and a table that holds nothing else.
+fn unname(scene: &mut Table) {
+    let Some(fit) = scene.get_mut("fit").and_then(Value::as_table_mut) else { return };
+    fit.retain(|key, value| !NAMING.contains(&key) && (key != "frame" || value.as_str() != Some("keep")));
+    if fit.is_empty() {
+        scene.remove("fit");
+    }
 }
 
 fn write_fit(fit: &mut Table, options: &FitOptions) {
@@ -80,9 +98,23 @@ mod tests {
             objective: Objective::Normals(NormalSigma::Auto),
             ..source.read().unwrap().fit
         };
-        let again = source.with_text(emitted(&source, &options, Some(12)).unwrap()).read().unwrap();
+        let mut choice = Choice {
+            options: options.clone(),
+            stations: Some(12),
+            recognised: false,
+            label: String::new(),
+            errors: [0.0; 2],
+            replicates: 1,
+            seconds: 1.0,
+            met: true,
+            obstacle: None,
+        };
+        let again = source.with_text(emitted(&source, &choice).unwrap()).read().unwrap();
         assert_eq!(again.fit, options);
-        assert_eq!(again.world.sweeps[0].stations.len(), 12);
+        assert!(again.names_a_model && again.world.sweeps[0].stations.len() == 12);
         assert_eq!(again.world.surface, source.read().unwrap().world.surface);
+        choice.recognised = true;
+        let again = source.with_text(emitted(&source, &choice).unwrap()).read().unwrap();
+        assert!(!again.names_a_model && again.world.sweeps[0].stations.len() == 12);
     }
 }

@@ -13,7 +13,7 @@ use palpate_studies::frontier::{Frontier, FrontierError, HeldOut, Measured, Requ
 use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
 use super::frontier_measuring::{measured, nothing_yet, unreached};
-use super::frontier_scene::{done_share, empty_document, pick_part};
+use super::frontier_scene::{done_share, pick_part, shown_first};
 use super::interrupt;
 use super::until::Until;
 
@@ -106,10 +106,7 @@ fn document(name: &str, measured: &[Measured], request: Option<&Request>) -> Res
         reference: "contacts left out, a fifth at a time".into(),
         counter: "not counted: only the calls of a scene are".into(),
         points: measured.iter().map(record).collect(),
-        notes: vec![
-            "error is that of the height at contacts left out, their noise included; S and R have no truth here".into(),
-        ],
-        ..empty_document()
+        ..shown_first(measured, false)
     };
     if let Some(request) = request {
         let choice = choose(measured, request).map_err(|error| wrong(name, &error))?;

@@ -6,12 +6,13 @@ use std::time::Instant;
 use crate::io::scene_file::SceneFile;
 use crate::io::{ContactFormat, ReadOptions, read_input_bytes, write_atomically, write_contacts};
 use crate::report::{
-    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart, inverse_crime_remark,
+    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, RecommendedPart, StagePart,
+    inverse_crime_remark,
 };
 use palpate_numeric::simd::Isa;
 use palpate_studies::frontier::{
-    Choice, Frontier, FrontierError, IntervalSubject, Measured, Point, REPLICATES, Request, SolverSubject, Stage,
-    Subject, Watch, check_truth, choose, mark, mark_solvers, of_fit, of_replicate,
+    Choice, Frontier, FrontierError, IntervalSubject, Measured, Point, REPLICATES, Request, Shortlist, SolverSubject,
+    Stage, Subject, Watch, check_truth, choose, clock_spread, mark, mark_solvers, of_fit, of_replicate, shortlist,
 };
 
 use super::failure::Failure;
@@ -28,8 +29,10 @@ use super::until::Until;
 struct Asked {
     scene: Arc<SceneFile>,
     seed: u64,
-    keep_stations: bool,
-    bare: bool,
+    /// Half and twice as many stations are tried too.
+    vary: bool,
+    /// Intervals, solvers and ways to an interval are timed too.
+    all: bool,
     seconds: f64,
 }
 
@@ -37,8 +40,8 @@ impl Asked {
     /// The ways of fitting, on so many replicates.
     fn ways(&self, replicates: u64) -> Result<Subject, FrontierError> {
         let scene = &self.scene;
-        let ways = Subject::with_replicates(&scene.world, &scene.fit, self.seed, !self.keep_stations, replicates)?;
-        Ok(if self.bare { ways.bare() } else { ways })
+        let ways = Subject::with_replicates(&scene.world, &scene.fit, self.seed, self.vary, replicates)?;
+        Ok(if self.all { ways } else { ways.bare() })
     }
 
     fn solvers(&self) -> Result<SolverSubject, FrontierError> {
@@ -53,8 +56,8 @@ impl Asked {
     /// Makes every call once, in the order in which counts come back: one replicate of each, and no reference.
     fn make_calls(&self) -> Result<(), FrontierError> {
         let ways = self.ways(1)?;
-        let solvers = if self.bare { None } else { Some(self.solvers()?) };
-        let intervals = if self.bare { None } else { self.intervals(true)?.ok() };
+        let solvers = if self.all { Some(self.solvers()?) } else { None };
+        let intervals = if self.all { self.intervals(true)?.ok() } else { None };
         palpate_numeric::threads::alone(|| {
             make_calls(&mut ways.calls());
             solvers.iter().for_each(|solvers| make_calls(&mut solvers.calls()));
@@ -90,7 +93,7 @@ impl Found {
     /// Measures all of them, one after the other; what Ctrl-C does not leave time for is left out. The watch is told
     /// hundredths of each.
     fn measure(asked: &Asked, ways: &Arc<Subject>, watch: Watch<'_>) -> Result<Found, FrontierError> {
-        let steps = STEPS * if asked.bare { 1 } else { 3 };
+        let steps = STEPS * if asked.all { 3 } else { 1 };
         let mut found = Found::default();
         let (ledger, began, seconds) = (Arc::new(ways.ledger()), Instant::now(), asked.seconds);
         let seen = |round: usize, most: usize| {
@@ -101,7 +104,7 @@ impl Found {
         // the ledger holds what there is, whether or not it came to an end
         let _ = measured(until, &seen, move |watch| own.measure_into(&entered, seconds, watch));
         found.ways = ways.measured(&ledger);
-        if asked.bare || interrupt::asked() {
+        if !asked.all || interrupt::asked() {
             return Ok(found);
         }
         let part =
@@ -143,8 +146,9 @@ pub(super) fn measure(
     let scene = Arc::new(source.scene()?);
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let seed = args.seed.unwrap_or(scene.seed);
-    let (keep_stations, bare, seconds) = (args.keep_stations, args.bare, args.seconds);
-    let asked = Asked { scene: Arc::clone(&scene), seed, keep_stations, bare, seconds };
+    let (all, seconds) = (args.all, args.seconds);
+    let vary = !args.keep_stations && (request.is_some() || all || args.count || args.counted);
+    let asked = Asked { scene: Arc::clone(&scene), seed, vary, all, seconds };
     if args.counted {
         return asked.make_calls().map(|()| None).map_err(wrong);
     }
@@ -153,7 +157,7 @@ pub(super) fn measure(
     interrupt::gently();
     let own = asked.clone();
     let ways = Until::interrupted().wait(move || own.ways(REPLICATES)).ok_or_else(nothing_yet)?;
-    let ways = Arc::new(ways.map_err(wrong)?);
+    let ways = Arc::new(ways.map_err(wrong)?.asked(request));
     if let Some(request) = request {
         check_truth(&ways, request).map_err(wrong)?;
     }
@@ -163,7 +167,7 @@ pub(super) fn measure(
     };
     let mut found = Found::measure(&asked, &ways, &told).map_err(wrong)?;
     // whoever watches wants all or nothing
-    let steps = STEPS * if bare { 1 } else { 3 };
+    let steps = STEPS * if all { 3 } else { 1 };
     if !watch(steps, steps) {
         return Ok(None);
     }
@@ -183,30 +187,28 @@ fn finished(
     let (scene, seed) = (&asked.scene, asked.seed);
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let own = asked.clone();
-    let stages = match asked.bare || interrupt::asked() {
-        true => Vec::new(),
-        false => {
+    let stages = match args.stages && !interrupt::asked() {
+        false => Vec::new(),
+        true => {
             let stages = Until::interrupted().wait(move || stages(&own.scene, own.seed));
             stages.transpose().map_err(wrong)?.unwrap_or_default()
         }
     };
-    let spinner = args.output.spinner("counting instructions");
     let each = ways.calls_each();
     let methods = found.solvers.len() + found.intervals.len();
     // a count is told from others by its place among all calls
     let whole = found.ways.len() == ways.ways() && methods == found.methods && !interrupt::asked();
-    let counts = match whole {
+    let counts = match whole || !args.count {
         true => counts(args, name, seed, each * found.ways.len() + methods),
         false => Err("not counted: not every call was timed".into()),
     };
-    drop(spinner);
     take_counts(&mut found, &counts, each);
     let picked = request.map(|request| choose(&found.ways, request)).transpose().map_err(wrong)?;
     let mut document = document(scene, seed, &found, &counts)?;
     document.stages = stages.iter().map(|stage| stage_part(stage, &stages)).collect();
     document.notes.extend(found.notes);
     if let (Some(choice), Some(request)) = (&picked, request) {
-        let text = emitted(source, &choice.options, choice.stations)?;
+        let text = emitted(source, choice)?;
         document.pick = Some(pick_part(choice, request, Some(&text)));
         if let Some(path) = &args.emit {
             write_atomically(path, &mut |out| out.write_all(text.as_bytes()))?;
@@ -243,16 +245,17 @@ fn stage_part(stage: &Stage, all: &[Stage]) -> StagePart {
 }
 
 fn counts(args: &FrontierArgs, name: &str, seed: u64, calls: usize) -> Counts {
-    if args.uncounted {
-        return Err("not counted: --uncounted".into());
+    if !args.count {
+        return Err("not counted: --count does".into());
     }
     if name == "-" {
         return Err("not counted: standard input cannot be read a second time".into());
     }
+    let _spinner = args.output.spinner("counting instructions");
     let seed = seed.to_string();
     let mut arguments = vec!["frontier", name, "--seed", &seed];
     arguments.extend(args.keep_stations.then_some("--keep-stations"));
-    arguments.extend(args.bare.then_some("--bare"));
+    arguments.extend(args.all.then_some("--all"));
     count(&arguments, calls)
 }
 
@@ -278,6 +281,8 @@ fn document(scene: &SceneFile, seed: u64, found: &Found, counts: &Counts) -> Res
     let solvers = found.solvers.iter().map(record(Frontier::Solver));
     let intervals = found.intervals.iter().map(record(Frontier::Interval));
     let simulator = scene.world.compile().map_err(|e| Failure::Input(format!("{}: {e}", scene.name)))?;
+    let mut first = shown_first(&found.ways, true);
+    first.notes.extend(inverse_crime_remark(&simulator.truth()));
     Ok(FrontierDocument {
         scene: scene.name.clone(),
         reference: "the scene's truth".into(),
@@ -287,13 +292,33 @@ fn document(scene: &SceneFile, seed: u64, found: &Found, counts: &Counts) -> Res
             Err(why) => why.clone(),
         },
         points: ways.chain(solvers).chain(intervals).collect(),
-        notes: inverse_crime_remark(&simulator.truth()).into_iter().collect(),
-        ..empty_document()
+        ..first
     })
 }
 
+/// From so many times its quickest round on a call is timed by a noisy clock.
+const NOISY: f64 = 1.3;
+
+/// A document of this machine with what is shown first of these ways, which are its first points.
+pub(super) fn shown_first(ways: &[Measured], truth_known: bool) -> FrontierDocument {
+    let Shortlist { rows, taken, why } = shortlist(ways, truth_known);
+    let points: Vec<Point> = ways.iter().map(|way| way.point.clone()).collect();
+    let noisy = clock_spread(&points).filter(|spread| *spread > NOISY).map(|spread| {
+        format!(
+            "this machine was busy: half of the rounds took {spread:.1} times as long as the quickest or longer, and times are those of \
+             the quickest"
+        )
+    });
+    FrontierDocument {
+        shortlist: rows,
+        recommended: taken.map(|point| RecommendedPart { point, label: points[point].label.clone(), why: why.into() }),
+        notes: noisy.into_iter().collect(),
+        ..empty_document()
+    }
+}
+
 /// A document of this machine in which nothing was measured.
-pub(super) fn empty_document() -> FrontierDocument {
+fn empty_document() -> FrontierDocument {
     FrontierDocument {
         schema: FRONTIER_SCHEMA,
         scene: String::new(),
@@ -304,6 +329,8 @@ pub(super) fn empty_document() -> FrontierDocument {
         threads: 1,
         counter: String::new(),
         points: Vec::new(),
+        shortlist: Vec::new(),
+        recommended: None,
         stages: Vec::new(),
         pick: None,
         notes: Vec::new(),
@@ -318,6 +345,7 @@ pub(super) fn pick_part(choice: &Choice, request: &Request, text: Option<&str>) 
         label: choice.label.clone(),
         error_S: finite(choice.errors[0]),
         error_R: finite(choice.errors[1]),
+        replicates: choice.replicates,
         seconds: choice.seconds,
         asked: AskedPart { error_S: request.error_s, error_R: request.error_r, budget: request.budget },
         met: choice.met,

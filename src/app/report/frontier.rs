@@ -43,6 +43,17 @@ pub(crate) struct CoveragePart {
     pub curvedness: Option<Share>,
 }
 
+/// Standard uncertainties of S and of R in the posterior; null where there is none.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct PosteriorSpreadPart {
+    /// Of S.
+    #[serde(rename = "S")]
+    pub shape_index: Option<f64>,
+    /// Of R, 1/length.
+    #[serde(rename = "R")]
+    pub curvedness: Option<f64>,
+}
+
 /// One point of a frontier.
 #[derive(Clone, Debug, Serialize)]
 #[allow(non_snake_case, reason = "keys of the document")]
@@ -57,7 +68,7 @@ pub(crate) struct FrontierRecord {
     pub label: String,
     /// How it was solved, or where the interval came from.
     pub method: String,
-    /// `height` or `parametric`.
+    /// `height`, `parametric` or `recognised`.
     pub surface: String,
     /// Words for weights or noise.
     pub weights: String,
@@ -85,6 +96,8 @@ pub(crate) struct FrontierRecord {
     pub condition: Option<f64>,
     /// Right digits of the coefficients (solver).
     pub digits: Option<f64>,
+    /// Standard uncertainties in the posterior of what was recognised in all contacts of a file.
+    pub u: PosteriorSpreadPart,
     /// Coverage of the intervals.
     pub coverage: CoveragePart,
     /// Time of a call without intervals.
@@ -117,6 +130,8 @@ pub(crate) struct PickPart {
     pub error_S: Option<f64>,
     /// The same of R, 1/length.
     pub error_R: Option<f64>,
+    /// Replicates that the errors rest on.
+    pub replicates: u64,
     /// Median seconds of a fit with S and R.
     pub seconds: f64,
     /// What was asked.
@@ -139,6 +154,17 @@ pub(crate) struct AskedPart {
     pub error_R: Option<f64>,
     /// Most seconds.
     pub budget: Option<f64>,
+}
+
+/// What to take where nothing is asked for.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct RecommendedPart {
+    /// Its place among the points.
+    pub point: usize,
+    /// The configuration in words.
+    pub label: String,
+    /// Why this one.
+    pub why: String,
 }
 
 /// One stage of a fit or of a replicate.
@@ -177,6 +203,10 @@ pub(crate) struct FrontierDocument {
     pub counter: String,
     /// All points.
     pub points: Vec<FrontierRecord>,
+    /// Places among the points of those that are shown first, the quickest first.
+    pub shortlist: Vec<usize>,
+    /// What to take where nothing is asked for.
+    pub recommended: Option<RecommendedPart>,
     /// Where the time of a fit and of a replicate goes.
     pub stages: Vec<StagePart>,
     /// What was picked.
@@ -213,6 +243,7 @@ impl FrontierRecord {
             errors: AllErrorsPart { shape_index: s, curvedness: r, k1, height, slope, normal_deg },
             condition: point.condition,
             digits: point.digits,
+            u: PosteriorSpreadPart { shape_index: point.uncertainty[0], curvedness: point.uncertainty[1] },
             coverage: CoveragePart { shape_index: covered_s, curvedness: covered_r },
             seconds: point.seconds,
             seconds_interval: point.seconds_interval,

@@ -6,8 +6,8 @@ use palpate_studies::frontier::{Clocked, Errors, Share};
 /// A document in which everything is there, for the schema.
 pub(super) fn full_frontier() -> FrontierDocument {
     let half = Some(0.5);
-    let seconds = Clocked { median: 0.5, lo: 0.5, hi: 0.5 };
-    let errors = Some(Errors { rms: 0.5, interval: [0.5; 2], worst: 0.5, bias: 0.5, sd: 0.5, upper: 0.5 });
+    let seconds = Clocked { median: 0.5, lo: 0.5, hi: 0.5, least: 0.5 };
+    let errors = Some(Errors { rms: 0.5, interval: [0.5; 2], worst: 0.5, bias: 0.5, sd: 0.5, upper: Some(0.5) });
     let share = Some(Share { share: 0.5, lo: 0.5, hi: 0.5, asked: 1 });
     let record = FrontierRecord {
         frontier: "discretisation".into(),
@@ -36,6 +36,7 @@ pub(super) fn full_frontier() -> FrontierDocument {
         },
         condition: half,
         digits: half,
+        u: PosteriorSpreadPart { shape_index: half, curvedness: half },
         coverage: CoveragePart { shape_index: share, curvedness: share },
         seconds: Some(seconds),
         seconds_interval: Some(seconds),
@@ -58,6 +59,8 @@ pub(super) fn full_frontier() -> FrontierDocument {
         threads: 1,
         counter: "callgrind".into(),
         points: vec![record],
+        shortlist: vec![0],
+        recommended: Some(RecommendedPart { point: 0, label: "a label".into(), why: "why".into() }),
         stages: vec![StagePart {
             of: "fit".into(),
             stage: "rows".into(),
@@ -69,6 +72,7 @@ pub(super) fn full_frontier() -> FrontierDocument {
             label: "a label".into(),
             error_S: half,
             error_R: half,
+            replicates: 96,
             seconds: 0.5,
             asked,
             met: true,
@@ -86,11 +90,13 @@ pub(super) fn empty_frontier() -> FrontierDocument {
     for record in &mut document.points {
         (record.stations, record.digits, record.support, record.failed) = (None, None, None, None);
         record.condition = None;
+        record.u = PosteriorSpreadPart::default();
         (record.error_S, record.error_R, record.error, record.error_interval) = (None, None, None, None);
         (record.errors, record.coverage) = (AllErrorsPart::default(), CoveragePart::default());
         (record.seconds, record.seconds_interval) = (None, None);
         (record.instructions, record.instructions_interval, record.memory_bytes) = (None, None, None);
     }
+    document.recommended = None;
     if let Some(pick) = &mut document.pick {
         (pick.error_S, pick.error_R, pick.obstacle, pick.scene) = (None, None, None, None);
         pick.asked = AskedPart::default();
@@ -100,5 +106,19 @@ pub(super) fn empty_frontier() -> FrontierDocument {
 
 /// A document without a request.
 pub(super) fn frontier_without_pick() -> FrontierDocument {
-    FrontierDocument { pick: None, ..full_frontier() }
+    let mut document = full_frontier();
+    for record in &mut document.points {
+        let errors = &mut record.errors;
+        for errors in [
+            &mut errors.shape_index,
+            &mut errors.curvedness,
+            &mut errors.k1,
+            &mut errors.height,
+            &mut errors.slope,
+            &mut errors.normal_deg,
+        ] {
+            errors.iter_mut().for_each(|errors| errors.upper = None);
+        }
+    }
+    FrontierDocument { pick: None, ..document }
 }

@@ -1,124 +1,179 @@
-//! A frontier as a table for people: the points that no other beats, and how many others there are.
+//! A frontier as text for people: a few rows and the one to take; on request every point that no other beats.
 
 use std::fmt::Write as _;
 use std::io::Write;
 
+use super::charts::time;
 use super::fold::folded;
 use super::frontier::{FrontierDocument, FrontierRecord};
+use super::frontier_long::{long_tables, stage_lines};
+use super::frontier_words::{command, judged_by_contacts, short, way};
 use super::table::significant;
-use palpate_studies::frontier::Clocked;
+use palpate_studies::frontier::Errors;
 
-/// The points on every frontier, the picked one, and where the time of a fit goes.
+/// Columns of the labels of lines.
+const LABEL: usize = 11;
+
+/// Errors below this are those of the arithmetic: how many times smaller they are tells nothing.
+const ROUNDED: f64 = 1e-9;
+
+/// The rows that are shown first, the picked one, and with `all` the long tables.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn write_frontier_table(
     document: &FrontierDocument,
+    all: bool,
     width: usize,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    let mut text = String::new();
-    // writing to a string cannot fail
-    let _ = writeln!(text, "{}: errors against {}, one thread, {}", document.scene, document.reference, document.isa);
-    let _ = writeln!(text, "instructions: {}", document.counter);
-    for (frontier, head) in [
-        ("discretisation", ["error S", "error R"]),
-        ("solver", ["digits", "error"]),
-        ("interval", ["coverage S", "error of ends"]),
-    ] {
-        frontier_lines(document, frontier, head, &mut text);
+    let mut text = head(document, width);
+    rows(document, &mut text);
+    let mut lines = Vec::new();
+    pick_lines(document, &mut lines);
+    recommended_lines(document, &mut lines);
+    uncertainty_lines(document, &mut lines);
+    lines.extend(document.notes.iter().map(|note| ("note", note.clone())));
+    if !all && document.recommended.is_some() {
+        lines.push(("more", more(document)));
     }
-    stage_lines(document, &mut text);
-    pick_lines(document, &mut text);
-    for note in &document.notes {
-        text.push_str(&folded(&format!("note: {note}"), Some(6), width));
+    if !lines.is_empty() {
+        text.push('\n');
     }
+    for (label, words) in lines {
+        text.push_str(&folded(&format!("{label:<LABEL$}{words}"), Some(LABEL), width));
+    }
+    let mut long = String::new();
+    if all {
+        long_tables(document, &mut long);
+    }
+    stage_lines(document, &mut long);
+    text.push_str(&folded(&long, Some(LABEL), width));
     out.write_all(text.as_bytes())
 }
 
-fn frontier_lines(document: &FrontierDocument, frontier: &str, head: [&str; 2], text: &mut String) {
-    let all: Vec<&FrontierRecord> = document.points.iter().filter(|record| record.frontier == frontier).collect();
-    if all.is_empty() {
-        return;
-    }
-    let failed = all.iter().filter(|record| record.failed.is_some()).count();
-    // of solvers and intervals, which are few, every point is shown
-    let shown = |record: &&&FrontierRecord| frontier != "discretisation" || record.on_frontier;
-    let mut shown: Vec<&FrontierRecord> = all.iter().filter(shown).copied().collect();
-    shown.sort_by(|a, b| a.case.cmp(&b.case).then(median(a).total_cmp(&median(b))));
-    let _ = writeln!(text, "\n{frontier}: {} of {} points, {failed} without an answer", shown.len(), all.len());
-    let [first, second] = head;
-    let _ = writeln!(
-        text,
-        "  {:<52} {first:>11} {second:>13} {:>10} {:>21} {:>12} {:>13}",
-        "", "us", "interval", "instructions", "us, interval"
-    );
-    for record in shown {
-        record_line(record, frontier, text);
-    }
-}
-
-fn median(record: &FrontierRecord) -> f64 {
-    record.seconds.map_or(f64::INFINITY, |time| time.median)
-}
-
-fn record_line(record: &FrontierRecord, frontier: &str, text: &mut String) {
-    let number = |value: Option<f64>, digits: i32| value.map_or("-".into(), |v| significant(v, digits));
-    let micro = |time: Option<Clocked>| number(time.map(|time| 1e6 * time.median), 3);
-    let interval = record
-        .seconds
-        .map_or("-".into(), |time| format!("[{}, {}]", significant(1e6 * time.lo, 3), significant(1e6 * time.hi, 3)));
-    let [first, second] = match frontier {
-        "solver" => [number(record.digits, 3), number(record.error, 2)],
-        "interval" => [number(record.coverage.shape_index.map(|c| c.share), 3), number(record.error, 2)],
-        _ => [number(record.error_S, 3), number(record.error_R, 3)],
+/// What was judged, by what, and how often.
+fn head(document: &FrontierDocument, width: usize) -> String {
+    let ways = document.points.iter().filter(|record| record.frontier == "discretisation");
+    let (count, failed) = (ways.clone().count(), ways.clone().filter(|record| record.failed.is_some()).count());
+    let without = if failed > 0 { format!(", {failed} of them without an answer") } else { String::new() };
+    let first = ways.clone().find(|record| record.stations.is_none());
+    let contacts = first.map_or(0, |record| record.contacts);
+    let runs = ways.map(|record| record.replicates).max().unwrap_or(0);
+    let judged = match (judged_by_contacts(document), runs) {
+        (true, _) => format!("judged by {}", document.reference),
+        (false, 1) => format!("{contacts} contacts, judged by {}", document.reference),
+        (false, _) => format!("{contacts} contacts, touched {runs} times, judged by {}", document.reference),
     };
-    let name = if frontier == "solver" { format!("{}: {}", record.case, record.label) } else { record.label.clone() };
-    let mark = if record.on_frontier { "*" } else { " " };
-    if let Some(why) = &record.failed {
-        let _ = writeln!(text, "{mark} {name:<52} {why}");
+    let text = format!("{}: {count} ways to S and R{without}; {judged}; times of one thread", document.scene);
+    folded(&text, Some(2), width)
+}
+
+/// The columns of errors: their names, and what stands in them.
+type Column = (&'static str, fn(&FrontierRecord) -> Option<f64>);
+
+fn rms(errors: Option<Errors>) -> Option<f64> {
+    errors.map(|errors| errors.rms)
+}
+
+fn columns(document: &FrontierDocument) -> Vec<Column> {
+    let both: [Column; 2] = if judged_by_contacts(document) {
+        [("unseen height", |r| rms(r.errors.height)), ("unseen normal", |r| rms(r.errors.normal_deg))]
+    } else {
+        [("error of S", |r| r.error_S), ("error of R", |r| r.error_R)]
+    };
+    let shown = |column: &Column| document.shortlist.iter().any(|k| column.1(&document.points[*k]).is_some());
+    both.into_iter().filter(shown).collect()
+}
+
+fn rows(document: &FrontierDocument, text: &mut String) {
+    if document.shortlist.is_empty() {
         return;
     }
-    let _ = writeln!(
-        text,
-        "{mark} {name:<52} {first:>11} {second:>13} {:>10} {interval:>21} {:>12} {:>13}",
-        micro(record.seconds),
-        record.instructions.map_or("-".into(), |n| n.to_string()),
-        micro(record.seconds_interval),
-    );
-}
-
-fn stage_lines(document: &FrontierDocument, text: &mut String) {
-    for of in ["fit", "replicate"] {
-        let stages: Vec<_> = document.stages.iter().filter(|stage| stage.of == of).collect();
-        if stages.is_empty() {
-            continue;
+    let columns = columns(document);
+    text.push_str("\n ");
+    for (name, _) in &columns {
+        let _ = write!(text, " {name:>14}");
+    }
+    let _ = writeln!(text, " {:>9}   way", "time");
+    for k in &document.shortlist {
+        let record = &document.points[*k];
+        let taken = document.recommended.as_ref().is_some_and(|recommended| recommended.point == *k);
+        text.push(if taken { '>' } else { ' ' });
+        for (name, value) in &columns {
+            let mut word = value(record).map_or("-".into(), |value| significant(value, 2));
+            if *name == "unseen normal" {
+                word.push_str(" deg");
+            }
+            let _ = write!(text, " {word:>14}");
         }
-        let whole: f64 = stages.iter().map(|stage| stage.seconds.median).sum();
-        let _ = writeln!(text, "\nwhere the {} us of a {of} go", significant(1e6 * whole, 3));
-        for stage in stages {
-            let bar = "#".repeat((40.0 * stage.share).round() as usize);
-            let time = significant(1e6 * stage.seconds.median, 3);
-            let percent = 100.0 * stage.share;
-            let _ =
-                writeln!(text, "  {:<12} {time:>9} us {percent:>5.1} %  {bar:<40}  {}", stage.stage, stage.saved_by);
-        }
+        let seconds = record.seconds.map_or("-".into(), |seconds| time(seconds.least));
+        let _ = writeln!(text, " {seconds:>9}   {}", way(record));
     }
 }
 
-fn pick_lines(document: &FrontierDocument, text: &mut String) {
+/// What was picked of what was asked for.
+fn pick_lines(document: &FrontierDocument, lines: &mut Vec<(&'static str, String)>) {
     let Some(pick) = &document.pick else { return };
-    let verb = if pick.met { "picked" } else { "nothing meets the request; nearest" };
-    let error = |value: Option<f64>| value.map_or("-".into(), |v| significant(v, 3));
-    let _ = writeln!(
-        text,
-        "\n{verb}: {}\n  errors kept in 95 of 100 runs: S {}, R {};  {} us",
-        pick.label,
-        error(pick.error_S),
-        error(pick.error_R),
-        significant(1e6 * pick.seconds, 3)
-    );
-    if let Some(obstacle) = &pick.obstacle {
-        let _ = writeln!(text, "  in the way: {obstacle}");
+    let error = |value: Option<f64>| value.map_or("unknown".into(), |v| significant(v, 3));
+    let kept = match (judged_by_contacts(document), pick.replicates) {
+        (true, _) => String::new(),
+        (false, 1) => format!("; error of S {}, of R {} in every run", error(pick.error_S), error(pick.error_R)),
+        (false, runs) => format!(
+            "; in 95 of 100 runs the error of S stays below {}, of R below {} (from {runs} runs)",
+            error(pick.error_S),
+            error(pick.error_R)
+        ),
+    };
+    let label = pick.label.strip_prefix("height ").unwrap_or(&pick.label);
+    let label_of = if pick.met { "picked" } else { "nearest" };
+    let asked = if pick.met { "" } else { "; nothing meets the request" };
+    lines.push((label_of, format!("{label}, {}{asked}{kept}", time(pick.seconds))));
+    lines.extend(pick.obstacle.iter().map(|obstacle| ("in the way", obstacle.clone())));
+}
+
+/// What to take where nothing is asked for, what it costs, and what to type.
+fn recommended_lines(document: &FrontierDocument, lines: &mut Vec<(&'static str, String)>) {
+    let Some(recommended) = document.recommended.as_ref().filter(|_| document.pick.is_none()) else { return };
+    let record = &document.points[recommended.point];
+    lines.push(("take", format!("{}: {}", short(record), recommended.why)));
+    lines.extend(command(document, record).map(|command| ("type", command)));
+    lines.extend(cost(document, record).map(|cost| ("cost", cost)));
+}
+
+/// How much more time the taken row takes than the quickest, and how much less it errs.
+fn cost(document: &FrontierDocument, taken: &FrontierRecord) -> Option<String> {
+    let first = &document.points[*document.shortlist.first()?];
+    let (from, to) = (first.error.zip(first.seconds)?, taken.error.zip(taken.seconds)?);
+    let (less, more) = (from.0 / to.0, to.1.least / from.1.least);
+    let [times_less, times_more] = [less, more].map(|ratio| significant(ratio, 2));
+    match less > 1.05 && more > 1.05 {
+        true if to.0 < ROUNDED => {
+            Some(format!("its error is rounding; it takes {times_more} times as long as the first row"))
+        }
+        true => {
+            Some(format!("it errs {times_less} times less than the first row and takes {times_more} times as long"))
+        }
+        false => None,
     }
+}
+
+/// How sure S and R are, where there is a posterior.
+fn uncertainty_lines(document: &FrontierDocument, lines: &mut Vec<(&'static str, String)>) {
+    for record in document.shortlist.iter().map(|k| &document.points[*k]) {
+        let word = |value: Option<f64>| value.map_or("undefined".into(), |v| significant(v, 2));
+        if record.u.curvedness.is_some() {
+            let (s, r) = (word(record.u.shape_index), word(record.u.curvedness));
+            let whose =
+                "of what is recognised in all contacts (posterior); errors of S and R are unknown, as is the truth";
+            lines.push(("u", format!("S {s}, R {r}: standard uncertainties {whose}")));
+        }
+    }
+}
+
+/// What else can be had.
+fn more(document: &FrontierDocument) -> String {
+    let ask =
+        if judged_by_contacts(document) { "--budget T asks" } else { "--error-s E, --error-r E or --budget T ask" };
+    format!("{ask} for what you need; --all prints every way that no other beats; --out DIR draws them")
 }

@@ -25,11 +25,13 @@ mod fits;
 mod fold;
 mod frontier;
 mod frontier_columns;
+mod frontier_long;
 mod frontier_orders;
 mod frontier_picture;
 mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
+mod frontier_words;
 mod glyphs;
 mod height_view;
 mod interval_words;
@@ -75,7 +77,9 @@ pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
 pub(crate) use fold::{PAGE_WIDTH, folded};
-pub(crate) use frontier::{AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, StagePart};
+pub(crate) use frontier::{
+    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, RecommendedPart, StagePart,
+};
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};
 pub(crate) use frontier_picture::{has_picture, write_frontier_picture};

@@ -17,6 +17,8 @@ const IN_A_ROW: usize = 3;
 /// Seconds by which the least rounds may outlast the others' end, with one call of each kind: a time without an interval tells
 /// little, but contacts by the million take seconds a call.
 const ALLOWANCE: f64 = 3.0;
+/// So many times the seconds for each call are spent on the least rounds at most.
+const FOR_LEAST: f64 = 3.0;
 /// Samples of the bootstrap; the ends of an interval of 95 % are then some 5 % of its width off.
 const SAMPLES: usize = 200;
 
@@ -30,12 +32,15 @@ pub struct Clocked {
     pub lo: f64,
     /// Upper end.
     pub hi: f64,
+    /// The quickest round, of this call or of one that does the same work: what it takes while nothing else runs, which changes least
+    /// between two runs.
+    pub least: f64,
 }
 
 /// How long rounds go on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Rounds in which every call is made: fewer have no interval.
+    /// Rounds in which every call is made that is not slow: fewer have no interval.
     pub least: usize,
     /// Rounds at most.
     pub most: usize,
@@ -102,12 +107,17 @@ pub(super) fn heard_rounds<R>(
             }
             // each round begins elsewhere, so that no call has always the same neighbour before it
             let k = (step + round * 7) % calls.len();
-            if round >= limits.least && spent[k] > limits.each {
+            // what is slow leaves the others their rounds, too
+            let most_spent = if round >= limits.least { limits.each } else { FOR_LEAST * limits.each };
+            if spent[k] > most_spent {
                 continue;
             }
             let mut least = Duration::MAX;
             let in_a_row = if late > 0.0 || spent[k] > limits.each { 1 } else { IN_A_ROW };
-            for _ in 0..in_a_row {
+            for repeat in 0..in_a_row {
+                if repeat > 0 && spent[k] > limits.each {
+                    break;
+                }
                 let clock = Instant::now();
                 let result = calls[k](numbers[k]);
                 let taken = clock.elapsed();
@@ -130,7 +140,7 @@ pub fn counted_region<R>(call: &mut dyn FnMut() -> R) -> R {
 /// Median and bootstrap interval of some rounds.
 pub(super) fn clocked(rounds: &[f64]) -> Clocked {
     if rounds.is_empty() {
-        return Clocked { median: f64::NAN, lo: f64::NAN, hi: f64::NAN };
+        return Clocked { median: f64::NAN, lo: f64::NAN, hi: f64::NAN, least: f64::NAN };
     }
     let mut draws = Lcg::new(rounds.len() as u64);
     let mut drawn = vec![0.0; rounds.len()];
@@ -142,7 +152,8 @@ pub(super) fn clocked(rounds: &[f64]) -> Clocked {
         })
         .collect();
     let mut at = |share: f64| quantile(&mut medians, share, Rank::NearestStep).unwrap_or(f64::NAN);
-    Clocked { median: median(rounds.to_vec()).unwrap_or(f64::NAN), lo: at(0.025), hi: at(0.975) }
+    let least = rounds.iter().copied().fold(f64::INFINITY, f64::min);
+    Clocked { median: median(rounds.to_vec()).unwrap_or(f64::NAN), lo: at(0.025), hi: at(0.975), least }
 }
 
 #[cfg(test)]

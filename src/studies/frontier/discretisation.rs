@@ -3,7 +3,10 @@
 //! ```text
 //! for every candidate, round after round:   contacts of replicate b -> fit, S, R [-> intervals]   timed
 //!                                           the same answer against the truth                     judged
+//! then, for the few that the answer is chosen from:   the same on the replicates that they have not met
 //! ```
+
+use std::time::Instant;
 
 use palpate_fitting::fit::FitOptions;
 use palpate_numeric::threads;
@@ -12,30 +15,31 @@ use palpate_world::scene::World;
 use super::FrontierError;
 use super::clock::{Call, Heard, Limits, Watch, clocked, heard_rounds};
 use super::configuration::{Configuration, candidates};
+use super::contenders::contenders;
 use super::errors::{Judged, QUANTITIES, errors_of, share};
+use super::found_surface::TimedAnswer;
 use super::ledger::Ledger;
+use super::measured::Measured;
 use super::memory;
 use super::pareto;
 use super::point::Point;
+use super::preference::share_quickest;
 use super::replicates::{REPLICATES, Touches, stations};
-use super::scoring::{Answer, call, judge};
+use super::request::Request;
+use super::scoring::{call, judge};
+use super::shortlist::shortlist;
 
 /// Rounds at least and at most: three calls a round make 120 of a short call, so that every replicate is judged.
 const LEAST_ROUNDS: usize = 5;
 const MOST_ROUNDS: usize = 40;
-/// Seconds for each of the two calls of a candidate: what takes milliseconds needs fewer repeats.
-const EACH: f64 = 0.5;
-
-/// A candidate with its point and with the errors of S and R in every replicate, from which a request is answered.
-#[derive(Clone, Debug)]
-pub struct Measured {
-    /// What was done.
-    pub configuration: Configuration,
-    /// What came out.
-    pub point: Point,
-    /// Rms errors of S and R over the grid, replicate by replicate; NaN where there is none.
-    pub runs: Vec<[f64; 2]>,
-}
+/// Seconds for each of the two calls of a candidate: what takes tens of milliseconds needs fewer repeats.
+const EACH: f64 = 1.5;
+/// And at least, where the whole time is little.
+const LEAST_EACH: f64 = 0.01;
+/// Share of the time for one call: a few that are slow take no more than half of it.
+const SHARE_OF_EACH: f64 = 0.05;
+/// Share of the time in which all candidates are measured; the rest is for those that the answer is chosen from.
+const FOR_ALL: f64 = 0.7;
 
 /// A scene with its candidates, ready to be measured.
 #[derive(Debug)]
@@ -48,6 +52,8 @@ pub struct Subject {
     defined: [bool; 2],
     /// Whether calls with intervals are timed besides those without.
     intervals: bool,
+    /// What the answer is for.
+    request: Option<Request>,
 }
 
 impl Subject {
@@ -77,13 +83,20 @@ impl Subject {
 
     fn of(touches: Vec<Touches>, own: &FitOptions) -> Result<Subject, FrontierError> {
         let counts: Vec<Option<usize>> = touches.iter().map(|touches| touches.stations).collect();
-        let candidates = candidates(own, &counts, true);
+        let candidates = candidates(own, &counts, true, touches.first().map_or(0, Touches::contacts));
         let truth = touches.first().and_then(|touches| touches.replicates.first()).map(|(_, truth)| truth);
         let points = truth.map_or(0, |truth| truth.points.len());
         let curvedness =
             truth.map_or(0.0, |truth| (0..points).map(|r| truth.curvedness(r)).sum::<f64>() / points.max(1) as f64);
         let has_index = truth.is_some_and(|truth| (0..points).any(|r| truth.shape_index(r).is_some()));
-        Ok(Subject { touches, candidates, curvedness, defined: [has_index, points > 0], intervals: true })
+        Ok(Subject {
+            touches,
+            candidates,
+            curvedness,
+            defined: [has_index, points > 0],
+            intervals: true,
+            request: None,
+        })
     }
 
     /// Whether S and R are defined somewhere on the true surface.
@@ -96,23 +109,33 @@ impl Subject {
         Subject { intervals: false, ..self }
     }
 
+    /// The same, with more replicates for the candidates that may answer this.
+    pub fn asked(self, request: Option<&Request>) -> Subject {
+        Subject { request: request.cloned(), ..self }
+    }
+
     /// Calls of each candidate.
     pub fn calls_each(&self) -> usize {
         if self.intervals { 2 } else { 1 }
     }
 
     /// Every call of the frontier: without and with intervals, candidate by candidate.
-    pub fn calls(&self) -> Vec<Call<'_, Answer>> {
+    pub fn calls(&self) -> Vec<Call<'_, TimedAnswer>> {
         let kinds = &[false, true][..self.calls_each()];
         let all = self.candidates.iter().flat_map(|candidate| kinds.iter().map(move |interval| (candidate, *interval)));
-        all.map(|(candidate, interval)| -> Call<'_, Answer> {
+        all.map(|(candidate, interval)| -> Call<'_, TimedAnswer> {
             let replicates = &self.touches_of(candidate).replicates;
             Box::new(move |number| {
                 let (contacts, _) = &replicates[(number % replicates.len() as u64) as usize];
-                call(contacts, &candidate.options, interval)
+                call(contacts, candidate, interval)
             })
         })
         .collect()
+    }
+
+    /// Whether nothing is random.
+    fn is_fixed(&self) -> bool {
+        self.touches.iter().all(|touches| touches.replicates.len() == 1)
     }
 
     fn touches_of(&self, candidate: &Configuration) -> &Touches {
@@ -145,7 +168,9 @@ impl Subject {
     fn measure_here(&self, ledger: &Ledger, seconds: f64, watch: Watch<'_>) {
         let each = self.calls_each();
         let mut calls = self.calls();
-        let limits = Limits { least: LEAST_ROUNDS, most: MOST_ROUNDS, seconds, each: EACH };
+        let began = Instant::now();
+        let (first, most_each) = (FOR_ALL * seconds, (SHARE_OF_EACH * seconds).clamp(LEAST_EACH, EACH));
+        let limits = Limits { least: LEAST_ROUNDS, most: MOST_ROUNDS, seconds: first, each: most_each };
         heard_rounds(&mut calls, limits, watch, |k, heard| {
             let (candidate, interval) = (k / each, k % each);
             let (number, answer) = match heard {
@@ -159,11 +184,51 @@ impl Subject {
             if interval == 1 {
                 return ledger.enter(candidate, |entry| entry.held.push(judged.held));
             }
-            let memory = answer.as_ref().ok().filter(|_| number == 0).map(|found| memory::bytes(found, contacts.len()));
+            let memory =
+                answer.as_ref().ok().filter(|_| number == 0).and_then(|found| memory::bytes(found, contacts.len()));
             ledger.enter(candidate, |entry| {
                 entry.judged.push(judged);
                 entry.memory = entry.memory.or(memory);
             });
+        });
+        drop(calls);
+        self.measure_contenders(ledger, seconds - began.elapsed().as_secs_f64(), watch);
+    }
+
+    /// Judges those that the answer is chosen from on the replicates that they have not met, as far as the time goes. No time is
+    /// entered: whoever is timed more often has a quicker quickest round.
+    fn measure_contenders(&self, ledger: &Ledger, seconds: f64, watch: Watch<'_>) {
+        let measured = self.measured(ledger);
+        let chosen = match &self.request {
+            Some(request) => contenders(&measured, request),
+            None => shortlist(&measured, true).rows,
+        };
+        let place = |k: &usize| self.candidates.iter().position(|way| *way == measured[*k].configuration);
+        let entries = ledger.entries();
+        let begun: Vec<(usize, u64)> =
+            chosen.iter().filter_map(place).map(|k| (k, entries[k].judged.len() as u64)).collect();
+        let replicates = |k: usize| &self.touches_of(&self.candidates[k]).replicates;
+        let unmet = |(k, met): &(usize, u64)| *met < replicates(*k).len() as u64;
+        let begun: Vec<(usize, u64)> = begun.into_iter().filter(unmet).collect();
+        let mut calls: Vec<Call<'_, TimedAnswer>> = Vec::new();
+        for (k, met) in &begun {
+            let own = replicates(*k);
+            calls.push(Box::new(move |number| {
+                let place = (met + number) as usize % own.len();
+                call(&own[place].0, &self.candidates[*k], false)
+            }));
+        }
+        // a slow one has its share and no more, so that the quick ones meet all replicates
+        let each = seconds / begun.len().max(1) as f64;
+        let limits = Limits { least: 0, most: MOST_ROUNDS, seconds, each };
+        let still = |_, _| watch(MOST_ROUNDS, MOST_ROUNDS);
+        heard_rounds(&mut calls, limits, &still, |place, heard| {
+            let Heard::Answer(number, answer) = heard else { return };
+            let (k, met) = begun[place];
+            if let Some((_, truth)) = replicates(k).get((met + number) as usize) {
+                let judged = judge(&answer, truth, false);
+                ledger.enter(k, |entry| entry.judged.push(judged));
+            }
         });
     }
 
@@ -181,9 +246,10 @@ impl Subject {
                 point.seconds_interval = self.intervals.then(|| clocked(&entry.times[1]));
                 let rms = |judged: &Judged, q: usize| judged.deviations[q].rms().unwrap_or(f64::NAN);
                 let runs = entry.judged.iter().map(|judged| [rms(judged, 0), rms(judged, 1)]).collect();
-                Measured { configuration: self.candidates[k].clone(), point, runs }
+                Measured { configuration: self.candidates[k].clone(), point, runs, fixed: self.is_fixed() }
             })
             .collect();
+        share_quickest(&mut measured);
         mark(&mut measured);
         measured
     }
@@ -191,12 +257,12 @@ impl Subject {
     fn point(&self, k: usize, judged: &[Judged], held: &[[Option<bool>; 2]]) -> Point {
         let candidate = &self.candidates[k];
         let failed = judged.iter().find_map(|judged| judged.failed.clone());
-        let errors: [_; QUANTITIES.len()] = std::array::from_fn(|q| errors_of(judged, q));
+        let errors: [_; QUANTITIES.len()] = std::array::from_fn(|q| errors_of(judged, q, self.is_fixed()));
         let covered = |q: usize| share(held.iter().filter_map(|held| held[q]));
         let mut point = Point {
             label: candidate.label(),
             method: candidate.options.method.name().into(),
-            surface: candidate.options.surface.name(),
+            surface: if candidate.recognised { "recognised" } else { candidate.options.surface.name() },
             weights: candidate.weights(),
             degree: candidate.options.degree,
             segments: candidate.options.segments,

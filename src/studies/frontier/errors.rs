@@ -3,24 +3,28 @@
 //! ```text
 //! one answer        rms and worst over the supported grid points;  shift = mean over them, with its sign
 //! many replicates   rms = root of the mean square;  worst = the largest;  bias, sd = mean and sd of the shifts
-//!                   upper = value below which 95 % of fresh replicates lie, with 95 % confidence
+//!                   upper = value below which 95 % of fresh replicates lie, with 95 % confidence (`kept`)
 //! ```
-//!
-//! `upper` is an order statistic (S. S. Wilks, *Ann. Math. Statist.* 12 (1941) 91), so that it needs no law of the errors.
-//! Below 59 replicates there is none with that confidence, and the largest error stands for it.
-
-use statrs::distribution::{Binomial, DiscreteCDF};
 
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::statistics::{Rank, quantile};
 
+use super::kept::kept;
+
 /// Quantities that are judged, in the order of every array of six here; the normal's error is an angle in degrees.
 pub const QUANTITIES: [&str; 6] = ["S", "R", "k1", "height", "slope", "normal_deg"];
 
+/// Their places.
+pub(super) const S: usize = 0;
+pub(super) const R: usize = 1;
+pub(super) const K1: usize = 2;
+pub(super) const HEIGHT: usize = 3;
+pub(super) const SLOPE: usize = 4;
+pub(super) const NORMAL: usize = 5;
+const _: () = assert!(QUANTITIES.len() == 6);
+
 /// Samples of the bootstrap of an rms.
 const SAMPLES: usize = 200;
-/// The share of fresh replicates that `upper` promises, and the confidence with which it does.
-const PROMISED: f64 = 0.95;
 
 /// One quantity of one answer over the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,12 +82,13 @@ pub struct Errors {
     pub bias: f64,
     /// Sd of the shifts: what noise does.
     pub sd: f64,
-    /// At most this large in 95 of 100 fresh replicates, with 95 % confidence.
-    pub upper: f64,
+    /// At most this large in 95 of 100 fresh replicates, with 95 % confidence; `None` where too few were judged to say so.
+    pub upper: Option<f64>,
 }
 
-/// The errors of one quantity; `None` where no replicate has one, or where one of them failed to have it.
-pub(super) fn errors_of(replicates: &[Judged], quantity: usize) -> Option<Errors> {
+/// The errors of one quantity; `None` where no replicate has one, or where one of them failed to have it. Replicates that are `fixed`
+/// are all the same.
+pub(super) fn errors_of(replicates: &[Judged], quantity: usize, fixed: bool) -> Option<Errors> {
     let all: Option<Vec<(Deviation, f64)>> = replicates
         .iter()
         .map(|judged| Some((judged.deviations[quantity], judged.deviations[quantity].rms()?)))
@@ -100,7 +105,7 @@ pub(super) fn errors_of(replicates: &[Judged], quantity: usize) -> Option<Errors
         worst: all.iter().map(|(d, _)| d.worst).fold(0.0, f64::max),
         bias,
         sd: variance.sqrt(),
-        upper: upper(all.iter().map(|(_, rms)| *rms).collect()),
+        upper: kept(all.iter().map(|(_, rms)| *rms).collect(), fixed),
     })
 }
 
@@ -115,17 +120,6 @@ fn interval(squares: &[f64]) -> [f64; 2] {
         })
         .collect();
     [0.025, 0.975].map(|share| quantile(&mut means, share, Rank::NearestStep).unwrap_or(f64::NAN))
-}
-
-/// The value below which 95 % of fresh ones lie, with 95 % confidence; the largest where there are too few values.
-pub(super) fn upper(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let count = values.len();
-    let rank = (1..=count).find(|rank| {
-        let law = Binomial::new(PROMISED, count as u64);
-        law.is_ok_and(|law| law.cdf(*rank as u64 - 1) >= PROMISED)
-    });
-    rank.map_or_else(|| values.last().copied().unwrap_or(f64::NAN), |rank| values[rank - 1])
 }
 
 /// Share of true ones with its interval of 95 % (E. B. Wilson, *J. Am. Stat. Assoc.* 22 (1927) 209) and how many there were.
@@ -160,25 +154,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_upper_value_is_the_order_statistic_of_wilks() {
-        let values = |count: usize| (1..=count).map(|k| k as f64).collect::<Vec<f64>>();
-        // 59 is the least number whose largest value will do, 93 the least whose second will
-        assert_eq!((upper(values(30)), upper(values(59))), (30.0, 59.0));
-        assert_eq!((upper(values(92)), upper(values(93))), (92.0, 92.0));
-        assert_eq!(upper(values(1)), 1.0);
-    }
-
-    #[test]
     fn bias_and_spread_are_apart() {
         let one = |errors: [f64; 2]| {
             let mut judged = Judged::default();
             errors.iter().for_each(|e| judged.deviations[0].add(*e));
             judged
         };
-        let found = errors_of(&[one([1.0, 3.0]), one([3.0, 5.0])], 0).unwrap();
+        let found = errors_of(&[one([1.0, 3.0]), one([3.0, 5.0])], 0, false).unwrap();
         assert_eq!((found.bias, found.worst, found.rms), (3.0, 5.0, 11.0_f64.sqrt()));
         assert!((found.sd - 2.0_f64.sqrt()).abs() < 1e-15);
-        assert!(errors_of(&[one([1.0, 3.0]), Judged::default()], 0).is_none());
+        assert!(found.upper.is_none() && errors_of(&[one([1.0, 3.0])], 0, true).unwrap().upper.is_some());
+        assert!(errors_of(&[one([1.0, 3.0]), Judged::default()], 0, false).is_none());
     }
 
     #[test]

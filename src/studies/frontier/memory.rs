@@ -12,10 +12,19 @@ use palpate_fitting::parametric::FittedSurface;
 use palpate_numeric::linalg::{Sites, TensorShape};
 use palpate_numeric::solve::Cholesky;
 
+use super::found_surface::FoundSurface;
+
 const NUMBER: u64 = 8;
 
-/// Bytes of this answer.
-pub(super) fn bytes(found: &FittedSurface, contacts: usize) -> u64 {
+/// Bytes of this answer; `None` of what was recognised, whose working memory is far more than what it keeps.
+pub(super) fn bytes(found: &FoundSurface, contacts: usize) -> Option<u64> {
+    match found {
+        FoundSurface::Named(found) => Some(of_fit(found, contacts)),
+        FoundSurface::Recognised(_) => None,
+    }
+}
+
+fn of_fit(found: &FittedSurface, contacts: usize) -> u64 {
     match found {
         FittedSurface::Height(fit) => of_height(fit, contacts),
         FittedSurface::Parametric(fit) => {

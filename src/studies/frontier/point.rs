@@ -34,7 +34,7 @@ pub struct Point {
     pub case: Option<String>,
     /// How it was solved, or where the interval came from.
     pub method: String,
-    /// `height` or `parametric`.
+    /// `height`, `parametric` or `recognised`.
     pub surface: &'static str,
     /// Words for weights or noise.
     pub weights: String,
@@ -57,6 +57,8 @@ pub struct Point {
     pub condition: Option<f64>,
     /// Right digits of the coefficients (solvers).
     pub digits: Option<f64>,
+    /// Standard uncertainties of S and of R in the posterior of what was recognised in all contacts (files).
+    pub uncertainty: [Option<f64>; 2],
     /// Share of the intervals of S and of R that hold the truth.
     pub coverage: [Option<Share>; 2],
     /// Time of the call without intervals.

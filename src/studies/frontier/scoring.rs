@@ -12,15 +12,10 @@ use palpate_world::scene::Truth;
 
 use palpate_numeric::vector::{cross, dot, norm, unit};
 
-use super::errors::{Deviation, Judged, QUANTITIES};
-
-const S: usize = 0;
-const R: usize = 1;
-const K1: usize = 2;
-const HEIGHT: usize = 3;
-const SLOPE: usize = 4;
-const NORMAL: usize = 5;
-const _: () = assert!(QUANTITIES.len() == 6);
+use super::configuration::Configuration;
+use super::errors::{Deviation, HEIGHT, Judged, K1, NORMAL, R, S, SLOPE};
+use super::found_surface::{FoundSurface, TimedAnswer};
+use super::recognised::{judge_recognised, judge_unseen, recognise};
 
 /// Angle in degrees between the upward normal of these slopes and a unit normal.
 fn angle([zx, zy]: [f64; 2], normal: [f64; 3]) -> f64 {
@@ -28,11 +23,12 @@ fn angle([zx, zy]: [f64; 2], normal: [f64; 3]) -> f64 {
     norm(cross(own, normal)).atan2(dot(own, normal)).to_degrees()
 }
 
-/// What a timed call gives back.
-pub(super) type Answer = Result<FittedSurface, String>;
-
 /// Fits and describes: the call that is timed. With `interval`, uncertainties and intervals are part of it.
-pub(super) fn call(contacts: &Contacts, options: &FitOptions, interval: bool) -> Answer {
+pub(super) fn call(contacts: &Contacts, way: &Configuration, interval: bool) -> TimedAnswer {
+    if way.recognised { recognise(contacts, &way.options) } else { named(contacts, &way.options, interval) }
+}
+
+fn named(contacts: &Contacts, options: &FitOptions, interval: bool) -> TimedAnswer {
     let (found, _) = FittedSurface::of(contacts, options).map_err(|error| error.to_string())?;
     match &found {
         FittedSurface::Height(fit) if interval => {
@@ -46,15 +42,16 @@ pub(super) fn call(contacts: &Contacts, options: &FitOptions, interval: bool) ->
             fit.shape();
         }
     }
-    Ok(found)
+    Ok(FoundSurface::Named(found))
 }
 
 /// Holds an answer against the truth. Without `interval` those of a height field are not asked, which would compute them.
-pub(super) fn judge(answer: &Answer, truth: &Truth, interval: bool) -> Judged {
+pub(super) fn judge(answer: &TimedAnswer, truth: &Truth, interval: bool) -> Judged {
     match answer {
         Err(why) => Judged { failed: Some(why.clone()), ..Judged::default() },
-        Ok(FittedSurface::Height(fit)) => judge_height(fit, truth, interval),
-        Ok(FittedSurface::Parametric(fit)) => judge_parametric(fit, truth),
+        Ok(FoundSurface::Named(FittedSurface::Height(fit))) => judge_height(fit, truth, interval),
+        Ok(FoundSurface::Named(FittedSurface::Parametric(fit))) => judge_parametric(fit, truth),
+        Ok(FoundSurface::Recognised(found)) => judge_recognised(found, truth),
     }
 }
 
@@ -100,14 +97,15 @@ fn judge_height(fit: &Fit, truth: &Truth, interval: bool) -> Judged {
 }
 
 /// Holds a fit against contacts that it has not seen: heights and, where they are known, normals.
-pub(super) fn judge_contacts(answer: &Answer, unseen: &Contacts) -> Judged {
+pub(super) fn judge_contacts(answer: &TimedAnswer, unseen: &Contacts) -> Judged {
     let fit = match answer {
         Err(why) => return Judged { failed: Some(why.clone()), ..Judged::default() },
-        Ok(FittedSurface::Parametric(_)) => {
+        Ok(FoundSurface::Recognised(found)) => return judge_unseen(found, unseen),
+        Ok(FoundSurface::Named(FittedSurface::Parametric(_))) => {
             let why = "a parametric surface has no height over x and y".to_string();
             return Judged { failed: Some(why), ..Judged::default() };
         }
-        Ok(FittedSurface::Height(fit)) => fit,
+        Ok(FoundSurface::Named(FittedSurface::Height(fit))) => fit,
     };
     let surface = match fit.input_surface() {
         Ok(surface) => surface,

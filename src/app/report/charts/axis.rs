@@ -39,6 +39,15 @@ impl Axis {
         Axis { logarithmic: true, ..Axis::over([lo / room, hi * room]) }
     }
 
+    /// Logarithmic over whole decades, two of them or more, so that each line across is a decade.
+    pub(in crate::report) fn whole_decades(values: impl Iterator<Item = f64>) -> Axis {
+        let [lo, hi] = range(values.filter(|v| *v > 0.0)).unwrap_or([0.1, 10.0]);
+        // what lies at an end keeps a little room
+        let (first, last) = ((0.9 * lo).log10().floor() as i32, (1.1 * hi).log10().ceil() as i32);
+        let ends = [first.min(last - 2), last].map(|power| 10.0_f64.powi(power));
+        Axis { logarithmic: true, ..Axis::over(ends) }
+    }
+
     /// Two axes of one scale that hold all places, for what is seen from above; `sides` are the panel's.
     pub(in crate::report) fn level(places: &[[f64; 2]], sides: [f64; 2]) -> [Axis; 2] {
         let ends = [0, 1].map(|k| range(places.iter().map(|p| p[k])).unwrap_or([0.0, 1.0]));
@@ -161,6 +170,9 @@ mod tests {
         assert!((3..=9).contains(&ticks([1e-5, 4e-5]).len()));
         assert!((3..=9).contains(&ticks([1e-17, 1e3]).len()));
         assert!(ticks([1e-6, 1e-2]).len() >= 4);
+        let whole = Axis::whole_decades([2e-4, 0.03].into_iter());
+        assert_eq!(whole.ticks(9).len(), 4);
+        assert!((whole.lo - 1e-4).abs() < 1e-18 && (whole.hi - 0.1).abs() < 1e-15);
         assert_eq!([1e-5, 20.0, 0.02].map(decade_words), ["1e-5", "20", "0.02"]);
     }
 }

@@ -106,12 +106,6 @@ impl<'a> Chart<'a> {
         self.drawing.hook(style.hook("dot", Some(words)));
     }
 
-    /// A point with a marker of its own kind.
-    pub(in crate::report) fn marker(&mut self, style: Style, at: [f64; 2], kind: usize, radius: f64, words: String) {
-        marker(self.drawing, self.place(at), kind, radius, style.colour);
-        self.drawing.hook(style.hook("dot", Some(words)));
-    }
-
     /// A bar of a histogram from `lo` to `hi`, of this height.
     pub(in crate::report) fn bar(&mut self, [lo, hi]: [f64; 2], height: f64, words: String) {
         let ([left, top], [right, bottom]) = (self.place([lo, height]), self.place([hi, 0.0]));
@@ -153,32 +147,30 @@ impl<'a> Chart<'a> {
         self.numbers.keep_off(self.place(at), radius);
     }
 
+    /// Words beside a point, where they cover nothing.
+    pub(in crate::report) fn word(&mut self, at: [f64; 2], text: &str) {
+        let at = self.place(at);
+        self.numbers.word(self.drawing, at, text);
+    }
+
+    /// Words keep off a line.
+    pub(in crate::report) fn keep_off_line(&mut self, points: &[[f64; 2]]) {
+        const APART: f64 = 8.0;
+        let points: Vec<[f64; 2]> = points.iter().map(|p| self.place(*p)).collect();
+        for (from, to) in points.iter().zip(points.iter().skip(1)) {
+            let steps = ((to[0] - from[0]).hypot(to[1] - from[1]) / APART).ceil().max(1.0);
+            for step in 0..=steps as usize {
+                let share = step as f64 / steps;
+                self.numbers.keep_off([0, 1].map(|k| from[k] + share * (to[k] - from[k])), 2.0);
+            }
+        }
+    }
+
     /// A number beside a point, where it covers nothing; the page has words instead.
     pub(in crate::report) fn number(&mut self, at: [f64; 2], text: &str) {
         let at = self.place(at);
         self.numbers.add(self.drawing, at, text);
     }
-}
-
-/// Circle, square, triangle, diamond, cross, star, triangle on its head, and on from the beginning.
-pub(super) fn marker(drawing: &mut Drawing, [x, y]: [f64; 2], kind: usize, radius: f64, fill: Colour) {
-    let around = |corners: usize, turn: f64, inner: f64| -> Vec<[f64; 2]> {
-        let angle = |k: usize| std::f64::consts::TAU * (k as f64 + turn) / corners as f64;
-        let reach = |k: usize| if k % 2 == 1 { radius * inner } else { radius };
-        (0..corners).map(|k| [x + reach(k) * angle(k).sin(), y - reach(k) * angle(k).cos()]).collect()
-    };
-    let points = match kind % 7 {
-        0 => around(16, 0.0, 1.0),
-        1 => around(4, 0.5, 1.0),
-        2 => around(3, 0.0, 1.0),
-        3 => around(4, 0.0, 1.0),
-        4 => around(8, 0.5, 0.4),
-        5 => around(10, 0.0, 0.45),
-        _ => around(3, 1.5, 1.0),
-    };
-    // faint marks have no dark rim
-    let rim = if radius > 4.0 { [0; 3] } else { fill };
-    drawing.area(&points, fill, rim);
 }
 
 /// One line of what marks mean, each with a dot of its colour; `left` and `right` are its ends.

@@ -9,9 +9,13 @@ use super::shell::Page;
 use super::tables::{bars, card, key, notes, table};
 use crate::report::charts::{FrontierFigure, FrontierKind, KINDS, TIME, number, time};
 use crate::report::fold::PAGE_WIDTH;
-use crate::report::frontier::{FrontierDocument, FrontierRecord, PickPart};
+use crate::report::frontier::{FrontierDocument, FrontierRecord, PickPart, RecommendedPart};
 use crate::report::frontier_table::write_frontier_table;
+use crate::report::frontier_words::{judged_by_contacts, way};
 use crate::report::json::write_json;
+
+/// Pixels by which the chart is higher than others.
+const HIGHER: f64 = 70.0;
 
 /// Writes the page of a frontier.
 ///
@@ -24,10 +28,12 @@ pub(crate) fn write_frontier_page(
 ) -> std::io::Result<()> {
     let (mut json, mut words) = (Vec::new(), Vec::new());
     write_json(document, &mut json)?;
-    write_frontier_table(document, PAGE_WIDTH, &mut words)?;
+    write_frontier_table(document, true, PAGE_WIDTH, &mut words)?;
     let mut sections = String::new();
-    if let Some(pick) = &document.pick {
-        sections.push_str(&picked(pick));
+    match (&document.pick, &document.recommended) {
+        (Some(pick), _) => sections.push_str(&picked(pick)),
+        (None, Some(recommended)) => sections.push_str(&taken(document, recommended)),
+        (None, None) => {}
     }
     KINDS.into_iter().for_each(|kind| sections.push_str(&frontier(document, kind)));
     sections.push_str(&stages(document));
@@ -85,17 +91,37 @@ fn picked(pick: &PickPart) -> String {
     )
 }
 
+/// The way to take where nothing was asked for.
+fn taken(document: &FrontierDocument, recommended: &RecommendedPart) -> String {
+    let Some(record) = document.points.get(recommended.point) else { return String::new() };
+    let unseen = [record.errors.height, record.errors.normal_deg].map(|errors| number(errors.map(|e| e.rms)));
+    let errors = if judged_by_contacts(document) {
+        card("Error of the height at contacts left out", &unseen[0], &[format!("of the normal: {} degrees", unseen[1])])
+    } else {
+        card("Error of S", &number(record.error_S), &[format!("of R: {} (1/length)", number(record.error_R))])
+    };
+    format!(
+        "<div class=\"cards\">{}{errors}{}</div>\n",
+        card("To take", &way(record), std::slice::from_ref(&recommended.why)),
+        card("Time of one", &record.seconds.map_or("-".into(), |seconds| time(seconds.least)), &[]),
+    )
+}
+
 fn frontier(document: &FrontierDocument, kind: FrontierKind) -> String {
     let Some(figure) = FrontierFigure::new(document, kind) else { return String::new() };
     let FrontierKind { frontier, title, error } = kind;
     let chart = chart(&format!("{title}: {error} against time"), |drawing, rect| {
-        figure.draw(drawing, rect, TIME);
-        let bottom = drawing.size[1];
-        drawing.size[1] = figure.key(drawing, bottom + 6.0);
+        // taller than others, so that decades have room for words
+        drawing.size[1] += HIGHER;
+        figure.draw(drawing, [rect[0], [rect[1][0], rect[1][1] + HIGHER]], TIME);
     });
-    let marks = key(&[("", "--second", "on the frontier"), ("", "--faint", "another is faster and more accurate")]);
+    let marks = key(&[
+        ("", "--second", "a model that is named"),
+        ("", "--accent", "recognised, and the least error so far"),
+        ("", "--faint", "all others; from line to line is one digit"),
+    ]);
     let rows: Vec<Vec<String>> = figure.on.iter().map(|point| row(figure.name(point), point)).collect();
-    let head = ["", "Error", "Error of S", "Error of R", "Time", "Time interval", "Instructions"];
+    let head = ["", "Error", "Error of S", "Error of R", "Quickest round", "Median between", "Instructions"];
     format!(
         "<section id=\"{frontier}\"><h2>{title}</h2>\n<figure>{chart}</figure>\n{marks}\
          <details><summary>The points on the frontier as a table</summary>{}</details></section>\n",
@@ -109,7 +135,7 @@ fn row(name: String, point: &FrontierRecord) -> Vec<String> {
         number(point.error),
         number(point.error_S),
         number(point.error_R),
-        point.seconds.map_or("-".into(), |t| time(t.median)),
+        point.seconds.map_or("-".into(), |t| time(t.least)),
         point.seconds.map_or("-".into(), |t| format!("{} to {}", time(t.lo), time(t.hi))),
         point.instructions.map_or("-".into(), |n| n.to_string()),
     ]

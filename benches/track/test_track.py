@@ -1,0 +1,85 @@
+"""Planted changes are found, and nothing is not: `python -m unittest discover benches/track`."""
+
+import math
+import random
+import unittest
+
+from changes import LEAST_COUNT, of_counts, of_pairs
+from page import page, series
+
+PAIRS = 30
+
+
+def timings(draw, slower, pairs=PAIRS):
+    """Pairs of times as a busy machine has them: it drifts, every run errs by 2 %, and one in eight is interrupted."""
+    drift, found = 0.0, []
+    for _ in range(pairs):
+        drift += draw.gauss(0.0, 0.01)
+
+        def one(factor):
+            interrupted = draw.expovariate(5.0) if draw.random() < 0.125 else 0.0
+            return factor * math.exp(drift + draw.gauss(0.0, 0.02)) * (1.0 + interrupted)
+
+        found.append((one(1.0), one(1.0 + slower)))
+    return found
+
+
+class Changes(unittest.TestCase):
+    def alarms(self, slower, seed):
+        draw = random.Random(seed)
+        return [change for change in (of_pairs(timings(draw, slower)) for _ in range(100)) if change.alarm]
+
+    def test_a_hundred_comparisons_with_itself_raise_at_most_five_alarms(self):
+        for seed in range(5):
+            self.assertLessEqual(len(self.alarms(0.0, seed)), 5, f"seed {seed}")
+
+    def test_a_slowdown_of_five_per_cent_is_found(self):
+        found = self.alarms(0.05, 11)
+        self.assertGreaterEqual(len(found), 95)
+        self.assertTrue(all(change.ratio > 1.0 for change in found))
+        # as much faster is found as well
+        self.assertGreaterEqual(len(self.alarms(-0.05, 12)), 95)
+
+    def test_two_per_cent_more_instructions_are_found_and_the_environment_is_not(self):
+        self.assertTrue(of_counts(1_000_000, 1_020_000).alarm and of_counts(1_000_000, 980_000).alarm)
+        self.assertFalse(of_counts(1_000_000, 1_003_000).alarm)
+        self.assertLess(LEAST_COUNT, 0.02)
+
+    def test_few_pairs_say_nothing(self):
+        self.assertIsNone(of_pairs([(1.0, 2.0)] * 5))
+        self.assertTrue(of_pairs([(1.0, 2.0)] * 6).alarm)
+
+
+def commits():
+    """Fifty commits: the thirtieth has 2 % more instructions, the fortieth takes 5 % more time."""
+    draw = random.Random(1)
+    lines, count = [], 1_000_000
+    for k in range(50):
+        count = round(count * (1.02 if k == 29 else 1.0 + draw.gauss(0.0, 0.0005)))
+        change = of_pairs(timings(draw, 0.05 if k == 39 else 0.0))
+        lines.append({
+            "commit": f"{k:040x}", "parent": "", "date": "2026-11-26", "subject": f"commit <{k + 1}>", "machine": "one",
+            "counts": {"fit": count}, "seconds": {"study": change.__dict__}, "program_bytes": 20_000_000, "accuracy": {"bar, S": 0.01},
+        })
+    return lines
+
+
+class Pages(unittest.TestCase):
+    def test_the_curves_mark_what_was_planted(self):
+        found = series(commits())
+        marked = {key: [point[0] for point in points if point[4]] for key, points in found.items()}
+        self.assertEqual(marked["counts", "fit"], [29])
+        self.assertIn(39, marked["seconds", "study"])
+        self.assertLessEqual(len(marked["seconds", "study"]), 3)
+        self.assertEqual(marked["build", "program_bytes"], [])
+
+    def test_the_page_stands_by_itself(self):
+        text = page(commits())
+        self.assertIn("commit &lt;30&gt;", text)
+        self.assertNotIn("<30>", text)
+        for word in ("http://", "https://", "<script", "src="):
+            self.assertNotIn(word, text)
+
+
+if __name__ == "__main__":
+    unittest.main()
