@@ -3,8 +3,8 @@
 //! ```text
 //! patch refused, or bent too far, or with contacts that do not belong   ->   primitives in space (`bodies`)
 //! one primitive        the answer, read from its posterior
-//! two things           a refusal that names both
-//! none near enough     a free surface where contacts go all round (`bodies::free_surface`), else what the patch said
+//! several things       a refusal that names them, unless a patch that bends in more than one way is as good
+//! none near enough     a free surface (`bodies::free_surface`), if it tells contacts left out, else what the patch said
 //! ```
 
 mod answer;
