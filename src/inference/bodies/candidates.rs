@@ -47,7 +47,7 @@ pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate>
 /// Starts near which a share of the contacts lies that one thing of several has at least. Rings and ellipsoids follow anything.
 pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let mut all = Vec::new();
-    let least = MINORITY * tuning.one_of_many;
+    let least = MINORITY * tuning.other_things;
     for_each_kind(sample, tuning, |kind, starts| {
         if matches!(kind, PartKind::Torus | PartKind::Ellipsoid) {
             return;

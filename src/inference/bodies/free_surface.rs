@@ -22,13 +22,22 @@ use palpate_numeric::vector::{Vector, norm};
 /// One contact of so many is left out.
 const LEFT_OUT: usize = 5;
 
+/// From what a free surface may depart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FreeBase {
+    /// From a ball or an ellipsoid that contacts go all round.
+    Closed,
+    /// From these, or else from whatever primitive is next to the contacts.
+    Any,
+}
+
 /// The posterior of a free surface; `None` where contacts are too few, or do not tell each other's place.
-pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
+pub(crate) fn free_surface(all: &BodySample, from: FreeBase, tuning: &Tuning) -> Option<BodyPosterior> {
     let sample = &all.at_most(tuning.free_contacts);
     if sample.len() < tuning.free_from[usize::from(sample.known_normals() == 0)] {
         return None;
     }
-    let base = base_of(sample, tuning)?;
+    let base = base_of(sample, from, tuning)?;
     let linearised = about(&base, sample, &tuning.free_lengths, tuning);
     let nodes: Vec<BodyHypothesis> = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning).collect();
     let best = nodes.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
@@ -40,9 +49,8 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
 }
 
-/// The primitive next to the contacts: where these go all round it a ball or an ellipsoid, since what closes is nearer to one of these
-/// than to others.
-fn base_of(sample: &BodySample, tuning: &Tuning) -> Option<Mode> {
+/// What closes is nearer to a ball or an ellipsoid than to others.
+fn base_of(sample: &BodySample, from: FreeBase, tuning: &Tuning) -> Option<Mode> {
     let few = sample.at_most(tuning.searched);
     let found = modes(&few, tuning);
     let goes_all_round = |base: &&Mode| {
@@ -50,7 +58,8 @@ fn base_of(sample: &BodySample, tuning: &Tuning) -> Option<Mode> {
         norm(mean_of(&normals)) < tuning.all_round
     };
     let closed = next_to_all(found.iter().filter(|mode| closes(mode))).filter(goes_all_round);
-    closed.or_else(|| next_to_all(found.iter())).cloned()
+    let next = || next_to_all(found.iter()).filter(|_| from == FreeBase::Any);
+    closed.or_else(next).cloned()
 }
 
 fn closes(mode: &Mode) -> bool {

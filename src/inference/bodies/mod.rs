@@ -33,7 +33,7 @@ mod tuning;
 
 pub(crate) use chart::BodyChart;
 pub(crate) use evidence::BodyHypothesis;
-pub(crate) use free_surface::free_surface;
+pub(crate) use free_surface::{FreeBase, free_surface};
 pub(crate) use inference::{BodyPosterior, Verdict, infer};
 pub(crate) use other_things::{Thing, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};

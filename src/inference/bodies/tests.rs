@@ -1,7 +1,7 @@
 //! The posterior against numbers that are known otherwise: evidence by integration, ranks of the truth, false contacts, two things.
 
 use super::evidence::LinearisedBase;
-use super::free_surface::free_surface;
+use super::free_surface::{FreeBase, free_surface};
 use super::inference::{Verdict, infer};
 use super::mode::FalseContacts;
 use super::posterior::{draws, spread};
@@ -204,7 +204,7 @@ fn a_pear_is_a_free_surface_and_lies_where_it_is() {
         points.push(direction.map(|v| r * v));
     }
     let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
-    let posterior = free_surface(&sample, &tuning).expect("a free surface");
+    let posterior = free_surface(&sample, FreeBase::Closed, &tuning).expect("a free surface");
     let drawn = draws(&posterior, &tuning, 1);
     let mut square = 0.0;
     for k in 0..100 {
@@ -216,6 +216,60 @@ fn a_pear_is_a_free_surface_and_lies_where_it_is() {
     }
     // noise is 0.002 of a body whose radius varies by 0.4
     assert!(square.sqrt() * sample.frame.scale < 0.01, "{}", square.sqrt());
+}
+
+/// A side of it does not go all round, and is told all the same from whatever primitive is next to it.
+#[test]
+fn one_side_of_a_pear_is_no_closed_surface() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(44);
+    let radius = |n: Vector| 1.0 + 0.25 * n[2] + 0.15 * n[2].powi(3) + 0.1 * (2.0 * n[0]).sin() * n[1];
+    let mut points: Vec<Vector> = Vec::new();
+    while points.len() < 200 {
+        let direction = unit([gaussian(&mut generator), gaussian(&mut generator), gaussian(&mut generator)]);
+        if direction[0] > 0.3 {
+            points.push(direction.map(|v| radius(direction) * v));
+        }
+    }
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    assert!(free_surface(&sample, FreeBase::Closed, &tuning).is_none());
+    assert!(free_surface(&sample, FreeBase::Any, &tuning).is_some());
+}
+
+/// Places on a bar of radius 1 and length 3 with half a ball at each end, each with its error.
+fn capsule(count: usize, noise: f64, generator: &mut Lcg) -> Vec<Vector> {
+    let place = |generator: &mut Lcg| {
+        let direction = unit([gaussian(generator), gaussian(generator), gaussian(generator)]);
+        // areas: 6 pi of the bar, 4 pi of both balls
+        if generator.uniform() < 0.4 {
+            along(direction, 1.5 * direction[2].signum(), [0.0, 0.0, 1.0])
+        } else {
+            let across = direction[0].hypot(direction[1]);
+            [direction[0] / across, direction[1] / across, 3.0 * generator.uniform() - 1.5]
+        }
+    };
+    (0..count).map(|_| place(generator).map(|v| v + noise * gaussian(generator))).collect()
+}
+
+#[test]
+fn a_capsule_is_a_bar_and_two_balls_and_a_wave_is_one_thing() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(45);
+    let points = capsule(160, 0.004, &mut generator);
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing") };
+    let of_kind = |kind: PartKind| things.iter().filter(move |thing| thing.primitive.kind == kind);
+    assert_eq!((of_kind(PartKind::Cylinder).count(), of_kind(PartKind::Sphere).count(), things.len()), (1, 2, 3));
+    for thing in &things {
+        assert!((thing.primitive.sizes[0] * sample.frame.scale - 1.0).abs() < 0.01, "{thing:?}");
+    }
+    let mut wave = || {
+        let [x, y] = [0, 1].map(|_| 3.0 * generator.uniform() - 1.5);
+        [x, y, 0.2 * (3.0 * x).sin() + 0.003 * gaussian(&mut generator)]
+    };
+    let points: Vec<Vector> = (0..200).map(|_| wave()).collect();
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    assert!(!matches!(infer(&sample, &tuning), Verdict::Several(_)));
 }
 
 #[test]

@@ -57,11 +57,9 @@ pub struct Tuning {
     pub free_features: usize,
     /// Root mean square error at contacts left out, over that of the best primitive, up to which a free surface is an answer.
     pub free_predicts: f64,
-    /// Share of all contacts that each of two things has at least, counting with the second what both leave out: half a ball at the end of
-    /// a long bar has a twentieth.
+    /// Share of all contacts that each of two things has at least, counting with the second what both leave out, and that is looked for as one
+    /// thing of many: one face of a cube has a sixth.
     pub other_things: f64,
-    /// Share of the contacts that is looked for as one thing of many: one face of a cube has a sixth.
-    pub one_of_many: f64,
     /// Angle from the mean normal, degrees, beyond which contacts are judged as a body and not as a patch.
     pub patch_reach_deg: f64,
     /// Kurtosis of the distances from a surface below which two sheets are looked for: gaussian 3, even 1.8, two values 1.
@@ -161,8 +159,7 @@ impl Default for Tuning {
             free_contacts: 600,
             free_features: 240,
             free_predicts: 0.5,
-            other_things: 0.05,
-            one_of_many: 0.15,
+            other_things: 0.15,
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
             starts: 120,

@@ -334,7 +334,7 @@ impl BodyAnswer<'_> {
 }
 
 /// The kind's word among all hypotheses.
-fn hypothesis_of(kind: PartKind) -> Hypothesis {
+pub(super) fn hypothesis_of(kind: PartKind) -> Hypothesis {
     match kind {
         PartKind::Plane | PartKind::Patch => Hypothesis::Plane,
         PartKind::Sphere => Hypothesis::Sphere,

@@ -14,7 +14,7 @@ use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
-use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, FreeBase, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{Observations, along_paths, distance_from_conic, spread_beside_a_line};
 use crate::recognition::free_form::leaves_much_unsaid;
@@ -71,7 +71,10 @@ pub(super) fn instead(
             body.recognition()
         }
         Verdict::None => {
-            let Some(posterior) = bodies::free_surface(&sample, &options.tuning) else {
+            // what goes no farther round than a patch may is told by a patch, or by a field over it
+            let goes_far = matches!(patch, Err(RecognitionError::AllAround { .. }));
+            let from = if goes_far { FreeBase::Any } else { FreeBase::Closed };
+            let Some(posterior) = bodies::free_surface(&sample, from, &options.tuning) else {
                 return if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch };
             };
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
@@ -177,7 +180,8 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
 fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample, tuning: &Tuning) -> bool {
     let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
     let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
-    let is_nearer = sample.frame.scale * scatter <= least * scatter_about(found);
+    let is_other = answer::hypothesis_of(posterior.kind()) != found.hypothesis;
+    let is_nearer = is_other && sample.frame.scale * scatter <= least * scatter_about(found);
     posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
 }
 
