@@ -72,7 +72,7 @@ pub(super) fn instead(
         }
         Verdict::None => {
             // what goes no farther round than a patch may is told by a patch, or by a field over it
-            let goes_far = matches!(patch, Err(RecognitionError::AllAround { .. }));
+            let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
             let from = if goes_far { FreeBase::Any } else { FreeBase::Closed };
             let Some(posterior) = bodies::free_surface(&sample, from, &options.tuning) else {
                 return if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch };
