@@ -21,7 +21,7 @@ print(SCENE.read_text())
 # little noise. Each call below may time the ways for half a minute.
 
 # %%
-ASKED_S, BUDGET = 0.01, "500us"
+ASKED_S, BUDGET = 0.02, "500us"
 COMMON = ("frontier", SCENE, "--keep-stations", "--seconds", 30)
 document, picture = drawn("frontier.svg", *COMMON, "--all", "--stages", "--error-s", ASKED_S)
 
