@@ -208,7 +208,7 @@ pub fn read_surface_bytes(file: &str, bytes: &[u8]) -> Result<Saved, IoError> {
 /// Our names for the columns of a table, by the rules of every reader; a column that means nothing keeps its own.
 ///
 /// # Errors
-/// [`IoError::DuplicateColumn`] where two of them mean one.
+/// `IoError::DuplicateColumn` where two of them mean one.
 pub fn column_names(file: &str, names: &[&str]) -> Result<Vec<String>, IoError> {
     Ok(names::in_our_words(file, names, None)?.into_iter().map(std::borrow::Cow::into_owned).collect())
 }

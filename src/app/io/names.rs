@@ -174,7 +174,7 @@ impl ColumnNames {
 /// The names with those that mean a known column written as that column.
 ///
 /// # Errors
-/// [`IoError::DuplicateColumn`] where two names mean one column and neither is written as ours; [`IoError::NoSuchColumn`] where
+/// `IoError::DuplicateColumn` where two names mean one column and neither is written as ours; [`IoError::NoSuchColumn`] where
 /// `said` names one that is not there.
 pub(super) fn in_our_words<'a>(
     file: &str,
