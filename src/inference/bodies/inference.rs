@@ -99,15 +99,15 @@ pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
     let sample = &all.at_most(tuning.most_contacts);
     let modes = modes(sample, tuning);
     let one = posterior(&modes, sample, tuning);
-    let answer = one.as_ref().filter(|one| is_answer(one, sample, tuning));
-    let is_sure = answer.is_some_and(|one| one.is_exact(sample, tuning));
     // where no primitive holds most of the contacts none is as probable as several
     let of_one = one.as_ref().map_or(f64::NEG_INFINITY, |one| one.log_evidence);
+    let answer = one.filter(|one| is_answer(one, sample, tuning));
+    let is_sure = answer.as_ref().is_some_and(|one| one.is_exact(sample, tuning));
     let several = || several_things(sample, &modes, of_one, tuning);
     if let Some(things) = (!is_sure).then(several).flatten() {
         return Verdict::Several(things);
     }
-    let Some(mut posterior) = answer.cloned() else { return Verdict::None };
+    let Some(mut posterior) = answer else { return Verdict::None };
     if sample.len() < all.len() {
         let belonging = |of| posterior.belonging(of, all, tuning);
         posterior.members = (0..posterior.primitives.len()).map(belonging).collect();

@@ -167,6 +167,13 @@ pub struct NoiseFound {
     pub sd_normal_deg: Option<f64>,
 }
 
+impl NoiseFound {
+    /// Sd of a single contact across the surface, of independent and shared errors together: `sqrt(sd_z^2 + sd_correlated^2)`.
+    pub fn sd_of_contact(&self) -> f64 {
+        self.sd_z.hypot(self.sd_correlated)
+    }
+}
+
 /// One hypothesis that was tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
-//! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`), where they lie
-//! along paths (`paths.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
+//! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`), unless
+//! they stand over each other (`upright.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
 //! `cells.rs` averages. `set_aside.rs` counts what was left out. `rounding.rs` says by how much
 //! they err at least.
 
@@ -17,8 +17,8 @@ mod derived_normals_test;
 mod excluded;
 mod frame;
 mod input;
-mod paths;
 mod rounding;
+mod upright;
 
 pub(crate) use cells::{CellNormals, Cells, cells, is_known};
 pub(crate) use conic::{distance_from_conic, on_conic};
@@ -27,5 +27,5 @@ pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;
 pub(crate) use frame::{patch_frame, spread_beside_a_line};
 pub(crate) use input::{Observations, check_options};
-pub(crate) use paths::along_paths;
 pub(crate) use rounding::Floors;
+pub(crate) use upright::stand_upright;

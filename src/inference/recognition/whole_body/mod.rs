@@ -16,7 +16,9 @@ use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, FreeBase, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
-use crate::recognition::contacts::{Observations, along_paths, distance_from_conic, spread_beside_a_line};
+use crate::recognition::contacts::{
+    Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
+};
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
 
@@ -34,7 +36,7 @@ pub(super) fn instead(
 ) -> Result<Recognition, RecognitionError> {
     let doubt = match &patch {
         Ok(found) => doubt(found, given, &options.tuning),
-        Err(error) if may_be_body(error, given, &options.tuning) => PatchDoubt::Refused,
+        Err(error) if may_be_body(error, given, options) => PatchDoubt::Refused,
         Err(_) => PatchDoubt::None,
     };
     if doubt == PatchDoubt::None {
@@ -96,7 +98,7 @@ pub(super) fn beside_a_line(
     if given.normals.is_some() {
         return Ok(found);
     }
-    let err = found.noise.sd_z.hypot(found.noise.sd_correlated);
+    let err = found.noise.sd_of_contact();
     if found.class == ShapeClass::Plane && given.points.len() >= tuning.path_from {
         let scale = found.frame.scale;
         let local = given.points.iter().map(|p| found.frame.to_patch(*p));
@@ -128,13 +130,12 @@ enum PatchDoubt {
     Refused,
 }
 
-fn may_be_body(error: &RecognitionError, given: &Observations, tuning: &Tuning) -> bool {
+fn may_be_body(error: &RecognitionError, given: &Observations, options: &RecognitionOptions) -> bool {
+    let tuning = &options.tuning;
     match error {
         RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. } => true,
         // places on one ring or in two rows lie on many surfaces, but a short pipe looks like a ring from its end
-        RecognitionError::OnConic => {
-            given.normals.is_some() || given.points.len() >= tuning.neighbourly && !along_paths(&given.points)
-        }
+        RecognitionError::OnConic => given.normals.is_some() || is_upright(given, options),
         RecognitionError::TooFew { .. } => {
             let in_a_row =
                 spread_beside_a_line(&given.points).is_ok_and(|[across, along]| across < tuning.narrow * along);
@@ -144,6 +145,12 @@ fn may_be_body(error: &RecognitionError, given: &Observations, tuning: &Tuning) 
         RecognitionError::Collinear { .. } => false,
         _ => false,
     }
+}
+
+fn is_upright(given: &Observations, options: &RecognitionOptions) -> bool {
+    let Ok(frame) = patch_frame(&given.points, None, options) else { return false };
+    let places: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
+    stand_upright(&places, options.tuning.patch_reach_deg)
 }
 
 fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDoubt {
@@ -181,20 +188,15 @@ fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySampl
     let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
     let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
     let is_other = answer::hypothesis_of(posterior.kind()) != found.hypothesis;
-    let is_nearer = is_other && sample.frame.scale * scatter <= least * scatter_about(found);
+    let is_nearer = is_other && sample.frame.scale * scatter <= least * found.noise.sd_of_contact();
     posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
-}
-
-/// Standard deviation of a contact about a patch.
-fn scatter_about(found: &Recognition) -> f64 {
-    found.noise.sd_z.hypot(found.noise.sd_correlated)
 }
 
 /// Whether a patch that bends in more than one way explains the contacts as well as several things: they scatter no more about it, or
 /// rings and ellipsoids are among the things, which follow the pieces of any smooth surface.
 fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing]) -> bool {
     let follows_any = |thing: &Thing| matches!(thing.primitive.kind, PartKind::Torus | PartKind::Ellipsoid);
-    things.iter().any(follows_any) || scatter_about(found) <= sample.frame.scale * bodies::scatter(things)
+    things.iter().any(follows_any) || found.noise.sd_of_contact() <= sample.frame.scale * bodies::scatter(things)
 }
 
 /// Whether the contacts lie on two sheets beside the surface.
