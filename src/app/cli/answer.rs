@@ -1,11 +1,12 @@
 //! What is found in an input, by `fit` and `run` alike: the model that was named, or what the contacts show where none was.
 
 use crate::io::Input;
-use crate::report::Answer;
+use crate::report::{Answer, Description, Seconds, Subject, describe_fit};
 use palpate_fitting::fit::FitOptions;
 use palpate_inference::recognition::RecognitionOptions;
 
 use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
+use super::failure::fit_message;
 use super::options::FitFlags;
 use super::recognise_or_fit::{Found, Refusal, automatic};
 
@@ -42,6 +43,26 @@ pub(super) fn answer(input: &Input, question: &Question) -> Result<Found, Refusa
         ..RecognitionOptions::default()
     };
     automatic(input, &recognition, &fit)
+}
+
+/// The answer described with these notes, without a truth and without a unit, and what it took.
+pub(super) fn described<'a>(
+    found: &'a Found,
+    input: &'a Input,
+    seconds: f64,
+    notes: Vec<String>,
+) -> Result<Description<'a>, String> {
+    let subject = Subject {
+        chosen: found.chosen.clone(),
+        lack_of_fit: found.lack_of_fit.clone(),
+        input,
+        unit: None,
+        truth: None,
+        bare: false,
+        notes,
+    };
+    let seconds = Seconds { read: 0.0, fit: seconds, shape: 0.0, total: seconds };
+    describe_fit(&found.answer, &subject, seconds).map_err(|error| fit_message(&error))
 }
 
 /// Exactly this model; its intervals count other kinds of surface unless they are declined.

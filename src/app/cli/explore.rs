@@ -9,8 +9,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::io::scene_file::SceneFile;
 use crate::io::{ContactFormat, Input, write_contacts};
 use crate::report::{
-    Answer, Description, ExploreDocument, Seconds, Subject, compute_shape, describe_fit, inverse_crime_remark,
-    significant, write_explore_csv, write_explore_page, write_explore_picture, write_explore_table, write_json,
+    Description, ExploreDocument, compute_shape, inverse_crime_remark, significant, write_explore_csv,
+    write_explore_page, write_explore_picture, write_explore_table, write_json,
 };
 use palpate_fitting::fit::{FitOptions, SurfaceKind};
 use palpate_geometry::contact::Contacts;
@@ -18,8 +18,8 @@ use palpate_inference::recognition::{Estimate, RecognitionOptions};
 use palpate_studies::explore::{Exploration, ExploreError, ExploreOptions, Goal, Look, Strategy, explore as explored};
 use palpate_world::scene::World;
 
-use super::explicit_model::{counting_other_kinds, fit_input};
-use super::failure::{Failure, fit_message};
+use super::answer::{as_named, described};
+use super::failure::Failure;
 use super::interrupt;
 use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::output::{columns, print};
@@ -125,7 +125,8 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let (own, asked, typed) = (Arc::clone(&input), options.clone(), args.fit.over(FitOptions::default()));
     let answer = Until::interrupted().wait(move || answer_of(&own, &asked, &typed));
     let answer = answer.unwrap_or_else(|| Err(LEFT_OUT.into()));
-    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    let described =
+        answer.as_ref().map_err(Clone::clone).and_then(|(found, taken)| described(found, &input, *taken, Vec::new()));
     let document = document(args, &scene, (&options, &found, &input), (&answer, &described));
     let surface = described.ok();
     let provenance = provenance(&args.scene, Some(text), Some(options.seed));
@@ -158,7 +159,8 @@ pub(super) fn explore_in_memory(
     let found = explored(&scene.world, &options, seen).map_err(|e| refused(scene, &e))?;
     let input = Input::Contacts(found.contacts.clone());
     let answer = answer_of(&input, &options, &args.fit.over(FitOptions::default()));
-    let described = answer.as_ref().map_err(Clone::clone).and_then(|answer| described(answer, &input));
+    let described =
+        answer.as_ref().map_err(Clone::clone).and_then(|(found, taken)| described(found, &input, *taken, Vec::new()));
     Ok((document(args, scene, (&options, &found, &input), (&answer, &described)), found.contacts))
 }
 
@@ -247,32 +249,11 @@ fn answer_of(input: &Input, options: &ExploreOptions, typed: &FitOptions) -> Ans
             let recognition = options.recognition.clone().with_level(level).with_up([0.0, 0.0, 1.0]);
             automatic(input, &recognition, &typed.clone().with_level(level))
         }
-        Some(model) => fit_input(input, &model.clone().with_level(level))
-            .map(|(fit, chosen)| (Answer::Fitted(counting_other_kinds(fit)), chosen))
-            .map(|(answer, chosen)| Found { answer, chosen, lack_of_fit: None, notes: Vec::new() })
-            .map_err(Refusal::Fit),
+        Some(model) => as_named(input, &model.clone().with_level(level), false),
     };
-    let found = found.map_err(|refusal| match refusal {
-        Refusal::Fit(error) => fit_message(&error),
-        Refusal::Shape(message) => message,
-    })?;
+    let found = found.map_err(Refusal::words)?;
     compute_shape(&found.answer, false);
     Ok((found, began.elapsed().as_secs_f64()))
-}
-
-/// The answer described; its notes are told apart from it.
-fn described<'a>((found, taken): &'a (Found, f64), input: &'a Input) -> Described<'a> {
-    let subject = Subject {
-        chosen: found.chosen.clone(),
-        lack_of_fit: found.lack_of_fit.clone(),
-        input,
-        unit: None,
-        truth: None,
-        bare: false,
-        notes: Vec::new(),
-    };
-    let seconds = Seconds { read: 0.0, fit: *taken, shape: 0.0, total: *taken };
-    describe_fit(&found.answer, &subject, seconds).map_err(|e| fit_message(&e))
 }
 
 /// Effects that belong to a finger err anew at every touch, because every touch counts as a finger of its own.

@@ -20,6 +20,7 @@ use palpate_inference::recognition::{
 };
 
 use super::explicit_model::fit_input;
+use super::failure::fit_message;
 use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
@@ -64,6 +65,16 @@ pub(super) enum Refusal {
     Fit(FitError),
     /// The recognition refused.
     Shape(String),
+}
+
+impl Refusal {
+    /// The reason, where no line of a file belongs to it.
+    pub(super) fn words(self) -> String {
+        match self {
+            Refusal::Fit(error) => fit_message(&error),
+            Refusal::Shape(message) => message,
+        }
+    }
 }
 
 /// Where the viewpoint is on the other side than the one that a height field takes for the free one.

@@ -10,12 +10,11 @@
 
 use std::time::{Duration, Instant};
 
-use crate::cli::answer::{Question, answer};
-use crate::cli::failure::fit_message;
+use crate::cli::answer::{Question, answer, described};
 use crate::cli::options::FitFlags;
 use crate::cli::recognise_or_fit::{Found, Refusal};
 use crate::io::Input;
-use crate::report::{Answer, FitDocument, Seconds, ShapePart, Subject, compute_shape, describe_fit};
+use crate::report::{Answer, FitDocument, ShapePart, compute_shape};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
 use palpate_inference::recognition::Recognition;
@@ -55,11 +54,8 @@ impl LiveLook {
         let question = Question { flags: &flags, base: FitOptions::default(), bare: false, viewpoint };
         let count = contacts.len();
         let input = Input::Contacts(contacts);
-        let found = answer(&input, &question).map_err(|refusal| match refusal {
-            Refusal::Fit(error) => fit_message(&error),
-            Refusal::Shape(message) => message,
-        });
-        let document = found.as_ref().map_err(Clone::clone).and_then(|found| described(found, &input, clock.elapsed()));
+        let found = answer(&input, &question).map_err(Refusal::words);
+        let document = found.as_ref().map_err(Clone::clone).and_then(|found| document(found, &input, clock.elapsed()));
         let next = match &input {
             Input::Contacts(contacts) => next_touch(found.as_ref().ok(), contacts, reach),
             Input::Grid(_) => None,
@@ -81,7 +77,7 @@ impl LiveLook {
         let Some(found) = &self.recognised else { return true };
         let place = [touch.x[0], touch.y[0], touch.z[0]];
         let [u, v] = found.chart_of(place);
-        let sd = found.noise.sd_z.hypot(found.noise.sd_correlated).max(ROUNDING * found.frame.scale);
+        let sd = found.noise.sd_of_contact().max(ROUNDING * found.frame.scale);
         let is_near = found.distance(place).abs() <= AGREES_WITHIN * sd;
         let normal = touch.unit_normal(0).filter(|normal| dot(*normal, *normal) > 0.5);
         let is_along = normal.zip(found.noise.sd_normal_deg).is_none_or(|(normal, sd)| {
@@ -105,19 +101,8 @@ fn is_within(chart: [[f64; 2]; 2], at: [f64; 2]) -> bool {
     })
 }
 
-fn described(found: &Found, input: &Input, took: Duration) -> Result<Box<FitDocument>, String> {
+fn document(found: &Found, input: &Input, took: Duration) -> Result<Box<FitDocument>, String> {
     compute_shape(&found.answer, false);
-    let subject = Subject {
-        chosen: found.chosen.clone(),
-        lack_of_fit: found.lack_of_fit.clone(),
-        input,
-        unit: None,
-        truth: None,
-        bare: false,
-        notes: found.notes.clone(),
-    };
-    let fit = took.as_secs_f64();
-    let seconds = Seconds { read: 0.0, fit, shape: 0.0, total: fit };
-    let description = describe_fit(&found.answer, &subject, seconds).map_err(|error| fit_message(&error))?;
+    let description = described(found, input, took.as_secs_f64(), found.notes.clone())?;
     Ok(Box::new(description.document().clone()))
 }
