@@ -8,7 +8,7 @@
 
 use numpy::ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn};
-use palpate::geometry::ShapeGrid;
+use palpate::geometry::{Principal, ShapeGrid};
 use palpate::spline::{HeightField, Knots, Parametric};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -121,13 +121,8 @@ impl Surface {
         x: &Bound<'py, PyAny>,
         y: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let [x, y] = [axis(Numbers::of(x, "x")?)?, axis(Numbers::of(y, "y")?)?];
+        let [x, y] = [finite_axis(x, "x")?, finite_axis(y, "y")?];
         room(&[x.len(), y.len()], 8)?;
-        if let Some((name, _)) =
-            [("x", &x), ("y", &y)].into_iter().find(|(_, axis)| !axis.iter().all(|v| v.is_finite()))
-        {
-            return Err(PyValueError::new_err(format!("{name}: finite numbers wanted")));
-        }
         let sizes = self.tensor.knots.each_ref().map(Knots::n_basis);
         let array = Array2::from_shape_vec((sizes[0], sizes[1]), self.tensor.coefficients.clone());
         let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -238,6 +233,35 @@ impl ParametricSurface {
         grid: bool,
     ) -> PyResult<Values<'py>> {
         evaluate(py, &self.tensor, [u, v], orders(["du", "dv"], [du, dv])?, grid, ["u", "v"])
+    }
+
+    /// k1, k2, S and R on the grid of two axes u (n,), v (m,): a dictionary of arrays (n, m), NaN where undefined.
+    fn shape<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let [u, v] = [finite_axis(u, "u")?, finite_axis(v, "v")?];
+        room(&[u.len(), v.len()], 8)?;
+        let sizes = self.tensor.knots.each_ref().map(Knots::n_basis);
+        let points = self.tensor.coefficients.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+        let array = Array2::from_shape_vec((sizes[0], sizes[1]), points);
+        let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let surface = Parametric::new(self.tensor.knots.clone(), array);
+        let surface = surface.map_err(|error| errors::surface_error(py, &error))?;
+        let places = || Array2::from_shape_fn((u.len(), v.len()), |(i, j)| surface.at(u[i], v[j]).principal());
+        let principal = py.detach(places);
+        let dict = PyDict::new(py);
+        let set = |name: &str, of: fn(&Principal) -> Option<f64>| {
+            let values = principal.map(|here| here.as_ref().and_then(of).unwrap_or(f64::NAN));
+            dict.set_item(name, values.into_pyarray(py))
+        };
+        set("k1", |here| Some(here.k1))?;
+        set("k2", |here| Some(here.k2))?;
+        set("S", Principal::shape_index)?;
+        set("R", |here| Some(here.curvedness()))?;
+        Ok(dict)
     }
 
     /// Points, or their derivatives, at places u, v of shapes that broadcast: that shape and 3 more.
@@ -379,6 +403,16 @@ fn broadcast(
     };
     let (xs, ys) = (wide(x)?, wide(y)?);
     Ok((shape, xs, ys))
+}
+
+/// The entries of an axis, all of them finite.
+fn finite_axis(values: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Vec<f64>> {
+    let values = axis(Numbers::of(values, name)?)?;
+    if values.iter().all(|v| v.is_finite()) {
+        Ok(values)
+    } else {
+        Err(PyValueError::new_err(format!("{name}: finite numbers wanted")))
+    }
 }
 
 /// The entries of an axis; a single number is an axis of one point.

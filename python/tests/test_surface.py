@@ -78,3 +78,20 @@ def test_what_is_wrong_is_named(surface: palpate.Surface, call: object, kind: ty
 
 def test_beyond_the_degree_derivatives_vanish(surface: palpate.Surface) -> None:
     assert not surface(0.1, 0.1, dx=9).any() and not surface(0.1, 0.1, dy=10**6).any()
+
+
+def test_the_shape_of_a_surface_in_space_is_that_of_the_height_field_it_is() -> None:
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, 8), np.linspace(-1.0, 1.0, 8), indexing="ij")
+    field = palpate.fit(x.ravel(), y.ravel(), (0.3 * x**2 - 0.2 * y**2).ravel(), degree=2, segments=1).surface
+    x0, x1, y0, y1 = field.domain
+    # x and y as splines of degree 2 over the same knots: their Greville abscissae
+    u, v = np.array([x0, (x0 + x1) / 2, x1]), np.array([y0, (y0 + y1) / 2, y1])
+    points = np.stack([*np.meshgrid(u, v, indexing="ij"), np.asarray(field.c)], axis=-1)
+    inside = np.linspace(x0, x1, 5)[1:-1], np.linspace(y0, y1, 6)[1:-1]
+    ours = palpate.ParametricSurface(field.t, points, field.k).shape(*inside)
+    theirs = field.shape(*inside)
+    for name in ("k1", "k2", "S", "R"):
+        assert ours[name].shape == (3, 4)
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-12, atol=1e-13)
+    with pytest.raises(ValueError, match="u: finite"):
+        palpate.ParametricSurface(field.t, points, field.k).shape([np.nan], [0.0])

@@ -54,7 +54,7 @@ def _points_and_values(fit: Fit, grid: int | tuple[int, int], quantity: str) -> 
         u0, u1, v0, v1 = surface.domain
         u, v = np.linspace(u0, u1, n), np.linspace(v0, v1, m)
         places = np.moveaxis(np.asarray(surface(u, v)), -1, 0)
-        return places, places[2] if quantity == "z" else _curvatures(surface, u, v)[quantity]
+        return places, places[2] if quantity == "z" else surface.shape(u, v)[quantity]
     maps = fit.maps((n, m))
     x, y = np.meshgrid(maps["x"], maps["y"], indexing="ij")
     # a patch that leans has axes of its own
@@ -62,19 +62,3 @@ def _points_and_values(fit: Fit, grid: int | tuple[int, int], quantity: str) -> 
     places = np.tensordot(axes, np.stack([x, y, maps["z"]]), axes=(0, 0))
     return places, places[2] if quantity == "z" else maps[quantity]
 
-
-def _curvatures(surface: ParametricSurface, u: Any, v: Any) -> dict[str, Any]:
-    """k1 >= k2, S and R of a surface in space, from both fundamental forms."""
-    q_u, q_v = surface(u, v, du=1), surface(u, v, dv=1)
-    normal = np.cross(q_u, q_v)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-        first = [np.sum(a * b, axis=-1) for a, b in ((q_u, q_u), (q_u, q_v), (q_v, q_v))]
-        second = [np.sum(surface(u, v, *order) * normal, axis=-1) for order in ((2, 0), (1, 1), (0, 2))]
-        area = first[0] * first[2] - first[1] ** 2
-        mean = (first[0] * second[2] - 2 * first[1] * second[1] + first[2] * second[0]) / (2 * area)
-        gauss = (second[0] * second[2] - second[1] ** 2) / area
-        gap = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
-        k1, k2 = mean + gap, mean - gap
-        index = np.where((k1 == 0) & (k2 == 0), np.nan, -2 / np.pi * np.arctan2(k1 + k2, k1 - k2))
-    return {"k1": k1, "k2": k2, "S": index, "R": np.sqrt((k1**2 + k2**2) / 2)}
