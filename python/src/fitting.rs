@@ -13,7 +13,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use super::contacts::{Beside, contacts, grid};
 use super::errors::{self, PlannerRefusal};
-use super::options::Keywords;
+use super::options::{Keywords, grid_points};
 use super::surfaces::{ParametricSurface, Surface};
 
 /// The answer of a fit, behind `palpate.Fit`.
@@ -40,6 +40,20 @@ impl FitCore {
     fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let found = py.detach(|| self.answer.residuals()).map_err(|error| errors::fit_error(py, &error))?;
         Ok(found.map(|values| values.into_pyarray(py)))
+    }
+
+    /// Axes x and y, and the maps over them by name, over the fit's own grid or another: what `palpate fit --out` writes as maps.npz.
+    #[pyo3(signature = (grid = None))]
+    fn maps<'py>(&self, py: Python<'py>, grid: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyDict>> {
+        let points = grid.map(|grid| grid_points(grid)).transpose()?;
+        let ([x, y], arrays) = py.detach(|| self.answer.maps(points)).map_err(|error| errors::fit_error(py, &error))?;
+        let dict = PyDict::new(py);
+        dict.set_item("x", x.into_pyarray(py))?;
+        dict.set_item("y", y.into_pyarray(py))?;
+        for (name, array) in arrays {
+            dict.set_item(name, array.into_pyarray(py))?;
+        }
+        Ok(dict)
     }
 
     /// The surface in input units: a Surface, or a ParametricSurface.

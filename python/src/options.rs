@@ -27,6 +27,9 @@ pub(crate) struct Keywords {
     pub(crate) bare: bool,
 }
 
+/// Keywords that change no surface, and so name no model.
+const NAMELESS: [&str; 8] = ["grid", "inset", "frame", "robust", "level", "viewpoint", "bare", "sigma_xy"];
+
 impl Keywords {
     /// Reads the keywords over `base`; an unknown one is a TypeError, as Python has it.
     pub(crate) fn read(given: Option<&Bound<'_, PyDict>>) -> PyResult<Keywords> {
@@ -40,7 +43,7 @@ impl Keywords {
             }
             let key = key.cast::<PyString>()?.to_str()?.to_owned();
             degree_named |= key == "degree";
-            found.named |= !["grid", "frame", "level", "viewpoint", "bare", "sigma_xy"].contains(&key.as_str());
+            found.named |= !NAMELESS.contains(&key.as_str());
             found.take(&key, &value)?;
         }
         let options = &mut found.options;
@@ -73,15 +76,11 @@ impl Keywords {
             "smooth" => options.smooth = smooth(value)?,
             "sigma_xy" => options.sigma_xy = number(value, "sigma_xy")?,
             "robust" => options.robust = word::<Robust>(value, "robust")?,
-            "grid" => {
-                options.grid = pair(value, "grid", MOST_GRID_POINTS)?;
-                within(options.grid, MOST_GRID_POINTS, "grid")?;
-            }
+            "grid" => options.grid = grid_points(value)?,
             "inset" => options.inset = number(value, "inset")?,
             "level" => options.level = number(value, "level")?,
             "frame" => {
                 let frame = word::<FrameChoice>(value, "frame")?;
-                self.named |= frame == FrameChoice::Keep;
                 options.frame = Some(frame);
             }
             "viewpoint" => self.viewpoint = Some(numbers::<3>(value, "viewpoint")?),
@@ -108,6 +107,13 @@ pub(crate) fn pair(value: &Bound<'_, PyAny>, name: &str, most: usize) -> PyResul
     };
     let whole = both.map(|n| usize::try_from(n).ok().filter(|n| (1..=most).contains(n)));
     whole[0].zip(whole[1]).map(|(a, b)| [a, b]).ok_or_else(wrong)
+}
+
+/// Points of a shape grid in both directions.
+pub(crate) fn grid_points(value: &Bound<'_, PyAny>) -> PyResult<[usize; 2]> {
+    let points = pair(value, "grid", MOST_GRID_POINTS)?;
+    within(points, MOST_GRID_POINTS, "grid")?;
+    Ok(points)
 }
 
 fn within([n, m]: [usize; 2], most: usize, name: &str) -> PyResult<()> {

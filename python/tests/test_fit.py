@@ -59,6 +59,17 @@ def test_the_answer_is_that_of_the_program(noisy: Columns, tmp_path: Path, flags
     assert without_clock(here) == without_clock(there)
 
 
+@pytest.mark.parametrize(("flags", "words"), [([], {}), (["--degree", "3"], {"degree": 3}), (["--grid", "5x7"], {"grid": (5, 7)})])
+def test_the_maps_are_those_of_the_program(noisy: Columns, tmp_path: Path, flags: list[str], words: dict) -> None:
+    by_program(noisy, tmp_path, "--out", str(tmp_path / "out"), *flags)
+    here, there = palpate.fit(noisy, **words).maps(), np.load(tmp_path / "out" / "maps.npz")
+    assert set(here) == set(there.files) and {"u_position", "u_normal_deg", "u_S", "u_R"} < set(here)
+    for name, values in here.items():
+        np.testing.assert_array_equal(values, there[name])
+    known = np.isfinite(here["S"])
+    assert known.any() and (here["u_S"][known] > 0).all() and np.isnan(here["u_S"][~known]).all()
+
+
 def test_what_holds_the_numbers_does_not_matter(ridge: Columns) -> None:
     expected = palpate.fit(ridge, degree=(4, 2))
     x, y, z = (ridge[name] for name in "xyz")

@@ -56,7 +56,12 @@ fn contacts_that_cannot_be_read_or_fitted() {
         ("infinity", with_line(6, "inf,2,3,0,0,1"), &[], &["bad.csv", "line 6", "column x"]),
         ("zero normal", with_line(7, "0,2,3,0,0,0"), &["--degree", "2"], &["bad.csv", "line 7", "normal"]),
         ("short row", with_line(8, "0,2"), &[], &["bad.csv", "line 8", "2 fields"]),
-        ("nz below zero", with_line(9, "-1,0,0,0.1,0,-1"), &["--frame", "keep"], &["bad.csv", "line 9", "nz"]),
+        (
+            "nz below zero",
+            with_line(9, "-1,0,0,0.1,0,-1"),
+            &["--degree", "2", "--frame", "keep"],
+            &["bad.csv", "line 9", "nz"],
+        ),
         (
             "nz zero in slopes",
             with_line(9, "-1,0,0,1,0,0"),

@@ -297,6 +297,10 @@ fn the_means_are_those_of_the_map_that_is_written() {
                 let mean = mean.abs();
                 // the map shows the spline of one surface, the mean counts less likely ones too
                 assert!((mean - said).abs() < 0.25 * u, "{name} {grid} {key}: {mean} in the map, {said} said, u {u}");
+                let (u_at_points, known) = mean_of_map(folder.path(), &format!("u_{column}"));
+                // one point is less sure than the mean, and surer than nothing
+                let believable = (0.5 * u..0.3 * said).contains(&u_at_points);
+                assert!(known == count && believable, "{name} {grid} {key}: {u_at_points} at points, {u} of the mean");
                 let all = shape["grid"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).product::<f64>();
                 assert_eq!(shape["support"].as_f64().unwrap(), count as f64 / all, "{name} {grid}");
             }

@@ -154,13 +154,25 @@ class Fit:
         return self._surface
 
     def maps(self, grid: Pair | None = None) -> dict[str, npt.NDArray[np.float64]]:
-        """z, k1, k2, S and R of a height field over its domain: axes x (n,), y (m,) and maps (n, m); NaN: undefined.
+        """z, k1, k2, S, R over the surface: axes x (n,), y (m,) and maps (n, m), as `palpate fit --out` writes them in maps.npz.
 
-        Points of the grid: those of the fit, unless others are given.
+        NaN: undefined, or not supported by contacts. u_position, u_normal_deg, u_S, u_R: standard uncertainties at each point,
+        along the normal, degrees, and of S and R. Where x and y are directions of the surface's own, X, Y, Z are the points.
+        Points of the grid: those of the fit, unless others are given. A fit from a document has the surface's maps alone,
+        those of a height field.
+
+        >>> import numpy as np, palpate
+        >>> x, y = (a.ravel() for a in np.meshgrid(np.linspace(-2, 2, 6), np.linspace(-2, 2, 6)))
+        >>> z = np.sqrt(36 - x**2) - 6
+        >>> maps = palpate.fit(x, y, z, normals=(x, 0 * x, z + 6)).maps((3, 4))
+        >>> maps["S"].shape, bool((maps["u_R"] < 0.01).all())
+        ((3, 4), True)
         """
+        if self._core is not None:
+            return self._core.maps(grid)
         surface = self.surface
         if not isinstance(surface, Surface):
-            raise FitError("maps are those of a height field; evaluate fit.surface(u, v) instead", "Parametric")
+            raise FitError("maps of a document are those of a height field; evaluate fit.surface(u, v) instead", "Parametric")
         wanted = self.to_dict()["shape"]["grid"] if grid is None else grid
         n, m = (wanted, wanted) if isinstance(wanted, int) else wanted
         x0, x1, y0, y1 = surface.domain
@@ -299,8 +311,8 @@ def fit(
     An xarray.DataArray with coordinates x and y alone: the grid that it holds; a Dataset: the grid z, or its columns.
 
     Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
-    segments, knots, domain, weights, sigma, method, smooth, robust, inset and frame="keep" names a model and gives
-    exactly that fit. sigma_xy declares the sd of errors in x and in y, and names nothing. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
+    segments, knots, domain, weights, sigma, method and smooth names a model and gives exactly that fit; robust, frame, grid and
+    inset name none. sigma_xy declares the sd of errors in x and in y, and names nothing. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
     every length of the printed table and of the document; nothing is converted.
 
     Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the

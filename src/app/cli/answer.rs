@@ -35,14 +35,19 @@ pub(super) fn answer(input: &Input, question: &Question) -> Result<Found, Refusa
         return Err(Refusal::Shape(what.into()));
     }
     fit.check().map_err(Refusal::Fit)?;
-    let recognition = RecognitionOptions {
+    automatic(input, &recognition_of(&fit, question.viewpoint), &fit)
+}
+
+/// What these options say to a recognition.
+pub(super) fn recognition_of(fit: &FitOptions, viewpoint: Option<[f64; 3]>) -> RecognitionOptions {
+    RecognitionOptions {
         grid: fit.grid,
+        inset: fit.inset,
         level: fit.level,
-        viewpoint: question.viewpoint,
         sigma_xy: fit.sigma_xy,
+        viewpoint,
         ..RecognitionOptions::default()
-    };
-    automatic(input, &recognition, &fit)
+    }
 }
 
 /// The answer described with these notes, without a truth and without a unit, and what it took.

@@ -17,16 +17,18 @@ use clap::Parser;
 
 use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
 use crate::report::{
-    Answer, Audience, PartsDocument, Seconds, Subject, compute_shape, describe_fit, write_json, write_words,
+    Answer, Audience, Description, PartsDocument, Seconds, Subject, compute_shape, describe_fit, write_json,
+    write_words,
 };
 use palpate_fitting::fit::{Fit, FitError, FitOptions};
 use palpate_fitting::parametric::{FittedSurface, ParametricFit};
 use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::{Parts, PartsOptions};
-use palpate_inference::recognition::{Recognition, RecognitionOptions};
+use palpate_inference::recognition::Recognition;
 use palpate_studies::explore::planning_fit;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
 
+use super::answer::recognition_of;
 use super::explicit_model::fit_input;
 use super::explore::{ExploreArgs, explore_in_memory};
 use super::failure::Failure;
@@ -86,9 +88,7 @@ impl FitAnswer {
             Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
         } else {
             options.check().map_err(FitRefusal::Fit)?;
-            let (level, grid, sigma_xy) = (options.level, options.grid, options.sigma_xy);
-            let asked = RecognitionOptions { level, grid, viewpoint, sigma_xy, ..RecognitionOptions::default() };
-            automatic(&input, &asked, options)?
+            automatic(&input, &recognition_of(options, viewpoint), options)?
         };
         let uncertain = named && !bare;
         Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })
@@ -157,6 +157,28 @@ impl FitAnswer {
     /// # Errors
     /// When the input's own rounding leaves no distinct knots.
     pub fn document(&self, name: &str, unit: Option<&str>) -> Result<[Vec<u8>; 2], FitError> {
+        self.described(unit, |description| {
+            let (mut json, mut table) = (Vec::new(), Vec::new());
+            // a Vec takes every byte
+            let _ = write_json(description.document(), &mut json);
+            let _ =
+                write_words(name, description.document(), Audience { detailed: false, ..Audience::READER }, &mut table);
+            [json, table]
+        })
+    }
+
+    /// The axes and the arrays of `maps.npz`, over another number of points where one is given.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub fn maps(&self, points: Option<[usize; 2]>) -> Result<([Vec<f64>; 2], Vec<NamedArray>), FitError> {
+        self.described(None, |description| {
+            let (grid, arrays) = description.map_arrays(points);
+            ([grid.x, grid.y], arrays)
+        })
+    }
+
+    fn described<T>(&self, unit: Option<&str>, of: impl FnOnce(&Description) -> T) -> Result<T, FitError> {
         let clock = Instant::now();
         // other kinds of surface are asked only here: it takes longer than many a fit, whose surface alone may be wanted
         let counted = match &self.found.answer {
@@ -179,14 +201,12 @@ impl FitAnswer {
             chosen: self.found.chosen.clone(),
             lack_of_fit: self.found.lack_of_fit.clone(),
         };
-        let description = describe_fit(answer, &subject, seconds)?;
-        let (mut json, mut table) = (Vec::new(), Vec::new());
-        // a Vec takes every byte
-        let _ = write_json(description.document(), &mut json);
-        let _ = write_words(name, description.document(), Audience { detailed: false, ..Audience::READER }, &mut table);
-        Ok([json, table])
+        Ok(of(&describe_fit(answer, &subject, seconds)?))
     }
 }
+
+/// A map with its name.
+pub type NamedArray = (&'static str, ndarray::Array2<f64>);
 
 /// The document that `palpate parts --json` prints, and the part of every contact, counted from 1; 0 is none.
 ///

@@ -106,7 +106,12 @@ impl ExploreArgs {
     /// How contacts are recognised where no model is named.
     fn recognition(&self) -> RecognitionOptions {
         let typed = self.fit.over(FitOptions::default());
-        RecognitionOptions { grid: typed.grid, sigma_xy: typed.sigma_xy, ..RecognitionOptions::default() }
+        RecognitionOptions {
+            grid: typed.grid,
+            inset: typed.inset,
+            sigma_xy: typed.sigma_xy,
+            ..RecognitionOptions::default()
+        }
     }
 
     /// What changes nothing under this strategy.

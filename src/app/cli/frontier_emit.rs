@@ -9,8 +9,7 @@ use super::failure::Failure;
 use super::scene::Source;
 
 /// Keys that name a model: without them a scene's contacts are recognised.
-const NAMING: [&str; 11] =
-    ["surface", "closed", "degree", "segments", "domain", "weights", "sigma", "inset", "smooth", "method", "robust"];
+const NAMING: [&str; 9] = ["surface", "closed", "degree", "segments", "domain", "weights", "sigma", "smooth", "method"];
 
 /// The scene's TOML with what was picked in the place of its own. What else stands there stays.
 pub(super) fn emitted(source: &Source, choice: &Choice) -> Result<String, Failure> {

@@ -89,8 +89,8 @@ impl GridFlags {
 }
 
 impl FitFlags {
-    /// Whether anything was typed that fixes the model, so that nothing is chosen. Another grid, and axes taken from the
-    /// data, fix nothing.
+    /// Whether anything was typed that changes the surface, so that nothing is chosen. Another loss, grid or inset and other axes
+    /// change none.
     pub(super) fn names_a_model(&self) -> bool {
         self.surface.is_some()
             || self.closed.is_some()
@@ -101,9 +101,6 @@ impl FitFlags {
             || self.sigma.is_some()
             || self.method.is_some()
             || self.smooth.is_some()
-            || self.robust.is_some()
-            || self.grid.inset.is_some()
-            || self.frame == Some(FrameChoice::Keep)
     }
 
     /// Axes of the patch's own were asked for.
@@ -122,8 +119,6 @@ impl FitFlags {
         let heights = "an input of heights alone, without a roughness penalty";
         let unsmoothed = matches!(self.smooth, None | Some(Smooth::None));
         let parametric = answer.is_parametric();
-        let recognised = matches!(answer, Answer::Recognised(_));
-        let own_axes = "a recognised surface, which has axes of its own";
         let in_space = "a parametric surface";
         let on_grid = "a grid, which keeps its axes";
         let typed = [
@@ -134,7 +129,6 @@ impl FitFlags {
             (parametric && self.sigma_xy.is_some(), "--sigma-xy", in_space),
             (gridded && self.frame.is_some(), "--frame", on_grid),
             (unsmoothed && is_of_heights(input) && self.weights.is_some(), "--weights", heights),
-            (!gridded && recognised && self.frame.is_some(), "--frame", own_axes),
         ];
         let empty = typed.iter().filter(|(is, _, _)| *is);
         empty.map(|(_, option, what)| format!("{option} has no effect on {what}")).collect()

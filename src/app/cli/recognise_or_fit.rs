@@ -12,7 +12,7 @@
 
 use crate::io::Input;
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
-use palpate_fitting::fit::{Fit, FitError, FitOptions};
+use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust};
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Grid, Orientation};
 use palpate_inference::recognition::{
@@ -83,13 +83,29 @@ const OTHER_SIDE: &str = "the viewpoint is on the lower side of the height field
 
 /// Recognises the input, or fits it where it cannot be recognised.
 pub(super) fn automatic(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> Result<Found, Refusal> {
-    let found = answer_to(input, options, fit)?;
+    let mut found = answer_to(input, options, fit)?;
+    if matches!(found.answer, Answer::Recognised(_)) {
+        found.notes.extend(without_effect(input, fit));
+    }
     match (&found.answer, options.viewpoint) {
         (Answer::Fitted(FittedSurface::Height(fit)), Some(eye)) if is_behind(fit, input, eye) => {
             Err(Refusal::Shape(OTHER_SIDE.into()))
         }
         _ => Ok(found),
     }
+}
+
+/// What was chosen for a spline and means nothing for a recognised surface.
+fn without_effect(input: &Input, fit: &FitOptions) -> impl Iterator<Item = String> {
+    let has_axes = matches!(input, Input::Contacts(_)) && fit.frame.is_some();
+    let chosen = [
+        (has_axes, "--frame has no effect on a recognised surface, which has axes of its own"),
+        (
+            fit.robust != Robust::None,
+            "--robust has no effect on a recognised surface, which finds false contacts of itself",
+        ),
+    ];
+    chosen.into_iter().filter(|(is, _)| *is).map(|(_, said)| said.to_string())
 }
 
 /// Whether `eye` is on the lower side of a height field.

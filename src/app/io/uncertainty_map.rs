@@ -41,6 +41,19 @@ pub(crate) struct PointUncertainty {
     pub(crate) curvedness: Option<f64>,
 }
 
+impl PointUncertainty {
+    /// The same to as many digits as an uncertainty is known to.
+    pub(crate) fn rounded(self) -> PointUncertainty {
+        let PointUncertainty { position, normal_deg, shape_index, curvedness } = self;
+        PointUncertainty {
+            position: position.and_then(rounded),
+            normal_deg: normal_deg.and_then(rounded),
+            shape_index: shape_index.and_then(rounded),
+            curvedness: curvedness.and_then(rounded),
+        }
+    }
+}
+
 /// Four significant digits: an uncertainty is not known any better.
 fn rounded(value: f64) -> Option<f64> {
     format!("{value:.3e}").parse::<f64>().ok().filter(|v| v.is_finite())

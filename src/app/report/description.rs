@@ -5,18 +5,22 @@
 //! ```
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::io::Write;
 use std::path::Path;
 
-use crate::io::{AnySurface, SupportMap, UNCERTAINTY_POINTS};
+use ndarray::Array2;
+
+use crate::io::{AnySurface, PointUncertainty, SupportMap, UNCERTAINTY_POINTS, UncertaintyMap};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
+use palpate_geometry::shape::ShapeGrid;
 use palpate_world::scene::Truth;
 
 use super::describe::{height, recognised};
 use super::document::{FitDocument, MeasurePart};
 use super::height_view::height_view;
-use super::maps::{points_of, write_maps_csv, write_maps_npz};
+use super::maps::{arrays_of, points_of, write_maps_csv, write_maps_npz};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::{contacts_on_feet, parametric_view};
 use super::recognised_view::recognised_view;
@@ -44,6 +48,8 @@ pub(crate) struct Description<'a> {
     /// Coefficients without data.
     pub(super) unsupported: Cow<'a, [usize]>,
     pub(super) source: Source<'a>,
+    /// Support and uncertainty point by point, once they were asked for.
+    pub(super) pointwise: OnceCell<(Option<SupportMap>, Option<UncertaintyMap>)>,
 }
 
 impl Description<'_> {
@@ -55,26 +61,43 @@ impl Description<'_> {
     /// The document as it is saved: with the support and the uncertainty point by point, which takes a moment to compute.
     pub(crate) fn saved(&self) -> FitDocument {
         let mut document = self.document.clone();
-        let mut shape = document.shape.clone();
-        let (support_map, sds) = match self.source {
-            Source::Saved(_) => return document,
-            Source::Height { fit, bare, .. } => {
-                let sds = if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) };
-                let map = SupportMap::of(self.surface.map().domain(), fit.supported());
-                (map, sds.into_iter().flatten().map(Some).collect())
-            }
-            Source::Parametric { fit, bare, .. } => {
-                (None, if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) }.unwrap_or_default())
-            }
-            Source::Recognised { found, input } => {
-                // the draws have counted every kind of surface already
-                (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
-                recognised::support_and_sds(found, &self.surface, input)
-            }
-        };
-        document.surface.support_map = support_map;
-        document.uncertainty = uncertainty::map(self.surface.knots(), &sds, &shape);
+        if !matches!(self.source, Source::Saved(_)) {
+            let (support_map, uncertainty) = self.pointwise();
+            (document.surface.support_map, document.uncertainty) = (support_map.clone(), uncertainty.clone());
+        }
         document
+    }
+
+    fn saved_uncertainty(&self) -> Option<&UncertaintyMap> {
+        if matches!(self.source, Source::Saved(_)) {
+            self.document.uncertainty.as_ref()
+        } else {
+            self.pointwise().1.as_ref()
+        }
+    }
+
+    /// Support and uncertainty point by point; computed on first access.
+    fn pointwise(&self) -> &(Option<SupportMap>, Option<UncertaintyMap>) {
+        self.pointwise.get_or_init(|| {
+            let mut shape = self.document.shape.clone();
+            let (support_map, sds) = match self.source {
+                Source::Saved(_) => (None, Vec::new()),
+                Source::Height { fit, bare, .. } => {
+                    let sds = if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) };
+                    let map = SupportMap::of(self.surface.map().domain(), fit.supported());
+                    (map, sds.into_iter().flatten().map(Some).collect())
+                }
+                Source::Parametric { fit, bare, .. } => {
+                    (None, if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) }.unwrap_or_default())
+                }
+                Source::Recognised { found, input } => {
+                    // the draws have counted every kind of surface already
+                    (shape.shape_index.u_model, shape.curvedness.u_model) = (None, None);
+                    recognised::support_and_sds(found, &self.surface, input)
+                }
+            };
+            (support_map, uncertainty::map(self.surface.knots(), &sds, &shape))
+        })
     }
 
     /// Maps over the shape grid.
@@ -91,7 +114,11 @@ impl Description<'_> {
     /// Maps over the whole domain, fine enough to look at.
     fn picture_maps(&self) -> Maps<'_> {
         let [least, most] = PICTURE_CELLS;
-        let points = self.grid.map(|n| n.clamp(least, most));
+        self.maps_over(self.grid.map(|n| n.clamp(least, most)))
+    }
+
+    /// Maps over the whole domain at so many points each way.
+    fn maps_over(&self, points: [usize; 2]) -> Maps<'_> {
         if let Source::Recognised { found, .. } = self.source {
             return recognised::maps(found, &self.surface, points);
         }
@@ -107,9 +134,11 @@ impl Description<'_> {
     /// # Errors
     /// What the system says.
     pub(crate) fn write_maps_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        match self.maps() {
-            Maps::Height(maps) => write_maps_csv(&maps, &self.frame, out),
-            Maps::Parametric(maps) => write_parametric_maps_csv(&maps, out),
+        let maps = self.maps();
+        let uncertainty = self.uncertainty_over(&maps);
+        match &maps {
+            Maps::Height(maps) => write_maps_csv(maps, &self.frame, &uncertainty, out),
+            Maps::Parametric(maps) => write_parametric_maps_csv(maps, &uncertainty, out),
         }
     }
 
@@ -118,13 +147,30 @@ impl Description<'_> {
     /// # Errors
     /// What the system says.
     pub(crate) fn write_maps_npz(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        let maps = self.maps();
+        let (grid, arrays) = self.map_arrays(None);
+        write_maps_npz([&grid.x, &grid.y], &arrays, out)
+    }
+
+    /// The grid and the arrays of `maps.npz`, over another number of points where one is given.
+    pub(crate) fn map_arrays(&self, points: Option<[usize; 2]>) -> (ShapeGrid, Vec<(&'static str, Array2<f64>)>) {
+        let maps = points.map_or_else(|| self.maps(), |points| self.maps_over(points));
         let points = match &maps {
             Maps::Height(_) if self.frame.keeps_axes() => None,
             Maps::Height(maps) => Some(points_of(maps, &self.frame)),
             Maps::Parametric(maps) => Some(maps.points.clone()),
         };
-        write_maps_npz(&maps.flat(), points.as_ref(), out)
+        let (flat, uncertainty) = (maps.flat(), self.uncertainty_over(&maps));
+        (flat.grid.clone(), arrays_of(&flat, points.as_ref(), &uncertainty))
+    }
+
+    /// Standard uncertainties at the supported points of the maps.
+    fn uncertainty_over(&self, maps: &Maps) -> Array2<PointUncertainty> {
+        let known = self.saved_uncertainty();
+        let flat = maps.flat();
+        Array2::from_shape_fn(flat.supported.dim(), |(i, j)| match known {
+            Some(known) if flat.supported[[i, j]] => known.at([flat.grid.x[i], flat.grid.y[j]]).rounded(),
+            _ => PointUncertainty::default(),
+        })
     }
 
     /// S and R over the grid in characters, where they differ from place to place.

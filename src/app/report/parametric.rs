@@ -2,13 +2,15 @@
 
 use std::io::Write;
 
+use ndarray::Array2;
 use serde::Serialize;
 
-use crate::io::Points;
+use crate::io::{PointUncertainty, Points};
 use palpate_geometry::shape::{ParametricMaps, UvSupport};
 use palpate_geometry::surface::Parametric;
 
 use super::json::write_json;
+use super::maps::{UNCERTAINTIES, after_a_comma, numbers_of};
 use super::point_table::PointTable;
 
 /// Point, normal and shape at one (u, v). Input units.
@@ -79,26 +81,31 @@ fn point(surface: &Parametric, support: &UvSupport, u: f64, v: f64) -> Parametri
     }
 }
 
-const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R\n";
+const HEADER: &str = "u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R";
 
 /// `u,v,inside,x,y,z,nx,ny,nz,k1,k2,dx,dy,dz,S,R`, one row a point, empty where undefined; d is the direction of k1.
 ///
 /// # Errors
 /// What the system says.
 pub(super) fn write_parametric_points_csv(points: &[ParametricPointShape], out: &mut dyn Write) -> std::io::Result<()> {
-    let mut text = String::from(HEADER);
+    let mut text = format!("{HEADER}\n");
     for p in points {
         text.push_str(&row(p));
+        text.push('\n');
     }
     out.write_all(text.as_bytes())
 }
 
-/// The same rows for every point of the maps, u-major.
+/// The same rows for every point of the maps, u-major, with the uncertainties.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn write_parametric_maps_csv(maps: &ParametricMaps, out: &mut dyn Write) -> std::io::Result<()> {
-    let mut text = String::from(HEADER);
+pub(super) fn write_parametric_maps_csv(
+    maps: &ParametricMaps,
+    uncertainty: &Array2<PointUncertainty>,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let mut text = format!("{HEADER},{}\n", UNCERTAINTIES.join(","));
     for (i, u) in maps.grid.x.iter().enumerate() {
         for (j, v) in maps.grid.y.iter().enumerate() {
             let at = (i, j);
@@ -117,16 +124,19 @@ pub(super) fn write_parametric_maps_csv(maps: &ParametricMaps, out: &mut dyn Wri
                 shape_index: number(maps.shape_index[at]),
                 curvedness: number(maps.curvedness[at]),
             }));
+            text.extend(numbers_of(&uncertainty[at]).map(after_a_comma));
+            text.push('\n');
         }
     }
     out.write_all(text.as_bytes())
 }
 
+/// One row, without its end.
 fn row(p: &ParametricPointShape) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let vector = |value: Option<[f64; 3]>| value.map_or(",,".into(), |[x, y, z]| format!("{x},{y},{z}"));
     let [x, y, z] = p.point;
     let [k1, k2, s, r] = [p.k1, p.k2, p.shape_index, p.curvedness].map(number);
     let (normal, direction) = (vector(p.normal), vector(p.direction));
-    format!("{},{},{},{x},{y},{z},{normal},{k1},{k2},{direction},{s},{r}\n", p.u, p.v, u8::from(p.inside))
+    format!("{},{},{},{x},{y},{z},{normal},{k1},{k2},{direction},{s},{r}", p.u, p.v, u8::from(p.inside))
 }

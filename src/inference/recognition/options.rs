@@ -11,6 +11,9 @@ pub struct RecognitionOptions {
     pub level: f64,
     /// Points of the map in the two directions of the chart.
     pub grid: [usize; 2],
+    /// Fraction of each side of the map that is cut at every edge, 0 to below 1/2; means are taken over what is left.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub inset: f64,
     /// Seed of the posterior draws.
     pub seed: u64,
     /// Whether the normals may serve as data; without them they are not even looked at.
@@ -31,6 +34,7 @@ impl Default for RecognitionOptions {
         RecognitionOptions {
             level: 0.95,
             grid: [8, 8],
+            inset: 0.0,
             seed: 1,
             use_normals: true,
             viewpoint: None,
@@ -50,6 +54,11 @@ impl RecognitionOptions {
     /// The same options with a map of another size.
     pub fn with_grid(self, grid: [usize; 2]) -> RecognitionOptions {
         RecognitionOptions { grid, ..self }
+    }
+
+    /// The same options with this fraction of each side of the map cut at every edge.
+    pub fn with_inset(self, inset: f64) -> RecognitionOptions {
+        RecognitionOptions { inset, ..self }
     }
 
     /// The same options with another seed of the posterior draws.

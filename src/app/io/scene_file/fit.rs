@@ -134,8 +134,8 @@ pub(super) fn read_study(section: Section) -> Result<StudyOptions, SceneFileErro
 }
 
 impl FitKeys {
-    /// Whether a model is named, by the rule of the command line: another grid, a level, known errors of place and axes
-    /// taken from the data fix nothing.
+    /// Whether a model is named, by the rule of the command line: another loss, grid, inset or level, known errors of place and other
+    /// axes change no surface.
     fn names_a_model(&self) -> bool {
         self.surface.is_some()
             || self.closed.is_some()
@@ -144,11 +144,8 @@ impl FitKeys {
             || self.domain.is_some()
             || self.weights.is_some()
             || self.sigma.is_some()
-            || self.inset.is_some()
             || self.smooth.is_some()
             || self.method.is_some()
-            || self.robust.is_some()
-            || self.frame == Some(FrameChoice::Keep)
     }
 }
 

@@ -6,6 +6,7 @@ pub(super) mod recognised;
 mod truth;
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 use crate::io::{AnySurface, FIT_SCHEMA, Points, Saved, SavedFrame};
 use palpate_fitting::fit::FitError;
@@ -113,7 +114,15 @@ pub(crate) fn describe_fit<'a>(
         _ => {}
     }
     let Found { surface, frame, unsupported, source, .. } = found;
-    Ok(Description { document, surface: Cow::Owned(surface), frame, grid, unsupported, source })
+    Ok(Description {
+        document,
+        surface: Cow::Owned(surface),
+        frame,
+        grid,
+        unsupported,
+        source,
+        pointwise: OnceCell::new(),
+    })
 }
 
 /// Describes a saved surface of either kind over a grid; `document` is all that was saved with it.
@@ -135,6 +144,7 @@ pub(crate) fn describe_saved(saved: &Saved, mut document: FitDocument, grid: Sho
         grid: grid.points,
         unsupported: Cow::Borrowed(&saved.unsupported),
         source: Source::Saved(Box::new(maps)),
+        pointwise: OnceCell::new(),
     }
 }
 

@@ -12,6 +12,7 @@ use crate::recognition::{
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;
 
+use super::coarse_grid::CoarseGrid;
 use super::inference::Findings;
 use super::misfit::{self, misfit};
 use super::model_comparison::{hypothesis_of, reported};
@@ -19,8 +20,8 @@ use super::normalised_weights::total;
 use super::posterior::{Summary, likeliest, summary};
 use super::shape_means::Points;
 
-/// Points of the map whose own uncertainty is drawn. All points of a larger map get the mean uncertainty of so many.
-const MAPPED: usize = 400;
+/// Rows and columns of the map at whose points uncertainties are drawn; other points have what lies between.
+const MAPPED: usize = 20;
 
 /// Standard uncertainty of S, and of R relative to it, that splines leave however precise the contacts are: five segments hold a bump or a wave
 /// over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too large, and S of a bump 0.001 too small.
@@ -82,7 +83,7 @@ impl Findings<'_> {
         if let Some(s) = found.shape_index.as_mut().filter(|_| of_splines > 0.0) {
             s.blurred(of_splines, [-1.0, 1.0]);
         }
-        let map = self.map(&surface, &points, &supported, &found);
+        let map = self.map(&surface, (&points, options.grid), &supported, &found);
         let plane_probability = total(&self.weights.estimate, self.nodes, |n| n.kind == Kind::Plane);
         let shape = found.shape_index.filter(|_| plane_probability <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
@@ -142,13 +143,14 @@ impl Findings<'_> {
 
     /// Estimates and intervals over the points of a region.
     fn summary_over(&self, region: &Region, best: &Node, options: &RecognitionOptions) -> Option<Summary> {
-        let map = &region.map[..region.map.len().min(MAPPED)];
+        let chosen = CoarseGrid::of(options.grid, MAPPED).numbers();
+        let map: Vec<ChartPoint> = chosen.iter().map(|number| region.map[*number].clone()).collect();
         let [u, v] = middle_of(&region.surface);
         // planes and spheres have no directions
         let is_directed = !matches!(best.kind, Kind::Plane | Kind::Sphere);
         let over = Points {
             all: &region.lattice,
-            map,
+            map: &map,
             within: region.within_map.as_deref().filter(|_| map.len() == region.map.len()),
             middle: is_directed.then(|| region.surface.chart_point(u, v)),
             touched: &places(&region.surface, self.asked.touches),
@@ -197,13 +199,18 @@ impl Findings<'_> {
         Ok(found)
     }
 
-    fn map(&self, surface: &PatchSurface, points: &[ChartPoint], supported: &[bool], found: &Summary) -> Vec<MapPoint> {
+    fn map(
+        &self,
+        surface: &PatchSurface,
+        (points, grid): (&[ChartPoint], [usize; 2]),
+        supported: &[bool],
+        found: &Summary,
+    ) -> Vec<MapPoint> {
         let scale = self.patch.frame.scale;
-        let mean_u = |k: usize| found.u.iter().map(|u| u[k]).sum::<f64>() / found.u.len().max(1) as f64;
-        let typical = [mean_u(0), mean_u(1)];
+        let coarse = CoarseGrid::of(grid, MAPPED);
         let one = |(i, point): (usize, &ChartPoint)| {
             let bent = surface.state.at(point);
-            let u = if found.u.len() == points.len() { found.u[i] } else { typical };
+            let u = coarse.between(&found.u, i);
             MapPoint {
                 position: self.patch.frame.to_input(bent.place),
                 normal: self.patch.frame.rotate_back(bent.normal),

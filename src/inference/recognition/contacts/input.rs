@@ -36,6 +36,9 @@ pub(crate) fn check_options(options: &RecognitionOptions) -> Result<(), Recognit
         let expected = "a recognised surface is mapped at 2 points each way at least and at 10^6 in all at most; a named model takes more";
         return wrong("grid", format!("{x}x{y}"), expected);
     }
+    if !(0.0..0.5).contains(&options.inset) {
+        return wrong("inset", options.inset.to_string(), "a fraction from 0 to below 0.5");
+    }
     if !(options.sigma_xy >= 0.0 && options.sigma_xy.is_finite()) {
         return wrong("sigma_xy", options.sigma_xy.to_string(), "a length is 0 or above");
     }

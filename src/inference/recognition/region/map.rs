@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! map      nx x ny points from edge to edge of the box of the contacts' x and y, where the surface is nowhere steep over
-//!          them; otherwise of the box of the contacts' chart positions
+//!          them; otherwise of the box of the contacts' chart positions; less the inset
 //! lattice  at most 16 x 16 points over the same box, those that contacts support: means are taken over them
 //! ```
 //!
@@ -69,11 +69,17 @@ impl Region {
             support: support.clone(),
         };
         let looked_at = LookedAt::new(&surface);
-        let mut over =
-            looked_at.is_level(&surface).then(|| bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))));
-        let (mut map, mut supported) = even(&surface, over.map(|over| (&looked_at, over)), options.grid);
+        let within = [u, v].map(|range| less(range, options.inset));
+        let box_of =
+            || bounds(patch.points.iter().map(|p| patch.frame.to_input(*p))).map(|side| less(side, options.inset));
+        let mut over = looked_at.is_level(&surface).then(box_of);
+        let even = |over: Option<[[f64; 2]; 2]>, points| match over {
+            Some(over) => over_box(&surface, &looked_at, over, points),
+            None => over_chart(&surface, within, points),
+        };
+        let (mut map, mut supported) = even(over, options.grid);
         if over.is_some() && count(&supported) < FEWEST_POINTS {
-            let (of_chart, there) = even(&surface, None, options.grid);
+            let (of_chart, there) = even(None, options.grid);
             if count(&there) > count(&supported) {
                 (over, map, supported) = (None, of_chart, there);
             }
@@ -94,7 +100,7 @@ impl Region {
             let lattice = numbers.iter().map(|&i| map[i].clone()).collect();
             return Region { surface, map, supported, lattice, within_map: Some(numbers), over };
         }
-        let (all, coarse) = even(&surface, over.map(|over| (&looked_at, over)), points);
+        let (all, coarse) = even(over, points);
         let numbers = held(&coarse);
         let numbers = if numbers.is_empty() { (0..all.len()).collect() } else { numbers };
         let lattice = numbers.iter().map(|&i| all[i].clone()).collect();
@@ -106,26 +112,29 @@ fn count(supported: &[bool]) -> usize {
     supported.iter().filter(|s| **s).count()
 }
 
-/// Points of an even grid, the second direction running fastest, and whether contacts support each.
-fn even(
+/// A range less the fraction `inset` of it at each end.
+fn less([lo, hi]: [f64; 2], inset: f64) -> [f64; 2] {
+    let cut = inset * (hi - lo);
+    [lo + cut, hi - cut]
+}
+
+/// Points of the even grid of a box of the input's x and y, y running fastest, and whether contacts support each.
+fn over_box(
     surface: &PatchSurface,
-    over: Option<(&LookedAt, [[f64; 2]; 2])>,
+    looked_at: &LookedAt,
+    over: [[f64; 2]; 2],
     points: [usize; 2],
 ) -> (Vec<ChartPoint>, Vec<bool>) {
-    let holds = |p: &ChartPoint| surface.holds(p);
-    match over {
-        Some((looked_at, over)) => {
-            let found = looked_at.product(surface, over, points);
-            let supported = found.iter().map(|(p, reached)| *reached && holds(p)).collect();
-            (found.into_iter().map(|(p, _)| p).collect(), supported)
-        }
-        None => {
-            let [u, v] = [surface.u, surface.v];
-            let found = product(surface, &linspace(u[0], u[1], points[0]), &linspace(v[0], v[1], points[1]));
-            let supported = found.iter().map(holds).collect();
-            (found, supported)
-        }
-    }
+    let found = looked_at.product(surface, over, points);
+    let supported = found.iter().map(|(p, reached)| *reached && surface.holds(p)).collect();
+    (found.into_iter().map(|(p, _)| p).collect(), supported)
+}
+
+/// The same of an even grid of the chart.
+fn over_chart(surface: &PatchSurface, [u, v]: [[f64; 2]; 2], points: [usize; 2]) -> (Vec<ChartPoint>, Vec<bool>) {
+    let found = product(surface, &linspace(u[0], u[1], points[0]), &linspace(v[0], v[1], points[1]));
+    let supported = found.iter().map(|p| surface.holds(p)).collect();
+    (found, supported)
 }
 
 /// Chart points of the product of two axes, the second running fastest.

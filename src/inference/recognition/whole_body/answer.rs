@@ -3,7 +3,7 @@
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::neighbours::mean_of;
-use palpate_numeric::bspline::linspace;
+use palpate_geometry::shape::ShapeGrid;
 use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
 use super::exchanged_axes::agreeing_order;
@@ -215,7 +215,7 @@ impl BodyAnswer<'_> {
     /// support none.
     fn map(&self, chart: &BodyChart) -> DrawnMap {
         let [n, m] = self.options.grid;
-        let [u, v] = [(chart.u, n), (chart.v, m)].map(|([lo, hi], count)| linspace(lo, hi, count));
+        let ShapeGrid { x: u, y: v } = ShapeGrid::over([chart.u, chart.v], [n, m], self.options.inset);
         let over: Vec<[f64; 2]> = u.iter().flat_map(|u| v.iter().map(|v| [*u, *v])).collect();
         let mut is_supported: Vec<bool> = over.iter().map(|[u, v]| chart.supported_at(*u, *v)).collect();
         if !is_supported.contains(&true) {
