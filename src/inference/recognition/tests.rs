@@ -281,6 +281,23 @@ fn normals_that_follow_from_the_positions_are_told_from_measured_ones() {
     }
 }
 
+/// Between contacts that lie far apart the shape itself bends, which turns both normals alike: half of such bodies lost their normals.
+#[test]
+fn measured_normals_of_few_contacts_on_a_strong_wave_are_believed() {
+    for seed in 0..6 {
+        let numbers = Numbers::new(2000 + seed);
+        let points = patch(|x, _| 0.4 * (1.2 * x).cos(), 260, 0.002, seed);
+        let normal = |(i, [x, ..]): (usize, &Vector)| {
+            let [dx, dy] = [0, 1].map(|side| 0.005 * numbers.gaussian(2 * i + side));
+            unit([0.48 * (1.2 * x).sin() + dx, dy, 1.0])
+        };
+        let normals: Vec<Vector> = points.iter().enumerate().map(normal).collect();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Recognition::of(&contacts, &RecognitionOptions::default()).unwrap();
+        assert_eq!(found.normals, NormalsUse::Believed, "{seed}");
+    }
+}
+
 /// A low bump, touched at 400 places with its normals, or with those of a ball of about its size.
 fn bump(of_bump: bool, seed: u64) -> (Vec<Vector>, Vec<Vector>) {
     let height = |x: f64, y: f64| 2.5 * (-(x * x + y * y) / 50.0).exp();
