@@ -34,6 +34,22 @@ fn a_table_says_what_is_known_after_every_round_and_why_it_ended() {
     assert!(table.contains("class      ridge"), "{table}");
 }
 
+/// A bar that is touched nearly to its edges is a body, which was refused between looks that knew it.
+#[test]
+fn a_bar_that_is_touched_to_its_edges_is_known_at_every_look() {
+    let wide = SCENE.replace("[-4.0, 0.0, 4.0]", "[-8.6, -5.0, 0.0, 5.0, 8.6]");
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("wide.toml"), wide).unwrap();
+    let output = palpate(directory.path(), "explore wide.toml --contacts 30 --json").output().unwrap();
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let steps = document["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 6);
+    for step in steps {
+        let r = step["R"]["mean"].as_f64().unwrap();
+        assert!((r * 9.0 - 0.5_f64.sqrt()).abs() < 0.02 && step["kind"] == "cylinder", "{step}");
+    }
+}
+
 #[test]
 fn the_document_holds_every_promised_key() {
     let (text, _, _) = output("explore bar.toml --contacts 40 --u-s 0.02 --u-r 0.03 --json");

@@ -24,6 +24,15 @@ use super::tuning::Tuning;
 /// Latitudes beyond which meridians are too near to each other for a chart.
 const POLAR: f64 = 1.48;
 
+/// Newton steps to the surface over a place of x and y; a place beyond the edge has none, and is left after so many.
+const STEPS_UPWARD: usize = 30;
+
+/// Share of the contacts' size within which such a place counts as reached.
+const REACHED: f64 = 1e-9;
+
+/// Least nz of a surface that is touched from above: steeper than 87 degrees it is met anywhere.
+const UPRIGHT: f64 = 0.05;
+
 /// A body over a rectangle of its chart.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyChart {
@@ -216,6 +225,38 @@ impl BodyChart {
             [reading.distance, norm(minus(reading.normal, normal)), s, curvedness(k1, k2)]
         };
         self.draws.iter().map(of).collect()
+    }
+
+    /// What a touch at a place of the input would measure on these of the draws: the height of the surface over the likeliest one,
+    /// input units, and two slopes against it.
+    pub(crate) fn measured_at(&self, place: Vector, draws: &[usize]) -> Vec<[f64; 3]> {
+        let local = self.frame.to_patch(place);
+        let (foot, normal) = self.surface.over(local);
+        let [first, second, _] = axes_along(normal);
+        let of = |&d: &usize| {
+            let there = self.draws[d].reading(foot);
+            [-self.frame.scale * there.distance, dot(there.normal, first), dot(there.normal, second)]
+        };
+        draws.iter().map(of).collect()
+    }
+
+    /// The point of the surface over a place of the input's x and y that is next to a height; `None` where the surface stands
+    /// upright, or is not there.
+    pub(crate) fn point_over(&self, [x, y]: [f64; 2], height: f64) -> Option<Vector> {
+        let mut point = [x, y, height];
+        for _ in 0..STEPS_UPWARD {
+            let reading = self.surface.reading(self.frame.to_patch(point));
+            let upward = self.frame.rotate_back(reading.normal)[2];
+            let step = self.frame.scale * reading.distance / upward;
+            if !(step.is_finite() && upward.abs() > UPRIGHT) {
+                return None;
+            }
+            point[2] -= step;
+            if step.abs() <= REACHED * self.frame.scale {
+                return Some(point);
+            }
+        }
+        None
     }
 
     /// Standard uncertainties of such readings, in the input's units.

@@ -117,13 +117,13 @@ fn recognise_given(
     asked: &RequestedPlaces,
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
-    if asked.means.is_some() || !asked.touches.is_empty() {
+    if asked.means.is_some() {
         return recognise_patch(&given, asked, options);
     }
     let either = |found: Recognition| if found.side_known { found } else { whole_body::of_either_side(found) };
     let patch = recognise_patch(&given, asked, options).map(either);
     let patch = patch.and_then(|found| whole_body::beside_a_line(found, &given, &options.tuning));
-    whole_body::instead(patch, &given, options)
+    whole_body::instead(patch, &given, asked.touches, options)
 }
 
 /// The steps, top to bottom, each in its room: the contacts are put in order (`contacts`), a robust surface says which of them belong

@@ -52,6 +52,8 @@ pub use exploration::{Exploration, ExploreOptions, explore};
 pub use model::planning_fit;
 pub use planner::TouchPlanner;
 #[doc(hidden)]
+pub use predictive_planner::best_of_map;
+#[doc(hidden)]
 pub use simulated_sensor::Hand;
 #[doc(hidden)]
 pub use status::{Look, Stopped};

@@ -18,6 +18,13 @@ use super::covariance::finished;
 use super::model::touch_sds;
 use super::planner::inverse;
 
+/// The point of a body's map whose touch lets the uncertainties of S and R fall most; `None` of a patch, and where nothing is in doubt.
+pub fn best_of_map(found: &Recognition) -> Option<usize> {
+    let planner = PredictivePlanner::of(&found.predicted_over_map(), found, None)?;
+    let falls = (0..found.map.len()).map(|k| (k, planner.fall(k))).filter(|(_, fall)| *fall > 0.0);
+    falls.reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(best, _)| best)
+}
+
 /// The posterior's draws as rows of numbers.
 #[derive(Clone, Debug)]
 pub(super) struct PredictivePlanner {
@@ -34,7 +41,10 @@ pub(super) struct PredictivePlanner {
 impl PredictivePlanner {
     /// Of a recognition that predicted the touches; `units` are those of S and R, or their own uncertainties.
     pub(super) fn new(found: &Recognition, units: Option<[f64; 2]>) -> Option<PredictivePlanner> {
-        let draws = &found.predictive;
+        PredictivePlanner::of(&found.predictive, found, units)
+    }
+
+    fn of(draws: &[PredictiveDraw], found: &Recognition, units: Option<[f64; 2]>) -> Option<PredictivePlanner> {
         let places = draws.first()?.touches.len();
         let [height, normal_deg] = touch_sds(found);
         let sd = [height, normal_deg.to_radians(), normal_deg.to_radians()];

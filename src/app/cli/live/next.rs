@@ -1,9 +1,10 @@
 //! What to touch next: the place that tells most of S and R, or the one farthest from all touches.
 //!
 //! ```text
-//! patch seen from above     TouchPlanner over a lattice of x and y      by "shape"
-//! body, steep patch         point of the map farthest from a touch      by "farthest"
-//! no answer yet             place of the lattice farthest from a touch  by "farthest"
+//! patch seen from above     TouchPlanner over a lattice of x and y       by "shape"
+//! body                      point of the map, by draws of the posterior  by "shape"
+//! steep patch               point of the map farthest from a touch       by "farthest"
+//! no answer yet             place of the lattice farthest from a touch   by "farthest"
 //! ```
 
 use std::borrow::Cow;
@@ -16,7 +17,7 @@ use palpate_fitting::fit::Fit;
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Orientation};
 use palpate_inference::recognition::Recognition;
-use palpate_studies::explore::{TouchPlanner, planning_fit};
+use palpate_studies::explore::{TouchPlanner, best_of_map, planning_fit};
 use palpate_world::scene::linspace;
 
 /// Places each way at which a touch may be made.
@@ -50,7 +51,7 @@ pub(super) struct NextTouch {
 /// The next touch after these contacts; `None` where no place is left or known.
 pub(super) fn next_touch(found: Option<&Found>, contacts: &Contacts, reach: &TouchReach) -> Option<NextTouch> {
     if let Some(body) = found.and_then(body) {
-        return farthest_of_map(body, contacts);
+        return best_of_body(body).or_else(|| farthest_of_map(body, contacts));
     }
     let places = untouched(reach, contacts);
     let planned = found.and_then(|found| planned(found, contacts, &places, reach));
@@ -69,6 +70,12 @@ fn body(found: &Found) -> Option<&Recognition> {
         }),
         Answer::Fitted(_) => None,
     }
+}
+
+fn best_of_body(body: &Recognition) -> Option<NextTouch> {
+    let point = body.map.get(best_of_map(body)?)?;
+    let [x, y, z] = point.position;
+    Some(NextTouch { at: [x, y], z: Some(z), normal: Some(point.normal), by: "shape" })
 }
 
 fn farthest_of_map(body: &Recognition, contacts: &Contacts) -> Option<NextTouch> {

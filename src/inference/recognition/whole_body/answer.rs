@@ -3,10 +3,11 @@
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::neighbours::mean_of;
-use palpate_geometry::shape::ShapeGrid;
 use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
+use super::drawn_map::DrawnMap;
 use super::exchanged_axes::agreeing_order;
+use super::predicted_touches::predicted_over;
 use crate::bodies::{BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Tuning, drawn, spread};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
@@ -21,13 +22,8 @@ pub(super) struct BodyAnswer<'a> {
     pub(super) sample: &'a BodySample,
     pub(super) given: &'a Observations,
     pub(super) options: &'a RecognitionOptions,
-}
-
-/// The map, how many of its points are supported, and the means of S and R of every draw over these.
-struct DrawnMap {
-    map: Vec<MapPoint>,
-    supported: usize,
-    shapes: Vec<Option<[f64; 2]>>,
+    /// Places of the input's x and y at which touches are predicted.
+    pub(super) touches: &'a [[f64; 2]],
 }
 
 /// Which side is free: outside 1, inside -1.
@@ -116,7 +112,8 @@ impl BodyAnswer<'_> {
             None => DrawnBase::of_primitive(primitive),
         };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
-        let DrawnMap { map, supported, shapes } = self.map(&chart);
+        let DrawnMap { map, supported, shapes } = DrawnMap::over(&chart, self.options);
+        let predictive = predicted_over(&chart, &shapes, self.touches, &self.given.points);
         let averaged: Vec<(Vector, Vector)> =
             map.iter().filter(|p| p.supported).map(|p| (p.position, p.normal)).collect();
         let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
@@ -180,7 +177,7 @@ impl BodyAnswer<'_> {
             contacts: members.len(),
             notes: self.notes(&primitive, &draws, &side, is_free),
             side_known: side.known,
-            predictive: Vec::new(),
+            predictive,
         };
         Ok(if side.known { found } else { super::of_either_side(found) })
     }
@@ -209,30 +206,6 @@ impl BodyAnswer<'_> {
             level: self.options.level,
             dof: freedom,
         })
-    }
-
-    /// The map over the chart, and what every draw says over those of its points that contacts support: all of them where they
-    /// support none.
-    fn map(&self, chart: &BodyChart) -> DrawnMap {
-        let [n, m] = self.options.grid;
-        let ShapeGrid { x: u, y: v } = ShapeGrid::over([chart.u, chart.v], [n, m], self.options.inset);
-        let over: Vec<[f64; 2]> = u.iter().flat_map(|u| v.iter().map(|v| [*u, *v])).collect();
-        let mut is_supported: Vec<bool> = over.iter().map(|[u, v]| chart.supported_at(*u, *v)).collect();
-        if !is_supported.contains(&true) {
-            is_supported.fill(true);
-        }
-        let mut sums = vec![[0.0; 2]; chart.draws.len()];
-        let one = |([u, v], supported): (&[f64; 2], &bool)| {
-            let (point, readings) = point_of(chart, *u, *v, *supported);
-            if *supported {
-                sums.iter_mut().zip(&readings).for_each(|(sum, [.., s, r])| *sum = [sum[0] + s, sum[1] + r]);
-            }
-            point
-        };
-        let map: Vec<MapPoint> = over.iter().zip(&is_supported).map(one).collect();
-        let supported = map.iter().filter(|p| p.supported).count();
-        let mean = |sum: [f64; 2]| Some(sum.map(|v| v / supported as f64)).filter(|m| m.iter().all(|v| v.is_finite()));
-        DrawnMap { map, supported, shapes: sums.into_iter().map(mean).collect() }
     }
 
     /// A number of the likeliest primitive, with its interval over the draws of that kind.
@@ -419,26 +392,6 @@ fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 2]>]) -> Vec<(ShapeClass,
     found.iter_mut().for_each(|(_, p)| *p /= all);
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
     found
-}
-
-/// A point of the map, and what the draws say there.
-fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Vec<[f64; 4]>) {
-    let (position, normal) = chart.at(u, v);
-    let [k1, k2] = chart.curvatures_at(u, v).unwrap_or([f64::NAN; 2]);
-    let readings = chart.readings_at(position);
-    let [_, _, u_shape_index, u_curvedness] = chart.sds_of(&readings);
-    let point = MapPoint {
-        position,
-        normal,
-        shape_index: shape_index(k1 + k2, k1 - k2),
-        curvedness: curvedness(k1, k2),
-        k1,
-        k2,
-        supported,
-        u_shape_index,
-        u_curvedness,
-    };
-    (point, readings)
 }
 
 /// The frame whose third axis is the normal in the middle of the chart.

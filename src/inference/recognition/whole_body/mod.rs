@@ -8,7 +8,9 @@
 //! ```
 
 mod answer;
+mod drawn_map;
 mod exchanged_axes;
+mod predicted_touches;
 
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
@@ -32,6 +34,7 @@ pub(super) const NEEDED: [usize; 2] = [5, 3];
 pub(super) fn instead(
     patch: Result<Recognition, RecognitionError>,
     given: &Observations,
+    touches: &[[f64; 2]],
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
     let doubt = match &patch {
@@ -53,7 +56,7 @@ pub(super) fn instead(
             _ => Err(several(&sample, &things)),
         },
         Verdict::One(posterior) => {
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
+            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
             body.check_axes_of_normals()?;
             let decisive =
                 body.explains_normals() && body.false_share().max(body.normals_against()) >= options.tuning.decisive;
@@ -79,7 +82,7 @@ pub(super) fn instead(
             let Some(posterior) = bodies::free_surface(&sample, from, &options.tuning) else {
                 return if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch };
             };
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options };
+            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
             body.check_axes_of_normals()?;
             body.recognition()
         }
