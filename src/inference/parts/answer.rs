@@ -2,7 +2,7 @@
 
 use super::cloud::Cloud;
 use super::evidence::Cells;
-use super::exact::{Exact, simplest};
+use super::exact::{Exact, StartNoise, simplest};
 use super::free_form::{FreeForm, free_form};
 use super::joints::joints;
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
@@ -26,6 +26,10 @@ pub(super) struct Findings<'a> {
     pub(super) coarse: Noise,
     pub(super) tolerance: f64,
     pub(super) cells: &'a Cells,
+    /// Whether the normals are measurements.
+    pub(super) measured: bool,
+    /// Whether the primitives are those of the whole cloud, fitted already.
+    pub(super) is_whole: bool,
 }
 
 impl Findings<'_> {
@@ -35,15 +39,17 @@ impl Findings<'_> {
         let exact_parts = partition.parts.len() as u32;
         let patches = label_leftover(cloud, self.shapes, &mut partition.labels, exact_parts);
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
+        let begin = StartNoise { coarse: self.coarse, is_known: self.is_whole };
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
-            simplest(cloud, &inner, &partition.parts[part], &self.coarse, self.cells)
+            simplest(cloud, &inner, &partition.parts[part], &begin, self.cells)
         });
-        let few = few(cloud, &members, &exact);
+        let few = few(cloud, self.measured, &members, &exact);
         let likely = |(k, coarse): (usize, &Primitive)| {
             let primitive = exact[k].map_or(*coarse, |e| e.descended.primitive);
             let [s, r] = mean_shape(cloud, &primitive, &members[k]);
-            let contradicts = few[k].as_ref().is_some_and(|few| few.contradicts(class_of(&primitive, s), r));
+            let contradicts =
+                few[k].as_ref().is_some_and(|few| few.contradicts(primitive.kind, class_of(&primitive, s), r));
             (!contradicts).then_some(primitive)
         };
         let surface: Vec<Option<Primitive>> = partition.parts.iter().enumerate().map(likely).collect();

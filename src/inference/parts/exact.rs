@@ -66,26 +66,47 @@ impl Exact {
     }
 }
 
+/// The noise that a fit begins with.
+pub(super) struct StartNoise {
+    /// What most places show, with what is let pass.
+    pub(super) coarse: Noise,
+    /// Whether the start is a fit already, so that the noise is what its contacts scatter by: contacts that lie far apart show a coarse
+    /// one that leads away from it.
+    pub(super) is_known: bool,
+}
+
+fn scatter_about(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> Noise {
+    let (mut distances, mut normals) = (0.0, 0.0);
+    for &i in inner {
+        let (d, normal) = primitive.nearest(cloud.points[i as usize]);
+        let off = minus(normal, cloud.normals[i as usize]);
+        (distances, normals) = (distances + d * d, normals + 0.5 * dot(off, off));
+    }
+    let sd = |squares: f64| (squares / inner.len().max(1) as f64).sqrt().max(ROUNDING);
+    Noise { distance: sd(distances), normal: sd(normals) }
+}
+
 /// The simplest primitive of the part: a cone whose half angle's interval holds zero is a cylinder.
 pub(super) fn simplest(
     cloud: &Cloud,
     inner: &[u32],
     start: &Primitive,
-    coarse: &Noise,
+    noise: &StartNoise,
     cells: &Cells,
 ) -> Option<Exact> {
-    let found = fitted(cloud, inner, start, coarse, cells)?;
+    let found = fitted(cloud, inner, start, noise, cells)?;
     if !found.may_be_cylinder() {
         return Some(found);
     }
     let cone = found.descended.primitive;
     let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0, 0.0], ..cone };
-    fitted(cloud, inner, &cylinder, coarse, cells).or(Some(found))
+    fitted(cloud, inner, &cylinder, noise, cells).or(Some(found))
 }
 
 /// Fits until the noise has settled, to the points that the primitive explains.
-fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, coarse: &Noise, cells: &Cells) -> Option<Exact> {
-    let mut noise = *coarse;
+fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, cells: &Cells) -> Option<Exact> {
+    let coarse = &begin.coarse;
+    let mut noise = if begin.is_known { scatter_about(cloud, inner, start) } else { *coarse };
     let mut kept = explained(cloud, inner, start, coarse);
     let mut descended = exact(cloud, &kept, start, &noise)?;
     for _ in 0..4 {
@@ -252,7 +273,7 @@ mod tests {
         let cone = descended(PartKind::Cone, &sample, &[], extent(&points)).unwrap().primitive;
         let (coarse, cells) = (Noise { distance: 0.1, normal: 0.3 }, Cells::new(cloud));
         let fit = if simple { simplest } else { fitted };
-        fit(cloud, &members, &cone, &coarse, &cells).unwrap()
+        fit(cloud, &members, &cone, &StartNoise { coarse, is_known: false }, &cells).unwrap()
     }
 
     #[test]

@@ -67,7 +67,7 @@ use answer::Findings;
 use cloud::{Cloud, FEWEST_POINTS};
 use evidence::Cells;
 use local::{Noise, local_shapes};
-use partition::{Field, partition, settled};
+use partition::{Field, Partition, partition};
 
 /// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
 /// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
@@ -109,18 +109,31 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    if let Some(found) = whole::whole(&cloud, !estimated, &coarse) {
-        // where two of many things meet, neighbours tell better than distances which of them a point belongs to
-        let found = if found.parts.len() > 2 { settled(found, &field) } else { found };
-        let cells = &field.cells;
-        return Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(found, notes));
+    let (found, is_whole) = of_whole_or_cut(whole::whole(&cloud, !estimated, &coarse), &field);
+    let (cloud, shapes, cells) = (&cloud, shapes.as_slice(), &field.cells);
+    let measured = !estimated;
+    Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, measured, is_whole }.parts(found, notes))
+}
+
+/// The primitives of the whole cloud where they hold nearly all of it, or tell it more shortly than its parts do; and whether it is they.
+fn of_whole_or_cut(whole: Option<Partition>, field: &Field) -> (Partition, bool) {
+    match whole {
+        Some(whole) if whole.holds_nearly_all() => (whole, true),
+        whole => {
+            let cut = cut(field);
+            let length = cut.description_length(field.cloud);
+            let whole = whole.filter(|whole| whole.description_length(field.cloud) < length);
+            whole.map_or((cut, false), |whole| (whole, true))
+        }
     }
-    let mut partition = partition(&field);
-    if correlated_noise_merge::absorb(&mut partition, &field) {
-        partition.refit(&field);
+}
+
+fn cut(field: &Field) -> Partition {
+    let mut partition = partition(field);
+    if correlated_noise_merge::absorb(&mut partition, field) {
+        partition.refit(field);
     }
-    let cells = &field.cells;
-    Ok(Findings { cloud: &cloud, shapes: &shapes, noise, coarse, tolerance, cells }.parts(partition, notes))
+    partition
 }
 
 /// Unit normals on one side, from the file or from the positions.

@@ -63,7 +63,7 @@ pub(super) fn partition(field: &Field) -> Partition {
 }
 
 /// Parts whose edges and sizes follow each other until nothing changes.
-pub(super) fn settled(mut partition: Partition, field: &Field) -> Partition {
+fn settled(mut partition: Partition, field: &Field) -> Partition {
     let cloud = field.cloud;
     let mut fine = *field.coarse;
     for round in 0..ROUNDS {

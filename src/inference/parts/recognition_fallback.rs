@@ -20,38 +20,59 @@ use crate::primitives::placed::PartKind;
 use crate::recognition::{Recognition, RecognitionOptions};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::ShapeClass;
+use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::vector::norm;
 
 /// A class at least so likely, beside the likeliest, is not contradicted. Touches that leave open whether a ridge is a dome
 /// give both some half.
 const OPEN: f64 = 0.5;
 
+/// Share of R by which two fits of exact contacts may differ: intervals of no width hold no other fit.
+const SAME: f64 = 1e-3;
+
+/// Length of the mean unit normal from which on contacts lie on one side of their part: half a ball has 0.5.
+const ONE_SIDE: f64 = 0.5;
+
 /// What the recognition says of the members of one part.
 #[derive(Clone, Debug)]
 pub(super) struct Few {
     found: Recognition,
+    measured: bool,
 }
 
-/// Of every part, where none of the cloud's primitives could be tested.
-pub(super) fn few(cloud: &Cloud, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
+/// Of every part, where none of the cloud's primitives could be tested. `measured` says whether the normals are: those of planes through neighbours tell nothing new.
+pub(super) fn few(cloud: &Cloud, measured: bool, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
     let tested = exact.iter().flatten().any(|e| e.p.is_some());
-    let asked = |k: usize| if tested { None } else { Few::of(cloud, &members[k]) };
+    let asked = |k: usize| if tested { None } else { Few::of(cloud, measured, &members[k]) };
     (0..exact.len()).map(asked).collect()
 }
 
 impl Few {
     /// `None` where the recognition refuses.
-    fn of(cloud: &Cloud, members: &[u32]) -> Option<Few> {
+    fn of(cloud: &Cloud, measured: bool, members: &[u32]) -> Option<Few> {
         let (points, normals) = sampled(cloud, members, usize::MAX);
-        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-        Recognition::of(&contacts, &RecognitionOptions::default()).ok().map(|found| Few { found })
+        // all round there is no direction of the free side, and classes of both sides stay open
+        let up = Some(mean_of(&normals)).filter(|mean| norm(*mean) > ONE_SIDE);
+        let options = RecognitionOptions { up, ..RecognitionOptions::default() };
+        let contacts = Contacts::from_points(&points);
+        let contacts = if measured { contacts.with_normal_vectors(&normals) } else { contacts };
+        Recognition::of(&contacts, &options).ok().map(|found| Few { found, measured })
     }
 
-    /// Whether a primitive of this class and mean R, in the cloud's units, is hardly what the contacts show.
-    pub(super) fn contradicts(&self, class: ShapeClass, curvedness: f64) -> bool {
+    /// Whether a primitive of this kind, class and mean R, in the cloud's units, is hardly what the contacts show. The R of a
+    /// cone or ring differs from place to place: one that was recognised as such is not contradicted by where means were taken.
+    pub(super) fn contradicts(&self, kind: PartKind, class: ShapeClass, curvedness: f64) -> bool {
+        let varies = matches!(kind, PartKind::Cone | PartKind::Torus);
+        if varies && self.found.hypothesis.name() == kind.name() {
+            return false;
+        }
         let classes = &self.found.class_probability;
-        let of = |class: ShapeClass| classes.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+        let one = |class: ShapeClass| classes.iter().find(|(c, _)| *c == class).map_or(0.0, |(_, p)| *p);
+        // planes through few neighbours do not tell the side
+        let of = |class: ShapeClass| if self.measured { one(class) } else { one(class).max(one(class.mirrored())) };
         let [lo, hi] = self.found.curvedness.interval;
-        let bends_otherwise = class != ShapeClass::Plane && !(lo..=hi).contains(&curvedness);
+        let slack = SAME * curvedness;
+        let bends_otherwise = class != ShapeClass::Plane && !(lo - slack..=hi + slack).contains(&curvedness);
         bends_otherwise || classes.first().is_some_and(|(_, most)| of(class) < OPEN * most)
     }
 

@@ -1,17 +1,20 @@
 //! The whole cloud as one primitive, or as a few: what is one body is one part, however few or noisy its contacts are.
 //!
 //! ```text
-//! primitives by `bodies`, which hold 97 % of the contacts within four sds        else the cloud is cut
+//! primitives by `bodies`, which hold 97 % of the contacts within four sds        the answer
+//! which hold fewer                                                               the answer, if shorter to tell than the cut cloud:
+//! length = sum over parts (n ln rms + unknowns / 2 ln N), contacts of no part 0, in units of the cloud's size
 //! ```
 //!
-//! A departure that would be shape is no primitive, and an ellipsoid is no part.
+//! A departure that would be shape is no primitive, and an ellipsoid is no part. The length is that of J. Rissanen, *Automatica* 14 (1978)
+//! 465: where contacts lie too far apart for regions to grow, few primitives that hold most of them tell more than one that holds all.
 
 use super::cloud::Cloud;
 use super::local::Noise;
 use super::partition::{NONE, Partition};
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
-use palpate_numeric::vector::Vector;
+use palpate_numeric::vector::{Vector, dot};
 
 /// Share of the contacts that the primitives must hold.
 const WHOLE: f64 = 0.97;
@@ -25,13 +28,40 @@ const DEPARTS: f64 = 0.02;
 /// Scatter about a primitive over what neighbourhoods show, beyond which it is none of the contacts' own.
 const LOOSE: f64 = 3.0;
 
-/// A partition of a few parts; `None` where these do not hold nearly all. `measured` says whether the normals are, and `noise`
-/// what neighbourhoods show, with what is let pass.
+/// Distance, in units of the cloud, below which none is told from another: its numbers are rounded.
+const ROUNDED: f64 = 1e-9;
+
+impl Partition {
+    /// Whether nearly all contacts are in a part.
+    pub(super) fn holds_nearly_all(&self) -> bool {
+        let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
+        held >= WHOLE * self.labels.len() as f64
+    }
+
+    /// How long it is to tell, in natural units of information.
+    pub(super) fn description_length(&self, cloud: &Cloud) -> f64 {
+        let mut squares = vec![(0.0, 0.0); self.parts.len()];
+        for (place, label) in cloud.points.iter().zip(&self.labels).filter(|(_, label)| **label != NONE) {
+            let part = *label as usize;
+            let (count, sum) = &mut squares[part];
+            (*count, *sum) = (*count + 1.0, *sum + self.parts[part].nearest(*place).0.powi(2));
+        }
+        let price = 0.5 * (cloud.len() as f64).ln();
+        let of_part = |(part, (count, sum)): (&Primitive, &(f64, f64))| match *count {
+            0.0 => 0.0,
+            count => count * (sum / count).sqrt().max(ROUNDED).ln() + price * part.kind.free().len() as f64,
+        };
+        self.parts.iter().zip(&squares).map(of_part).sum()
+    }
+}
+
+/// A partition of a few parts, which may hold few of the contacts; `None` where no primitive is near. `measured` says whether the
+/// normals are, and `noise` what neighbourhoods show, with what is let pass.
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
     let tuning = Tuning::default();
-    let things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &tuning) {
+    let mut things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
             let node = posterior.best_of(kind).filter(|node| node.departure_size() < DEPARTS)?;
@@ -42,22 +72,45 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
         Verdict::None => return None,
     };
     // of many things a ring follows what lies between the others, and other contacts give others
-    if things.len() > 2 && things.iter().any(|thing| thing.primitive.kind == PartKind::Torus) {
-        return None;
-    }
-    let is_loose = |thing: &Thing| thing.scatter > LOOSE * noise.distance;
-    if things.iter().any(|thing| thing.primitive.kind == PartKind::Ellipsoid || is_loose(thing)) {
-        return None;
-    }
-    let label = |p: &Vector| {
-        let away = |thing: &Thing| thing.primitive.nearest(*p).0.abs() / thing.scatter;
-        let nearest = (0..things.len()).min_by(|a, b| away(&things[*a]).total_cmp(&away(&things[*b])));
-        nearest.filter(|k| away(&things[*k]) <= tuning.belongs).map_or(NONE, |k| k as u32)
-    };
-    let labels: Vec<u32> = sample.points.iter().map(label).collect();
-    let held = labels.iter().filter(|label| **label != NONE).count() as f64;
+    let are_many = things.len() > 2;
+    let follows_any = |kind: PartKind| kind == PartKind::Ellipsoid || are_many && kind == PartKind::Torus;
+    things.retain(|thing| !follows_any(thing.primitive.kind) && thing.scatter <= LOOSE * noise.distance);
+    let reached: Vec<Vec<u32>> = sample.points.iter().map(|p| within_reach(*p, &things, tuning.belongs)).collect();
+    let mut labels: Vec<u32> = (0..cloud.len()).map(|i| label(i, &reached, &things, cloud, measured)).collect();
+    let things = with_contacts(things, &mut labels);
     let parts = things.iter().zip(0..).map(|(thing, k)| facing(thing.primitive, k, &labels, cloud)).collect();
-    (held >= WHOLE * cloud.len() as f64).then_some(Partition { parts, labels })
+    (!things.is_empty()).then_some(Partition { parts, labels })
+}
+
+/// Numbers of the things that a place is near enough to, the nearest first.
+fn within_reach(place: Vector, things: &[Thing], most: f64) -> Vec<u32> {
+    let away = |k: usize| things[k].primitive.nearest(place).0.abs() / things[k].scatter;
+    let mut near: Vec<(f64, u32)> =
+        (0..things.len()).map(|k| (away(k), k as u32)).filter(|(d, _)| *d <= most).collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.into_iter().map(|(_, k)| k).collect()
+}
+
+/// The thing that a contact is of. Where two meet, or one goes on through the other, its normal tells, or else the most of those
+/// beside it that only one thing reaches.
+fn label(i: usize, reached: &[Vec<u32>], things: &[Thing], cloud: &Cloud, measured: bool) -> u32 {
+    let own = &reached[i];
+    let [first, _, ..] = own[..] else { return own.first().copied().unwrap_or(NONE) };
+    if measured {
+        let along = |k: &u32| dot(things[*k as usize].primitive.nearest(cloud.points[i]).1, cloud.normals[i]).abs();
+        return own.iter().copied().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(first);
+    }
+    let beside = |k: &u32| cloud.near(i).iter().filter(|j| reached[**j as usize] == [*k]).count();
+    // of equally many the nearest, which stands first
+    own.iter().rev().copied().max_by_key(|k| beside(k)).unwrap_or(first)
+}
+
+/// The things of which some contact is, with their labels.
+fn with_contacts(things: Vec<Thing>, labels: &mut [u32]) -> Vec<Thing> {
+    let is_held: Vec<bool> = (0..things.len() as u32).map(|k| labels.contains(&k)).collect();
+    let number = |k: u32| is_held[..k as usize].iter().filter(|held| **held).count() as u32;
+    labels.iter_mut().filter(|label| **label != NONE).for_each(|label| *label = number(*label));
+    things.into_iter().zip(is_held).filter(|(_, held)| *held).map(|(thing, _)| thing).collect()
 }
 
 /// The primitive on the side to which the normals of its contacts point.
@@ -68,4 +121,45 @@ fn facing(primitive: Primitive, part: u32, labels: &[u32], cloud: &Cloud) -> Pri
         (0..3).map(|k| outwards[k] * cloud.normals[i][k]).sum::<f64>().signum()
     };
     Primitive { side: if own.map(towards).sum::<f64>() < 0.0 { -1.0 } else { 1.0 }, ..primitive }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parts::{Part, PartKind, Parts, PartsOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::Vector;
+
+    const RADIUS: f64 = 2.0;
+
+    /// Places on a can of radius 2 and height 5, two thirds of them on its side, or on the side alone.
+    fn places(count: u64, with_ends: bool) -> Vec<Vector> {
+        let draws = EffectDraws::new(21, "sparse can");
+        let one = |k: u64| {
+            let mut at = [0.0; 3];
+            draws.uniforms(k, 0, 3, &mut at);
+            let (sin, cos) = (std::f64::consts::TAU * at[0]).sin_cos();
+            let (rho, z) = match k % 6 {
+                0 if with_ends => (RADIUS * at[2].sqrt(), 5.0),
+                3 if with_ends => (RADIUS * at[2].sqrt(), 0.0),
+                _ => (RADIUS, 5.0 * at[1]),
+            };
+            [rho * cos, rho * sin, z]
+        };
+        (0..count).map(one).collect()
+    }
+
+    fn of(points: &[Vector]) -> Vec<Part> {
+        Parts::of(&Contacts::from_points(points), &PartsOptions::default()).unwrap().parts
+    }
+
+    /// Planes through neighbours that lie far apart are no normals: such a can was one ball, and such a bar a patch.
+    #[test]
+    fn sparse_places_are_the_parts_that_recognition_names() {
+        let kinds: Vec<PartKind> = of(&places(80, true)).iter().map(|part| part.kind).collect();
+        assert_eq!(kinds, [PartKind::Cylinder, PartKind::Plane, PartKind::Plane]);
+        let bar = of(&places(30, false));
+        assert_eq!((bar.len(), bar[0].kind), (1, PartKind::Cylinder));
+        assert!((bar[0].geometry.radius.unwrap() - RADIUS).abs() < 1e-6, "{bar:?}");
+    }
 }

@@ -24,7 +24,7 @@ const THIN: f64 = 0.03;
 /// Mean, principal axes (narrowest first) and principal sds of points.
 pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
     let count = points.len() as f64;
-    let first = points[0];
+    let Some(&first) = points.first() else { return Err(RecognitionError::Collinear { across: 0.0, along: 0.0 }) };
     let sum = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, minus(*p, first)));
     let centre = along(first, 1.0 / count, sum);
     let largest = points.iter().map(|p| norm_of_largest(minus(*p, centre))).fold(0.0, f64::max);
