@@ -182,8 +182,9 @@ fn too_few_runs_promise_nothing() {
 fn two_runs_have_the_same_errors_and_the_same_instructions() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("small.toml"), SMALL).unwrap();
-    let line = "small.toml --keep-stations --count --seconds 0.01 --json";
-    let runs = [document(folder.path(), line), document(folder.path(), line)];
+    // of two runs at once neither waits for the other's counter
+    let run = || document(folder.path(), "small.toml --keep-stations --count=600 --seconds 0.01 --json");
+    let runs = std::thread::scope(|scope| [scope.spawn(run), scope.spawn(run)].map(|run| run.join().unwrap()));
     let of = |run: &Value, key: &str| -> Vec<Value> {
         run["points"].as_array().unwrap().iter().map(|point| point[key].clone()).collect()
     };
@@ -193,6 +194,21 @@ fn two_runs_have_the_same_errors_and_the_same_instructions() {
     if !runs[0]["counter"].as_str().unwrap().contains("valgrind is not installed") {
         assert!(of(&runs[0], "instructions").iter().all(|count| count.as_u64().is_some_and(|n| n > 1_000)));
     }
+}
+
+/// Counting takes fifty times as long as what is counted: it ends with its seconds, keeps what it has, leaves the rest blank, and says so.
+#[test]
+fn counting_ends_with_its_time() {
+    let folder = ball();
+    let found = document(folder.path(), "ball.toml --seconds 0.01 --count --json");
+    if found["counter"].as_str().unwrap().contains("valgrind is not installed") {
+        return;
+    }
+    let points = found["points"].as_array().unwrap();
+    assert!(points.iter().all(|point| point["instructions"].is_null()), "{points:?}");
+    let notes = found["notes"].as_array().unwrap();
+    let said = "calls were counted: the 0.01 s for it were over; --count=S gives more";
+    assert!(notes.iter().any(|words| words.as_str().unwrap().contains(said)), "{notes:?}");
 }
 
 /// Heights, slopes and curvatures fall as theory says, within 0.15, for degrees 2 to 5; heights of degree 2 with slope rows at
