@@ -107,7 +107,12 @@ fn a_file_is_judged_by_contacts_that_were_left_out() {
     assert!(points.iter().all(|point| point["error_S"].is_null()));
     // what is recognised is one of them, and says how sure S and R are; nobody else has a posterior
     let (own, named): (Vec<&Value>, Vec<&Value>) = points.iter().partition(|point| point["label"] == "recognised");
-    assert!(own.len() == 1 && own[0]["errors"]["height"]["rms"].as_f64().unwrap() < 1.25 * best, "{own:?}");
+    assert_eq!(own.len(), 1);
+    // on a busy machine the time is over before each way is judged by each part, and errors at other parts are other errors
+    let alike = points.iter().filter(|point| point["replicates"] == own[0]["replicates"]);
+    let heights = alike.filter_map(|point| point["errors"]["height"]["rms"].as_f64());
+    let least = heights.fold(f64::INFINITY, f64::min);
+    assert!(own[0]["errors"]["height"]["rms"].as_f64().unwrap() < 1.25 * least, "{own:?}");
     assert!(own[0]["u"]["R"].as_f64().unwrap() > 0.0 && named.iter().all(|point| point["u"]["R"].is_null()));
     assert_eq!(found["recommended"]["label"], "recognised");
     let words = first_screen(folder.path(), "contacts.csv --seconds 0.01");
