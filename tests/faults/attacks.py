@@ -121,7 +121,7 @@ class Attack:
     def options(self, verb):
         """Long names of the options that the help of a command shows."""
         said = subprocess.run([self.program, verb, "--help"], capture_output=True, text=True).stdout
-        return re.findall(r"^ +(?:-[a-zA-Z], )?(--[a-z-]+)(?: |$)", said, re.MULTILINE), set(re.findall(r"(--[a-z-]+) <", said))
+        return re.findall(r"^ +(?:-[a-zA-Z], )?(--[a-z-]+)(?: |\[|$)", said, re.MULTILINE), set(re.findall(r"(--[a-z-]+) <", said))
 
     def of_an_earlier_run(self, line, folder):
         """Fills the directories of --out with files of the plain line, as an earlier run leaves them."""

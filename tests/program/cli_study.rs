@@ -186,6 +186,45 @@ fn coverage_is_told_by_scene() {
     assert!(scene["R"]["linear"]["share"].as_f64().unwrap() <= 1.0);
 }
 
+/// A named map that stands for the contacts counts as a fit, and its printed intervals are asked.
+#[test]
+fn coverage_counts_parametric_surfaces_as_fits() {
+    let folder = folder();
+    let found = json(folder.path(), "study moving.toml --surface parametric --coverage --replicates 3 --json");
+    let scene = &found["scenes"][0];
+    assert_eq!((&scene["fitted"], &scene["failed"]), (&Value::from(3), &Value::from(0)), "{scene}");
+    for quantity in ["S", "R"] {
+        assert_eq!(scene[quantity]["linear"]["asked"], 3, "{scene}");
+        assert_eq!(scene[quantity]["linear"], scene[quantity]["named"], "{scene}");
+    }
+}
+
+/// Whole fits beside the replicates are bounded by those asked for: what they leave out is said, with how many bring it.
+#[test]
+fn few_whole_fits_are_not_followed_by_hundreds() {
+    let folder = folder();
+    let notes = |line: &str| {
+        let found = json(folder.path(), line);
+        let notes = found["notes"].as_array().unwrap().clone();
+        let left: Vec<String> = notes.iter().map(|note| note.as_str().unwrap().to_string()).collect();
+        (found, left.into_iter().filter(|note| note.contains("whole fits")).collect::<Vec<String>>())
+    };
+    let (found, left) = notes("study moving.toml --robust huber --replicates 3 --json");
+    assert!(
+        left.len() == 1 && left[0].starts_with("the linear law and the shares of the effects are left out"),
+        "{left:?}"
+    );
+    assert!(found["linear"]["S"]["sd"].is_null() && found["effects"].as_array().unwrap().is_empty(), "{found}");
+    let enough = left[0].split_whitespace().skip_while(|word| *word != "--replicates").nth(1).unwrap();
+    let (found, left) = notes(&format!("study moving.toml --robust huber --replicates {enough} --json"));
+    assert!(left.is_empty(), "{left:?}");
+    assert!(found["linear"]["S"]["sd"].is_f64() && !found["effects"].as_array().unwrap().is_empty(), "{found}");
+    // who says how many replicates of the shares gets them
+    let (found, left) = notes("study moving.toml --robust huber --replicates 3 --attribution 32 --json");
+    assert!(left.len() == 1 && left[0].starts_with("the linear law is left out"), "{left:?}");
+    assert_eq!(found["effects_replicates"], 32);
+}
+
 #[test]
 fn coverage_needs_a_scene_of_the_user() {
     let folder = folder();

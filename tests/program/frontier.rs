@@ -107,7 +107,12 @@ fn a_file_is_judged_by_contacts_that_were_left_out() {
     assert!(points.iter().all(|point| point["error_S"].is_null()));
     // what is recognised is one of them, and says how sure S and R are; nobody else has a posterior
     let (own, named): (Vec<&Value>, Vec<&Value>) = points.iter().partition(|point| point["label"] == "recognised");
-    assert!(own.len() == 1 && own[0]["errors"]["height"]["rms"].as_f64().unwrap() < 1.25 * best, "{own:?}");
+    assert_eq!(own.len(), 1);
+    // on a busy machine the time is over before each way is judged by each part, and errors at other parts are other errors
+    let alike = points.iter().filter(|point| point["replicates"] == own[0]["replicates"]);
+    let heights = alike.filter_map(|point| point["errors"]["height"]["rms"].as_f64());
+    let least = heights.fold(f64::INFINITY, f64::min);
+    assert!(own[0]["errors"]["height"]["rms"].as_f64().unwrap() < 1.25 * least, "{own:?}");
     assert!(own[0]["u"]["R"].as_f64().unwrap() > 0.0 && named.iter().all(|point| point["u"]["R"].is_null()));
     assert_eq!(found["recommended"]["label"], "recognised");
     let words = first_screen(folder.path(), "contacts.csv --seconds 0.01");
@@ -182,8 +187,9 @@ fn too_few_runs_promise_nothing() {
 fn two_runs_have_the_same_errors_and_the_same_instructions() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("small.toml"), SMALL).unwrap();
-    let line = "small.toml --keep-stations --count --seconds 0.01 --json";
-    let runs = [document(folder.path(), line), document(folder.path(), line)];
+    // of two runs at once neither waits for the other's counter
+    let run = || document(folder.path(), "small.toml --keep-stations --count=600 --seconds 0.01 --json");
+    let runs = std::thread::scope(|scope| [scope.spawn(run), scope.spawn(run)].map(|run| run.join().unwrap()));
     let of = |run: &Value, key: &str| -> Vec<Value> {
         run["points"].as_array().unwrap().iter().map(|point| point[key].clone()).collect()
     };
@@ -193,6 +199,21 @@ fn two_runs_have_the_same_errors_and_the_same_instructions() {
     if !runs[0]["counter"].as_str().unwrap().contains("valgrind is not installed") {
         assert!(of(&runs[0], "instructions").iter().all(|count| count.as_u64().is_some_and(|n| n > 1_000)));
     }
+}
+
+/// Counting takes fifty times as long as what is counted: it ends with its seconds, keeps what it has, leaves the rest blank, and says so.
+#[test]
+fn counting_ends_with_its_time() {
+    let folder = ball();
+    let found = document(folder.path(), "ball.toml --seconds 0.01 --count --json");
+    if found["counter"].as_str().unwrap().contains("valgrind is not installed") {
+        return;
+    }
+    let points = found["points"].as_array().unwrap();
+    assert!(points.iter().all(|point| point["instructions"].is_null()), "{points:?}");
+    let notes = found["notes"].as_array().unwrap();
+    let said = "calls were counted: the 0.01 s for it were over; --count=S gives more";
+    assert!(notes.iter().any(|words| words.as_str().unwrap().contains(said)), "{notes:?}");
 }
 
 /// Heights, slopes and curvatures fall as theory says, within 0.15, for degrees 2 to 5; heights of degree 2 with slope rows at

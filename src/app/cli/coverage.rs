@@ -64,7 +64,7 @@ impl CoverageWork {
         // whole fits are dear: as many as are asked of, no more
         let enough = if study.engine().path() == StudyPath::Whole { self.replicates } else { self.plan.most };
         let (state, _) = study.run(study.start(0), enough, &mut |_| !interrupt::asked())?;
-        *held(&self.summaries) = study.result(&state, 0).quantities;
+        *held(&self.summaries) = study.replicates_alone(&state).quantities;
         let (mut from, mut block) = (0, FIRST_BLOCK);
         while from < self.replicates && !interrupt::asked() {
             let (clock, to) = (Instant::now(), self.replicates.min(from + block));

@@ -48,7 +48,7 @@ fn check_file(args: &FrontierArgs, file: &str) -> Result<(), Failure> {
         (args.keep_stations, "--keep-stations", "measured contacts stay as they are"),
         (args.seed.is_some(), "--seed", "nothing is drawn"),
         (args.stages, "--stages", "the stages of a fit are timed on simulated contacts"),
-        (args.count, "--count", "the calls of a scene alone are counted"),
+        (args.count.is_some(), "--count", "the calls of a scene alone are counted"),
     ];
     match typed.iter().find(|(typed, _, _)| *typed) {
         Some((_, option, why)) => {

@@ -46,9 +46,9 @@ pub(super) struct FrontierArgs {
     /// Say where the time of a fit and of a replicate goes
     #[arg(long)]
     pub(super) stages: bool,
-    /// Count instructions by valgrind, which takes minutes
-    #[arg(long)]
-    pub(super) count: bool,
+    /// Count instructions by valgrind, for so many seconds [default: those of --seconds]
+    #[arg(long, value_name = "S", value_parser = values::seconds, num_args = 0..=1, require_equals = true)]
+    pub(super) count: Option<Option<f64>>,
     /// Measure the order of accuracy of every degree instead, on surfaces that are known
     #[arg(long, conflicts_with_all = ["subject", "error_s", "error_r", "budget",
           "emit", "keep_stations", "seed", "seconds", "all", "stages", "count", "out"])]
@@ -61,6 +61,11 @@ pub(super) struct FrontierArgs {
 }
 
 impl FrontierArgs {
+    /// Seconds that instructions are counted for, where they are.
+    pub(super) fn counting_seconds(&self) -> Option<f64> {
+        self.count.map(|seconds| seconds.unwrap_or(self.seconds))
+    }
+
     /// What is asked, where anything is.
     pub(super) fn request(&self) -> Result<Option<Request>, Failure> {
         let request = Request {

@@ -17,7 +17,7 @@ use palpate_studies::frontier::{
 
 use super::failure::Failure;
 use super::frontier_args::{FrontierArgs, message};
-use super::frontier_counts::{Counts, count, make_calls};
+use super::frontier_counts::{Counts, count, make_calls, uncounted};
 use super::frontier_emit::emitted;
 use super::frontier_measuring::{measured, nothing_yet, unreached};
 use super::interrupt;
@@ -147,7 +147,7 @@ pub(super) fn measure(
     let wrong = |error: FrontierError| Failure::Input(format!("{}: {}", scene.name, message(&error)));
     let seed = args.seed.unwrap_or(scene.seed);
     let (all, seconds) = (args.all, args.seconds);
-    let vary = !args.keep_stations && (request.is_some() || all || args.count || args.counted);
+    let vary = !args.keep_stations && (request.is_some() || all || args.count.is_some() || args.counted);
     let asked = Asked { scene: Arc::clone(&scene), seed, vary, all, seconds };
     if args.counted {
         return asked.make_calls().map(|()| None).map_err(wrong);
@@ -196,13 +196,15 @@ fn finished(
     };
     let each = ways.calls_each();
     let methods = found.solvers.len() + found.intervals.len();
+    let called = each * found.ways.len() + methods;
     // a count is told from others by its place among all calls
     let whole = found.ways.len() == ways.ways() && methods == found.methods && !interrupt::asked();
-    let counts = match whole || !args.count {
-        true => counts(args, name, seed, each * found.ways.len() + methods),
+    let counts = match whole || args.count.is_none() {
+        true => counts(args, name, seed, called),
         false => Err("not counted: not every call was timed".into()),
     };
     take_counts(&mut found, &counts, each);
+    found.notes.extend(args.counting_seconds().and_then(|seconds| uncounted(&counts, called, seconds)));
     let picked = request.map(|request| choose(&found.ways, request)).transpose().map_err(wrong)?;
     let mut document = document(scene, seed, &found, &counts)?;
     document.stages = stages.iter().map(|stage| stage_part(stage, &stages)).collect();
@@ -245,9 +247,7 @@ fn stage_part(stage: &Stage, all: &[Stage]) -> StagePart {
 }
 
 fn counts(args: &FrontierArgs, name: &str, seed: u64, calls: usize) -> Counts {
-    if !args.count {
-        return Err("not counted: --count does".into());
-    }
+    let Some(seconds) = args.counting_seconds() else { return Err("not counted: --count does".into()) };
     if name == "-" {
         return Err("not counted: standard input cannot be read a second time".into());
     }
@@ -256,7 +256,7 @@ fn counts(args: &FrontierArgs, name: &str, seed: u64, calls: usize) -> Counts {
     let mut arguments = vec!["frontier", name, "--seed", &seed];
     arguments.extend(args.keep_stations.then_some("--keep-stations"));
     arguments.extend(args.all.then_some("--all"));
-    count(&arguments, calls)
+    count(&arguments, calls, seconds)
 }
 
 /// Gives every point its count, in the order of the calls.
@@ -287,14 +287,14 @@ fn document(scene: &SceneFile, seed: u64, found: &Found, counts: &Counts) -> Res
         scene: scene.name.clone(),
         reference: "the scene's truth".into(),
         seed,
-        counter: match counts {
-            Ok(_) => "callgrind, one call of the first replicate by the AVX2 path".into(),
-            Err(why) => why.clone(),
-        },
+        counter: counts.as_ref().map_or_else(String::clone, |_| COUNTER.into()),
         points: ways.chain(solvers).chain(intervals).collect(),
         ..first
     })
 }
+
+/// Who counts instructions, and of what.
+const COUNTER: &str = "callgrind, one call of the first replicate by the AVX2 path";
 
 /// From so many times its quickest round on a call is timed by a noisy clock.
 const NOISY: f64 = 1.3;

@@ -143,6 +143,11 @@ impl StudyArgs {
 /// Points of the grid times replicates of a design for the shares of the effects, where nobody says how many: some seconds.
 const ATTRIBUTION_POINTS: usize = 1 << 26;
 
+/// Whole fits for each replicate of a run that may go into the linear law, and as many again into the shares of the effects where
+/// nobody says how many. Either takes a number of fits that the scene decides: who asks for three replicates waits for sixty fits
+/// at most, and not for two thousand; from some hundred replicates on most scenes have both.
+const BESIDE: u64 = 10;
+
 /// Everything that decides the numbers of a study.
 #[derive(Debug)]
 pub(super) struct Plan {
@@ -152,6 +157,10 @@ pub(super) struct Plan {
     /// Replicates of the whole run.
     pub(super) most: u64,
     attribution: usize,
+    /// The linear law takes too many fits beside so few replicates.
+    without_law: bool,
+    /// What is said of that.
+    too_dear: Option<String>,
     /// Effects of the scene that are off.
     off: Vec<&'static str>,
     remark: Option<String>,
@@ -192,15 +201,34 @@ impl Plan {
         let [x, y] = fit.grid;
         let affordable = (ATTRIBUTION_POINTS / (x * y)).max(1);
         let attribution = if args.attribution.is_none() { attribution.min(affordable) } else { attribution };
-        let attribution = if random { attribution } else { 0 };
-        Ok(Plan { name: scene.name.clone(), study, identity, most, attribution, off, remark })
+        let mut attribution = if random { attribution } else { 0 };
+        let (mut without_law, mut too_dear) = (false, None);
+        if study.engine().path() == Path::Whole {
+            let fits = most.saturating_mul(BESIDE);
+            let affordable = args.attribution.map_or_else(|| study.attribution_within(fits), |_| attribution);
+            without_law = study.replicates_of_law() as u64 > fits;
+            too_dear = too_dear_of(&study, without_law, attribution > 0 && affordable == 0);
+            attribution = attribution.min(affordable);
+        }
+        let name = scene.name.clone();
+        Ok(Plan { name, study, identity, most, attribution, without_law, too_dear, off, remark })
+    }
+
+    /// The replicates with the linear law, where it is had in time.
+    fn with_law(self: &Arc<Plan>, state: &StudyState, until: Until) -> Option<StudyResult> {
+        if self.without_law {
+            let mut alone = self.study.replicates_alone(state);
+            alone.linear.why = "it was left out".into();
+            return Some(alone);
+        }
+        let (plan, copy) = (Arc::clone(self), state.clone());
+        until.wait(move || plan.study.result(&copy, 0))
     }
 
     /// The most that can be said in time, and what was left out of it: the linear law and the shares of the effects take
     /// fits of their own, as many as the study or more.
     fn result(self: &Arc<Plan>, state: &StudyState, until: Until) -> (StudyResult, Option<&'static str>) {
-        let (plan, copy) = (Arc::clone(self), state.clone());
-        let Some(with_law) = until.wait(move || plan.study.result(&copy, 0)) else {
+        let Some(with_law) = self.with_law(state, until) else {
             let mut alone = self.study.replicates_alone(state);
             alone.linear.why = "it was left out".into();
             let what = if self.attribution > 0 {
@@ -242,6 +270,7 @@ impl Plan {
         let failure = state.first_failure.as_ref().map(|(_, why)| why.as_str());
         let mut notes = study_notes(&result, state.failed, failure);
         notes.extend(self.remark.clone());
+        notes.extend(self.too_dear.clone());
         if let Some(what) = left_out {
             let why = if interrupt::asked() { "the study was interrupted" } else { "the budget was over" };
             notes.push(format!("{what} left out, because {why}"));
@@ -282,6 +311,21 @@ impl Plan {
             replicates_per_second: (seconds > 0.0).then(|| state.done() as f64 / seconds),
         }
     }
+}
+
+/// What is said where the linear law, the shares of the effects or both are left out beside so few replicates.
+fn too_dear_of(study: &Study, law: bool, shares: bool) -> Option<String> {
+    let (law_takes, shares_take) = (study.replicates_of_law(), study.replicates_of_shares());
+    let (what, fits, it) = match (law, shares) {
+        (false, false) => return None,
+        (true, false) => ("the linear law is", law_takes, "it takes"),
+        (false, true) => ("the shares of the effects are", shares_take, "they take"),
+        (true, true) => {
+            ("the linear law and the shares of the effects are", law_takes.max(shares_take), "they take up to")
+        }
+    };
+    let enough = (fits as u64).div_ceil(BESIDE);
+    Some(format!("{what} left out: {it} {fits} whole fits, which are made from --replicates {enough} on"))
 }
 
 fn identity(scene: &SceneFile, fit: &FitOptions, options: &StudyOptions, seed: u64, most: u64) -> StudyIdentity {

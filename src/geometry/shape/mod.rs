@@ -25,6 +25,7 @@ mod repeated_gradients;
 mod report;
 mod summary;
 mod support;
+mod triangle_bins;
 mod truth;
 mod uv_support;
 

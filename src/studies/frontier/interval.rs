@@ -272,7 +272,7 @@ impl<'a> IntervalSubject<'a> {
 /// Ends of the symmetric intervals of S and R of the study's replicates from `from` on.
 fn quantiles(study: &Study, from: u64, count: u64) -> [Option<[f64; 2]>; 2] {
     let Ok((state, _)) = study.run(study.start(from), from + count, &mut |_| true) else { return [None; 2] };
-    let result = study.result(&state, 0);
+    let result = study.replicates_alone(&state);
     let ends = |q: usize| result.quantities.get(q)?.symmetric.map(|coverage| coverage.interval);
     [0, 1].map(|q| ends(q).map(|interval| [interval.lo, interval.hi]))
 }

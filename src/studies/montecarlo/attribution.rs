@@ -19,6 +19,7 @@ use super::linear_law::LinearLaw;
 use super::noise_free_draws::AtRest;
 use palpate_geometry::shape::Interval;
 use palpate_numeric::draws::EffectDraws;
+use palpate_world::scene::Simulator;
 
 /// Where B's draws lie: beyond all replicates that a study may have.
 const BEYOND: u64 = 1 << 41;
@@ -62,6 +63,17 @@ pub struct Attribution {
     pub effects: Vec<EffectShare>,
     /// Sums of the shares of S and R, with intervals; 1 where no three effects act together.
     pub sum: [Share; 2],
+}
+
+/// Replicates that the shares take at least: those of A, of B, and of two designs for each random stage.
+pub(super) fn least_replicates(simulator: &Simulator) -> usize {
+    let random = simulator.stages().iter().filter(|stage| stage.draws_per_contact() > 0).count();
+    (2 + 2 * random) * GROUPS
+}
+
+/// Replicates of each design where all designs together may take so many.
+pub(super) fn affordable(simulator: &Simulator, replicates: u64) -> usize {
+    usize::try_from(replicates).unwrap_or(usize::MAX) / least_replicates(simulator) * GROUPS
 }
 
 /// Shares of every stage, from `count` replicates a design.

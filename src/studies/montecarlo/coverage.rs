@@ -17,7 +17,7 @@ use statrs::distribution::{Beta, ContinuousCDF};
 use super::study::Study;
 use super::summary::Summary;
 use palpate_fitting::fit::{Fit, FitOptions};
-use palpate_fitting::parametric::FittedSurface;
+use palpate_fitting::parametric::{FittedSurface, ParametricShape};
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{Interval, compare_with_truth, spread};
 use palpate_inference::recognition::{Recognition, RecognitionOptions};
@@ -122,7 +122,7 @@ impl CoverageTally {
             let (contacts, truth) = simulated(b);
             match FittedSurface::of(&contacts, options).ok()?.0 {
                 FittedSurface::Height(fit) => Some(asked(*fit, &truth)),
-                FittedSurface::Parametric(_) => None,
+                FittedSurface::Parametric(fit) => Some(asked_of_map(fit.shape(), &truth)),
             }
         });
         let recognised = palpate_numeric::threads::map(count, 1, |b| {
@@ -209,11 +209,7 @@ impl RecognitionOutcome {
 
 /// The truth is taken at the places that the means were taken over.
 fn told(found: &Recognition, truth: &Truth) -> RecognitionOutcome {
-    let places = found.averaged.iter().filter_map(|(point, normal)| truth.near(*point, *normal));
-    let local: Vec<_> = places.collect();
-    let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-    let s = mean(local.iter().filter_map(|l| l.shape_index()).collect());
-    let r = mean(local.iter().map(|l| l.curvedness()).collect());
+    let [s, r] = true_means(truth, found.averaged.iter().copied());
     let class = s.map_or(ShapeClass::Plane, ShapeClass::of_shape_index);
     let given = found.class_probability.iter().find(|(c, _)| *c == found.class).map_or(0.0, |(_, p)| *p);
     RecognitionOutcome {
@@ -222,6 +218,13 @@ fn told(found: &Recognition, truth: &Truth) -> RecognitionOutcome {
         interval: [found.shape_index.map(|e| e.interval), Some(found.curvedness.interval)],
         class: (given, class == found.class),
     }
+}
+
+/// Mean S and R of the true surface at these places.
+fn true_means(truth: &Truth, places: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> [Option<f64>; 2] {
+    let local: Vec<_> = places.filter_map(|(point, normal)| truth.near(point, normal)).collect();
+    let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    [mean(local.iter().filter_map(|l| l.shape_index()).collect()), mean(local.iter().map(|l| l.curvedness()).collect())]
 }
 
 /// Rounding of a truth that an interval ends at.
@@ -282,6 +285,22 @@ fn asked(fit: Fit, truth: &Truth) -> FitOutcome {
     let counted = Recognition::beside(fit);
     let shape = counted.shape();
     FitOutcome { total: [shape.shape_index.interval, shape.curvedness.interval], ..by_noise }
+}
+
+/// The same of a parametric surface, whose printed interval is the one by noise.
+fn asked_of_map(shape: &ParametricShape, truth: &Truth) -> FitOutcome {
+    let maps = &shape.maps;
+    let supported = maps.supported.indexed_iter().filter(|(_, supported)| **supported);
+    let statistics = [&shape.shape_index, &shape.curvedness];
+    let interval = statistics.map(|s| s.interval);
+    FitOutcome {
+        truth: true_means(truth, supported.map(|(at, _)| (maps.points[at], maps.normals[at]))),
+        value: statistics.map(|s| s.mean),
+        interval,
+        total: interval,
+        u: statistics.map(|s| s.u),
+        plane: shape.class == ShapeClass::Plane,
+    }
 }
 
 #[cfg(test)]

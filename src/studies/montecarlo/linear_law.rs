@@ -20,6 +20,7 @@ use super::stopping::numerical_tolerance;
 use super::summary::Summary;
 use palpate_geometry::shape::Interval;
 use palpate_numeric::draws::{DrawSource, EffectDraws};
+use palpate_world::scene::Simulator;
 
 /// Half the step of a difference in standard deviations: its error is that share squared of a third derivative.
 const SHORT_STEP: f64 = 0.05;
@@ -52,6 +53,14 @@ impl LinearLaw {
     pub fn valid(&self) -> bool {
         self.valid_parts == [true; 2]
     }
+}
+
+/// Replicates that the law of this scene takes: a pair for each random number at either step.
+pub(super) fn replicates_taken(simulator: &Simulator) -> usize {
+    let contacts = simulator.sites().len();
+    let numbers =
+        simulator.stages().iter().filter(|stage| !stage.jumps()).map(|stage| contacts * stage.draws_per_contact());
+    numbers.filter(|numbers| *numbers <= MOST_NUMBERS).map(|numbers| 2 * 2 * numbers).sum()
 }
 
 /// Differentiates the replicates of `engine` and holds the law against the Monte Carlo's summaries.

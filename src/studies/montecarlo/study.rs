@@ -1,11 +1,11 @@
 //! A study from its first replicate to its last: range, stopping, and a caller who watches.
 
-use super::attribution::{Attribution, attribute};
+use super::attribution::{self, Attribution, attribute};
 use super::control::{ControlTally, LinearControl};
 use super::engine::Engine;
 use super::engine::Values;
 use super::error::StudyError;
-use super::linear_law::{LinearLaw, linear_law};
+use super::linear_law::{self, LinearLaw, linear_law};
 use super::options::{StudyOptions, Tolerance};
 use super::state::StudyState;
 use super::stopping::{batch_size, batches_wanted};
@@ -178,6 +178,21 @@ impl Study {
         result.linear = linear_law(&self.engine, self.options.level, &result.quantities);
         result.attribution = (attribution > 0).then(|| attribute(&self.engine, self.seed, attribution, &result.linear));
         result
+    }
+
+    /// Replicates that the linear law takes beside those of the study.
+    pub fn replicates_of_law(&self) -> usize {
+        linear_law::replicates_taken(self.engine.simulator())
+    }
+
+    /// Replicates that the shares of the effects take at least.
+    pub fn replicates_of_shares(&self) -> usize {
+        attribution::least_replicates(self.engine.simulator())
+    }
+
+    /// Replicates of each design for the shares of the effects that can be had with so many in all.
+    pub fn attribution_within(&self, replicates: u64) -> usize {
+        attribution::affordable(self.engine.simulator(), replicates)
     }
 
     /// What the replicates say, without any further fit: no linear law and no shares of the effects.

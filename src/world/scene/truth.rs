@@ -9,11 +9,19 @@ pub struct Truth {
     /// The touched points with their normals and curvatures.
     pub points: Vec<SurfacePoint>,
     surface: Surface,
+    /// Half of the largest extent of the points: a surface that is farther off is another one.
+    reach: f64,
 }
 
 impl Truth {
     pub(crate) fn new(points: Vec<SurfacePoint>, surface: Surface) -> Truth {
-        Truth { points, surface }
+        let extent = (0..3).map(|k| {
+            let range = points.iter().map(|p| p.point[k]);
+            let (lo, hi) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            hi - lo
+        });
+        let reach = 0.5 * extent.fold(0.0, f64::max);
+        Truth { points, surface, reach }
     }
 
     /// True shape index of contact `r`; `None` where both curvatures are zero.
@@ -49,19 +57,13 @@ impl Truth {
     /// The true surface where a line through `point` along `normal` meets it (cylinder, torus: its nearest point), if
     /// within half of the touched extent.
     pub fn near(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Local> {
-        let extent = (0..3).map(|k| {
-            let range = self.points.iter().map(|p| p.point[k]);
-            let (lo, hi) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            hi - lo
-        });
-        let reach = 0.5 * extent.fold(0.0, f64::max);
         if let Some(nearest) = self.surface.nearest_around(point) {
             // round a torus the line would meet the far side of the ring first
             let off = [0, 1, 2].map(|k| point[k] - nearest.point[k]);
-            let there = norm(off) <= reach && dot(nearest.local.normal, normal) > 0.0;
+            let there = norm(off) <= self.reach && dot(nearest.local.normal, normal) > 0.0;
             return there.then_some(nearest.local);
         }
-        let along = self.surface.hit(point, normal).filter(|t| t.abs() <= reach)?;
+        let along = self.surface.hit(point, normal).filter(|t| t.abs() <= self.reach)?;
         self.surface.local([0, 1, 2].map(|k| point[k] + along * normal[k]))
     }
 

@@ -128,10 +128,11 @@ fn notes(fit: &ParametricFit) -> Vec<String> {
 
 /// The true surface nearest each point of the grid, along the fitted normal; points that it does not meet are left out.
 fn against(fit: &ParametricFit, truth: &Truth) -> Vec<TruePlace> {
-    let (maps, flat) = (&fit.shape().maps, fit.shape().maps.flat());
-    let supported = flat.supported.indexed_iter().filter(|(_, supported)| **supported);
+    let maps = &fit.shape().maps;
+    let supported = maps.supported.indexed_iter().filter(|(_, supported)| **supported);
     let place = |(at, _): ((usize, usize), &bool)| {
-        let found = (flat.shape_index_at(at.0, at.1), flat.curvedness[at]);
+        let s = maps.shape_index[at];
+        let found = ((!s.is_nan()).then_some(s), maps.curvedness[at]);
         let local = truth.near(maps.points[at], maps.normals[at])?;
         Some(TruePlace { found, point: maps.points[at], local })
     };
