@@ -81,3 +81,22 @@ fn what_is_for_one_file_is_refused_for_several() {
     let (code, table, _) = palpate(here, &["fit", "bar.csv", "--table", "-"]);
     assert!(code == 0 && table.starts_with("file,contacts,") && table.lines().count() == 2, "{table}");
 }
+
+/// Several things in one file have no one shape: `fit` says what they are, and what holds one surface stays a refusal.
+#[test]
+fn a_file_of_several_things_is_told_by_its_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let place = |k: i32, step: f64| 3.0 * (f64::from(k) * step).fract();
+    let corner = (1..300).map(|k| (k, place(k, 0.618_034), place(k, 0.754_878)));
+    let corner = corner.map(|(k, a, b)| if k % 2 == 0 { format!("{a},{b},0\n") } else { format!("{a},0,{b}\n") });
+    std::fs::write(here.join("corner.csv"), "x,y,z\n".to_string() + &corner.collect::<String>()).unwrap();
+    let (code, lines, message) = palpate(here, &["fit", "corner.csv"]);
+    assert_eq!((code, message.as_str()), (0, ""), "{lines}");
+    assert!(lines.starts_with("shape      several things") && lines.matches("plane").count() >= 2, "{lines}");
+    assert!(lines.contains("more       palpate parts corner.csv"), "{lines}");
+    for holds_one in [&["--json"][..], &["--out", "D"], &["--save", "s.json"]] {
+        let (code, _, message) = palpate(here, &[&["fit", "corner.csv"], holds_one].concat());
+        assert!(code == 2 && message.contains("several things"), "{holds_one:?}: {message}");
+    }
+}

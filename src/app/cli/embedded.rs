@@ -54,7 +54,7 @@ impl From<Refusal> for FitRefusal {
     fn from(refusal: Refusal) -> FitRefusal {
         match refusal {
             Refusal::Fit(error) => FitRefusal::Fit(error),
-            Refusal::Shape(message) => FitRefusal::Shape(message),
+            Refusal::Shape(message) | Refusal::Several(message) => FitRefusal::Shape(message),
         }
     }
 }

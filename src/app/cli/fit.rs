@@ -21,6 +21,7 @@ use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
 use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
+use super::things::{TellThings, Things};
 
 /// Arguments of `palpate fit`.
 #[derive(Args)]
@@ -95,7 +96,13 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
     args.output.prepare(&[input], args.save.as_slice())?;
     check_name(args.save.as_deref())?;
     let spinner = args.output.spinner(format!("reading {}", input.display()));
-    let one = One::of(input, args, Some(&spinner))?;
+    let one = match Outcome::of(input, args, Some(&spinner))? {
+        Outcome::Surface(one) => one,
+        Outcome::Things(things) => {
+            let (output, saves, viewpoint) = (&args.output, args.save.is_some(), args.preparation.viewpoint);
+            return things.tell(&TellThings { output, saves, viewpoint }, spinner);
+        }
+    };
     drop(spinner);
     describe(
         &one.answer,
@@ -114,8 +121,19 @@ fn fit_one(input: &Path, args: &FitArgs) -> Result<(), Failure> {
 
 /// The document of one of several files.
 fn row_of(input: &Path, args: &FitArgs) -> Result<FitDocument, Failure> {
-    let one = One::of(input, args, None)?;
+    let one = match Outcome::of(input, args, None)? {
+        Outcome::Surface(one) => one,
+        Outcome::Things(things) => return Err(things.refused()),
+    };
     document_of(&one.answer, &one.reading.file, &one.subject(args), &one.taken)
+}
+
+/// What a file holds.
+enum Outcome {
+    /// One surface.
+    Surface(Box<One>),
+    /// Several things, which have no one shape.
+    Things(Things),
 }
 
 /// One file, read and fitted.
@@ -128,9 +146,9 @@ struct One {
     taken: Taken,
 }
 
-impl One {
+impl Outcome {
     /// `spinner` shows what is done.
-    fn of(input: &Path, args: &FitArgs, spinner: Option<&Spinner>) -> Result<One, Failure> {
+    fn of(input: &Path, args: &FitArgs, spinner: Option<&Spinner>) -> Result<Outcome, Failure> {
         let began = Instant::now();
         let read = || read_input(input, &args.read_options());
         let mut reading = match spinner {
@@ -144,12 +162,12 @@ impl One {
         if let Some(spinner) = spinner {
             spinner.phase(&format!("fitting {} contacts of {}", count_of(&reading.input), reading.file));
         }
-        let found = answer_to(&reading, args).map_err(|refusal| {
-            Failure::Input(match refusal {
-                Refusal::Fit(error) => placed(&error, &reading),
-                Refusal::Shape(message) => format!("{}: {message}", reading.file),
-            })
-        })?;
+        let found = match answer_to(&reading, args) {
+            Ok(found) => found,
+            Err(Refusal::Fit(error)) => return Err(Failure::Input(placed(&error, &reading))),
+            Err(Refusal::Shape(message)) => return Err(Failure::Input(format!("{}: {message}", reading.file))),
+            Err(Refusal::Several(message)) => return Ok(Outcome::Things(Things { reading, message })),
+        };
         let fitted = clock.elapsed().as_secs_f64();
         let mut notes = notes(&reading);
         notes.extend(prepared);
@@ -157,9 +175,11 @@ impl One {
         notes.extend(own);
         notes.extend(args.fit.without_effect(&answer, &reading.input));
         let taken = Taken { began, read, fitted };
-        Ok(One { reading, answer, chosen, lack_of_fit, notes, taken })
+        Ok(Outcome::Surface(Box::new(One { reading, answer, chosen, lack_of_fit, notes, taken })))
     }
+}
 
+impl One {
     fn subject(&self, args: &FitArgs) -> Subject<'_> {
         Subject {
             chosen: self.chosen.clone(),

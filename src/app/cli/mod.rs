@@ -54,6 +54,7 @@ mod simulate;
 mod study;
 mod study_plan;
 mod sweep;
+mod things;
 mod time_left;
 mod until;
 mod values;

@@ -6,7 +6,7 @@
 //! too few to recognise           the height field of degree 2, with a note
 //! directions without heights     likewise, since what is recognised is a surface through points
 //! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
-//! several things                 an error that names two of them, and how to take them apart
+//! several things                 the first lines of `palpate parts`, or an error that names them where a surface is wanted
 //! a body of no simple form       an error that says what can be done
 //! ```
 
@@ -65,6 +65,8 @@ pub(super) enum Refusal {
     Fit(FitError),
     /// The recognition refused.
     Shape(String),
+    /// It found several things, which have no one shape.
+    Several(String),
 }
 
 impl Refusal {
@@ -72,7 +74,7 @@ impl Refusal {
     pub(super) fn words(self) -> String {
         match self {
             Refusal::Fit(error) => fit_message(&error),
-            Refusal::Shape(message) => message,
+            Refusal::Shape(message) | Refusal::Several(message) => message,
         }
     }
 }
@@ -158,7 +160,7 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
             Err(Refusal::Shape(format!("{error}: {FORWARD}")))
         }
-        Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::Shape(format!("{error}. {APART}"))),
+        Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::Several(format!("{error}. {APART}"))),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
 }
