@@ -43,6 +43,28 @@ fn a_pipe_with_five_per_cent_slips_keeps_its_radius() {
     assert!(plain.is_none_or(|r| (r - 94.0).abs() > 4.0), "least squares alone should be off: {plain:?}");
 }
 
+/// Noise below the step of the written numbers leaves most heights of a plane alike: their median residual is nothing, and R was known
+/// without any doubt.
+#[test]
+fn numbers_that_are_mostly_alike_do_not_say_that_there_is_no_noise() {
+    let mut dice = Draws::new(7);
+    let mut columns: [Vec<f64>; 3] = Default::default();
+    for k in 0..200 {
+        let place = [f64::from(k % 20), f64::from(k / 20), (0.6 * dice.normal()).round() / 1e3];
+        columns.iter_mut().zip(place).for_each(|(c, v)| c.push(v));
+    }
+    let [x, y, z] = columns;
+    let contacts = Contacts::from_positions(x, y, z);
+    let u = |robust: Robust| {
+        let fit = fit_contacts(&contacts, &FitOptions::default().with_robust(robust)).unwrap();
+        fit.shape().curvedness.u.unwrap()
+    };
+    for robust in [Robust::Huber, Robust::Tukey] {
+        let ratio = u(robust) / u(Robust::None);
+        assert!((0.2..2.0).contains(&ratio), "{robust:?}: {ratio} of the u of least squares");
+    }
+}
+
 #[test]
 fn slips_are_counted() {
     let options =

@@ -2,7 +2,7 @@
 
 use super::vector::Vector;
 use crate::fit::FitError;
-use palpate_geometry::contact::{Contacts, Orientation};
+use palpate_geometry::contact::{Contacts, Orientation, Rounding};
 
 /// The data of every contact.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub(super) struct PatchContacts {
     pub normal_weight: Vec<f64>,
     /// Finger and station of every contact, where both are known.
     pub labels: Option<Vec<[u32; 2]>>,
+    /// Standard deviations by which positions and normals were rounded where they were written.
+    pub rounding: [f64; 2],
 }
 
 impl PatchContacts {
@@ -31,6 +33,7 @@ impl PatchContacts {
         }
         let count = contacts.len();
         let weight = |column: &Option<Vec<f64>>, r: usize| column.as_ref().map_or(1.0, |w| w[r]);
+        let written = Rounding::of_contacts(contacts);
         let labels = contacts.finger.as_ref().zip(contacts.station.as_ref());
         Ok(PatchContacts {
             points: (0..count).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect(),
@@ -40,6 +43,7 @@ impl PatchContacts {
                 .map(|r| weight(&contacts.weights.x, r).min(weight(&contacts.weights.y, r)))
                 .collect(),
             labels: labels.map(|(f, s)| f.iter().zip(s).map(|(f, s)| [*f, *s]).collect()),
+            rounding: [written.position.into_iter().fold(0.0, f64::max), written.normal],
         })
     }
 
@@ -53,6 +57,7 @@ impl PatchContacts {
             position_weight: weights(&self.position_weight),
             normal_weight: weights(&self.normal_weight),
             labels: self.labels.as_ref().map(|labels| numbers.iter().map(|&r| labels[r]).collect()),
+            rounding: self.rounding,
         }
     }
 
@@ -72,6 +77,7 @@ impl PatchContacts {
         for p in &mut self.points {
             (0..3).for_each(|k| p[k] = (p[k] - origin[k]) / scale);
         }
+        self.rounding[0] /= scale;
     }
 
     /// Mean point.

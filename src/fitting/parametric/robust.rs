@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! rows times sqrt w(t) of Huber or Tukey, t = |r| over its own median scale         [`palpate_numeric::statistics::Loss`]
+//! no scale is smaller than the rounding of the numbers
 //! ```
 
 use super::descent::{Descent, Solver, State, TOLERANCE};
@@ -59,7 +60,7 @@ fn robust_weights(robust: Robust, problem: &Problem, state: &State) -> Option<[V
     let residuals = problem.residuals(&state.coefficients, &state.feet);
     let scale = |k: usize, to_sd: f64| {
         let sizes: Vec<f64> = residuals.iter().map(|r| r[k].abs()).collect();
-        (upper_median(sizes).unwrap_or(0.0) * to_sd).max(NO_NOISE)
+        (upper_median(sizes).unwrap_or(0.0) * to_sd).max(NO_NOISE).max(problem.contacts.rounding[k])
     };
     let scales = [scale(0, MAD_TO_SD), scale(1, RAYLEIGH)];
     Some([0, 1].map(|k| residuals.iter().map(|r| loss.root_weight((r[k] / scales[k]).abs())).collect()))

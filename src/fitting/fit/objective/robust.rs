@@ -87,6 +87,8 @@ fn reweight(
     for step in 1..=MAX_STEPS {
         let distances = distances(data, options, &found.fitted);
         let scales = [scale(&distances.z, 0), scale(&distances.slope, 1)];
+        // where most numbers fit exactly the median residual is 0, and the rounding of the others would be slips
+        let scales = [0, 1].map(|k| at_least(scales[k], patch.rounding[k]));
         let next = [weigh(&distances.z, scales[0], loss), weigh(&distances.slope, scales[1], loss)];
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
@@ -216,6 +218,11 @@ pub(in crate::fit) fn scale(distances: &[Option<f64>], kind: usize) -> Option<f6
     let sizes: Vec<f64> = distances.iter().flatten().copied().collect();
     let factor = if kind == 0 { MAD_TO_SD } else { RAYLEIGH_TO_SD };
     upper_median(sizes).map(|median| factor * median).filter(|s| *s > NO_NOISE)
+}
+
+/// A scale that is no smaller than the rounding of its numbers; `None` where both are nothing.
+fn at_least(scale: Option<f64>, rounding: f64) -> Option<f64> {
+    scale.map(|s| s.max(rounding)).or(Some(rounding).filter(|s| *s > NO_NOISE))
 }
 
 /// The options with the robust scales declared as noise sds, where sds were to be estimated.

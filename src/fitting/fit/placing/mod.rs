@@ -9,10 +9,10 @@ mod checks;
 mod data;
 pub(super) mod sites;
 
-use crate::fit::{FitError, FitOptions, FrameChoice, Objective, SlopeWeights};
+use crate::fit::{FitError, FitOptions, FrameChoice, Objective, Robust, SlopeWeights};
 use crate::observation::Data;
 use checks::{check_inside, check_not_collinear};
-use palpate_geometry::contact::{Contacts, Frame, Grid, Orientation};
+use palpate_geometry::contact::{Contacts, Frame, Grid, Orientation, Rounding};
 use palpate_numeric::bspline::Knots;
 
 /// Contacts in the patch frame, checked for what a height field can hold.
@@ -37,7 +37,10 @@ pub(super) fn place_contacts_over(
     let rotated = rotate(contacts, &axes);
     // without height rows the mean height is set to zero, and that has to be the zero of the user's z
     let origin_z = if has_height_rows(contacts, options) { mid_range(&rotated.z) } else { 0.0 };
-    let patch = Patch::around([&rotated.x, &rotated.y], origin_z, axes, options)?;
+    let mut patch = Patch::around([&rotated.x, &rotated.y], origin_z, axes, options)?;
+    if options.robust != Robust::None {
+        patch.rounding = patch.rounded_by(&Rounding::of_contacts(contacts));
+    }
     check_inside(&rotated, options)?;
     check_not_collinear(&rotated)?;
     let data = Data::scattered(shift(rotated, &patch.frame), &patch);
@@ -63,7 +66,10 @@ pub(super) fn place_grid(grid: &Grid, options: &FitOptions) -> Result<(Patch, Da
         }
     }
     let finite: Vec<f64> = grid.z.iter().copied().filter(|z| z.is_finite()).collect();
-    let patch = Patch::around([&[x0, x1], &[y0, y1]], mid_range(&finite), Frame::IDENTITY.axes, options)?;
+    let mut patch = Patch::around([&[x0, x1], &[y0, y1]], mid_range(&finite), Frame::IDENTITY.axes, options)?;
+    if options.robust != Robust::None {
+        patch.rounding = patch.rounded_by(&Rounding::of_grid(grid));
+    }
     let (origin, scale) = (patch.frame.origin[2], patch.frame.scale);
     Ok((patch, Data::Gridded { grid: grid.clone(), origin, scale }))
 }
@@ -138,6 +144,9 @@ pub struct Patch {
     pub input_knots: [Knots; 2],
     /// Larger side of the domain, input units.
     pub side: f64,
+    /// Standard deviations by which heights, in patch coordinates, and normals were rounded where they were written: robust scales are not
+    /// smaller. 0 where no robust loss asks.
+    pub rounding: [f64; 2],
 }
 
 impl Patch {
@@ -166,7 +175,13 @@ impl Patch {
         let knots = [map(&input_knots[0], centre[0], "x")?, map(&input_knots[1], centre[1], "y")?];
         let rotation = Frame { axes, ..Frame::IDENTITY };
         let origin = if rotation.keeps_axes() { centre } else { rotation.rotate_back(centre) };
-        Ok(Patch { frame: Frame { origin, axes, scale }, knots, input_knots, side })
+        Ok(Patch { frame: Frame { origin, axes, scale }, knots, input_knots, side, rounding: [0.0; 2] })
+    }
+
+    fn rounded_by(&self, written: &Rounding) -> [f64; 2] {
+        let up = self.frame.axes[2];
+        let square: f64 = up.iter().zip(written.position).map(|(along, sd)| (along * sd).powi(2)).sum();
+        [square.sqrt() / self.frame.scale, written.normal]
     }
 }
 
