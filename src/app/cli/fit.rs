@@ -133,7 +133,7 @@ enum Outcome {
     /// One surface.
     Surface(Box<One>),
     /// Several things, which have no one shape.
-    Things(Things),
+    Things(Box<Things>),
 }
 
 /// One file, read and fitted.
@@ -166,7 +166,7 @@ impl Outcome {
             Ok(found) => found,
             Err(Refusal::Fit(error)) => return Err(Failure::Input(placed(&error, &reading))),
             Err(Refusal::Shape(message)) => return Err(Failure::Input(format!("{}: {message}", reading.file))),
-            Err(Refusal::Several(message)) => return Ok(Outcome::Things(Things { reading, message })),
+            Err(Refusal::Several(message)) => return Ok(Outcome::Things(Box::new(Things { reading, message }))),
         };
         let fitted = clock.elapsed().as_secs_f64();
         let mut notes = notes(&reading);
