@@ -75,15 +75,20 @@ pub(super) struct StartNoise {
     pub(super) is_known: bool,
 }
 
+/// What the contacts of a primitive scatter by, its unknowns not counted.
 fn scatter_about(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> Noise {
-    let (mut distances, mut normals) = (0.0, 0.0);
-    for &i in inner {
+    let [distances, normals] = squares_about(cloud, inner, primitive);
+    let sd = |squares: f64| (squares / inner.len().max(1) as f64).sqrt().max(ROUNDING);
+    Noise { distance: sd(distances), normal: sd(0.5 * normals) }
+}
+
+/// Sums of squares of distances from a primitive, and of what normals differ by from its own.
+fn squares_about(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> [f64; 2] {
+    inner.iter().fold([0.0; 2], |[distances, normals], &i| {
         let (d, normal) = primitive.nearest(cloud.points[i as usize]);
         let off = minus(normal, cloud.normals[i as usize]);
-        (distances, normals) = (distances + d * d, normals + 0.5 * dot(off, off));
-    }
-    let sd = |squares: f64| (squares / inner.len().max(1) as f64).sqrt().max(ROUNDING);
-    Noise { distance: sd(distances), normal: sd(normals) }
+        [distances + d * d, normals + dot(off, off)]
+    })
 }
 
 /// The simplest primitive of the part: a cone whose half angle's interval holds zero is a cylinder.
@@ -164,13 +169,7 @@ fn share(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise) -> 
 /// Two variance components; the unknowns are shared out as the rows determine them under the noise `before`.
 fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise) -> Noise {
     let primitive = &descended.primitive;
-    let (mut distances, mut normals) = (0.0, 0.0);
-    for &i in inner {
-        let (d, normal) = primitive.nearest(cloud.points[i as usize]);
-        let off = minus(normal, cloud.normals[i as usize]);
-        distances += d * d;
-        normals += dot(off, off);
-    }
+    let [distances, normals] = squares_about(cloud, inner, primitive);
     let unknowns = primitive.kind.free().len() as f64;
     let count = inner.len() as f64;
     let share = share(cloud, inner, descended, before);

@@ -40,7 +40,8 @@ pub(super) struct Few {
     measured: bool,
 }
 
-/// Of every part, where none of the cloud's primitives could be tested. `measured` says whether the normals are: those of planes through neighbours tell nothing new.
+/// Of every part, where none of the cloud's primitives could be tested. `measured` says whether the normals are: those of planes through
+/// neighbours tell nothing new.
 pub(super) fn few(cloud: &Cloud, measured: bool, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
     let tested = exact.iter().flatten().any(|e| e.p.is_some());
     let asked = |k: usize| if tested { None } else { Few::of(cloud, measured, &members[k]) };

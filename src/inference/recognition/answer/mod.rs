@@ -4,10 +4,11 @@
 //! mean S = sum w_node (mean of S over supported points)        interval = quantiles over drawn surfaces under the weights v
 //! ```
 //!
-//! `weights.rs` comes first: those of the estimate, and whether a displacement is shape. `doubt.rs` has those of the interval, and
-//! `shares.rs` what both are made of. `field.rs` is what one surface shows, `drawn.rs` what
-//! many show together, and `posterior.rs` draws them. `misfit.rs` looks for a pattern in the residuals. `findings.rs` holds
-//! all of it, `coarse_grid.rs` what lies between the drawn points of a fine map, `compared.rs` lists the kinds that were compared, and `report.rs` puts all into the result.
+//! `weights.rs` comes first: those of the estimate, and whether a displacement is shape. `interval_weights.rs` has those of the interval,
+//! and `normalised_weights.rs` what both are made of. `shape_means.rs` is what one surface shows, `posterior_samples.rs` what many show
+//! together, and `posterior.rs` draws them; `coarse_grid.rs` has what lies between the drawn points of a fine map. `misfit.rs` looks for a
+//! pattern in the residuals. `inference.rs` holds all of it, `model_comparison.rs` lists the kinds that were compared, and `report.rs`
+//! puts all into the result.
 
 mod coarse_grid;
 mod inference;
