@@ -5,11 +5,10 @@
 //! cell = mean of the contacts in one voxel, at most 200 of them
 //! ```
 //!
-//! In the order of the work: `input.rs` checks and sorts, `orientation.rs` turns normals to one side by `neighbours.rs`, and
-//! `frame.rs` finds the frame; places without normals that lie on one conic tell no bend (`conic.rs`), unless
-//! they stand over each other (`upright.rs`). About a first surface, `believable_normals.rs` tells whether the normals are measurements, and
-//! `cells.rs` averages. `set_aside.rs` counts what was left out. `rounding.rs` says by how much
-//! they err at least.
+//! In the order of the work: `input.rs` checks and sorts, and `frame.rs` finds the frame; places without normals that lie on one conic
+//! tell no bend (`conic.rs`), unless they stand over each other (`upright.rs`). About a first surface, `derived_normals_test.rs` tells
+//! whether the normals are measurements, and `cells.rs` averages. `excluded.rs` counts what was left out. `rounding.rs` says by how
+//! much they err at least.
 
 mod cells;
 mod conic;
