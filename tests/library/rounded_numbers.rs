@@ -211,6 +211,22 @@ fn bars_along_a_grid_hold_their_radius() {
     }
 }
 
+/// The diagonals of a square grid of a saddle lie exactly in planes; 9 and 7 of 25 contacts are no things beside a saddle of all.
+#[test]
+fn saddles_on_a_square_grid_are_one_surface() {
+    for (written, side) in
+        [(Written::Single, 5), (Written::Decimals(6), 5), (Written::Single, 7), (Written::Decimals(4), 6)]
+    {
+        for radius in [9.0, 17.8, 40.0] {
+            let sides = [side, side];
+            let family = Family::Saddle;
+            let case =
+                Case { family, written, turned: false, on_grid: true, with_normals: false, radius, sides, seed: 0 };
+            assert!(case.holds().is_ok(), "{case:?}: {:?}", case.holds());
+        }
+    }
+}
+
 /// Doubles of full precision, and round numbers on a round quadric, keep their exact answers.
 #[test]
 fn exact_numbers_answer_exactly() {

@@ -12,6 +12,8 @@ mod drawn_map;
 mod exchanged_axes;
 mod predicted_touches;
 
+use std::f64::consts::{E, PI};
+
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
@@ -52,7 +54,9 @@ pub(super) fn instead(
     match bodies::infer(&sample, &options.tuning) {
         Verdict::None if doubt == PatchDoubt::Kind => patch,
         Verdict::Several(things) => match patch {
-            Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things) => Ok(found),
+            Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
+                Ok(found)
+            }
             _ => Err(several(&sample, &things)),
         },
         Verdict::One(posterior) => {
@@ -195,11 +199,17 @@ fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySampl
     posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
 }
 
-/// Whether a patch that bends in more than one way explains the contacts as well as several things: they scatter no more about it, or
+/// Whether a patch that bends in more than one way explains the contacts as well as several things: it makes them no less likely, or
 /// rings and ellipsoids are among the things, which follow the pieces of any smooth surface.
-fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing]) -> bool {
+///
+/// A contact's mean log likelihood falls by ln s about a surface with the scatter s; a contact of no thing is anywhere within the reach, as
+/// likely as with the scatter `reach / sqrt(2 pi e)`.
+fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing], tuning: &Tuning) -> bool {
     let follows_any = |thing: &Thing| matches!(thing.primitive.kind, PartKind::Torus | PartKind::Ellipsoid);
-    things.iter().any(follows_any) || found.noise.sd_of_contact() <= sample.frame.scale * bodies::scatter(things)
+    let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64 / sample.len() as f64;
+    let of_none = (tuning.reach / (2.0 * PI * E).sqrt()).ln();
+    let of_things = held * bodies::scatter(things).ln() + (1.0 - held) * of_none;
+    things.iter().any(follows_any) || (found.noise.sd_of_contact() / sample.frame.scale).ln() <= of_things
 }
 
 /// Whether the contacts lie on two sheets beside the surface.
