@@ -223,7 +223,7 @@ impl<'a> LinearisedBase<'a> {
         let sd = (found.sum / self.freedom()).sqrt();
         let mut solution = found.reduced;
         dense::backward(&found.lower, &mut solution);
-        let departure_rms = (departure_square(grams, &solution) / self.rows[0].max(1.0)).sqrt();
+        let departure_rms = (departure_square(grams, &solution).unwrap_or(0.0) / self.rows[0].max(1.0)).sqrt();
         Some(BodyHypothesis {
             of,
             departure,
@@ -302,11 +302,27 @@ fn log_share(strays: usize, count: usize, tuning: &Tuning) -> f64 {
     ln_beta(1.0 + strays, tuning.false_prior + count - strays) - ln_beta(1.0, tuning.false_prior)
 }
 
-/// Sum over the contacts of the squared departure.
-fn departure_square(grams: &RowGrams, solution: &[f64]) -> f64 {
-    let weights = &solution[..grams.places];
+/// Sum over the contacts of the squared departure, less what a move of the primitive takes up of it: the two trade where the departure is
+/// long, and only their sum is told.
+///
+/// ```text
+/// |d|^2 - b' (J'J)^-1 b,   d = K w,  b = J'd      K, J: rows of distances by the departure's places and by the primitive's moves
+/// ```
+fn departure_square(grams: &RowGrams, solution: &[f64]) -> Option<f64> {
+    let (places, weights) = (grams.places, &solution[..grams.places]);
     let product = |i: usize| grams.of[0].col_as_slice(i).iter().zip(weights).map(|(g, w)| g * w).sum::<f64>();
-    weights.iter().enumerate().map(|(i, w)| w * product(i)).sum::<f64>().max(0.0)
+    let square = weights.iter().enumerate().map(|(i, w)| w * product(i)).sum::<f64>();
+    let moves: Vec<usize> = (places..solution.len()).collect();
+    let largest = moves.iter().map(|&i| grams.of[0][(i, i)]).fold(0.0, f64::max);
+    let of_moves = |i: usize, j: usize| {
+        // what no distance tells stays where it is
+        let held = if i == j { 1e-12 * largest + f64::MIN_POSITIVE } else { 0.0 };
+        grams.of[0][(moves[i], moves[j])] + held
+    };
+    let lower = dense::cholesky(&Mat::from_fn(moves.len(), moves.len(), of_moves))?;
+    let mut taken: Vec<f64> = moves.iter().map(|&i| product(i)).collect();
+    dense::forward_in_columns(&lower, &mut taken);
+    Some((square - taken.iter().map(|t| t * t).sum::<f64>()).max(0.0))
 }
 
 /// Equations of one hypothesis.

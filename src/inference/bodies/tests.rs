@@ -289,3 +289,45 @@ fn the_order_of_contacts_and_the_unit_of_length_change_no_kind() {
         }
     }
 }
+
+/// Residuals of the best primitive are what a departure can explain: none is larger, of whichever length and size.
+#[test]
+fn a_departure_is_no_larger_than_what_the_primitive_leaves() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(61);
+    for kind in [PartKind::Cylinder, PartKind::Sphere, PartKind::Cone] {
+        let truth = body(kind, &mut generator);
+        let (mut points, _) = touched(&truth, 120, 1.6, 0.02, &mut generator);
+        points.iter_mut().for_each(|p| p[2] += 0.03 * (2.0 * p[0]).sin());
+        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let found = modes(&sample, &tuning);
+        let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
+        let left: f64 =
+            points.iter().enumerate().map(|(i, _)| mode.primitive.nearest(sample.points[i]).0.powi(2)).sum();
+        let rms = (left / points.len() as f64).sqrt();
+        for node in LinearisedBase::new(mode, &sample, &tuning).departing(&tuning).nodes(0, &tuning) {
+            assert!(node.departure_size() <= 1.001 * rms, "{kind:?} {:?}: {}", node.length(), node.departure_size());
+        }
+    }
+}
+
+/// A quarter of a pipe whose contacts err together and of which a tenth belong to nothing.
+#[test]
+fn a_part_of_a_pipe_that_departs_is_a_pipe_or_a_cone() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(71);
+    for number in 0..4 {
+        let truth = body(PartKind::Cylinder, &mut generator);
+        let (mut points, _) = touched(&truth, 200, 1.8, 0.01, &mut generator);
+        points.iter_mut().for_each(|p| p[2] += 0.015 * (3.0 * p[0]).sin());
+        let off = |generator: &mut Lcg| 0.3 * gaussian(generator);
+        (0..20).for_each(|i| points[10 * i] = points[10 * i].map(|v| v + off(&mut generator)));
+        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{number}: no answer") };
+        let straight = posterior.weight_of(PartKind::Cylinder) + posterior.weight_of(PartKind::Cone);
+        assert!(straight > 0.9, "{number}: {straight}");
+        let every =
+            posterior.nodes.iter().map(|node| super::evidence::moved(&posterior.primitives[node.of], node.step()));
+        every.into_iter().for_each(|p| assert!(super::mode::is_possible(&p), "{p:?}"));
+    }
+}

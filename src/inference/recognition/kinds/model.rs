@@ -17,6 +17,9 @@ use super::paraboloid::Paraboloid;
 /// Difference of curvatures below which the derivative by B is taken from differences instead of from phi.
 const UMBILIC: f64 = 0.1;
 
+/// Largest curvature over the patch's length: with a radius below a thousandth of their extent contacts lie about a point.
+const MOST_BENT: f64 = 1e3;
+
 /// Which model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -109,6 +112,11 @@ impl Model {
     /// Whether it bends nowhere, whatever its kind.
     pub(crate) fn is_flat(&self) -> bool {
         self.theta()[3..5] == [0.0; 2]
+    }
+
+    /// Whether it is a surface that contacts can lie on, and not the point that a descent shrinks it to.
+    pub(crate) fn is_possible(&self) -> bool {
+        self.theta()[3..5].iter().all(|k| k.abs() <= MOST_BENT)
     }
 
     pub(crate) fn distance_and_normal(&self, x: Vector) -> (f64, Vector) {

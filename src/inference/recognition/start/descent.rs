@@ -160,6 +160,9 @@ impl ResidualModel for Distances<'_> {
 
     fn moved(&mut self, from: &Model, step: &[f64; 6]) -> Option<(Model, f64)> {
         let moved = Model::new(from.kind(), from.kind().moved(from.theta(), &step[..self.unknowns]));
+        if !moved.is_possible() {
+            return None;
+        }
         let after = cost(&moved, self.measured, self.weights);
         Some((moved, after))
     }
@@ -167,5 +170,26 @@ impl ResidualModel for Distances<'_> {
     fn is_settled(&mut self, _: &[f64; 6], before: f64, after: f64) -> bool {
         // the cost is rounded to about this
         after >= before * (1.0 - 1e-12)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_numeric::draws::Lcg;
+
+    /// Contacts that lie on no surface lead a descent to a point, which has no extent that S and R could be told over.
+    #[test]
+    fn no_surface_shrinks_to_a_point() {
+        let mut generator = Lcg::new(3);
+        for _ in 0..20 {
+            let mut off = || 2.0 * generator.uniform() - 1.0;
+            let points: Vec<Vector> = (0..60).map(|_| [off(), off(), off()]).collect();
+            for curvature in [0.0, 5.0, 400.0] {
+                let start = [0.1, 0.0, 0.0, curvature, -0.9 * curvature, 0.3];
+                let (found, _) = plain(&points, None, &[1.0; 60], Kind::General, start);
+                assert!(found.is_possible(), "{:?}", found.theta());
+            }
+        }
     }
 }

@@ -24,6 +24,7 @@ use crate::recognition::contacts::{
     Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
 };
 use crate::recognition::free_form::leaves_much_unsaid;
+use crate::recognition::kinds::Kind;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
@@ -202,14 +203,24 @@ fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySampl
 /// Whether a patch that bends in more than one way explains the contacts as well as several things: it makes them no less likely, or
 /// rings and ellipsoids are among the things, which follow the pieces of any smooth surface.
 ///
-/// A contact's mean log likelihood falls by ln s about a surface with the scatter s; a contact of no thing is anywhere within the reach, as
-/// likely as with the scatter `reach / sqrt(2 pi e)`.
+/// ```text
+/// ln p = -n ln s - u ln(sqrt(n) / s)       s: scatter in units of the contacts' size, u: unknowns
+/// ```
+///
+/// The second term is Schwarz's with a prior as wide as the contacts (G. Schwarz, *Ann. Statist.* 6 (1978) 461). A contact of no thing is
+/// anywhere within the reach, as likely as with the scatter `reach / sqrt(2 pi e)`. A patch with a displacement has as many unknowns as
+/// it wants, and is given those of the things.
 fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing], tuning: &Tuning) -> bool {
     let follows_any = |thing: &Thing| matches!(thing.primitive.kind, PartKind::Torus | PartKind::Ellipsoid);
-    let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64 / sample.len() as f64;
+    let count = sample.len() as f64;
+    let price = |scatter: f64, unknowns: usize| unknowns as f64 * (count.sqrt() / scatter).ln();
+    let unknowns: usize = things.iter().map(|thing| thing.primitive.kind.free().len()).sum();
+    let of_patch = if found.hypothesis == Hypothesis::Displaced { unknowns } else { Kind::General.unknowns() };
+    let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
     let of_none = (tuning.reach / (2.0 * PI * E).sqrt()).ln();
-    let of_things = held * bodies::scatter(things).ln() + (1.0 - held) * of_none;
-    things.iter().any(follows_any) || (found.noise.sd_of_contact() / sample.frame.scale).ln() <= of_things
+    let [one, all] = [found.noise.sd_of_contact() / sample.frame.scale, bodies::scatter(things)];
+    let of_things = held * all.ln() + (count - held) * of_none + price(all, unknowns);
+    things.iter().any(follows_any) || count * one.ln() + price(one, of_patch) <= of_things
 }
 
 /// Whether the contacts lie on two sheets beside the surface.
