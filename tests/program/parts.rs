@@ -256,3 +256,30 @@ fn shapes_of_points_go_to_files_that_have_a_meaning() {
         assert!(output.status.code() == Some(2) && said.contains(words), "{line}: {said}");
     }
 }
+
+/// A capsule's ball lies on the axis of its bar and is as wide; the graphs tell the same.
+#[test]
+fn relations_tie_what_the_makers_tied() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = document(folder.path(), "parts parts-capsule");
+    let kind = |id: &Value| found["parts"][id.as_u64().unwrap() as usize]["kind"].as_str().unwrap();
+    let mut ties: Vec<String> = (found["relations"].as_array().unwrap().iter())
+        .map(|relation| {
+            assert!(relation["probability"].as_f64().unwrap() > 0.95, "{relation}");
+            let mut pair = [0, 1].map(|k| kind(&relation["parts"][k]));
+            pair.sort_unstable();
+            format!("{} {}", pair.join("-"), relation["kind"].as_str().unwrap())
+        })
+        .collect();
+    ties.sort();
+    assert_eq!(ties, ["cylinder-plane perpendicular", "cylinder-sphere coaxial", "cylinder-sphere equal_radius"]);
+    let output = palpate(folder.path(), "parts parts-capsule --out out");
+    assert!(output.status.success());
+    let words = String::from_utf8(output.stdout).unwrap();
+    assert!(words.contains("relation   coaxial: 0 and 1 (more than 99 %)"), "{words}");
+    let made = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let edges = found["joints"].as_array().unwrap().len() + ties.len();
+    assert_eq!(made("parts.dot").matches(" -- ").count(), edges);
+    assert_eq!(made("parts.graphml").matches("<edge ").count(), edges);
+    assert!(made("report.html").contains("What ties them"));
+}

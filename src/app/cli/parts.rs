@@ -8,8 +8,8 @@ use std::time::Instant;
 use crate::io::scene_file::builtin_text;
 use crate::io::write_atomically;
 use crate::report::{
-    PartsBody, PartsDocument, PointShapesFormat, Provenance, write_json, write_parts_csv, write_parts_page,
-    write_parts_picture, write_parts_table, write_point_shapes, write_point_shapes_summary,
+    PartsBody, PartsDocument, PointShapesFormat, Provenance, write_dot, write_graphml, write_json, write_parts_csv,
+    write_parts_page, write_parts_picture, write_parts_table, write_point_shapes, write_point_shapes_summary,
 };
 use palpate_geometry::contact::Contacts;
 use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
@@ -111,6 +111,8 @@ fn publish(
         let edge = boundary(contacts, &found.labels);
         output.file("parts.json", &mut |out| write_json(document, out))?;
         output.file("parts.csv", &mut |out| write_parts_csv(contacts, found, out))?;
+        output.file("parts.dot", &mut |out| write_dot(document, out))?;
+        output.file("parts.graphml", &mut |out| write_graphml(document, out))?;
         let picture = |format, out: &mut dyn Write| write_parts_picture(contacts, found, &edge, format, out);
         args.pictures.write(output, "parts", &picture)?;
         let body = PartsBody { contacts, found, edge: &edge };

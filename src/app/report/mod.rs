@@ -9,6 +9,7 @@
 //! ```
 
 mod bare_surface;
+mod body_graph;
 mod charts;
 mod colour;
 mod describe;
@@ -42,6 +43,7 @@ mod parametric;
 mod parametric_view;
 mod parts;
 mod parts_picture;
+mod parts_samples;
 mod percent;
 mod pictures;
 mod png;
@@ -50,6 +52,7 @@ mod point_table;
 mod points;
 mod radius;
 mod recognised_view;
+mod relations;
 mod schema;
 mod shape_part;
 mod study;
@@ -67,6 +70,7 @@ mod uncertainty;
 mod words;
 
 pub(crate) use bare_surface::document_of_surface;
+pub(crate) use body_graph::{write_dot, write_graphml};
 pub(crate) use charts::KINDS;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, inverse_crime_remark};

@@ -10,9 +10,10 @@ use std::io::Write;
 use serde::Serialize;
 
 use super::fold::folded;
+use super::relations::{RelationRecord, relation_lines};
 use super::table::significant;
 use palpate_geometry::contact::{Contacts, counted};
-use palpate_inference::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts};
+use palpate_inference::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts, RelationPrior};
 
 /// Schema name.
 pub(crate) const PARTS_SCHEMA: &str = "palpate.parts/1";
@@ -116,6 +117,8 @@ pub(crate) struct PartsDocument {
     pub parts: Vec<PartRecord>,
     /// Where they meet.
     pub joints: Vec<JointPart>,
+    /// What probably ties them, whether they meet or not.
+    pub relations: Vec<RelationRecord>,
     /// Contacts in no part.
     pub unassigned: usize,
     /// Of a scene.
@@ -143,6 +146,7 @@ impl PartsDocument {
                 .iter()
                 .map(|j| JointPart { parts: j.parts, kind: j.kind.name().into(), angle_deg: j.angle_deg })
                 .collect(),
+            relations: found.relations(&RelationPrior::default()).iter().map(RelationRecord::of).collect(),
             unassigned: found.labels.iter().filter(|label| label.is_none()).count(),
             truth: None,
             notes: notes.into_iter().chain(found.notes.iter().cloned()).collect(),
@@ -233,6 +237,9 @@ pub(crate) fn write_parts_table(document: &PartsDocument, width: usize, out: &mu
             joint.kind, joint.angle_deg
         );
     }
+    for line in relation_lines(&document.relations) {
+        text.push_str(&folded(&format!("relation   {line}"), Some(11), width));
+    }
     truth_lines(document, &mut text);
     for note in &document.notes {
         text.push_str(&folded(&format!("note       {note}"), Some(11), width));
@@ -261,7 +268,7 @@ fn truth_lines(document: &PartsDocument, text: &mut String) {
 }
 
 /// `radius 5.001 +- 0.002`, and what else the kind has.
-fn size_words(part: &PartRecord) -> String {
+pub(super) fn size_words(part: &PartRecord) -> String {
     let (g, u) = (&part.parameters, &part.u);
     let with = |name: &str, value: Option<f64>, u: Option<f64>| {
         let value = value?;
@@ -315,76 +322,4 @@ pub(crate) fn write_parts_csv(contacts: &Contacts, found: &Parts, out: &mut dyn 
         }
     }
     out.write_all(text.as_bytes())
-}
-
-/// Documents in which everything is there, and in which nothing is, for the schema.
-pub(super) fn parts_samples() -> [PartsDocument; 2] {
-    let half = Some(0.5);
-    let full = PartsDocument {
-        schema: PARTS_SCHEMA,
-        input: "a scene".into(),
-        contacts: 1,
-        spacing: 0.5,
-        noise: PartsNoisePart { distance: 0.5, normal_deg: 0.5 },
-        tolerance: 0.5,
-        parts: vec![PartRecord {
-            id: 0,
-            kind: "cone".into(),
-            hollow: false,
-            parameters: PartGeometry {
-                point: [0.5; 3],
-                axis: Some([0.5; 3]),
-                radius: half,
-                minor_radius: half,
-                half_angle_deg: half,
-                apex: Some([0.5; 3]),
-            },
-            u: PartUncertainty {
-                point: half,
-                axis_deg: half,
-                radius: half,
-                minor_radius: half,
-                half_angle_deg: half,
-                shape_index: half,
-                curvedness: half,
-            },
-            class: Some("ridge".into()),
-            shape_index: half,
-            curvedness: 0.5,
-            points: 1,
-            misfit: 0.5,
-            rejected: Some(false),
-            p: half,
-            departure: 0.5,
-        }],
-        joints: vec![JointPart { parts: [0, 1], kind: "convex".into(), angle_deg: 0.5 }],
-        unassigned: 0,
-        truth: Some(PartsTruthPart {
-            faces: vec![FacePart { kind: "cone".into(), part: Some(0), contacts: 1, in_parts: vec![1] }],
-            right: 0.5,
-            boundary_error: half,
-        }),
-        notes: vec!["a note".into()],
-        seconds: 0.5,
-    };
-    let mut empty = full.clone();
-    for part in &mut empty.parts {
-        part.parameters = PartGeometry { point: [0.5; 3], ..PartGeometry::default() };
-        part.u = PartUncertainty::default();
-        (part.class, part.shape_index, part.rejected, part.p) = (None, None, None, None);
-    }
-    if let Some(truth) = &mut empty.truth {
-        truth.boundary_error = None;
-        truth.faces.iter_mut().for_each(|face| face.part = None);
-    }
-    let mut without = full.clone();
-    without.truth = None;
-    without.parts = empty.parts.clone();
-    [full, without].map(|mut document| {
-        // what may be missing in one sample is missing in the other
-        if let (Some(truth), Some(emptied)) = (&mut document.truth, &empty.truth) {
-            truth.faces.extend(emptied.faces.iter().cloned());
-        }
-        document
-    })
 }

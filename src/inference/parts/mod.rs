@@ -45,6 +45,7 @@ mod options;
 mod partition;
 mod point_shapes;
 mod recognition_fallback;
+mod relations;
 mod result;
 mod scale_selection;
 mod unexplained_regions;
@@ -58,6 +59,8 @@ pub use evaluation::{Agreement, against};
 pub use joints::{Joint, JointKind};
 pub use options::PartsOptions;
 pub use point_shapes::PointShapes;
+#[doc(hidden)]
+pub use relations::{Relation, RelationKind, RelationPrior};
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 
 use palpate_geometry::contact::Contacts;

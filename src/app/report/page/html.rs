@@ -13,7 +13,7 @@ use crate::io::{changes_others, visible};
 const MOST_LETTERS: usize = 80;
 
 /// Text between tags, or in an attribute's quotes.
-pub(super) fn text(plain: &str) -> String {
+pub(crate) fn text(plain: &str) -> String {
     let mut out = String::with_capacity(plain.len());
     for c in plain.chars() {
         match c {

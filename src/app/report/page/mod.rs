@@ -51,6 +51,7 @@ pub(crate) use body::PartsBody;
 pub(crate) use explore_page::write_explore_page;
 pub(crate) use fit_page::write_fit_page;
 pub(crate) use frontier_page::write_frontier_page;
+pub(super) use html::text as escaped;
 pub(crate) use parts_page::write_parts_page;
 pub(crate) use provenance::Provenance;
 pub(crate) use study_page::{INTERRUPTED, write_study_page};

@@ -12,6 +12,7 @@ use super::tables::{list, notes, table};
 use crate::report::fold::PAGE_WIDTH;
 use crate::report::json::write_json;
 use crate::report::parts::{PartRecord, PartsDocument, write_parts_table};
+use crate::report::relations::relation_lines;
 use crate::report::table::significant;
 use crate::report::words::like;
 use palpate_geometry::contact::counted;
@@ -37,6 +38,7 @@ pub(crate) fn write_parts_page(
     sections.push_str(&parts(document));
     sections.push_str(&sizes(document));
     sections.push_str(&joints(document));
+    sections.push_str(&relations(document));
     sections.push_str(&trust(document));
     sections.push_str(&notes(&document.notes));
     let page = Page {
@@ -210,6 +212,18 @@ fn joints(document: &PartsDocument) -> String {
         .collect();
     let head = ["Parts", "How they meet", "The normal turns by, degrees"];
     format!("<section id=\"joints\"><h2>Joints</h2>\n{}</section>\n", table(&head, &rows))
+}
+
+fn relations(document: &PartsDocument) -> String {
+    let lines: Vec<String> = relation_lines(&document.relations).iter().map(|line| text(line)).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    let words = "A relation is probable where it holds more closely than chance would have it.";
+    format!(
+        "<section id=\"relations\"><h2>What ties them</h2>\n{}<p class=\"hint\">{words}</p></section>\n",
+        list(&lines)
+    )
 }
 
 fn trust(document: &PartsDocument) -> String {
