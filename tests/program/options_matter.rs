@@ -52,8 +52,10 @@ fn outcome(base: &Path, line: &str) -> Outcome {
     let names = |folder: &Path| -> Vec<std::path::PathBuf> {
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
     };
-    for file in names(base) {
-        std::fs::copy(&file, here.join(file.file_name().unwrap())).unwrap();
+    let (folders, files): (Vec<_>, Vec<_>) = names(base).into_iter().partition(|path| path.is_dir());
+    folders.iter().for_each(|path| std::fs::create_dir(here.join(path.file_name().unwrap())).unwrap());
+    for file in files.into_iter().chain(folders.iter().flat_map(|path| names(path))) {
+        std::fs::copy(&file, here.join(file.strip_prefix(base).unwrap())).unwrap();
     }
     let mut command = Command::cargo_bin("palpate").unwrap();
     let output = command.current_dir(here).args(line.split_whitespace()).output().unwrap();
@@ -140,6 +142,8 @@ fn workplace() -> tempfile::TempDir {
     write("holes.csv", &with_hole(&simulated));
     let corner = corner();
     write("box.csv", &corner);
+    std::fs::create_dir(here.join("known")).unwrap();
+    write("known/corner.csv", &corner);
     write("boxbare.csv", &positions(&corner));
     write("boxholes.csv", &with_hole(&corner));
     write("lean.csv", &leaning());

@@ -43,6 +43,7 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--columns", "x=y,y=x,z=z"),
     ("--tolerance", "2"),
     ("--points", "q.csv"),
+    ("--library", "known"),
     ("--seed", "77"),
     ("--output", "c.csv"),
     ("--explain", ""),

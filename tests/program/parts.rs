@@ -283,3 +283,39 @@ fn relations_tie_what_the_makers_tied() {
     assert_eq!(made("parts.graphml").matches("<edge ").count(), edges);
     assert!(made("report.html").contains("What ties them"));
 }
+
+/// A scan of the mug with a seed of its own is the mug of a library, as a document and as a scene; a capsule is none of them.
+#[test]
+fn a_library_tells_which_object_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    std::fs::create_dir(root.join("known")).unwrap();
+    assert!(palpate(root, "parts parts-mug --out mug --quiet").status.success());
+    std::fs::copy(root.join("mug/parts.json"), root.join("known/mug.json")).unwrap();
+    let scene = palpate(root, "scenes parts-cone");
+    std::fs::write(root.join("known/cone.toml"), scene.stdout).unwrap();
+    let found = document(root, "parts parts-mug --seed 77 --library known");
+    let objects = found["objects"].as_array().unwrap();
+    assert_eq!(objects.len(), 3, "{objects:?}");
+    assert_eq!(objects[0]["name"], "mug");
+    assert!(objects[0]["probability"].as_f64().unwrap() > 0.95, "{objects:?}");
+    assert_eq!(objects[0]["pairs"].as_array().unwrap().len(), found["parts"].as_array().unwrap().len());
+    let other = palpate(root, "parts parts-capsule --library known");
+    let words = String::from_utf8(other.stdout).unwrap();
+    assert!(words.contains("object     none of the library ("), "{words}");
+}
+
+#[test]
+fn a_library_that_is_none_is_refused_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    std::fs::create_dir(root.join("empty")).unwrap();
+    std::fs::create_dir(root.join("wrong")).unwrap();
+    std::fs::write(root.join("wrong/note.json"), "{\"schema\": \"palpate.fit/1\"}").unwrap();
+    for (library, words) in [("nowhere", "cannot be read"), ("empty", "has no files"), ("wrong", "note.json")] {
+        let refused = palpate(root, &format!("parts parts-box --library {library}"));
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(words) && said.contains(library), "{said}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use palpate::parts::{JointKind, PartKind};
 use palpate::scene::{Effect, Solid, Surface, Sweep, World};
+use palpate_numeric::vector::unit;
 
 /// The families in the order of the table.
 pub(crate) const FAMILIES: [&str; 5] = ["box", "capsule", "cone", "mug", "pipe"];
@@ -76,6 +77,11 @@ fn cut((solid, faces): Faced) -> Faced {
 
 /// The body of a family and a seed.
 pub(crate) fn draw(family: &str, seed: u64) -> Drawn {
+    seen(family, seed, None)
+}
+
+/// The same body in a pose, with a spacing and errors of `scan`'s own, and from one side; without a scan, in its own.
+pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
     use JointKind::{Concave, Convex, Smooth};
     let number = FAMILIES.iter().position(|f| *f == family).expect("a family of the list") as u64;
     let mut random = Random(seed.wrapping_mul(31).wrapping_add(number));
@@ -117,6 +123,12 @@ pub(crate) fn draw(family: &str, seed: u64) -> Drawn {
     };
     let (parts, faces): (Vec<Solid>, Vec<Vec<Face>>) = parts.into_iter().unzip();
     let faces = faces.concat();
+    if let Some(scan) = scan {
+        random = Random(seed.wrapping_mul(977).wrapping_add(scan));
+        let direction = unit([0, 1, 2].map(|_| random.between(-1.0, 1.0)));
+        eye = Some(direction.map(|v| 90.0 * v));
+    }
+    let mut r = |lo: f64, hi: f64| random.between(lo, hi);
     let rotation = [r(-180.0, 180.0), r(-80.0, 80.0), r(-180.0, 180.0)];
     let offset = [r(-50.0, 50.0), r(-50.0, 50.0), r(-50.0, 50.0)];
     let surface = Surface::solids(parts).posed(0.0, rotation, offset);

@@ -2,11 +2,13 @@
 //!
 //!     cargo bench --bench parts [-- SEEDS [FIRST]]
 //!     cargo bench --bench parts -- free [SEEDS [FIRST]]       regions that no primitive explains
+//!     cargo bench --bench parts -- objects [SEEDS [FIRST]]    which of 20 known objects a scan from one side is
 //!
 //! Seeds from 1,000,001 on were not looked at before the recorded run (`benches/runs/parts.md`).
 
 mod bodies;
 mod free;
+mod objects;
 
 use std::collections::BTreeMap;
 
@@ -43,6 +45,9 @@ fn main() {
     let (seeds, first) = (numbers.first().copied().unwrap_or(20), numbers.get(1).copied().unwrap_or(UNSEEN));
     if std::env::args().any(|word| word == "free") {
         return free::print(seeds, first);
+    }
+    if std::env::args().any(|word| word == "objects") {
+        return objects::print(first);
     }
     let mut confusion: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut errors = Errors::new();

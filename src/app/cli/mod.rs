@@ -32,6 +32,7 @@ mod frontier_scene;
 mod gathered;
 mod help;
 mod interrupt;
+mod library;
 mod live;
 mod merge;
 mod options;

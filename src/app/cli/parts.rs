@@ -1,7 +1,7 @@
 //! `palpate parts INPUT|SCENE`: what a body is made of, how its parts adjoin, and its shape at every point.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -12,10 +12,13 @@ use crate::report::{
     write_parts_page, write_parts_picture, write_parts_table, write_point_shapes, write_point_shapes_summary,
 };
 use palpate_geometry::contact::Contacts;
-use palpate_inference::parts::{Agreement, Parts, PartsError, PartsOptions, PointShapes, against, boundary};
+use palpate_inference::parts::{
+    Agreement, ObjectPrior, Parts, PartsError, PartsOptions, PointShapes, against, boundary,
+};
 
 use super::failure::Failure;
 use super::interrupt;
+use super::library;
 use super::output::{columns, print};
 use super::parts_args::PartsArgs;
 use super::parts_input::{Taken, from_file, from_scene};
@@ -30,7 +33,10 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
         // what the scene names is an input, too
         scene::load(&args.input)?;
     }
-    args.output.prepare(&[args.input.as_ref()], args.points.as_slice())?;
+    let known = args.library.as_deref().map(library::files_of).transpose()?.unwrap_or_default();
+    let inputs: Vec<&Path> =
+        std::iter::once(Path::new(&args.input)).chain(known.iter().map(PathBuf::as_path)).collect();
+    args.output.prepare(&inputs, args.points.as_slice())?;
     let format = points_format(args)?;
     let spinner = args.output.spinner(format!("reading {}", args.input));
     let taken = if is_scene { from_scene(args)? } else { spinner.while_reading(|| from_file(args))? };
@@ -40,7 +46,7 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     if let Some((path, format)) = format {
         let found = in_time(&taken, &options, PointShapes::of, "the shape of every point was known; nothing is kept")?;
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
-        if args.output.out.is_none() && !args.output.json {
+        if args.output.out.is_none() && !args.output.json && known.is_empty() {
             drop(spinner);
             return summary(args, &taken, &found);
         }
@@ -50,15 +56,22 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
         None => "the parts were known; nothing is kept".into(),
     };
     let found = in_time(&taken, &options, Parts::of, &kept)?;
-    let seconds = clock.elapsed().as_secs_f64();
-    let mut document = PartsDocument::new(&taken.name, &found, taken.notes.clone(), seconds);
-    if let Some((faces, kinds)) = &taken.faces {
-        let agreement: Agreement = against(&taken.contacts, &found, faces, kinds.len());
-        document = document.with_truth(&agreement, kinds);
+    let mut document = document(&taken, &found, clock.elapsed().as_secs_f64());
+    if !known.is_empty() {
+        let models = library::models(&known, &|file| spinner.phase(&format!("reading {}", file.display())))?;
+        document = document.with_objects(found.object(&models, &ObjectPrior::default()));
     }
     drop(spinner);
     let provenance = provenance(&args.input, taken.scene.clone(), taken.seed);
     publish(args, &document, (&taken.contacts, &found), &provenance)
+}
+
+/// The answer, beside the truth of a scene.
+fn document(taken: &Taken, found: &Parts, seconds: f64) -> PartsDocument {
+    let document = PartsDocument::new(&taken.name, found, taken.notes.clone(), seconds);
+    let Some((faces, kinds)) = &taken.faces else { return document };
+    let agreement: Agreement = against(&taken.contacts, found, faces, kinds.len());
+    document.with_truth(&agreement, kinds)
 }
 
 /// What `work` makes of the contacts, on a thread of its own: it takes seconds where there are many, and Ctrl-C does not wait.

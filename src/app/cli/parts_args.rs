@@ -19,6 +19,9 @@ pub(super) struct PartsArgs {
     /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out and --json, nothing is cut into parts
     #[arg(long, value_name = "FILE")]
     pub(super) points: Option<PathBuf>,
+    /// Known objects, one file of the directory each: a parts.json of an earlier run, or a scan, mesh or scene; tells which of them the body is, and how probably
+    #[arg(long, value_name = "DIR")]
+    pub(super) library: Option<PathBuf>,
     /// Seed in place of the scene's
     #[arg(long)]
     pub(super) seed: Option<u64>,

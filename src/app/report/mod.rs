@@ -38,10 +38,12 @@ mod height_view;
 mod interval_words;
 mod json;
 mod maps;
+mod objects;
 mod page;
 mod parametric;
 mod parametric_view;
 mod parts;
+mod parts_file;
 mod parts_picture;
 mod parts_samples;
 mod percent;
@@ -95,6 +97,7 @@ pub(crate) use page::{
     write_parts_page, write_study_page, write_sweep_page, write_table_page,
 };
 pub(crate) use parts::{PartsDocument, write_parts_csv, write_parts_table};
+pub(crate) use parts_file::parts_of_document;
 pub(crate) use parts_picture::write_parts_picture;
 pub(crate) use percent::percent;
 pub(crate) use pictures::{PictureFormat, SurfacePictures};

@@ -7,13 +7,16 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fold::folded;
+use super::objects::{ObjectRecord, object_line};
 use super::relations::{RelationRecord, relation_lines};
 use super::table::significant;
 use palpate_geometry::contact::{Contacts, counted};
-use palpate_inference::parts::{Agreement, Part, PartGeometry, PartKind, PartUncertainty, Parts, RelationPrior};
+use palpate_inference::parts::{
+    Agreement, ObjectMatch, Part, PartGeometry, PartKind, PartUncertainty, Parts, RelationPrior,
+};
 
 /// Schema name.
 pub(crate) const PARTS_SCHEMA: &str = "palpate.parts/1";
@@ -22,7 +25,7 @@ pub(crate) const PARTS_SCHEMA: &str = "palpate.parts/1";
 const DIGITS: i32 = 4;
 
 /// One part.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PartRecord {
     /// Its number.
     pub id: usize,
@@ -44,6 +47,8 @@ pub(crate) struct PartRecord {
     pub curvedness: f64,
     /// Contacts.
     pub points: usize,
+    /// How far they reach.
+    pub extent: f64,
     /// Root mean square distance.
     pub misfit: f64,
     /// Whether the data reject it at 1 %.
@@ -119,6 +124,9 @@ pub(crate) struct PartsDocument {
     pub joints: Vec<JointPart>,
     /// What probably ties them, whether they meet or not.
     pub relations: Vec<RelationRecord>,
+    /// Of a library, the most probable first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<ObjectRecord>>,
     /// Contacts in no part.
     pub unassigned: usize,
     /// Of a scene.
@@ -147,11 +155,18 @@ impl PartsDocument {
                 .map(|j| JointPart { parts: j.parts, kind: j.kind.name().into(), angle_deg: j.angle_deg })
                 .collect(),
             relations: found.relations(&RelationPrior::default()).iter().map(RelationRecord::of).collect(),
+            objects: None,
             unassigned: found.labels.iter().filter(|label| label.is_none()).count(),
             truth: None,
             notes: notes.into_iter().chain(found.notes.iter().cloned()).collect(),
             seconds,
         }
+    }
+
+    /// The same with what it may be of a library.
+    pub(crate) fn with_objects(mut self, found: Vec<ObjectMatch>) -> PartsDocument {
+        self.objects = Some(found.into_iter().map(ObjectRecord::of).collect());
+        self
     }
 
     /// The same with the truth beside it.
@@ -179,6 +194,7 @@ fn part(part: &Part) -> PartRecord {
         shape_index: part.shape_index,
         curvedness: part.curvedness,
         points: part.points,
+        extent: part.extent,
         misfit: part.misfit,
         rejected: part.rejected,
         p: part.p,
@@ -198,6 +214,9 @@ pub(crate) fn write_parts_table(document: &PartsDocument, width: usize, out: &mu
         document.contacts,
         significant(document.spacing, 2)
     );
+    if let Some(objects) = &document.objects {
+        text.push_str(&folded(&format!("object     {}", object_line(objects)), Some(11), width));
+    }
     let _ = writeln!(
         text,
         "noise      {} along the normal, normals {} degrees; departures up to {} make no part of their own",

@@ -1,5 +1,6 @@
 //! Documents of `palpate.parts/1` from which its schema is made.
 
+use super::objects::ObjectRecord;
 use super::parts::{FacePart, JointPart, PARTS_SCHEMA, PartRecord, PartsDocument, PartsNoisePart, PartsTruthPart};
 use super::relations::RelationRecord;
 use palpate_inference::parts::{PartGeometry, PartUncertainty, RelationKind};
@@ -39,6 +40,7 @@ pub(super) fn parts_samples() -> [PartsDocument; 2] {
             shape_index: half,
             curvedness: 0.5,
             points: 1,
+            extent: 0.5,
             misfit: 0.5,
             rejected: Some(false),
             p: half,
@@ -52,6 +54,10 @@ pub(super) fn parts_samples() -> [PartsDocument; 2] {
             missed_by: 0.5,
             u: 0.5,
         }],
+        objects: Some(vec![
+            ObjectRecord { name: Some("mug".into()), probability: 0.5, pairs: vec![[0, 1]] },
+            ObjectRecord { name: None, probability: 0.5, pairs: vec![[0, 1]] },
+        ]),
         unassigned: 0,
         truth: Some(PartsTruthPart {
             faces: vec![FacePart { kind: "cone".into(), part: Some(0), contacts: 1, in_parts: vec![1] }],
@@ -72,7 +78,7 @@ pub(super) fn parts_samples() -> [PartsDocument; 2] {
         truth.faces.iter_mut().for_each(|face| face.part = None);
     }
     let mut without = full.clone();
-    without.truth = None;
+    (without.truth, without.objects) = (None, None);
     without.parts = empty.parts.clone();
     [full, without].map(|mut document| {
         // what may be missing in one sample is missing in the other

@@ -16,7 +16,7 @@ use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
-use palpate_numeric::vector::{Vector, along, scaled};
+use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
 
 /// What the answer is made of.
 pub(super) struct Findings<'a> {
@@ -115,6 +115,7 @@ impl Findings<'_> {
             shape_index: mean,
             curvedness: r / cloud.scale,
             points: members.len(),
+            extent: extent(cloud, members) * cloud.scale,
             misfit: exact.map_or(0.0, |e| e.noise.distance * cloud.scale),
             rejected,
             p: exact.and_then(|e| e.p),
@@ -146,6 +147,7 @@ impl Findings<'_> {
             shape_index,
             curvedness: curvedness / cloud.scale,
             points: members.len(),
+            extent: extent(cloud, members) * cloud.scale,
             misfit: misfit * cloud.scale,
             rejected: None,
             p: None,
@@ -174,6 +176,19 @@ fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterat
         count += 1.0;
     }
     [s_sum / count, r_sum / count]
+}
+
+/// Distance between the contact that is farthest from the middle and the contact farthest from it: at least half of the largest between
+/// two contacts, and nearly always that.
+fn extent(cloud: &Cloud, members: &[u32]) -> f64 {
+    let sum = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
+    let middle = scaled(1.0 / members.len().max(1) as f64, sum);
+    let farthest = |from: Vector| {
+        let away = members.iter().map(|&i| minus(cloud.points[i as usize], from)).map(|off| dot(off, off));
+        away.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let Some((end, _)) = farthest(middle) else { return 0.0 };
+    farthest(cloud.points[members[end] as usize]).map_or(0.0, |(_, square)| square.sqrt())
 }
 
 /// Class of a primitive of this mean S.

@@ -41,6 +41,7 @@ mod joints;
 mod lack_of_fit_uncertainty;
 mod local;
 mod normal_orientation;
+mod object_match;
 mod options;
 mod partition;
 mod point_shapes;
@@ -57,6 +58,8 @@ pub use evaluation::boundary;
 #[doc(hidden)]
 pub use evaluation::{Agreement, against};
 pub use joints::{Joint, JointKind};
+#[doc(hidden)]
+pub use object_match::{ObjectMatch, ObjectModel, ObjectPrior};
 pub use options::PartsOptions;
 pub use point_shapes::PointShapes;
 #[doc(hidden)]

@@ -288,6 +288,7 @@ mod tests {
             shape_index: None,
             curvedness: 0.0,
             points: 100,
+            extent: 1.0,
             misfit: 0.0,
             rejected: None,
             p: None,

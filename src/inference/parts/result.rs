@@ -66,6 +66,8 @@ pub struct Part {
     pub curvedness: f64,
     /// Contacts.
     pub points: usize,
+    /// How far they reach: about the largest distance between two of them.
+    pub extent: f64,
     /// Root mean square distance of the inner contacts from the primitive; of a patch, from its spline, or from the surfaces
     /// through neighbours where none follows it.
     pub misfit: f64,
